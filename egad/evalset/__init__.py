@@ -1,0 +1,1 @@
+"""The evaluation set: chosen, and made ready for printers."""

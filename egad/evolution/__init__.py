@@ -1,0 +1,1 @@
+"""MAP-Elites: breeding, evaluation and the archive of elites."""

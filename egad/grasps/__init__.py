@@ -1,0 +1,1 @@
+"""Antipodal grasps of a parallel-jaw gripper, and how good they are."""

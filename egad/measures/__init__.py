@@ -1,0 +1,1 @@
+"""Mesh -> its coordinates in the space: complexity, difficulty, similarity to others."""

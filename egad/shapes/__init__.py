@@ -1,0 +1,1 @@
+"""Genome -> voxels -> watertight mesh."""
