@@ -5,6 +5,7 @@ generates `config/*.yaml` and the JSON schema from them, and turns validation er
 Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles degrees.
 """
 
+from collections.abc import Mapping
 from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
@@ -208,9 +209,6 @@ class Difficulty(Section):
 
     gripper: Name = Field("yumi", description="gripper of the table that grasps are sampled for")
     grasps: int = Field(100, ge=1, description="grasps sampled while evolving")
-    regrade_grasps: int = Field(
-        400, ge=1, description="grasps sampled when an object is graded again by postprocess"
-    )
     percentile: float = Field(75, ge=0, le=100, description="percentile of the qualities, percent")
     side_fraction: Fraction = Field(
         0.8, description="objects are scaled until their smallest side is this part of the opening"
@@ -218,8 +216,9 @@ class Difficulty(Section):
 
 
 class Postprocess(Section):
-    """Repair and mass properties."""
+    """Repair, mass properties, and difficulty graded again without the luck of selection."""
 
+    grasps: int = Field(400, ge=1, description="grasps that an object is graded by")
     density: float = Field(400.0, gt=0, description="kg/m3; printed PLA at 20 % infill: 350-450")
     min_volume: float = Field(1e-9, ge=0, description="objects smaller than this are rejected, m3")
 
@@ -286,30 +285,28 @@ class Gripper(Section):
     friction: float = Field(0.5, gt=0, le=2, description="finger friction in simulation")
 
 
-def _grippers() -> dict[str, Gripper]:
-    return {
-        "yumi": Gripper(opening=0.05, finger_length=0.035, finger_width=0.02, force=20),
-        "panda": Gripper(
-            opening=0.08,
-            finger_length=0.0445,
-            finger_width=0.021,
-            palm=(0.2, 0.063, 0.06),
-            force=70,
-        ),
-        "egad_75mm": Gripper(
-            opening=0.075, finger_length=0.06, finger_width=0.02, palm=(0.2, 0.063, 0.06), force=70
-        ),
-        "robotiq_2f_85": Gripper(
-            opening=0.085,
-            finger_length=0.038,
-            finger_width=0.022,
-            palm=(0.15, 0.075, 0.09),
-            force=100,
-        ),
-        "robotiq_2f_140": Gripper(
-            opening=0.14, finger_length=0.065, finger_width=0.027, palm=(0.2, 0.075, 0.09), force=80
-        ),
-    }
+_PANDA_PALM = (0.2, 0.063, 0.06)
+GRIPPERS = {
+    "yumi": Gripper(opening=0.05, finger_length=0.035, force=20),
+    "panda": Gripper(
+        opening=0.08, finger_length=0.0445, finger_width=0.021, palm=_PANDA_PALM, force=70
+    ),
+    "egad_75mm": Gripper(opening=0.075, finger_length=0.06, palm=_PANDA_PALM, force=70),
+    "robotiq_2f_85": Gripper(
+        opening=0.085,
+        finger_length=0.038,
+        finger_width=0.022,
+        palm=(0.15, 0.075, 0.09),
+        force=100,
+    ),
+    "robotiq_2f_140": Gripper(
+        opening=0.14,
+        finger_length=0.065,
+        finger_width=0.027,
+        palm=(0.2, 0.075, 0.09),
+        force=80,
+    ),
+}
 
 
 class Settings(Section):
@@ -341,7 +338,7 @@ class Settings(Section):
     print_export: PrintExport = PrintExport()
     trials: Trials = Trials()
     grippers: dict[Name, Gripper] = Field(
-        default_factory=_grippers, description="all grippers, by name"
+        GRIPPERS, min_length=1, description="all grippers, by name"
     )
 
     @model_validator(mode="after")

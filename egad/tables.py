@@ -42,7 +42,7 @@ _LABEL = _column(
     "label", _STRING, "name for people and files: difficulty letter, complexity, index"
 )
 _COMPLEXITY = _column("complexity", _FLOAT, "entropy of the angular deficits", "bit")
-_DIFFICULTY = _column("difficulty", _FLOAT, "percentile of grasp quality; high values are easy")
+_DIFFICULTY = _column("difficulty", _FLOAT, "percentile of grasp quality: high is easy")
 _CELLS = [
     _column("complexity_cell", _INT, "cell along complexity, 0 = simplest"),
     _column("difficulty_cell", _INT, "cell along difficulty, 0 = easiest"),
@@ -147,7 +147,6 @@ GRASPS = pa.schema(
 
 SCALES = pa.schema(
     [
-        _ID,
         _LABEL,
         _column("rule", _STRING, "scale rule"),
         _column("opening", _FLOAT, "opening of the gripper", "m"),

@@ -1,0 +1,9 @@
+"""Errors that are meant to be read by a person."""
+
+
+class UserError(Exception):
+    """Something the person at the keyboard can mend: what is wrong, where, what is allowed."""
+
+
+class Rejection(Exception):
+    """One object cannot be used. The message is the reason; the other objects go on."""
