@@ -5,5 +5,5 @@ class UserError(Exception):
     """Something the person at the keyboard can mend: what is wrong, where, what is allowed."""
 
 
-class Rejection(Exception):
+class RejectedError(Exception):
     """One object cannot be used. The message is the reason; the other objects go on."""

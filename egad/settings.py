@@ -215,11 +215,16 @@ class Difficulty(Section):
     )
 
 
+class Material(Section):
+    """What the objects are made of."""
+
+    density: float = Field(400.0, gt=0, description="kg/m3; printed PLA at 20 % infill: 350-450")
+
+
 class Postprocess(Section):
-    """Repair, mass properties, and difficulty graded again without the luck of selection."""
+    """Repair, and difficulty graded again without the luck of selection."""
 
     grasps: int = Field(400, ge=1, description="grasps that an object is graded by")
-    density: float = Field(400.0, gt=0, description="kg/m3; printed PLA at 20 % infill: 350-450")
     min_volume: float = Field(1e-9, ge=0, description="objects smaller than this are rejected, m3")
 
 
@@ -331,6 +336,7 @@ class Settings(Section):
     sampling: Sampling = Sampling()
     quality: Quality = Quality()
     robust: Robust = Robust()
+    material: Material = Material()
     postprocess: Postprocess = Postprocess()
     grasp_label: GraspLabel = GraspLabel()
     rescale: Rescale = Rescale()
@@ -356,9 +362,7 @@ class Settings(Section):
         return self
 
 
-def _unknown(
-    key: str, used: list[str], table: dict[str, Dataset] | dict[str, Gripper]
-) -> list[str]:
+def _unknown(key: str, used: list[str], table: Mapping[str, Section]) -> list[str]:
     return [
         f"{key}: {name!r} is not defined; known: {', '.join(sorted(table))}"
         for name in used

@@ -220,7 +220,8 @@ COMPARISON = pa.schema(
 
 def empty(schema: pa.Schema) -> pd.DataFrame:
     """A table with the columns of a schema and no rows."""
-    return schema.empty_table().to_pandas()
+    frame: pd.DataFrame = schema.empty_table().to_pandas()
+    return frame
 
 
 def write(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> None:
@@ -245,4 +246,5 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
     missing = [name for name in schema.names if name not in table.column_names]
     if missing:
         raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
-    return table.select(schema.names).to_pandas()
+    frame: pd.DataFrame = table.select(schema.names).to_pandas()
+    return frame

@@ -14,6 +14,7 @@ from egad.settings import (
     Evolution,
     GraspLabel,
     Gripper,
+    Material,
     Neat,
     Postprocess,
     PrintExport,
@@ -68,6 +69,7 @@ class PostprocessSolids(Measuring):
     """Repair, mass properties and measures of the objects of a shard."""
 
     postprocess: Postprocess
+    material: Material
     shape: Shape
 
 
@@ -116,7 +118,7 @@ class SimulatedTrials(StageSettings):
 
     seed: int
     gripper: Gripper
-    postprocess: Postprocess
+    material: Material
     trials: Trials
 
 
