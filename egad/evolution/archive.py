@@ -1,0 +1,160 @@
+"""The MAP-Elites archive: at most a few elites a cell, kept for their diversity.
+
+Source: EGAD, section III-D. Words as in pyribs: archive, cells, measures, elites, coverage.
+"""
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import pandas as pd
+
+from egad import tables
+from egad.measures import reeb
+from egad.measures.neighbours import Neighbourhood
+from egad.measures.space import complexity_cells, difficulty_cells
+from egad.settings import Similarity, Space
+from egad.shapes.genome import Row
+
+Cell = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Elite:
+    """An object of the archive."""
+
+    id: str
+    genome: Row
+    voxels: bytes
+    complexity: float
+    difficulty: float
+    graph: reeb.ReebGraph
+    parents: tuple[str, ...]
+    epoch: int
+
+
+class Archive:
+    """Elites in the cells of the space; no two of them have the same voxels."""
+
+    def __init__(self, space: Space, similarity: Similarity) -> None:
+        self.space = space
+        self._neighbourhood = Neighbourhood(similarity.weight, space.neighbours)
+        self._elites: dict[int, Elite] = {}
+        self._cells: dict[int, Cell] = {}
+        self._ids: dict[str, int] = {}
+
+    def __len__(self) -> int:
+        return len(self._elites)
+
+    def __contains__(self, elite_id: str) -> bool:
+        return elite_id in self._ids
+
+    @property
+    def elites(self) -> list[Elite]:
+        """All elites, in the order in which they were added."""
+        return list(self._elites.values())
+
+    @property
+    def coverage(self) -> float:
+        """The part of all cells that hold at least one elite."""
+        return len(set(self._cells.values())) / self.space.cells**2
+
+    def cell(self, elite: Elite) -> Cell:
+        """The cell that an object belongs to: (complexity, difficulty)."""
+        return (
+            int(complexity_cells(elite.complexity, self.space)),
+            int(difficulty_cells(elite.difficulty, self.space)),
+        )
+
+    def add(self, newcomers: Iterable[Elite]) -> None:
+        """Insert objects, then remove the least diverse ones until every cell fits.
+
+        Objects that are already here are passed over. After each removal the diversities of those
+        that are left in overfull cells are computed again.
+        """
+        fresh = {elite.id: elite for elite in newcomers if elite.id not in self}
+        indices = self._neighbourhood.add([elite.graph for elite in fresh.values()])
+        for index, elite in zip(indices, fresh.values(), strict=True):
+            self._elites[index] = elite
+            self._cells[index] = self.cell(elite)
+            self._ids[elite.id] = index
+        while crowded := self._crowded():
+            self._remove(min(crowded, key=lambda i: (self._diversity(i), self._elites[i].id)))
+
+    def _crowded(self) -> list[int]:
+        """The elites of the cells that hold too many."""
+        counts = Counter(self._cells.values())
+        limit = self.space.elites_per_cell
+        return [index for index, cell in self._cells.items() if counts[cell] > limit]
+
+    def _remove(self, index: int) -> None:
+        self._neighbourhood.remove(index)
+        del self._ids[self._elites.pop(index).id]
+        del self._cells[index]
+
+    def _diversity(self, index: int) -> float:
+        return self._neighbourhood.diversity(index)
+
+    def to_frame(self) -> pd.DataFrame:
+        """The archive as a table with the columns of `egad.tables.EPOCH`.
+
+        Rows are sorted by cell, then slot; slot 0 is the most diverse of its cell.
+        """
+        rows = []
+        for index, elite in self._elites.items():
+            complexity_cell, difficulty_cell = self._cells[index]
+            rows.append(
+                {
+                    "id": elite.id,
+                    **elite.genome,
+                    "voxels": elite.voxels,
+                    "complexity": elite.complexity,
+                    "difficulty": elite.difficulty,
+                    "diversity": self._diversity(index),
+                    "complexity_cell": complexity_cell,
+                    "difficulty_cell": difficulty_cell,
+                    "parents": list(elite.parents),
+                    "epoch": elite.epoch,
+                    "graph": reeb.pack(elite.graph),
+                }
+            )
+        if not rows:
+            return tables.empty(tables.EPOCH)
+        cell = ["difficulty_cell", "complexity_cell"]
+        frame = pd.DataFrame(rows).sort_values(
+            [*cell, "diversity", "id"], ascending=[True, True, False, True], ignore_index=True
+        )
+        return frame.assign(slot=frame.groupby(cell).cumcount())
+
+
+def elites_of(frame: pd.DataFrame) -> list[Elite]:
+    """The elites of a table with the columns of `egad.tables.EPOCH`, in its order."""
+    return [
+        Elite(
+            id=row["id"],
+            genome={name: row[name] for name in tables.GENOME.names},
+            voxels=row["voxels"],
+            complexity=row["complexity"],
+            difficulty=row["difficulty"],
+            graph=reeb.unpack(row["graph"]),
+            parents=tuple(row["parents"]),
+            epoch=row["epoch"],
+        )
+        for row in frame.to_dict("records")
+    ]
+
+
+def merge(frames: Iterable[pd.DataFrame], space: Space, similarity: Similarity) -> pd.DataFrame:
+    """Insert the survivors of all islands into one archive.
+
+    Args:
+        frames: Tables with the columns of `egad.tables.EPOCH`, in the order of the islands.
+        space: Cells and their limit.
+        similarity: How diversity is measured.
+
+    Returns:
+        A table with the same columns.
+    """
+    archive = Archive(space, similarity)
+    archive.add(elite for frame in frames for elite in elites_of(frame))
+    return archive.to_frame()

@@ -1,0 +1,95 @@
+"""The manual of the result files, generated from the Arrow schemas: `results/README.md`.
+
+`python -m egad.results_page` writes it, `--check` says whether it is up to date.
+"""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pyarrow as pa
+
+from egad import tables
+from egad.files import write_text
+
+PAGE = Path("results/README.md")
+
+
+@dataclass(frozen=True)
+class Artefact:
+    """A file that the pipeline makes; `schema` if it is a table."""
+
+    path: str
+    meaning: str
+    schema: pa.Schema | None = None
+
+
+ARTEFACTS = [
+    Artefact("report.html", "Everything at a glance, in one file that opens offline."),
+    Artefact("comparison.parquet", "The datasets side by side.", tables.COMPARISON),
+    Artefact("D/archive.parquet", "The elites of evolution, one a row.", tables.ARCHIVE),
+    Artefact("D/objects.parquet", "The repaired and measured objects.", tables.OBJECTS),
+    Artefact("D/rejected.parquet", "What was left out, and why.", tables.REJECTED),
+    Artefact("D/meshes/LABEL.obj", "The meshes of these objects, in metres."),
+    Artefact("D/rescaled/G/LABEL.obj", "The meshes scaled to gripper G, in metres."),
+    Artefact("D/rescaled/G/scales.parquet", "How each was scaled.", tables.SCALES),
+    Artefact(
+        "D/grasps/G.parquet",
+        "Labelled grasps for gripper G, in the frame of `D/rescaled/G/LABEL.obj`. "
+        "`G.rejected.parquet` beside it names the objects without any.",
+        tables.GRASPS,
+    ),
+    Artefact("D/eval49.parquet", "The evaluation set.", tables.EVAL49),
+    Artefact("D/print/G/LABEL.stl", "The evaluation set for gripper G, in millimetres."),
+    Artefact("D/print/G/plate-N.3mf", "Print plates with one named object each, in millimetres."),
+    Artefact("D/print/G/manifest.parquet", "What is on which plate.", tables.MANIFEST),
+    Artefact(
+        "D/trials/G/P.parquet",
+        "Simulated trials of detector P with gripper G, one attempt a row.",
+        tables.TRIALS,
+    ),
+]
+
+INTRODUCTION = """# Results
+
+For a dataset `D`, a gripper `G` and a grasp detector `P`. Lengths are metres and masses kilograms
+unless a unit says otherwise. Cells count from 0 = simplest and 0 = easiest, while `difficulty`
+itself is a grasp quality: high for easy objects. Every table opens with
+`pandas.read_parquet`; columns carry their `unit` and `meaning` as Arrow field metadata.
+
+Folders `D/parts` and `D/epochs` hold what jobs hand to each other. They may be deleted once a run
+is finished; the pipeline makes again what it needs.
+
+This page is generated from the schemas: `python -m egad.results_page`.
+"""
+
+
+def page() -> str:
+    """The page as Markdown."""
+    return "\n".join([INTRODUCTION, *map(_section, ARTEFACTS)])
+
+
+def _section(artefact: Artefact) -> str:
+    lines = [f"## `{artefact.path}`", "", artefact.meaning, ""]
+    if artefact.schema is not None:
+        lines += ["| column | type | unit | meaning |", "| --- | --- | --- | --- |"]
+        lines += [_row(field) for field in artefact.schema]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _row(field: pa.Field) -> str:
+    meta = {key.decode(): value.decode() for key, value in field.metadata.items()}
+    return f"| `{field.name}` | {field.type} | {meta['unit']} | {meta['meaning']} |"
+
+
+def main() -> None:
+    """Write the page, or with `--check` say whether it is what the schemas give."""
+    if "--check" not in sys.argv:
+        write_text(PAGE, page())
+    elif PAGE.read_text(encoding="utf-8") != page():
+        sys.exit(f"{PAGE} is out of date: run python -m egad.results_page")
+
+
+if __name__ == "__main__":
+    main()

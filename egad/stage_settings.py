@@ -1,0 +1,146 @@
+"""Which settings each stage reads.
+
+The workflow passes a stage just these, as JSON, and lists them as parameters of its rule: so a
+changed setting re-runs the stages that read it and no other.
+"""
+
+from typing import TypeVar
+
+from pydantic import BaseModel, ConfigDict
+
+from egad.settings import (
+    Complexity,
+    Difficulty,
+    Evolution,
+    GraspLabel,
+    Gripper,
+    Material,
+    Neat,
+    Postprocess,
+    PrintExport,
+    Quality,
+    Rescale,
+    Robust,
+    Sampling,
+    SelectEval,
+    Settings,
+    Shape,
+    Similarity,
+    Space,
+    Trials,
+)
+
+
+class StageSettings(BaseModel):
+    """The sections that one stage reads. `gripper` is one entry of the table of grippers."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Measuring(StageSettings):
+    """What the coordinates of an object depend on."""
+
+    seed: int
+    gripper: Gripper
+    complexity: Complexity
+    difficulty: Difficulty
+    similarity: Similarity
+    sampling: Sampling
+    quality: Quality
+
+
+class Evolve(Measuring):
+    """One epoch of an island."""
+
+    evolution: Evolution
+    neat: Neat
+    shape: Shape
+    space: Space
+
+
+class Merge(StageSettings):
+    """The islands of an epoch become one archive."""
+
+    space: Space
+    similarity: Similarity
+
+
+class PostprocessSolids(Measuring):
+    """Repair, mass properties and measures of the objects of a shard."""
+
+    postprocess: Postprocess
+    material: Material
+    shape: Shape
+
+
+class Collect(StageSettings):
+    """Cells, labels and diversities of a whole dataset."""
+
+    space: Space
+    similarity: Similarity
+
+
+class RescaleMeshes(StageSettings):
+    """Scaling to a gripper."""
+
+    gripper: Gripper
+    rescale: Rescale
+
+
+class GraspLabels(StageSettings):
+    """Labelled grasps."""
+
+    seed: int
+    gripper: Gripper
+    grasp_label: GraspLabel
+    sampling: Sampling
+    quality: Quality
+    robust: Robust
+
+
+class EvalSelection(StageSettings):
+    """The evaluation set."""
+
+    seed: int
+    space: Space
+    similarity: Similarity
+    select_eval: SelectEval
+
+
+class PrintFiles(StageSettings):
+    """Files for printers."""
+
+    print_export: PrintExport
+
+
+class SimulatedTrials(StageSettings):
+    """Simulated trials."""
+
+    seed: int
+    gripper: Gripper
+    material: Material
+    trials: Trials
+
+
+class Compare(StageSettings):
+    """Datasets side by side."""
+
+    space: Space
+
+
+S = TypeVar("S", bound=StageSettings)
+
+
+def select(settings: Settings, stage: type[S], gripper: str | None = None) -> S:
+    """The part of a configuration that a stage reads.
+
+    Args:
+        settings: The whole configuration.
+        stage: One of the classes above.
+        gripper: Name of the gripper, for stages that read one.
+    """
+    names = [name for name in stage.model_fields if name != "gripper"]
+    values = {name: getattr(settings, name) for name in names}
+    if "gripper" in stage.model_fields:
+        values["gripper"] = settings.grippers[gripper or settings.difficulty.gripper]
+    return stage(**values)

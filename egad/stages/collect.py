@@ -1,0 +1,73 @@
+"""collect: the objects of all shards become one dataset, with cells, labels and diversities."""
+
+import logging
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad import tables
+from egad.exchange.meshes import write_obj
+from egad.files import replacing
+from egad.measures import reeb
+from egad.measures.neighbours import diversities
+from egad.measures.space import complexity_cells, difficulty_cells, labels
+from egad.stage_settings import Collect
+from egad.stages.shards import join
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: Collect,
+    evolved: bool,
+    solids: list[Path],
+    rejects: list[Path],
+    objects: Path,
+    rejected: Path,
+    meshes: Path,
+) -> None:
+    """Bring a dataset together.
+
+    Args:
+        settings: What this stage reads.
+        evolved: Whether labels are built from cells, or are the names that the meshes had.
+        solids: The shards, with the columns of `egad.tables.SOLIDS`.
+        rejects: The rejected objects of the shards.
+        objects: The table of the dataset, with the columns of `egad.tables.OBJECTS`.
+        rejected: The table of all rejected objects.
+        meshes: Folder of `LABEL.obj`, in metres.
+    """
+    frame = arrange(join(solids, tables.SOLIDS, ["id"]), settings, evolved)
+    with replacing(meshes) as folder:
+        folder.mkdir()
+        for row in frame.itertuples():
+            write_obj(mesh_of(row.vertices, row.faces), folder / f"{row.label}.obj")
+    tables.write(join(rejects, tables.REJECTED, ["id", "stage"]), tables.REJECTED, rejected)
+    tables.write(frame, tables.OBJECTS, objects)
+    log.info("%d objects", len(frame))
+
+
+def arrange(frame: pd.DataFrame, settings: Collect, evolved: bool) -> pd.DataFrame:
+    """Add cells, diversities and labels, and sort by label."""
+    graphs = [reeb.unpack(data) for data in frame["graph"]]
+    space = settings.space
+    frame = frame.assign(
+        complexity_cell=complexity_cells(frame["complexity"], space),
+        difficulty_cell=difficulty_cells(frame["difficulty"], space),
+        diversity=diversities(graphs, settings.similarity.weight, space.neighbours),
+    )
+    if not evolved:
+        return frame.assign(label=frame["id"]).sort_values("label", ignore_index=True)
+    frame = frame.sort_values(
+        ["difficulty_cell", "complexity_cell", "diversity", "id"],
+        ascending=[True, True, False, True],
+        ignore_index=True,
+    )
+    return frame.assign(label=labels(frame["complexity_cell"], frame["difficulty_cell"]))
+
+
+def mesh_of(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
+    """The mesh of the flat arrays of a row of `egad.tables.SOLIDS`."""
+    return trimesh.Trimesh(vertices.reshape(-1, 3), faces.reshape(-1, 3), process=False)

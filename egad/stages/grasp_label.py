@@ -1,0 +1,53 @@
+"""grasp-label: labelled grasps of the objects of a shard, scaled to a gripper."""
+
+import logging
+from pathlib import Path
+
+import pandas as pd
+
+from egad import tables
+from egad.errors import RejectedError
+from egad.exchange.meshes import read_mesh
+from egad.grasps.labels import label
+from egad.progress import progress
+from egad.seeds import generator
+from egad.stage_settings import GraspLabels
+from egad.stages.shards import in_shard, rejection
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: GraspLabels,
+    objects: Path,
+    meshes: Path,
+    shard: tuple[int, int],
+    out: Path,
+    rejected: Path,
+) -> None:
+    """Label the grasps of the objects of a shard.
+
+    Args:
+        settings: What this stage reads.
+        objects: Table with the columns of `egad.tables.OBJECTS`.
+        meshes: Folder of the scaled meshes; grasps are in the frame of these.
+        shard: Number of the shard, and of how many.
+        out: Table with the columns of `egad.tables.GRASPS`.
+        rejected: Table of the objects that have no grasp.
+    """
+    frame = tables.read(objects, tables.OBJECTS)
+    frame = frame[[in_shard(object_id, *shard) for object_id in frame["id"]]]
+    labelled, left_out = [], []
+    for row in progress(frame.itertuples(), "labelling grasps", len(frame)):
+        try:
+            mesh = read_mesh(meshes / f"{row.label}.obj", "m")
+            rng = generator(settings.seed, "grasps", row.id)
+            grasps = label(mesh, mesh.center_mass, settings, rng)
+        except RejectedError as reason:
+            left_out.append(rejection(row.id, "grasp-label", reason))
+        else:
+            labelled.append(grasps.assign(id=row.id, label=row.label))
+    table = pd.concat(labelled) if labelled else tables.empty(tables.GRASPS)
+    tables.write(table, tables.GRASPS, out)
+    tables.write(pd.DataFrame(left_out), tables.REJECTED, rejected)
+    log.info("%d grasps, %d objects without any", len(table), len(left_out))

@@ -1,0 +1,127 @@
+"""postprocess: repaired meshes, mass properties and measures of the objects of a shard."""
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad import tables
+from egad.errors import RejectedError
+from egad.exchange.meshes import mesh_files, object_names, read_mesh
+from egad.measures import reeb
+from egad.measures.complexity import complexity
+from egad.measures.difficulty import difficulty
+from egad.progress import progress
+from egad.seeds import generator
+from egad.shapes import voxels
+from egad.shapes.mass import mass_properties
+from egad.shapes.repair import repair
+from egad.shapes.surface import surface
+from egad.stage_settings import PostprocessSolids
+from egad.stages.shards import in_shard, rejection
+
+log = logging.getLogger(__name__)
+Sources = dict[str, Callable[[], trimesh.Trimesh]]
+
+
+def run(
+    settings: PostprocessSolids, sources: Sources, known: pd.Series, out: Path, rejected: Path
+) -> None:
+    """Repair and measure objects.
+
+    Args:
+        settings: What this stage reads.
+        sources: For each id, how to get its mesh.
+        known: Difficulty by id that evolution selected the objects by; empty for other meshes.
+        out: Table with the columns of `egad.tables.SOLIDS`.
+        rejected: Table of the objects that could not be used, with the reasons.
+    """
+    rows, left_out = [], []
+    for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
+        try:
+            row = solid_row(load(), object_id, settings)
+        except RejectedError as reason:
+            left_out.append(rejection(object_id, "postprocess", reason))
+        else:
+            rows.append(row | {"archive_difficulty": known.get(object_id, np.nan)})
+    log.info("%d objects, %d rejected", len(rows), len(left_out))
+    tables.write(pd.DataFrame(rows), tables.SOLIDS, out)
+    tables.write(pd.DataFrame(left_out), tables.REJECTED, rejected)
+
+
+def from_archive(
+    path: Path, settings: PostprocessSolids, shard: int, shards: int
+) -> tuple[Sources, pd.Series]:
+    """The evolved objects of a shard, and the difficulties that they were selected by."""
+    archive = tables.read(path, tables.ARCHIVE).set_index("id")
+    shape = settings.shape
+
+    def build(packed: bytes) -> trimesh.Trimesh:
+        return surface(voxels.unpack(packed, shape.resolution), shape)
+
+    sources = {
+        object_id: lambda packed=packed: build(packed)
+        for object_id, packed in archive["voxels"].items()
+        if in_shard(str(object_id), shard, shards)
+    }
+    return sources, archive["difficulty"]
+
+
+def from_folder(folder: Path, units: str, shard: int, shards: int) -> tuple[Sources, pd.Series]:
+    """The mesh files of a shard; they were not selected by any difficulty."""
+    files = object_names(mesh_files(folder))
+    sources = {
+        name: lambda path=path: read_mesh(path, units)
+        for name, path in files.items()
+        if in_shard(name, shard, shards)
+    }
+    return sources, pd.Series(dtype=float)
+
+
+def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids) -> dict[str, Any]:
+    """The row of `egad.tables.SOLIDS` of one object.
+
+    Raises:
+        RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
+    """
+    repaired = repair(mesh)
+    solid = repaired.mesh
+    mass = mass_properties(solid, settings.material.density)
+    if mass.volume < settings.postprocess.min_volume:
+        least = settings.postprocess.min_volume
+        raise RejectedError(f"volume of {mass.volume:.3g} m3 is below {least:.3g} m3")
+    quality, grasps = difficulty(
+        solid,
+        opening=settings.gripper.opening,
+        grasps=settings.postprocess.grasps,
+        difficulty=settings.difficulty,
+        sampling=settings.sampling,
+        quality=settings.quality,
+        rng=generator(settings.seed, "regrade", object_id),
+    )
+    return {
+        "id": object_id,
+        "complexity": complexity(solid, settings.complexity.bins),
+        "difficulty": quality,
+        "grasps": grasps,
+        "volume": mass.volume,
+        "area": mass.area,
+        "watertight": bool(solid.is_watertight),
+        "repaired": repaired.changed,
+        **dict(zip(("extents_x", "extents_y", "extents_z"), solid.extents, strict=True)),
+        **dict(zip(("com_x", "com_y", "com_z"), mass.com, strict=True)),
+        "mass": mass.mass,
+        **_inertia_columns(mass.inertia),
+        "vertices": solid.vertices.ravel(),
+        "faces": solid.faces.ravel(),
+        "graph": reeb.pack(reeb.extract(solid, settings.similarity)),
+    }
+
+
+def _inertia_columns(tensor: np.ndarray) -> dict[str, float]:
+    axes = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+    return {f"inertia_{name}": float(tensor[place]) for name, place in axes.items()}

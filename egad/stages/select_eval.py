@@ -1,0 +1,35 @@
+"""select-eval: the evaluation set of a dataset."""
+
+import logging
+from pathlib import Path
+
+from egad import tables
+from egad.evalset.selection import empty_cells, select
+from egad.measures import reeb
+from egad.measures.similarity import similarity_matrix
+from egad.seeds import generator
+from egad.stage_settings import EvalSelection
+from egad.stages.shards import join
+
+log = logging.getLogger(__name__)
+
+
+def run(settings: EvalSelection, objects: Path, solids: list[Path], out: Path) -> None:
+    """Choose one object a cell so that the set looks least alike.
+
+    Args:
+        settings: What this stage reads.
+        objects: Table with the columns of `egad.tables.OBJECTS`.
+        solids: The shards of the dataset, for the Reeb graphs.
+        out: Table with the columns of `egad.tables.EVAL49`.
+    """
+    frame = tables.read(objects, tables.OBJECTS)
+    packed = join(solids, tables.SOLIDS, ["id"]).set_index("id")["graph"]
+    graphs = [reeb.unpack(packed[object_id]) for object_id in frame["id"]]
+    distances = 1 - similarity_matrix(graphs, settings.similarity.weight)
+    rng = generator(settings.seed, "select-eval")
+    chosen = select(frame, distances, settings.select_eval, settings.space, rng)
+    tables.write(chosen, tables.EVAL49, out)
+    log.info("%d objects", len(chosen))
+    if empty := empty_cells(chosen, settings.select_eval):
+        log.info("%d cells that no object lies in: %s", len(empty), " ".join(empty))

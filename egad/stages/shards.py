@@ -1,0 +1,29 @@
+"""A fixed way to cut a dataset into shards, so that no shard depends on what else there is."""
+
+import hashlib
+from pathlib import Path
+
+import pandas as pd
+import pyarrow as pa
+
+from egad import tables
+
+
+def in_shard(object_id: str, shard: int, shards: int) -> bool:
+    """Whether an object belongs to a shard, by a hash of its id."""
+    digest = hashlib.sha256(object_id.encode()).digest()
+    return int.from_bytes(digest[:8], "little") % shards == shard
+
+
+def join(parts: list[Path], schema: pa.Schema, order: list[str]) -> pd.DataFrame:
+    """The rows of all shards as one table, sorted so that the number of shards leaves no trace."""
+    frames = [tables.read(part, schema) for part in parts]
+    filled = [frame for frame in frames if len(frame)]
+    if not filled:
+        return tables.empty(schema)
+    return pd.concat(filled).sort_values(order, ignore_index=True)
+
+
+def rejection(object_id: str, stage: str, reason: object) -> dict[str, str]:
+    """A row of `egad.tables.REJECTED`."""
+    return {"id": object_id, "stage": stage, "reason": str(reason)}

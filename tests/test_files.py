@@ -1,0 +1,37 @@
+import pytest
+
+from egad.files import replacing, write_text
+
+
+def test_a_failed_write_leaves_the_old_file_and_the_temporary(tmp_path):
+    path = tmp_path / "deep" / "file.txt"
+    write_text(path, "old")
+    with pytest.raises(OSError, match="No space left"), replacing(path) as temporary:
+        temporary.write_text("half")
+        raise OSError(28, "No space left on device")
+    assert path.read_text() == "old"
+    assert temporary.read_text() == "half"
+    write_text(path, "new")
+    assert path.read_text() == "new"
+    assert [entry.name for entry in path.parent.iterdir()] == ["file.txt"]
+
+
+def test_a_folder_replaces_a_folder(tmp_path):
+    path = tmp_path / "meshes"
+    for names in (["a", "b"], ["c"]):
+        with replacing(path) as folder:
+            folder.mkdir()
+            for name in names:
+                (folder / name).touch()
+    assert [entry.name for entry in path.iterdir()] == ["c"]
+
+
+def test_a_failed_folder_leaves_the_old_one(tmp_path):
+    path = tmp_path / "meshes"
+    with replacing(path) as folder:
+        folder.mkdir()
+    with pytest.raises(RuntimeError), replacing(path) as folder:
+        folder.mkdir()
+        raise RuntimeError
+    assert list(path.iterdir()) == []
+    assert folder.exists()
