@@ -268,7 +268,7 @@ def materialise(archive: Path, out: OutFolder) -> None:
 @app.command(name="check-config", rich_help_panel=TOOL)
 def check_config(files: list[Path]) -> None:
     """Check configuration files and list every problem."""
-    from egad.config_files import check
+    from egad.config_check import check
 
     for file in files:
         check(yaml.safe_load(file.read_text(encoding="utf-8")) or {})

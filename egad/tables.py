@@ -210,7 +210,8 @@ COMPARISON = pa.schema(
     [
         _column("dataset", _STRING, "name of the dataset"),
         _column("objects", _INT, "objects in it"),
-        _column("coverage", _FLOAT, "part of the cells that hold at least one object"),
+        _column("coverage", _FLOAT, "part of the places filled, as many a cell as it keeps elites"),
+        _column("filled_cells", _FLOAT, "part of the cells that hold at least one object"),
         _column("diversity_min", _FLOAT, "diversity of the least diverse object"),
         _column("diversity_max", _FLOAT, "diversity of the most diverse object"),
         _column("diversity_mean", _FLOAT, "mean diversity"),

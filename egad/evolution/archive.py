@@ -56,8 +56,8 @@ class Archive:
 
     @property
     def coverage(self) -> float:
-        """The part of all cells that hold at least one elite."""
-        return len(set(self._cells.values())) / self.space.cells**2
+        """The part of all places that hold an elite (EGAD, Table III)."""
+        return len(self) / (self.space.cells**2 * self.space.elites_per_cell)
 
     def cell(self, elite: Elite) -> Cell:
         """The cell that an object belongs to: (complexity, difficulty)."""

@@ -49,7 +49,7 @@ def measure(solid: Solid, settings: Evolve) -> Measured | str:
             mesh,
             opening=settings.gripper.opening,
             grasps=settings.difficulty.grasps,
-            difficulty=settings.difficulty,
+            settings=settings.difficulty,
             sampling=settings.sampling,
             quality=settings.quality,
             rng=generator(settings.seed, "difficulty", solid.id),

@@ -77,7 +77,7 @@ def _evaluated(
             counts["evaluated"] += 1
             elites.append(_elite(each, solid, result, epoch))
         else:
-            counts[result.split(":")[0]] += 1
+            counts[result.partition(" (")[0]] += 1
     return elites
 
 

@@ -44,6 +44,16 @@ def labels(complexity_cell: Iterable[int], difficulty_cell: Iterable[int]) -> li
 
 
 def coverage(objects: pd.DataFrame, space: Space) -> float:
+    """The part of all places that is filled, each cell having as many as it keeps elites.
+
+    Source: EGAD, Table III, where 2331 objects fill 93 % of 2500 places.
+    """
+    counts = objects.groupby(["complexity_cell", "difficulty_cell"]).size()
+    filled = counts.clip(upper=space.elites_per_cell).sum()
+    return float(filled / (space.cells**2 * space.elites_per_cell))
+
+
+def filled_cells(objects: pd.DataFrame, space: Space) -> float:
     """The part of all cells that hold at least one object."""
     filled = objects[["complexity_cell", "difficulty_cell"]].drop_duplicates()
     return len(filled) / space.cells**2

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from egad import tables
-from egad.measures.space import coverage
+from egad.measures.space import coverage, filled_cells
 from egad.stage_settings import Compare
 
 
@@ -26,6 +26,7 @@ def run(settings: Compare, datasets: dict[str, Path], out: Path) -> None:
                 "dataset": name,
                 "objects": len(objects),
                 "coverage": coverage(objects, settings.space),
+                "filled_cells": filled_cells(objects, settings.space),
                 "diversity_min": diversity.min(),
                 "diversity_max": diversity.max(),
                 "diversity_mean": diversity.mean(),

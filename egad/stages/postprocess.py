@@ -98,7 +98,7 @@ def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids
         solid,
         opening=settings.gripper.opening,
         grasps=settings.postprocess.grasps,
-        difficulty=settings.difficulty,
+        settings=settings.difficulty,
         sampling=settings.sampling,
         quality=settings.quality,
         rng=generator(settings.seed, "regrade", object_id),

@@ -30,7 +30,7 @@ PACKAGES = [
     "pandas",
     "pyarrow",
 ]
-THUMBNAIL, PORTRAIT = 64, 160
+THUMBNAIL, PORTRAIT = 96, 192
 
 
 def run(settings: Settings, results: Path, out: Path) -> None:
@@ -90,6 +90,4 @@ def _each(
     grippers: list[str], folder: Path, pattern: str, schema: pa.Schema
 ) -> dict[str, pd.DataFrame]:
     """One table a gripper."""
-    return {
-        gripper: tables.read(folder / pattern.format(gripper), schema) for gripper in grippers
-    }
+    return {gripper: tables.read(folder / pattern.format(gripper), schema) for gripper in grippers}

@@ -25,6 +25,7 @@ def test_labels_are_built_as_the_published_ones():
     assert space.labels([14, 14, 0], [12, 12, 0]) == ["M14_0", "M14_1", "A00_0"]
 
 
-def test_coverage_counts_filled_cells_once():
-    objects = pd.DataFrame({"complexity_cell": [1, 1, 2], "difficulty_cell": [3, 3, 3]})
-    assert space.coverage(objects, SPACE) == pytest.approx(2 / 625)
+def test_coverage_counts_places_and_no_more_than_a_cell_has():
+    objects = pd.DataFrame({"complexity_cell": [1] * 6 + [2], "difficulty_cell": [3] * 7})
+    assert space.coverage(objects, SPACE) == pytest.approx(5 / 2500)
+    assert space.filled_cells(objects, SPACE) == pytest.approx(2 / 625)

@@ -1,0 +1,52 @@
+"""What a report is made of: tables, pictures and names, all in memory."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import pandas as pd
+
+from egad.settings import Settings
+
+
+@dataclass(frozen=True)
+class DatasetReport:
+    """Everything known about one dataset. What was not made for it is absent.
+
+    Attributes:
+        objects: Columns of `egad.tables.OBJECTS`.
+        rejected: Columns of `egad.tables.REJECTED`.
+        pictures: PNG of each object, by its label; objects without one are shown without.
+        evalset: Columns of `egad.tables.EVAL49`.
+        evalset_pictures: Larger PNGs, by the label in the evaluation set; optional.
+        grasps: Columns of `egad.tables.GRASPS`, by gripper.
+        scales: Columns of `egad.tables.SCALES`, by gripper.
+        manifests: Columns of `egad.tables.MANIFEST`, by gripper.
+        trials: Columns of `egad.tables.TRIALS`, by gripper and policy.
+    """
+
+    objects: pd.DataFrame
+    rejected: pd.DataFrame
+    pictures: Mapping[str, bytes] = field(default_factory=dict)
+    evalset: pd.DataFrame | None = None
+    evalset_pictures: Mapping[str, bytes] = field(default_factory=dict)
+    grasps: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    scales: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    manifests: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    trials: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ReportData:
+    """A whole run.
+
+    Attributes:
+        settings: The resolved configuration.
+        comparison: Columns of `egad.tables.COMPARISON`.
+        datasets: Reports by name of the dataset.
+        versions: Version of each program that took part.
+    """
+
+    settings: Settings
+    comparison: pd.DataFrame
+    datasets: Mapping[str, DatasetReport]
+    versions: Mapping[str, str]

@@ -1,0 +1,146 @@
+"""The report: one HTML page that needs no other file and no network."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from egad.report import figures, maps, summary
+from egad.report.data import DatasetReport, ReportData
+from egad.report.parameters import entry_tables, parameter_tables
+from egad.settings import Settings
+
+__all__ = ["DatasetReport", "ReportData", "build"]
+
+SPACE = "\N{NO-BREAK SPACE}"
+DASH = "\N{EN DASH}"
+
+
+@dataclass(frozen=True)
+class TrialView:
+    """Attempts of one gripper and policy."""
+
+    gripper: str
+    policy: str
+    rate: summary.Rate
+    objects: int
+    outcomes: dict[str, int]
+    heat_map: str
+
+
+@dataclass(frozen=True)
+class DatasetView:
+    """One dataset as the templates show it; figures are addresses, empty if there is none."""
+
+    name: str
+    source: str
+    numbers: summary.Row
+    space_map: maps.SpaceMap
+    evaluation: list[list[maps.Place]]
+    chosen: int
+    grasps: list[summary.Row]
+    grasp_figure: str
+    scales: list[summary.Row]
+    trials: list[TrialView]
+    outcome_figure: str
+    rejections: list[summary.Row]
+    rejected: Sequence[Mapping[Any, Any]]
+
+
+def build(report: ReportData) -> str:
+    """Put a run together as one HTML page.
+
+    Args:
+        report: Tables, pictures, settings and versions; what a dataset lacks is left out.
+
+    Returns:
+        The text of the page: the same for the same report. Pictures and figures are inline.
+    """
+    views = [_view(name, data, report.settings) for name, data in report.datasets.items()]
+    return (
+        _environment()
+        .get_template("page.html.j2")
+        .render(
+            settings=report.settings,
+            views=views,
+            comparison=report.comparison.to_dict("records"),
+            published=summary.PUBLISHED.to_dict("records"),
+            comparison_figure=_figure(figures.comparison_chart(report.comparison)),
+            parameters=parameter_tables(report.settings),
+            entries=entry_tables(report.settings),
+            versions=report.versions,
+        )
+    )
+
+
+def _view(name: str, data: DatasetReport, settings: Settings) -> DatasetView:
+    grasps = {key: table for key, table in data.grasps.items() if len(table)}
+    trials = {key: table for key, table in data.trials.items() if len(table)}
+    bars = {f"{gripper}, {policy}": table for (gripper, policy), table in trials.items()}
+    grippers = list(dict.fromkeys([*data.scales, *data.manifests]))
+    return DatasetView(
+        name=name,
+        source=settings.datasets[name].source,
+        numbers=summary.space_numbers(data.objects, settings.space),
+        space_map=maps.space_map(data, settings.space),
+        evaluation=maps.evaluation_grid(data, settings.select_eval),
+        chosen=0 if data.evalset is None else len(data.evalset),
+        grasps=[summary.grasp_numbers(key, table) for key, table in grasps.items()],
+        grasp_figure=_figure(figures.grasp_distributions(grasps)) if grasps else "",
+        scales=[summary.scale_numbers(gripper, data) for gripper in grippers],
+        trials=[_trial_view(key, table, data, settings) for key, table in trials.items()],
+        outcome_figure=_figure(figures.outcome_bars(bars)) if bars else "",
+        rejections=summary.rejection_counts(data.rejected),
+        rejected=data.rejected.sort_values(["stage", "id"]).to_dict("records"),
+    )
+
+
+def _trial_view(
+    key: tuple[str, str], trials: pd.DataFrame, data: DatasetReport, settings: Settings
+) -> TrialView:
+    rows, columns = settings.select_eval.rows, settings.select_eval.columns
+    grid = summary.trial_grid(trials, rows, columns)
+    chosen = trials if data.evalset is None else data.evalset
+    heat_map = figures.trial_heat_map(grid, rows, columns, set(chosen["label"]))
+    outcomes = summary.outcome_counts(trials)
+    return TrialView(*key, grid.overall, len(grid.cells), outcomes, _figure(heat_map))
+
+
+def _figure(svg: str) -> str:
+    return maps.data_uri(svg.encode(), "image/svg+xml")
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("egad.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(percent=_percent, count=_count, fixed=_fixed, code=_code)
+    return environment
+
+
+def _percent(value: float, digits: int = 0) -> str:
+    return DASH if pd.isna(value) else f"{100 * value:.{digits}f}{SPACE}%"
+
+
+def _count(value: int) -> str:
+    return f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+
+
+def _fixed(value: float, digits: int = 2) -> str:
+    return DASH if pd.isna(value) else f"{value:.{digits}f}"
+
+
+def _code(text: str) -> Markup:
+    """Text as HTML, with what stands between backticks set as code."""
+    parts = [
+        Markup("<code>{}</code>").format(part) if index % 2 else escape(part)
+        for index, part in enumerate(text.split("`"))
+    ]
+    return Markup("").join(parts)

@@ -1,0 +1,218 @@
+"""Small shaded pictures of meshes, by ray casting: no window and no graphics card."""
+
+import io
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+from numpy.typing import NDArray
+from PIL import Image
+from scipy import ndimage
+
+from egad.errors import RejectedError
+
+Floats = NDArray[np.float32]
+Pixels = NDArray[np.uint8]
+
+SUBSAMPLES = 2
+SKY_RAYS = 8
+BLUR = 80
+FILL = 0.95
+CREASE = float(np.cos(np.radians(40)))
+DARK = np.array([30, 34, 44], dtype=np.float32)
+LIGHT = np.array([253, 251, 246], dtype=np.float32)
+
+
+def _unit(vectors: NDArray[np.floating]) -> Floats:
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    scaled: Floats = (vectors / np.maximum(lengths, 1e-12)).astype(np.float32)
+    return scaled
+
+
+def _camera(towards_viewer: tuple[float, float, float]) -> Floats:
+    """Rows: right, up and towards the viewer."""
+    back = _unit(np.array(towards_viewer, dtype=np.float32))
+    right = _unit(np.cross(np.array([0, 0, 1], dtype=np.float32), back))
+    return np.stack([right, np.cross(back, right), back])
+
+
+CAMERA = _camera((0.55, -0.72, 0.5))
+KEY_LIGHT = _unit(np.array([-0.55, 0.62, 0.56], dtype=np.float32))
+
+
+class _Hits(NamedTuple):
+    """What the rays meet, in camera coordinates."""
+
+    rays: NDArray[np.int64]
+    points: Floats
+    normals: Floats
+
+
+def render(mesh: trimesh.Trimesh, size: int = 96) -> Pixels:
+    """Draw a mesh on a transparent ground, seen from in front and above (ours).
+
+    Orthographic rays, two by two a pixel. A key light from the upper left, an open sky (ambient
+    occlusion) and darkened silhouettes let the shape read on any ground. Faces may be wound
+    either way.
+
+    Args:
+        mesh: The object, in any unit; it is scaled to fill the picture.
+        size: Pixels a side.
+
+    Returns:
+        Red, green, blue and alpha (not premultiplied), (size, size, 4).
+
+    Raises:
+        RejectedError: The mesh has no faces, or coordinates that are not finite.
+    """
+    if len(mesh.faces) == 0:
+        raise RejectedError("no faces to draw")
+    if not np.isfinite(mesh.vertices).all():
+        raise RejectedError("coordinates are not finite")
+    vertices = _to_view(np.asarray(mesh.vertices, dtype=np.float64))
+    faces = np.ascontiguousarray(mesh.faces, dtype=np.int32)
+    scene = EmbreeScene()
+    TriangleMesh(scene, vertices, faces)
+    side = size * SUBSAMPLES
+    hits = _cast(scene, vertices, faces, side)
+    return _average(hits.rays, _shade(scene, hits, side), size)
+
+
+def png_bytes(picture: Pixels) -> bytes:
+    """Compress a picture to a small PNG with a palette.
+
+    Colours are rounded to 5 bits and alpha to 6 levels, which the eye does not notice at this
+    size; a picture with more than 256 colours even so keeps full colour.
+
+    Args:
+        picture: As from `render`, (height, width, 4).
+
+    Returns:
+        A PNG file, the same bytes for the same picture.
+    """
+    step = np.array([8, 8, 8, 51], dtype=np.float64)
+    coarse = np.minimum(np.round(picture / step) * step, 255).astype(np.uint8)
+    coarse[coarse[..., 3] == 0] = 0
+    codes = np.ascontiguousarray(coarse).view("<u4").ravel()
+    found, index = np.unique(codes, return_inverse=True)
+    colours = found.view(np.uint8).reshape(-1, 4)
+    if len(colours) > 256:
+        return _saved(Image.fromarray(coarse))
+    image = Image.fromarray(index.reshape(picture.shape[:2]).astype(np.uint8), mode="P")
+    image.putpalette(colours[:, :3].tobytes())
+    return _saved(image, transparency=colours[:, 3].tobytes())
+
+
+def _saved(image: Image.Image, **options: bytes) -> bytes:
+    buffer = io.BytesIO()
+    image.save(buffer, "png", optimize=True, **options)
+    return buffer.getvalue()
+
+
+def _to_view(vertices: NDArray[np.float64]) -> Floats:
+    """Camera coordinates, centred, the wider of width and height between -FILL and FILL."""
+    seen = vertices @ CAMERA.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    reach = max((high - low)[:2].max() / 2, np.finfo(np.float64).tiny)
+    centred: Floats = ((seen - (low + high) / 2) * (FILL / reach)).astype(np.float32)
+    return centred
+
+
+def _cast(scene: EmbreeScene, vertices: Floats, faces: NDArray[np.int32], side: int) -> _Hits:
+    """First hit of every ray of a grid of `side` x `side`, top row first."""
+    centres = ((np.arange(side, dtype=np.float32) + 0.5) / side) * 2 - 1
+    x, y = np.meshgrid(centres, -centres)
+    front = vertices[:, 2].max() + 1
+    origins = np.stack([x.ravel(), y.ravel(), np.full(side * side, front)], axis=1)
+    towards = np.tile(np.array([0, 0, -1], dtype=np.float32), (side * side, 1))
+    found = scene.run(origins.astype(np.float32), towards, query="INTERSECT", output=1)
+    rays = np.flatnonzero(found["primID"] >= 0)
+    triangle, u, v = (found[key][rays] for key in ("primID", "u", "v"))
+    corners = _corner_normals(vertices, faces)[triangle]
+    weights = np.stack([1 - u - v, u, v], axis=1)
+    smooth = _unit(np.einsum("ij,ijk->ik", weights, corners))
+    flat = _unit(found["Ng"][rays])
+    flat *= np.where(flat[:, 2:] < 0, np.float32(-1), np.float32(1))
+    smooth *= np.sign(np.einsum("ij,ij->i", smooth, flat))[:, None]
+    points = origins[rays]
+    points[:, 2] -= found["tfar"][rays]
+    return _Hits(rays, points + flat * np.float32(2e-3), smooth)
+
+
+def _corner_normals(vertices: Floats, faces: NDArray[np.int32]) -> Floats:
+    """Normals at the corners of each face (n, 3, 3): smooth, but flat at creases.
+
+    Faces weigh by their angle at a vertex, so that the corners of a box are creases.
+    """
+    edges = vertices[np.roll(faces, -1, axis=1)] - vertices[faces]
+    flat = _unit(np.cross(edges[:, 0], edges[:, 1]))
+    along = _unit(edges)
+    cosines = np.einsum("ijk,ijk->ij", along, -np.roll(along, 1, axis=1))
+    weighted = flat[:, None] * np.arccos(np.clip(cosines, -1, 1))[..., None]
+    at = faces.ravel()
+    sums = [np.bincount(at, weighted[..., axis].ravel(), len(vertices)) for axis in range(3)]
+    smooth = _unit(np.stack(sums, axis=1))[faces]
+    creased = np.einsum("ijk,ik->ij", smooth, flat) < CREASE
+    return np.where(creased[..., None], flat[:, None], smooth).astype(np.float32)
+
+
+def _shade(scene: EmbreeScene, hits: _Hits, side: int) -> Floats:
+    """Brightness of each hit, 0 to 1."""
+    openness = _softened(_openness(scene, hits, side), hits.rays, side)
+    lambert = np.clip(hits.normals @ KEY_LIGHT, 0, 1)
+    sky = 0.5 + 0.5 * hits.normals @ CAMERA[:, 2]
+    bright = openness * (0.20 + 0.22 * sky) + 0.66 * lambert * (0.4 + 0.6 * openness)
+    silhouette = np.clip(hits.normals[:, 2] / 0.45, 0, 1)
+    toned: Floats = np.clip(bright * (0.45 + 0.55 * silhouette), 0, 1) ** np.float32(0.9)
+    return toned
+
+
+def _openness(scene: EmbreeScene, hits: _Hits, side: int) -> Floats:
+    """Cosine-weighted part of the sky that each hit sees.
+
+    Pixels share one fixed set of directions, spread over their subsamples, so there is no noise.
+    """
+    row, column = np.divmod(hits.rays, side)
+    place = (row % SUBSAMPLES) * SUBSAMPLES + column % SUBSAMPLES
+    seen = weight = np.zeros(len(hits.rays), dtype=np.float32)
+    for directions in _sky().reshape(-1, SUBSAMPLES**2, 3):
+        ray = directions[place]
+        cosine = np.einsum("ij,ij->i", ray, hits.normals)
+        ray = ray - np.minimum(2 * cosine, 0)[:, None] * hits.normals
+        blocked = scene.run(hits.points, ray, query="OCCLUDED") == 0
+        cosine = np.abs(cosine)
+        seen, weight = seen + cosine * ~blocked, weight + cosine
+    return (seen / np.maximum(weight, 1e-6)).astype(np.float32)
+
+
+def _softened(values: Floats, rays: NDArray[np.int64], side: int) -> Floats:
+    """Blur values within the silhouette: few rays leave edges where one of them is blocked."""
+    weighted = np.zeros((2, side * side), dtype=np.float32)
+    weighted[0, rays], weighted[1, rays] = values, 1
+    planes = weighted.reshape(2, side, side)
+    blurred, weight = (ndimage.gaussian_filter(plane, side / BLUR) for plane in planes)
+    return (blurred / np.maximum(weight, 1e-6)).ravel()[rays].astype(np.float32)
+
+
+def _sky() -> Floats:
+    """Directions spread evenly over the half of the sphere that faces the viewer."""
+    place = np.arange(SKY_RAYS) + 0.5
+    height = 1 - place / SKY_RAYS
+    radius, turn = np.sqrt(1 - height**2), place * np.pi * (3 - np.sqrt(5))
+    around = [radius * np.cos(turn), radius * np.sin(turn), height]
+    return np.stack(around, axis=1).astype(np.float32)
+
+
+def _average(rays: NDArray[np.int64], bright: Floats, size: int) -> Pixels:
+    """Colours of the subsamples, averaged over each pixel."""
+    side = size * SUBSAMPLES
+    samples = np.zeros((side * side, 4), dtype=np.float32)
+    samples[rays, :3] = DARK + (LIGHT - DARK) * bright[:, None]
+    samples[rays, 3] = 1
+    total = samples.reshape(size, SUBSAMPLES, size, SUBSAMPLES, 4).sum(axis=(1, 3))
+    covered = total[..., 3:]
+    colour = total[..., :3] / np.maximum(covered, 1)
+    alpha = covered * (255 / SUBSAMPLES**2)
+    return np.round(np.concatenate([colour, alpha], axis=2)).astype(np.uint8)

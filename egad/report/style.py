@@ -1,0 +1,72 @@
+"""The look of the charts: colours, fonts, and SVG that is the same for the same data."""
+
+import io
+import math
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import matplotlib
+from matplotlib.colors import to_hex, to_rgb
+from matplotlib.figure import Figure
+
+INK, SOFT, FAINT = "#1c2430", "#667080", "#e4e7ec"
+UNKNOWN = "#c4c9d1"
+LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
+STYLE: dict[Any, Any] = {
+    "svg.hashsalt": "egad",
+    "svg.fonttype": "none",
+    "text.parse_math": False,
+    "font.size": 10,
+    "text.color": INK,
+    "axes.edgecolor": SOFT,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "grid.color": FAINT,
+    "xtick.color": SOFT,
+    "ytick.color": SOFT,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "legend.frameon": False,
+}
+FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+
+
+class Drawing:
+    """A figure being drawn; `svg` is its text once the block has ended."""
+
+    def __init__(self, width: float, height: float) -> None:
+        self.figure = Figure(figsize=(width, height), layout="constrained")
+        self.svg = ""
+
+
+@contextmanager
+def drawn(width: float, height: float) -> Iterator[Drawing]:
+    """Draw in the style of the report. Text stays text, in the fonts of the reader's system."""
+    with matplotlib.rc_context(STYLE):
+        drawing = Drawing(width, height)
+        yield drawing
+        buffer = io.StringIO()
+        drawing.figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    drawing.svg = re.sub(r"font-family: [^;\"]*", f"font-family: {FONTS}", buffer.getvalue())
+
+
+def scale_colour(value: float, low: float, high: float) -> str:
+    """Colour of a value on the viridis scale from `low` to `high`, as `#rrggbb`.
+
+    Values outside have the colours of the ends; NaN is grey.
+    """
+    if math.isnan(value):
+        return UNKNOWN
+    place = (value - low) / (high - low) if high > low else 0.5
+    return to_hex(matplotlib.colormaps["viridis"](min(max(place, 0.0), 1.0)))
+
+
+def ink_on(colour: str) -> str:
+    """Dark or white, whichever reads better on a colour."""
+    red, green, blue = to_rgb(colour)
+    return INK if 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.25 else "white"

@@ -1,0 +1,155 @@
+"""The numbers of a report, from its tables."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import binomtest
+
+from egad.measures.space import coverage, filled_cells
+from egad.report.data import DatasetReport
+from egad.settings import Space
+
+Row = dict[str, Any]
+
+PUBLISHED = pd.DataFrame(
+    [
+        ("EGAD, 2020", 2331, 0.93, 0.07, 0.27, 0.19),
+        ("YCB", 78, 0.03, 0.11, 0.65, 0.19),
+        ("Dex-Net 2.0", 1497, 0.37, 0.03, 0.26, 0.11),
+    ],
+    columns=[
+        "dataset",
+        "objects",
+        "coverage",
+        "diversity_min",
+        "diversity_max",
+        "diversity_mean",
+    ],
+)
+"""EGAD (Morrison, Corke, Leitner 2020), Table III."""
+
+
+@dataclass(frozen=True)
+class Rate:
+    """A success rate with its Wilson interval of 95 %."""
+
+    successes: int
+    attempts: int
+
+    @property
+    def value(self) -> float:
+        """Successes / attempts; NaN if there were no attempts."""
+        return self.successes / self.attempts if self.attempts else float("nan")
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Lower and upper end."""
+        if not self.attempts:
+            return 0.0, 1.0
+        found = binomtest(self.successes, self.attempts).proportion_ci(method="wilson")
+        return float(found.low), float(found.high)
+
+
+def rate(trials: pd.DataFrame) -> Rate:
+    """The success rate over all rows of a table of attempts."""
+    return Rate(int(trials["success"].sum()), len(trials))
+
+
+@dataclass(frozen=True)
+class TrialGrid:
+    """Success rates over the grid of the evaluation set, row 0 = easiest, column 0 = simplest."""
+
+    cells: dict[tuple[int, int], Rate]
+    rows: list[Rate]
+    columns: list[Rate]
+    overall: Rate
+
+
+def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
+    """Success rate of every object, row and column of the evaluation set.
+
+    Args:
+        trials: Columns of `egad.tables.TRIALS`; labels as `C4`.
+        rows: Letters of the set.
+        columns: Digits of the set.
+    """
+    row = trials["label"].str[0].map(ord) - ord("A")
+    column = trials["label"].str[1:].astype(int)
+    places = pd.Series(list(zip(row, column, strict=True)), index=trials.index, dtype=object)
+    cells = {place: rate(trials[places == place]) for place in sorted(set(places))}
+    return TrialGrid(
+        cells,
+        [rate(trials[row == index]) for index in range(rows)],
+        [rate(trials[column == index]) for index in range(columns)],
+        rate(trials),
+    )
+
+
+def space_numbers(objects: pd.DataFrame, space: Space) -> Row:
+    """Objects, filled cells, coverage and diversity of a dataset."""
+    diversity = objects["diversity"]
+    filled = filled_cells(objects, space)
+    return {
+        "objects": len(objects),
+        "cells": space.cells**2,
+        "filled": round(filled * space.cells**2),
+        "coverage": coverage(objects, space),
+        "low": diversity.min(),
+        "mean": diversity.mean(),
+        "high": diversity.max(),
+        "complexity": (objects["complexity"].min(), objects["complexity"].max()),
+        "difficulty": (objects["difficulty"].min(), objects["difficulty"].max()),
+    }
+
+
+def grasp_numbers(gripper: str, grasps: pd.DataFrame) -> Row:
+    """How many grasps a gripper has and how good they are."""
+    per_object = grasps.groupby("label").size()
+    return {
+        "gripper": gripper,
+        "objects": len(per_object),
+        "grasps": len(grasps),
+        "per_object": per_object.median() if len(per_object) else np.nan,
+        "quality": grasps["quality"].quantile([0.25, 0.5, 0.75]).tolist(),
+        "robust_quality": grasps["robust_quality"].quantile([0.25, 0.5, 0.75]).tolist(),
+        "held": grasps["held"].mean(),
+        "collision_free": grasps["collision_free"].mean(),
+    }
+
+
+def scale_numbers(gripper: str, data: DatasetReport) -> Row:
+    """How the objects were scaled to a gripper, and what of them goes to the printer."""
+    scales = data.scales.get(gripper)
+    manifest = data.manifests.get(gripper)
+    numbers: Row = {"gripper": gripper, "scaled": None, "printed": None}
+    if scales is not None and len(scales):
+        numbers["scaled"] = {
+            "rule": ", ".join(sorted(scales["rule"].unique())),
+            "opening": scales["opening"].iloc[0],
+            "objects": len(scales),
+            "changed": int((~np.isclose(scales["factor"], 1)).sum()),
+            "factor": scales["factor"].quantile([0, 0.5, 1]).tolist(),
+        }
+    if manifest is not None:
+        numbers["printed"] = {
+            "objects": len(manifest),
+            "plates": int(manifest["plate"].nunique()),
+            "too_large": manifest.loc[manifest["plate"].isna(), "label"].tolist(),
+        }
+    return numbers
+
+
+def rejection_counts(rejected: pd.DataFrame) -> list[Row]:
+    """Stage, reason and number of the objects left out, most frequent first."""
+    counts = rejected.groupby(["stage", "reason"]).size().reset_index(name="count")
+    ordered = counts.sort_values(["count", "stage", "reason"], ascending=[False, True, True])
+    return [{str(key): value for key, value in row.items()} for row in ordered.to_dict("records")]
+
+
+def outcome_counts(trials: pd.DataFrame) -> dict[str, int]:
+    """Number of attempts by outcome: success first, then the failures, most frequent first."""
+    counts = trials["outcome"].value_counts().to_dict()
+    order = sorted(counts, key=lambda name: (name != "success", -counts[name], name))
+    return {str(name): int(counts[name]) for name in order}

@@ -1,0 +1,149 @@
+"""A small made-up run: 40 objects in 25 cells, an evaluation set, grasps and trials."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+
+from egad import tables
+from egad.measures.space import complexity_cells, difficulty_cells, labels
+from egad.report.data import DatasetReport, ReportData
+from egad.report.render import png_bytes, render
+from egad.settings import Dataset, Settings
+
+
+@pytest.fixture(scope="session")
+def settings() -> Settings:
+    return Settings(
+        seed=11,
+        datasets={
+            "egad": Dataset(source="evolved"),
+            "mine": Dataset(source="meshes", folder="parts", units="mm"),
+        },
+    )
+
+
+def filled(frame: pd.DataFrame, schema) -> pd.DataFrame:
+    """All columns of a schema; those not given are zero or empty."""
+    blank = {"string": "", "bool": True}
+    missing = {
+        field.name: blank.get(str(field.type), 0)
+        for field in schema
+        if field.name not in frame.columns
+    }
+    return frame.assign(**missing)[schema.names]
+
+
+def made_objects(settings: Settings, count: int, seed: int) -> pd.DataFrame:
+    random = np.random.default_rng(seed)
+    complexity, difficulty = random.uniform(1, 5, count), random.uniform(0.0005, 0.004, count)
+    frame = pd.DataFrame(
+        {
+            "id": [f"{seed}-{index}" for index in range(count)],
+            "complexity": complexity,
+            "difficulty": difficulty,
+            "complexity_cell": complexity_cells(complexity, settings.space),
+            "difficulty_cell": difficulty_cells(difficulty, settings.space),
+            "diversity": random.uniform(0.1, 0.3, count),
+        }
+    )
+    frame["label"] = labels(frame["complexity_cell"], frame["difficulty_cell"])
+    return filled(frame, tables.OBJECTS)
+
+
+@pytest.fixture(scope="session")
+def objects(settings: Settings) -> pd.DataFrame:
+    """40 objects, the last five in one cell."""
+    frame = made_objects(settings, 40, 1)
+    crowd = ["complexity", "difficulty", "complexity_cell", "difficulty_cell"]
+    frame.loc[35:, crowd] = frame.loc[35, crowd].to_list()
+    frame["label"] = labels(frame["complexity_cell"], frame["difficulty_cell"])
+    return frame
+
+
+@pytest.fixture(scope="session")
+def pictures(objects: pd.DataFrame) -> dict[str, bytes]:
+    """A different box for each object."""
+    sides = [(1, 1 + index / 20, 0.5) for index in range(len(objects))]
+    drawn = [png_bytes(render(trimesh.creation.box(side), 32)) for side in sides]
+    return dict(zip(objects["label"], drawn, strict=True))
+
+
+@pytest.fixture(scope="session")
+def evalset(objects: pd.DataFrame) -> pd.DataFrame:
+    chosen = objects.iloc[[3, 7, 20]].rename(columns={"label": "object_label"})
+    return filled(
+        chosen.assign(label=["A0", "C4", "G6"], row=[0, 2, 6], column=[0, 4, 6], nearest=0.2),
+        tables.EVAL49,
+    )
+
+
+@pytest.fixture(scope="session")
+def trials() -> pd.DataFrame:
+    """A0 succeeds in 15 of 20 attempts, C4 in none; G6 was not tried."""
+    success = [True] * 15 + [False] * 5 + [False] * 20
+    frame = pd.DataFrame(
+        {
+            "label": ["A0"] * 20 + ["C4"] * 20,
+            "success": success,
+            "outcome": ["success"] * 15 + ["slipped"] * 5 + ["missed"] * 12 + ["no_grasp"] * 8,
+        }
+    )
+    return filled(frame, tables.TRIALS)
+
+
+@pytest.fixture(scope="session")
+def grasps(objects: pd.DataFrame) -> pd.DataFrame:
+    random = np.random.default_rng(3)
+    names = np.repeat(objects["label"].to_numpy(), 10)
+    frame = pd.DataFrame(
+        {
+            "label": names,
+            "quality": random.uniform(0, 0.004, len(names)),
+            "robust_quality": random.uniform(0, 0.002, len(names)),
+            "held": 0.5,
+            "collision_free": np.arange(len(names)) % 4 == 0,
+        }
+    )
+    return filled(frame, tables.GRASPS)
+
+
+@pytest.fixture(scope="session")
+def report(settings, objects, pictures, evalset, grasps, trials) -> ReportData:
+    rejected = pd.DataFrame(
+        {
+            "id": ["<script>alert(1)</script>", "b", "c"],
+            "stage": ["postprocess", "postprocess", "simulated-trial"],
+            "reason": ["no volume", "no volume", "no grasps & no parts"],
+        }
+    )
+    scales = pd.DataFrame(
+        {"label": objects["label"], "rule": "paper", "opening": 0.075, "factor": 1.0}
+    )
+    scales.loc[:9, "factor"] = 0.8
+    manifest = pd.DataFrame({"label": ["A0", "C4", "G6"], "plate": [1.0, 2.0, np.nan]})
+    full = DatasetReport(
+        objects,
+        rejected,
+        pictures,
+        evalset,
+        grasps={"egad_75mm": grasps, "yumi": grasps.head(100)},
+        scales={"egad_75mm": filled(scales, tables.SCALES)},
+        manifests={"egad_75mm": filled(manifest, tables.MANIFEST)},
+        trials={("egad_75mm", "antipodal-depth"): trials},
+    )
+    compared = DatasetReport(made_objects(settings, 12, 2), tables.empty(tables.REJECTED))
+    comparison = pd.DataFrame(
+        {
+            "dataset": ["egad", "mine"],
+            "objects": [40, 12],
+            "coverage": [0.016, 0.0048],
+            "filled_cells": [0.0576, 0.0192],
+            "diversity_min": [0.1, 0.12],
+            "diversity_max": [0.3, 0.28],
+            "diversity_mean": [0.2, 0.21],
+        }
+    )
+    return ReportData(
+        settings, comparison, {"egad": full, "mine": compared}, {"python": "3.11.7", "egad": "0.1"}
+    )

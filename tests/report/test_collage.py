@@ -1,0 +1,52 @@
+import io
+
+import numpy as np
+import pandas as pd
+from PIL import Image
+
+from egad.report.collage import GROUND, collage
+from egad.settings import Space
+
+
+def square(tone: int) -> bytes:
+    buffer = io.BytesIO()
+    Image.new("RGBA", (8, 8), (tone, tone, tone, 255)).save(buffer, "png")
+    return buffer.getvalue()
+
+
+def drawn(objects: pd.DataFrame, pictures: dict[str, bytes]) -> np.ndarray:
+    content = collage(objects, pictures, Space(cells=5), unit=20)
+    assert content == collage(objects, pictures, Space(cells=5), unit=20)
+    return np.asarray(Image.open(io.BytesIO(content)))
+
+
+def test_objects_lie_in_their_cells_and_the_most_diverse_is_on_top():
+    objects = pd.DataFrame(
+        {
+            "label": ["a", "b", "c", "unseen"],
+            "complexity_cell": [0, 0, 4, 2],
+            "difficulty_cell": [0, 0, 4, 2],
+            "diversity": [0.1, 0.3, 0.2, 0.9],
+        }
+    )
+    image = drawn(objects, {"a": square(10), "b": square(90), "c": square(170)})
+    assert image.shape == (120, 120, 3)
+
+    def centre(column: int, row: int) -> list[int]:
+        return image[(4 - row) * 20 + 10, 20 + column * 20 + 10].tolist()
+
+    assert centre(0, 0) == [90] * 3
+    assert centre(4, 4) == [170] * 3
+    assert centre(2, 2) == centre(4, 0) == [255] * 3
+
+
+def test_transparent_parts_show_the_ground_and_axes_are_written():
+    objects = pd.DataFrame(
+        {"label": ["a"], "complexity_cell": [1], "difficulty_cell": [1], "diversity": [0.1]}
+    )
+    buffer = io.BytesIO()
+    Image.new("RGBA", (8, 8), (0, 0, 0, 0)).save(buffer, "png")
+    image = drawn(objects, {"a": buffer.getvalue()})
+    assert tuple(image[70, 50]) == GROUND
+    assert image[100:, 20:].min() < 100
+    assert image[:100, :20].min() < 100

@@ -1,0 +1,224 @@
+import base64
+import json
+from collections import Counter
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad import tables
+from egad.report.page import DatasetReport, ReportData, build
+from egad.report.render import png_bytes, render
+from egad.settings import Settings
+
+VOID = {"meta", "img", "br", "stop", "rect", "image", "link", "input", "hr"}
+
+
+class Page(HTMLParser):
+    """Collects what a page refers to, its ids, and whether its tags close."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.references: list[str] = []
+        self.ids: list[str] = []
+        self.tags: Counter[str] = Counter()
+        self.classes: Counter[str] = Counter()
+        self.open: list[str] = []
+        self.text: list[str] = []
+        self.data: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        values = dict(attrs)
+        self.tags[tag] += 1
+        self.classes.update((values.get("class") or "").split())
+        self.references += [values[name] for name in ("src", "href") if name in values]
+        self.ids += [values["id"]] if "id" in values else []
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open[-1:] == ["script"]:
+            self.data.append(data)
+        elif self.open[-1:] != ["style"]:
+            self.text.append(data)
+
+    def words(self) -> str:
+        return " ".join(" ".join(self.text).split())
+
+
+def cells(page: Page) -> dict:
+    def refuse(constant: str) -> None:
+        raise AssertionError(constant)
+
+    return json.loads(page.data[0], parse_constant=refuse)["cells"]
+
+
+@pytest.fixture(scope="module")
+def html(report) -> str:
+    return build(report)
+
+
+@pytest.fixture(scope="module")
+def page(html) -> Page:
+    return Page(html)
+
+
+def test_the_page_needs_nothing_else(html, page):
+    assert not page.open
+    assert all(reference.startswith(("data:", "#")) for reference in page.references)
+    assert "@import" not in html
+    assert "url(" not in html.replace("url(#scale", "")
+    assert "default-src 'none'" in html
+
+
+def test_links_lead_to_sections(page):
+    assert len(page.ids) == len(set(page.ids))
+    links = {reference[1:] for reference in page.references if reference.startswith("#")}
+    assert len(links) == 8
+    assert links <= set(page.ids)
+
+
+def test_the_same_report_gives_the_same_bytes(html, report):
+    copied = replace(
+        report,
+        datasets={
+            name: replace(data, objects=data.objects.copy(), rejected=data.rejected.copy())
+            for name, data in report.datasets.items()
+        },
+    )
+    assert build(copied) == html
+
+
+def test_the_map_has_every_cell_and_picture(page, report, objects, pictures):
+    space = report.settings.space
+    filled = sum(
+        data.objects.groupby(["complexity_cell", "difficulty_cell"]).ngroups
+        for data in report.datasets.values()
+    )
+    assert page.classes["empty"] == 2 * space.cells**2
+    assert page.classes["cell"] == filled
+    best = objects.sort_values("diversity").drop_duplicates(
+        ["complexity_cell", "difficulty_cell"], keep="last"
+    )
+    assert page.tags["image"] == len(best)
+    shown = {reference.partition(",")[2] for reference in page.references}
+    for label in best["label"]:
+        assert base64.b64encode(pictures[label]).decode() in shown
+
+
+def test_a_cell_tells_its_most_diverse_objects(page, objects, pictures):
+    for name, cell in cells(page).items():
+        letter, column = ord(name[0]) - 65, int(name[1:])
+        inside = objects[
+            (objects["difficulty_cell"] == letter) & (objects["complexity_cell"] == column)
+        ].sort_values("diversity", ascending=False)
+        assert [item[0] for item in cell["items"]] == inside["label"].head(4).tolist()
+        assert len(cell["items"]) + cell["more"] == len(inside)
+        assert cell["items"][0][5] is None
+        for item in cell["items"][1:]:
+            assert base64.b64decode(item[5]) == pictures[item[0]]
+
+
+def test_the_evaluation_set_says_what_is_empty(page):
+    assert page.classes["vacant"] == 46
+    assert page.tags["figure"] == 49
+    assert "46 of 49 places are empty" in page.words()
+
+
+def test_key_numbers(page):
+    words = page.words()
+    assert "40 objects" in words
+    assert "15 of 40 attempts on 2 objects: 38 % , with a 95 % interval of 24 % to 53 %" in words
+    assert "EGAD, 2020 published 2 331 \N{EN DASH} 93 % 0.07 0.27 0.19" in words
+    assert "Dex-Net 2.0 published 1 497 \N{EN DASH} 37 % 0.03 0.26 0.11" in words
+    assert "no volume postprocess 2" in words
+    assert "too large for the bed: G6" in words
+
+
+def test_every_setting_is_listed_with_its_meaning(page, report):
+    words = page.words()
+    assert "seed 11 default 0 every random draw follows from this number" in words
+    for name, field in Settings.model_fields.items():
+        assert name in words
+        for key in getattr(field.annotation, "model_fields", {}):
+            assert key in words, key
+    for name in [*report.settings.grippers, *report.versions]:
+        assert name in words
+
+
+def test_names_from_files_are_escaped(report):
+    data = report.datasets["egad"]
+    strange = data.objects.assign(id="</script><script>alert(2)</script>")
+    html = build(replace(report, datasets={"egad": replace(data, objects=strange)}))
+    assert "<script>alert" not in html
+    assert "</script><script>" not in html
+    found = cells(Page(html))
+    assert next(iter(found.values()))["items"][0][1] == "</script><script>alert(2)</script>"
+
+
+def test_a_compared_dataset_has_a_map_and_no_more(report):
+    page = Page(build(replace(report, datasets={"mine": report.datasets["mine"]})))
+    assert {"map", "comparison", "rejected"} <= set(page.ids)
+    assert not {"evaluation", "grasps", "trials"} & set(page.ids)
+    assert page.tags["image"] == 0
+    assert "No object was rejected" in page.words()
+
+
+def test_datasets_without_objects_or_diversity(report):
+    none = DatasetReport(tables.empty(tables.OBJECTS), tables.empty(tables.REJECTED))
+    lonely = report.datasets["mine"].objects.head(1).assign(diversity=np.nan)
+    alone = DatasetReport(lonely, tables.empty(tables.REJECTED))
+    page = Page(build(replace(report, datasets={"egad": none, "mine": alone})))
+    assert "The dataset egad holds no objects" in page.words()
+    assert page.classes["cell"] == 1
+    assert json.loads(page.data[1], parse_constant=pytest.fail)["cells"]
+
+
+def test_tables_without_rows_count_as_absent(report, evalset):
+    data = replace(
+        report.datasets["egad"],
+        evalset=evalset.head(0),
+        grasps={"yumi": tables.empty(tables.GRASPS)},
+        scales={},
+        manifests={},
+        trials={("yumi", "antipodal-depth"): tables.empty(tables.TRIALS)},
+    )
+    page = Page(build(replace(report, datasets={"egad": data})))
+    assert not {"evaluation", "grasps", "trials"} & set(page.ids)
+
+
+def test_larger_pictures_of_the_evaluation_set_are_preferred(report):
+    large = png_bytes(render(trimesh.creation.cylinder(1, 2), 64))
+    data = replace(report.datasets["egad"], evalset_pictures={"C4": large})
+    html = build(replace(report, datasets={"egad": data}))
+    assert html.count(base64.b64encode(large).decode()) == 1
+
+
+def test_nine_hundred_pictures_stay_below_six_megabytes(report, objects):
+    knot = trimesh.creation.torus(1, 0.35)
+    knot.vertices += 0.05 * np.sin(9 * knot.vertices[:, [1, 2, 0]])
+    picture = png_bytes(render(knot, 96))
+    assert len(picture) > 2000
+    many = objects.loc[np.arange(900) % len(objects)].reset_index(drop=True)
+    number = np.arange(900)
+    many = many.assign(
+        complexity_cell=number % 225 % 25,
+        difficulty_cell=number % 225 // 25,
+        label=[f"X{index}" for index in number],
+    )
+    data = DatasetReport(
+        many, report.datasets["egad"].rejected, dict.fromkeys(many["label"], picture)
+    )
+    whole = ReportData(report.settings, report.comparison, {"egad": data}, {})
+    assert 900 * len(picture) < len(build(whole)) < 6e6

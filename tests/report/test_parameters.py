@@ -1,0 +1,30 @@
+from egad.report.parameters import entry_tables, parameter_tables
+from egad.settings import Settings, Trials
+
+
+def test_only_changed_values_show_their_default():
+    settings = Settings(trials=Trials(attempts=3))
+    shown = {
+        (table.name, item.name): item
+        for table in parameter_tables(settings)
+        for item in table.parameters
+    }
+    assert shown["trials", "attempts"].value == "3"
+    assert shown["trials", "attempts"].default == "20"
+    assert [item.name for item in shown.values() if item.default] == ["attempts"]
+
+
+def test_values_keep_all_their_digits():
+    tables = {table.name: table for table in parameter_tables(Settings())}
+    values = {item.name: item.value for item in tables["space"].parameters}
+    assert values["difficulty_range"] == "0.0005, 0.004"
+    assert tables["schedule"].summary.startswith("How evolution is cut")
+
+
+def test_grippers_stand_side_by_side():
+    tables = {table.name: table for table in entry_tables(Settings())}
+    assert set(tables) == {"datasets", "grippers"}
+    names = [column.name for column in tables["grippers"].columns]
+    row = dict(zip(names, tables["grippers"].rows["panda"], strict=True))
+    assert (row["opening"], row["palm"]) == ("0.08", "0.2, 0.063, 0.06")
+    assert tables["datasets"].rows["egad"] == ["evolved", "", ""]
