@@ -237,18 +237,20 @@ def rescale(
     ending: Annotated[str, typer.Option("--format", help="obj (m) or stl (mm)")] = "obj",
 ) -> None:
     """Scale any meshes to a gripper."""
+    from egad.config_check import check
     from egad.exchange.meshes import mesh_files
-    from egad.stage_settings import RescaleMeshes
+    from egad.settings import Settings
+    from egad.stage_settings import RescaleMeshes, select
     from egad.stages import rescale as stage
 
-    if settings is None:
-        if opening is None:
-            raise UserError("rescale needs --opening, the widest opening of the gripper in metres")
-        parsed = _validated(
-            RescaleMeshes, {"gripper": {"opening": opening}, "rescale": {"rule": rule}}
-        )
-    else:
+    if settings is not None:
         parsed = _parse(RescaleMeshes, settings)
+    elif opening is not None:
+        grippers = {**Settings().model_dump()["grippers"], "yours": {"opening": opening}}
+        config = {"grippers": grippers, "rescale": {"rule": rule}}
+        parsed = select(check(config), RescaleMeshes, "yours")
+    else:
+        raise UserError("rescale needs --opening, the widest opening of the gripper in metres")
     if ending not in stage.WRITERS:
         raise UserError(f"--format is {ending!r}; allowed: {', '.join(stage.WRITERS)}")
     files = [file for path in meshes for file in ([path] if path.is_file() else mesh_files(path))]

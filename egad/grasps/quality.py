@@ -1,0 +1,125 @@
+"""Ferrari-Canny quality of two-finger grasps with soft fingers.
+
+Ferrari and Canny, "Planning optimal grasps", ICRA 1992, with the L1 norm: the largest disturbance
+that the fingers can resist in every direction while their contact forces add up to one. The contact
+model and its constants are those of Dex-Net 2.0 (Mahler et al., RSS 2017).
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from egad.grasps.hull import depths
+
+Floats = NDArray[np.float64]
+
+
+def ferrari_canny(
+    points: ArrayLike,
+    normals: ArrayLike,
+    axis: ArrayLike,
+    com: ArrayLike,
+    *,
+    friction: ArrayLike = 0.5,
+    torque_scaling: float = 100.0,
+    finger_radius: float = 0.005,
+    cone_faces: int = 8,
+) -> Floats:
+    """Quality of each of n grasps: 0 is useless, larger is better.
+
+    The value is exact: the smallest distance from the origin to a facet of the convex hull of all
+    wrenches; 0 if the origin is not strictly inside, or if a finger slips because the angle
+    between the axis and its normal exceeds the friction angle. With `a` that angle and `d` the
+    distance of the centre of mass from the line of contacts it is at most
+    `pi finger_radius^2 friction torque_scaling cos(a)^2 / sqrt(1 + (torque_scaling d)^2)`
+    for the better of the two contacts.
+
+    Args:
+        points: (n, 2, 3) contacts, metres.
+        normals: (n, 2, 3) outward unit normals there.
+        axis: (n, 3) unit vectors from the first contact to the second.
+        com: (3,) or (n, 3) centre of mass, metres.
+        friction: Coulomb friction coefficient, one for all or (n,).
+        torque_scaling: What a torque counts beside a force, 1/m.
+        finger_radius: Radius of the soft contact, metres; it resists torsion.
+        cone_faces: Edges of a linearised friction cone, 3 to 28.
+
+    Returns:
+        (n,) qualities.
+    """
+    points = np.asarray(points, dtype=float).reshape(-1, 2, 3)
+    normals = np.asarray(normals, dtype=float).reshape(-1, 2, 3)
+    axis = np.asarray(axis, dtype=float).reshape(-1, 3)
+    arms = points - np.broadcast_to(com, axis.shape)[:, None]
+    mu = np.broadcast_to(np.asarray(friction, dtype=float), len(points))
+    held = np.flatnonzero(~slips(normals, axis, mu))
+    quality = np.zeros(len(points))
+    quality[held] = depths(
+        wrenches(
+            torque_scaling * arms[held],
+            normals[held],
+            axis[held],
+            mu[held],
+            torque_scaling * np.pi * finger_radius**2,
+            cone_faces,
+        )
+    )
+    return quality
+
+
+def slips(normals: Floats, axis: Floats, friction: Floats) -> NDArray[np.bool_]:
+    """Which of n grasps have a contact with the axis outside its friction cone."""
+    held = pressures(normals, axis).min(axis=1) >= 1 / np.sqrt(1 + friction**2)
+    return np.asarray(~held)  # NaN slips
+
+
+def pressures(normals: Floats, axis: Floats) -> Floats:
+    """Part of a unit closing force that presses along each inward normal: (n, 2)."""
+    signs = np.array([-1.0, 1.0])
+    return np.asarray(signs * np.einsum("nck,nk->nc", normals, axis))
+
+
+def wrenches(
+    arms: Floats, normals: Floats, axis: Floats, friction: Floats, torsion: float, cone_faces: int
+) -> Floats:
+    """The wrenches that the contacts of each of n grasps can apply to the object.
+
+    A finger presses with the part of a unit force along its inward normal. Its friction cone has
+    `cone_faces` edges, the first leaning towards x; torsion acts either way about the normal.
+
+    Args:
+        arms: (n, 2, 3) contacts from the centre of mass, times the torque scaling.
+        normals: (n, 2, 3) outward unit normals.
+        axis: (n, 3) closing axes.
+        friction: (n,) friction coefficients.
+        torsion: Scaled torsion per friction and pressure.
+        cone_faces: Edges of a cone.
+
+    Returns:
+        (n, 2 * cone_faces + 4, 6): force, then scaled torque.
+    """
+    count = len(arms)
+    pressure = pressures(normals, axis)
+    inward = -normals * pressure[..., None]
+    tangent = _tangents(normals)
+    other = np.cross(normals, tangent)
+    angles = 2 * np.pi * np.arange(cone_faces) / cone_faces
+    cosine, sine = np.cos(angles)[:, None], np.sin(angles)[:, None]
+    lean = cosine * tangent[:, :, None] + sine * other[:, :, None]
+    lean *= (friction[:, None] * pressure)[..., None, None]
+    forces = inward[:, :, None] + lean
+    torques = np.cross(arms[:, :, None], forces)
+    twists = torsion * friction[:, None, None] * inward
+    result = np.zeros((count, 2 * cone_faces + 4, 6))
+    result[:, :-4, :3] = forces.reshape(count, 2 * cone_faces, 3)
+    result[:, :-4, 3:] = torques.reshape(count, 2 * cone_faces, 3)
+    result[:, -4:-2, 3:] = twists
+    result[:, -2:, 3:] = -twists
+    return result
+
+
+def _tangents(normals: Floats) -> Floats:
+    """The unit tangent nearest to x, or to y where the normal is along x."""
+    along_x = np.abs(normals[..., :1]) > 1 - 1e-9
+    reference = np.where(along_x, [0.0, 1.0, 0.0], [1.0, 0.0, 0.0])
+    tangents = reference - np.sum(reference * normals, axis=-1, keepdims=True) * normals
+    return np.asarray(tangents / np.linalg.norm(tangents, axis=-1, keepdims=True))

@@ -1,0 +1,116 @@
+"""Grasp quality under uncertainty: the mean over disturbed copies of a grasp.
+
+The random variables are those that Dex-Net documents (Mahler et al., RSS 2017). Ours: every copy
+has its own object pose, the centre of mass is disturbed around its true place, and a finger that
+meets the object beyond the middle pushes it along instead of missing it.
+"""
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from egad.grasps.quality import ferrari_canny
+from egad.grasps.rays import RayCaster
+from egad.grasps.sampler import Grasps
+from egad.settings import Quality, Robust
+
+Floats = NDArray[np.float64]
+
+
+def robust_ferrari_canny(
+    mesh: trimesh.Trimesh,
+    grasps: Grasps,
+    com: Floats,
+    opening: float,
+    *,
+    quality: Quality,
+    robust: Robust,
+    rng: np.random.Generator,
+) -> tuple[Floats, Floats, Floats]:
+    """Quality of each of n grasps over disturbed copies.
+
+    In every copy the object and the hand are a little off, the centre of mass and the friction
+    differ, and the open fingers close again on what is there. A copy counts 0 if a finger starts
+    inside the object or meets nothing.
+
+    Args:
+        mesh: The object, metres, its triangles winding outwards.
+        grasps: The n grasps.
+        com: (3,) centre of mass, metres.
+        opening: Distance of the open fingers, metres.
+        quality: Contact model; its torque scaling gives way to that of `robust`.
+        robust: Number of copies and their spread.
+        rng: Where chance comes from.
+
+    Returns:
+        Mean, standard deviation (of the copies), and fraction of copies with positive quality:
+        each (n,).
+    """
+    copies = len(grasps) * robust.samples
+    centers, axes = _disturb(grasps, com, robust, rng)
+    contacts, touching = close_fingers(RayCaster(mesh), centers, axes, opening)
+    coms = com + rng.normal(0, robust.com_sigma, (copies, 3))
+    friction = np.maximum(rng.normal(quality.friction, robust.friction_sigma, copies), 0)
+    values = np.zeros(copies)
+    values[touching] = ferrari_canny(
+        contacts.points[touching],
+        contacts.normals[touching],
+        axes[touching],
+        coms[touching],
+        friction=friction[touching],
+        torque_scaling=robust.torque_scaling,
+        finger_radius=quality.finger_radius,
+        cone_faces=quality.cone_faces,
+    )
+    table = values.reshape(len(grasps), robust.samples)
+    return table.mean(axis=1), table.std(axis=1), (table > 0).mean(axis=1)
+
+
+def close_fingers(
+    caster: RayCaster, centers: Floats, axes: Floats, opening: float
+) -> tuple[Grasps, NDArray[np.bool_]]:
+    """Close fingers from half an opening either side of n centres.
+
+    Args:
+        caster: The object.
+        centers: (n, 3) midpoints of the open fingers, metres.
+        axes: (n, 3) unit vectors from the first finger to the second.
+        opening: Distance of the open fingers, metres.
+
+    Returns:
+        The contacts, and where they exist: both fingers start outside and meet the object before
+        they meet each other.
+    """
+    directions = np.stack([axes, -axes], axis=1)
+    starts = centers[:, None] - opening / 2 * directions
+    hits = caster.first_hits(starts.reshape(-1, 3), directions.reshape(-1, 3))
+    distances = hits.distances.reshape(-1, 2)
+    touching = np.asarray((hits.entering.reshape(-1, 2) & (distances <= opening)).all(axis=1))
+    travel = np.where(touching[:, None], distances, 0.0)
+    points = starts + travel[..., None] * directions
+    return Grasps(points, hits.normals.reshape(-1, 2, 3), axes), touching
+
+
+def _disturb(
+    grasps: Grasps, com: Floats, robust: Robust, rng: np.random.Generator
+) -> tuple[Floats, Floats]:
+    """Centres and axes of the copies, grasp by grasp, in the frame of the disturbed object.
+
+    The object turns about its centre of mass and shifts; the hand turns and shifts. Instead of
+    moving the mesh, the hand is moved back.
+    """
+    copies = len(grasps) * robust.samples
+
+    def normal(sigma: float) -> Floats:
+        return rng.normal(0, sigma, (copies, 3))
+
+    def turn(sigma: float) -> Rotation:
+        return Rotation.from_rotvec(normal(sigma))
+
+    centers = np.repeat(grasps.centers, robust.samples, axis=0)
+    centers += normal(robust.grasp_translation_sigma)
+    axes = turn(robust.grasp_rotation_sigma).apply(np.repeat(grasps.axes, robust.samples, axis=0))
+    shift = normal(robust.object_translation_sigma)
+    back = turn(robust.object_rotation_sigma).inv()
+    return back.apply(centers - shift - com) + com, back.apply(axes)

@@ -1,0 +1,222 @@
+"""Antipodal grasps of a parallel-jaw gripper on the surface of a mesh.
+
+The rules are those of Dex-Net's antipodal sampler as EGAD used it (Mahler et al., RSS 2017), with
+exact ray casting in place of a search along lines in a distance field.
+"""
+
+from dataclasses import dataclass, fields
+
+import numba
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from egad.grasps.rays import RayCaster
+from egad.settings import Sampling
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+TURN = 0.05 * 2 / np.pi  # metres that a radian of turn counts in the distance of two grasps
+CONTACT_TOLERANCE = 1e-6  # of the opening
+
+
+@dataclass(frozen=True)
+class Grasps:
+    """Contacts of n grasps.
+
+    Attributes:
+        points: (n, 2, 3), metres.
+        normals: (n, 2, 3) outward unit normals.
+        axes: (n, 3) unit vectors from the first contact to the second.
+    """
+
+    points: Floats
+    normals: Floats
+    axes: Floats
+
+    def __len__(self) -> int:
+        """The number of grasps."""
+        return len(self.axes)
+
+    @property
+    def centers(self) -> Floats:
+        """(n, 3) midpoints of the contacts, metres."""
+        return np.asarray(self.points.mean(axis=1))
+
+    @property
+    def widths(self) -> Floats:
+        """(n,) distances of the contacts, metres."""
+        return np.asarray(np.linalg.norm(self.points[:, 1] - self.points[:, 0], axis=1))
+
+    def take(self, indices: Indices) -> "Grasps":
+        """Some of the grasps, in the order given."""
+        return Grasps(self.points[indices], self.normals[indices], self.axes[indices])
+
+
+_NONE = Grasps(np.empty((0, 2, 3)), np.empty((0, 2, 3)), np.empty((0, 3)))
+
+
+@dataclass(frozen=True)
+class Tally:
+    """What became of the candidates. Each is counted once, at the first test that it fails."""
+
+    tried: int = 0
+    too_wide: int = 0  # no opposite surface within the opening
+    not_antipodal: int = 0  # the second contact faces too far away from the axis
+    blocked: int = 0  # something is in the way of the open fingers
+    too_close: int = 0  # too much like a grasp that was found before
+
+    def __add__(self, other: "Tally") -> "Tally":
+        return Tally(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+
+    def __str__(self) -> str:
+        causes = [f for f in fields(self) if f.name != "tried"]
+        parts = [f"{getattr(self, f.name)} {f.name.replace('_', ' ')}" for f in causes]
+        return f"of {self.tried} candidates: {', '.join(parts)}"
+
+
+def sample(
+    mesh: trimesh.Trimesh,
+    opening: float,
+    count: int,
+    sampling: Sampling,
+    rng: np.random.Generator,
+) -> tuple[Grasps, Tally]:
+    """Find grasps that are well spread over an object.
+
+    First contacts are uniform over the surface; the axis leaves the inward normal by an angle
+    whose tangent is uniform up to the cone. The second contact is where a finger that closes from
+    the opening's far end meets the object. Then the open fingers, placed evenly about the
+    midpoint of the contacts, must be able to close to these contacts, and to come straight to
+    their places along `approach_directions` from `approach_clearance` away.
+
+    Args:
+        mesh: The object, metres, its triangles winding outwards.
+        opening: Distance of the open fingers, metres.
+        count: Grasps wanted.
+        sampling: Rules. A round draws twice as many candidates as grasps are wanted, if that is
+            more than its setting.
+        rng: Where chance comes from.
+
+    Returns:
+        Up to `count` grasps, fewer if the rounds did not give more, and what became of the
+        candidates.
+    """
+    caster = RayCaster(mesh)
+    grasps, tally = _NONE, Tally()
+    for _ in range(sampling.rounds):
+        draws = max(sampling.candidates, 2 * count)
+        starts, faces = trimesh.sample.sample_surface(mesh, draws, seed=rng)
+        normals = caster.normals[faces]
+        axes = _axes_in_cone(normals, sampling.cone, rng)
+        fresh, fate = _close(caster, np.asarray(starts), normals, axes, opening, sampling)
+        spread = _keep_apart(grasps, fresh, sampling.spacing)
+        grasps = join([grasps, fresh.take(spread)])
+        tally += fate + Tally(too_close=len(fresh) - len(spread))
+        if len(grasps) >= count:
+            break
+    return grasps.take(np.arange(min(len(grasps), count))), tally
+
+
+def join(parts: list[Grasps]) -> Grasps:
+    """All grasps of several batches, in order."""
+    return Grasps(
+        np.concatenate([part.points for part in parts]),
+        np.concatenate([part.normals for part in parts]),
+        np.concatenate([part.axes for part in parts]),
+    )
+
+
+def approach_directions(axes: Floats) -> Floats:
+    """Horizontal unit vectors at right angles to closing axes: (n, 3).
+
+    This is the approach of Dex-Net's grasps at angle 0; x for a vertical axis.
+    """
+    flat = np.stack([axes[:, 1], -axes[:, 0], np.zeros(len(axes))], axis=1)
+    length = np.linalg.norm(flat, axis=1, keepdims=True)
+    return np.where(length > 1e-9, flat / np.maximum(length, 1e-9), [1.0, 0.0, 0.0])
+
+
+def _axes_in_cone(normals: Floats, cone: float, rng: np.random.Generator) -> Floats:
+    """Unit vectors into the object; the tangent of their angle to -normal is uniform."""
+    count = len(normals)
+    helper = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    first = np.cross(normals, helper)
+    first /= np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-12)
+    second = np.cross(normals, first)
+    turn = rng.uniform(0, 2 * np.pi, (count, 1))
+    lean = rng.uniform(0, cone, (count, 1))
+    axes = -normals + lean * (np.cos(turn) * first + np.sin(turn) * second)
+    return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
+
+
+def _close(
+    caster: RayCaster,
+    starts: Floats,
+    normals: Floats,
+    axes: Floats,
+    opening: float,
+    sampling: Sampling,
+) -> tuple[Grasps, Tally]:
+    """Close fingers along the axes; what stays are grasps that touch at the starts."""
+    far = starts + opening * axes
+    hits = caster.first_hits(far, -axes)
+    fits = hits.entering & (hits.distances < opening)
+    ends = far - np.where(fits, hits.distances, 0.0)[:, None] * axes
+    cosine = np.einsum("nk,nk->n", hits.normals, axes)
+    antipodal = fits & (cosine * np.sqrt(1 + sampling.cone**2) >= 1)
+    chosen = np.flatnonzero(antipodal)
+    candidates = Grasps(
+        np.stack([starts, ends], axis=1), np.stack([normals, hits.normals], axis=1), axes
+    ).take(chosen)
+    free = _fingers_free(caster, candidates, opening, sampling.approach_clearance)
+    tally = Tally(
+        tried=len(axes),
+        too_wide=int(np.sum(~fits)),
+        not_antipodal=int(np.sum(fits & ~antipodal)),
+        blocked=int(np.sum(~free)),
+    )
+    return candidates.take(np.flatnonzero(free)), tally
+
+
+def _fingers_free(
+    caster: RayCaster, grasps: Grasps, opening: float, clearance: float
+) -> NDArray[np.bool_]:
+    """Whether the open fingers reach their places, and from there the contacts."""
+    half = opening / 2 * grasps.axes
+    left, right = grasps.centers - half, grasps.centers + half
+    travel = (opening - grasps.widths) / 2
+    touched = caster.first_hits(left, grasps.axes)
+    reached = np.abs(touched.distances - travel) <= CONTACT_TOLERANCE * opening
+    free = reached & touched.entering
+    if clearance > 0:
+        away = -approach_directions(grasps.axes)
+        free &= ~caster.obstructed(left, away, clearance)
+        free &= ~caster.obstructed(right, away, clearance)
+    return np.asarray(free)
+
+
+def _keep_apart(old: Grasps, new: Grasps, spacing: float) -> Indices:
+    """Which new grasps, taken in order, are at least `spacing` from all that are kept."""
+    both = join([old, new])
+    kept: Indices = _spread(both.centers, both.axes, len(old), spacing)
+    return kept
+
+
+@numba.njit(cache=True)
+def _spread(centers: Floats, axes: Floats, old: int, spacing: float) -> Indices:
+    kept = np.arange(len(centers))
+    count = old
+    for i in range(old, len(centers)):
+        apart = True
+        for j in kept[:count]:
+            distance = np.sqrt(np.sum((centers[i] - centers[j]) ** 2))
+            if distance < spacing:
+                cosine = min(abs(np.dot(axes[i], axes[j])), 1.0)
+                if distance + TURN * np.arccos(cosine) < spacing:
+                    apart = False
+                    break
+        if apart:
+            kept[count] = i
+            count += 1
+    return kept[old:count] - old

@@ -1,0 +1,53 @@
+"""Shape complexity: how unpredictable the curvature of a surface is.
+
+Wang et al., "Assessing shape complexity by the entropy of angular deficits", as used by EGAD
+(Morrison, Corke and Leitner, RA-L 2020).
+"""
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from egad.errors import RejectedError
+
+Floats = NDArray[np.float64]
+
+
+def complexity(mesh: trimesh.Trimesh, bins: int = 512) -> float:
+    """Entropy of the angular deficits of the vertices.
+
+    Args:
+        mesh: A triangle mesh of any size; vertices without faces do not count.
+        bins: Bins of the histogram over [-2 pi, 2 pi).
+
+    Returns:
+        Bits: 0 if all vertices are alike, at most log2(bins).
+
+    Raises:
+        RejectedError: The mesh has no faces.
+    """
+    if len(mesh.faces) == 0:
+        raise RejectedError("no faces")
+    width = 4 * np.pi / bins
+    # rounding must not scatter flat vertices, whose deficit 0 is the edge of a bin
+    position = (angular_deficits(mesh) + 2 * np.pi) / width + 1e-9
+    counts = np.bincount(np.clip(np.floor(position).astype(np.int64), 0, bins - 1))
+    share = counts[counts > 0] / counts.sum()
+    return float(-np.sum(share * np.log2(share)) + 0.0)
+
+
+def angular_deficits(mesh: trimesh.Trimesh) -> Floats:
+    """2 pi minus the sum of the triangle angles around each vertex that has faces, radians."""
+    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    angles = np.bincount(faces.ravel(), corner_angles(vertices[faces]).ravel(), len(vertices))
+    used = np.bincount(faces.ravel(), minlength=len(vertices)) > 0
+    return np.asarray(2 * np.pi - angles[used])
+
+
+def corner_angles(triangles: Floats) -> Floats:
+    """Angles at the corners of (n, 3, 3) triangles: (n, 3), radians; 0 between zero edges."""
+    after = np.roll(triangles, -1, axis=1) - triangles
+    before = np.roll(triangles, 1, axis=1) - triangles
+    sine = np.linalg.norm(np.cross(after, before), axis=2)
+    cosine = np.einsum("nck,nck->nc", after, before)
+    return np.asarray(np.arctan2(sine, cosine))

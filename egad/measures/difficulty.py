@@ -1,0 +1,100 @@
+"""Grasp difficulty: how good the better grasps of an object are.
+
+The rules are EGAD's (Morrison, Corke and Leitner, RA-L 2020): many antipodal grasps are sampled on
+the object scaled to the gripper, and a percentile of their quality is taken.
+"""
+
+import numpy as np
+import trimesh
+from numpy.typing import ArrayLike, NDArray
+
+from egad.errors import RejectedError
+from egad.grasps.quality import ferrari_canny
+from egad.grasps.sampler import sample
+from egad.settings import Difficulty, Quality, Sampling
+
+Floats = NDArray[np.float64]
+FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
+
+
+def difficulty(
+    mesh: trimesh.Trimesh,
+    opening: float,
+    grasps: int,
+    *,
+    settings: Difficulty,
+    sampling: Sampling,
+    quality: Quality,
+    rng: np.random.Generator,
+    com: Floats | None = None,
+) -> tuple[float, int]:
+    """A percentile of the quality of sampled grasps: high values are easy objects.
+
+    A copy of the mesh is measured: turned until its principal axes (of the vertices) are the
+    coordinate axes, then scaled until its smallest side is `settings.side_fraction` of the
+    opening. Grasps without quality count as zeros.
+
+    Args:
+        mesh: The object, of any size, its triangles winding outwards.
+        opening: Widest opening of the gripper, metres.
+        grasps: Grasps to sample.
+        settings: Percentile and size.
+        sampling: How grasps are sampled.
+        quality: How they are rated.
+        rng: Where chance comes from.
+        com: Centre of mass in the frame of the mesh; else the centroid of the volume.
+
+    Returns:
+        The percentile, and how many grasps it was taken from: fewer than wanted if the rounds of
+        the sampler did not find more.
+
+    Raises:
+        RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
+    """
+    if len(mesh.faces) == 0:
+        raise RejectedError("no faces")
+    if not np.isfinite(mesh.vertices).all():
+        raise RejectedError("coordinates that are not finite")
+    place = _alignment(np.asarray(mesh.vertices), settings.side_fraction * opening)
+    scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
+    centre = _apply(place, center_of_mass(mesh) if com is None else com)
+    found, tally = sample(scaled, opening, grasps, sampling, rng)
+    if len(found) == 0:
+        raise RejectedError(f"no grasp ({tally})")
+    qualities = ferrari_canny(
+        found.points, found.normals, found.axes, centre, **quality.model_dump()
+    )
+    return percentile(qualities, settings.percentile), len(found)
+
+
+def percentile(values: Floats, percent: float) -> float:
+    """The value at index n * percent / 100 of the ascending values: no interpolation."""
+    index = min(int(len(values) * percent / 100), len(values) - 1)
+    return float(np.sort(values)[index])
+
+
+def center_of_mass(mesh: trimesh.Trimesh) -> Floats:
+    """The centroid of the volume; that of the surface where the volume has none within bounds."""
+    centre = np.asarray(mesh.center_mass)
+    low, high = np.asarray(mesh.bounds)
+    inside = bool(np.all((centre >= low) & (centre <= high)))  # False for NaN
+    return centre if inside else np.asarray(mesh.centroid)
+
+
+def _alignment(vertices: Floats, side: float) -> tuple[Floats, Floats]:
+    """The middle of the vertices, and what turns and scales points about it.
+
+    Principal axes become coordinate axes, the longest z, and the smallest side becomes `side`.
+    """
+    middle = vertices.mean(axis=0)
+    _, axes = np.linalg.eigh(np.cov(vertices - middle, rowvar=False))
+    axes[:, 0] *= np.sign(np.linalg.det(axes))  # a rotation, no mirror
+    extents = np.ptp((vertices - middle) @ axes, axis=0)
+    if extents.min() <= FLAT * extents.max():
+        raise RejectedError("flat")
+    return middle, axes * (side / extents.min())
+
+
+def _apply(place: tuple[Floats, Floats], points: ArrayLike) -> Floats:
+    middle, matrix = place
+    return np.asarray((np.asarray(points, dtype=float) - middle) @ matrix)

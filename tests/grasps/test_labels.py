@@ -1,0 +1,58 @@
+import numpy as np
+import pytest
+import trimesh
+
+from egad import tables
+from egad.errors import RejectedError
+from egad.grasps.labels import label
+from egad.settings import GraspLabel, Settings
+from egad.stage_settings import GraspLabels, select
+
+SETTINGS = select(Settings(), GraspLabels, gripper="yumi").model_copy(
+    update={"grasp_label": GraspLabel(grasps=40)}
+)
+MESH = trimesh.creation.cylinder(0.02, 0.08, sections=48)
+
+
+def labels(mesh=MESH, seed=0):
+    return label(mesh, mesh.center_mass, SETTINGS, np.random.default_rng(seed))
+
+
+def vectors(frame, name):
+    return frame[[f"{name}_{part}" for part in "xyz"]].to_numpy()
+
+
+def test_columns_are_those_of_the_table(tmp_path):
+    frame = labels()
+    expected = [name for name in tables.GRASPS.names if name not in ("id", "label")]
+    assert list(frame.columns) == expected
+    assert frame["grasp"].tolist() == list(range(40))
+    path = tmp_path / "grasps.parquet"
+    tables.write(frame.assign(id="a", label="A00_0"), tables.GRASPS, path)
+    assert len(tables.read(path, tables.GRASPS)) == 40
+
+
+def test_columns_agree_with_each_other():
+    frame = labels()
+    first, second = vectors(frame, "contact0"), vectors(frame, "contact1")
+    np.testing.assert_allclose(vectors(frame, "center"), (first + second) / 2, atol=1e-15)
+    np.testing.assert_allclose(np.linalg.norm(second - first, axis=1), frame["width"])
+    axis, approach = vectors(frame, "axis"), vectors(frame, "approach")
+    np.testing.assert_allclose(axis * frame[["width"]].to_numpy(), second - first, atol=1e-12)
+    np.testing.assert_allclose(np.einsum("nk,nk->n", axis, approach), 0, atol=1e-12)
+    assert (np.einsum("nk,nk->n", vectors(frame, "normal0"), axis) < 0).all()
+    assert (np.einsum("nk,nk->n", vectors(frame, "normal1"), axis) > 0).all()
+    assert frame["held"].between(0, 1).all()
+    assert ((frame["held"] > 0) == (frame["robust_quality"] > 0)).all()
+    assert frame["collision_free"].any()
+    assert (frame["quality"] > 0).any()
+
+
+def test_same_seed_gives_the_same_rows():
+    assert labels().equals(labels())
+    assert not labels().equals(labels(seed=1))
+
+
+def test_an_object_without_grasps_is_rejected_with_the_reason():
+    with pytest.raises(RejectedError, match=r"no grasp \(of 2000 candidates: \d+ too wide, "):
+        labels(trimesh.creation.box([0.06, 0.06, 0.06]))
