@@ -1,0 +1,101 @@
+"""Mesh files of other programs: read with units and checked; written the same way every time."""
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from egad.errors import RejectedError, UserError
+from egad.files import replacing
+
+ENDINGS = (".3mf", ".glb", ".obj", ".off", ".ply", ".stl")
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
+
+
+def mesh_files(folder: Path) -> list[Path]:
+    """The mesh files of a folder, sorted by name.
+
+    Raises:
+        UserError: There is no such folder, or it holds no mesh file.
+    """
+    if not folder.is_dir():
+        raise UserError(f"{folder}: there is no such folder of meshes")
+    files = sorted(path for path in folder.iterdir() if path.suffix.lower() in ENDINGS)
+    if not files:
+        raise UserError(f"{folder}: no mesh files in it; allowed endings: {' '.join(ENDINGS)}")
+    return files
+
+
+def object_names(files: Iterable[Path]) -> dict[str, Path]:
+    """A name for each file that is safe in paths, and unique.
+
+    Other characters than letters, digits, `-`, `_` and `.` become `_`; files of the same name get
+    `-2`, `-3` and so on.
+    """
+    names: dict[str, Path] = {}
+    for path in files:
+        stem = re.sub(r"[^A-Za-z0-9._-]", "_", path.stem).lstrip(".") or "object"
+        name, number = stem, 1
+        while name in names:
+            number += 1
+            name = f"{stem}-{number}"
+        names[name] = path
+    return names
+
+
+def read_mesh(path: Path, units: str) -> trimesh.Trimesh:
+    """Read a mesh file as one mesh in metres, vertices at the same place merged.
+
+    Args:
+        path: A file with one of `ENDINGS`.
+        units: Unit of its coordinates: m, cm, mm or inch.
+
+    Raises:
+        UserError: The unit is unknown.
+        RejectedError: The file is not a mesh, is empty, or has coordinates that are not finite.
+    """
+    if units not in METRES:
+        raise UserError(f"unit {units!r} is not known; allowed: {', '.join(METRES)}")
+    mesh = _load(path)
+    if len(mesh.faces) == 0:
+        raise RejectedError("no faces")
+    if not np.isfinite(mesh.vertices).all():
+        raise RejectedError("coordinates that are not finite")
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    vertices = np.asarray(mesh.vertices, dtype=np.float64) * METRES[units]
+    merged = trimesh.Trimesh(vertices, mesh.faces, process=False)
+    if not merged.area > 0:
+        raise RejectedError("no area")
+    return merged
+
+
+def _load(path: Path) -> trimesh.Trimesh:
+    try:
+        return trimesh.load_mesh(path, process=False, maintain_order=True)
+    except FileNotFoundError as error:
+        raise RejectedError("no such file") from error
+    except Exception as error:
+        raise RejectedError(f"not a readable {path.suffix[1:]} file") from error
+
+
+def write_obj(mesh: trimesh.Trimesh, path: Path) -> None:
+    """Write a Wavefront OBJ file in the unit of the mesh, with enough digits to read it back."""
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in mesh.vertices.tolist()]
+    lines += [f"f {a} {b} {c}" for a, b, c in (mesh.faces + 1).tolist()]
+    with replacing(path) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
+def write_stl_mm(mesh: trimesh.Trimesh, path: Path) -> None:
+    """Write a binary STL file in millimetres; its header says so."""
+    facets = np.zeros(
+        len(mesh.faces),
+        dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")],
+    )
+    facets["normal"] = mesh.face_normals
+    facets["corners"] = mesh.triangles * 1000
+    header = b"egad, unit: millimetre".ljust(80)
+    with replacing(path) as temporary:
+        temporary.write_bytes(header + np.uint32(len(facets)).tobytes() + facets.tobytes())

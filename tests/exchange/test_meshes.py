@@ -1,0 +1,98 @@
+import numpy as np
+import pytest
+import trimesh
+
+from egad.errors import RejectedError, UserError
+from egad.exchange.meshes import (
+    METRES,
+    mesh_files,
+    object_names,
+    read_mesh,
+    write_obj,
+    write_stl_mm,
+)
+
+BALL = trimesh.creation.icosphere(subdivisions=2, radius=0.05)
+
+
+@pytest.mark.parametrize("ending", ["obj", "stl", "ply", "off", "glb", "3mf"])
+def test_every_format_gives_the_same_solid(tmp_path, ending):
+    path = tmp_path / f"ball.{ending}"
+    BALL.export(path)
+    mesh = read_mesh(path, "m")
+    assert mesh.is_watertight
+    assert len(mesh.vertices) == len(BALL.vertices)
+    assert mesh.volume == pytest.approx(BALL.volume, rel=1e-4)
+
+
+@pytest.mark.parametrize("units", METRES)
+def test_units_are_turned_into_metres(tmp_path, units):
+    path = tmp_path / "ball.obj"
+    write_obj(trimesh.Trimesh(BALL.vertices / METRES[units], BALL.faces, process=False), path)
+    assert np.allclose(read_mesh(path, units).extents, BALL.extents)
+
+
+def test_unknown_unit_says_what_is_allowed(tmp_path):
+    with pytest.raises(UserError, match="m, cm, mm, inch"):
+        read_mesh(tmp_path / "any.obj", "furlong")
+
+
+def test_obj_round_trip_is_exact_and_repeats(tmp_path):
+    for name in ("a.obj", "b.obj"):
+        write_obj(BALL, tmp_path / name)
+    assert (tmp_path / "a.obj").read_bytes() == (tmp_path / "b.obj").read_bytes()
+    mesh = read_mesh(tmp_path / "a.obj", "m")
+    assert np.array_equal(mesh.vertices, BALL.vertices)
+    assert np.array_equal(mesh.faces, BALL.faces)
+
+
+def test_stl_is_in_millimetres_and_says_so(tmp_path):
+    path = tmp_path / "ball.stl"
+    write_stl_mm(BALL, path)
+    assert b"millimetre" in path.read_bytes()[:80]
+    assert np.allclose(trimesh.load_mesh(path).extents, BALL.extents * 1000)
+
+
+BROKEN = {
+    "text.obj": ("this is a shopping list\n", "no faces|not a readable"),
+    "empty.stl": ("", "no faces|not a readable"),
+    "half.ply": ("ply\nformat ascii 1.0\nelement vertex 3\n", "no faces|not a readable"),
+    "binary.glb": ("\x00\x01\x02", "no faces|not a readable"),
+    "nan.obj": ("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),
+    "line.obj": ("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "no area"),
+    "points.obj": ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no faces|not a readable"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_files_are_rejected_with_a_reason(tmp_path, name):
+    content, reason = BROKEN[name]
+    (tmp_path / name).write_text(content)
+    with pytest.raises(RejectedError, match=reason):
+        read_mesh(tmp_path / name, "m")
+
+
+def test_a_missing_file_is_rejected(tmp_path):
+    with pytest.raises(RejectedError, match="no such file"):
+        read_mesh(tmp_path / "gone.obj", "m")
+
+
+def test_mesh_files_are_sorted_and_others_passed_over(tmp_path):
+    for name in ("b.STL", "a.obj", "notes.txt"):
+        (tmp_path / name).touch()
+    assert [path.name for path in mesh_files(tmp_path)] == ["a.obj", "b.STL"]
+
+
+def test_a_folder_without_meshes_says_what_is_allowed(tmp_path):
+    with pytest.raises(UserError, match=r"\.obj"):
+        mesh_files(tmp_path)
+    with pytest.raises(UserError, match="no such folder"):
+        mesh_files(tmp_path / "gone")
+
+
+def test_names_are_safe_and_unique(tmp_path):
+    files = [tmp_path / name for name in ("mug.obj", "mug.stl", "caf\xe9 au lait.obj", "..obj")]
+    names = list(object_names(files))
+    assert names[:3] == ["mug", "mug-2", "caf__au_lait"]
+    assert len(set(names)) == 4
+    assert all("/" not in name and not name.startswith(".") for name in names)
