@@ -81,7 +81,6 @@ EPOCH = pa.schema([*ARCHIVE, _column("graph", _BINARY, "packed Reeb graph of the
 SOLIDS = pa.schema(
     [
         _ID,
-        _column("name", _STRING, "file name without ending; empty for evolved objects"),
         _COMPLEXITY,
         _DIFFICULTY,
         _column("grasps", _INT, "grasps that the difficulty was computed from"),
@@ -105,7 +104,7 @@ SOLIDS = pa.schema(
     ]
 )
 
-_INTERNAL = {"vertices", "faces", "graph", "name"}
+_INTERNAL = {"vertices", "faces", "graph"}
 OBJECTS = pa.schema(
     [
         _ID,

@@ -6,9 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
 from egad.errors import RejectedError, UserError
 from egad.files import replacing
+from egad.shapes.repair import check_surface
 
 ENDINGS = (".3mf", ".glb", ".obj", ".off", ".ply", ".stl")
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
@@ -36,7 +38,7 @@ def object_names(files: Iterable[Path]) -> dict[str, Path]:
     """
     names: dict[str, Path] = {}
     for path in files:
-        stem = re.sub(r"[^A-Za-z0-9._-]", "_", path.stem).lstrip(".") or "object"
+        stem = re.sub(r"[^A-Za-z0-9._-]", "_", path.stem).lstrip(".-") or "object"
         name, number = stem, 1
         while name in names:
             number += 1
@@ -58,26 +60,29 @@ def read_mesh(path: Path, units: str) -> trimesh.Trimesh:
     """
     if units not in METRES:
         raise UserError(f"unit {units!r} is not known; allowed: {', '.join(METRES)}")
-    mesh = _load(path)
-    if len(mesh.faces) == 0:
-        raise RejectedError("no faces")
-    if not np.isfinite(mesh.vertices).all():
-        raise RejectedError("coordinates that are not finite")
-    mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    vertices = np.asarray(mesh.vertices, dtype=np.float64) * METRES[units]
-    merged = trimesh.Trimesh(vertices, mesh.faces, process=False)
-    if not merged.area > 0:
-        raise RejectedError("no area")
-    return merged
+    vertices, faces = _load(path)
+    mesh = trimesh.Trimesh(vertices * METRES[units], faces, process=False)
+    check_surface(mesh)
+    with np.errstate(invalid="ignore"):  # coordinates too large to round
+        mesh.merge_vertices()
+    return mesh
 
 
-def _load(path: Path) -> trimesh.Trimesh:
+def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Vertices and faces. Readers raise whatever comes their way on broken files."""
+    if not path.is_file():
+        raise RejectedError("no such file")
+    unreadable = f"not a readable {path.suffix[1:]} file"
     try:
-        return trimesh.load_mesh(path, process=False, maintain_order=True)
-    except FileNotFoundError as error:
-        raise RejectedError("no such file") from error
+        with np.errstate(all="ignore"):
+            found = trimesh.load_mesh(path, process=False, maintain_order=True)
+        vertices = np.asarray(found.vertices, dtype=np.float64).reshape(-1, 3)
+        faces = np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
     except Exception as error:
-        raise RejectedError(f"not a readable {path.suffix[1:]} file") from error
+        raise RejectedError(unreadable) from error
+    if len(faces) and not (0 <= faces.min() and faces.max() < len(vertices)):
+        raise RejectedError(f"{unreadable}: faces name vertices that are not there")
+    return vertices, faces
 
 
 def write_obj(mesh: trimesh.Trimesh, path: Path) -> None:

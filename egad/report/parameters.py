@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
 
 from egad.settings import Section, Settings
 
@@ -81,7 +80,7 @@ def _section(name: str, section: Section) -> ParameterTable:
 
 def _parameter(name: str, value: object, field: FieldInfo) -> Parameter:
     default = field.get_default(call_default_factory=True, validated_data={})
-    changed = default is not PydanticUndefined and default != value
+    changed = not field.is_required() and default != value
     return Parameter(name, _text(value), _text(default) if changed else "", field.description or "")
 
 

@@ -1,3 +1,5 @@
+import contextlib
+
 import numpy as np
 import pytest
 import trimesh
@@ -60,6 +62,13 @@ BROKEN = {
     "binary.glb": ("\x00\x01\x02", "no faces|not a readable"),
     "nan.obj": ("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),
     "line.obj": ("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "no area"),
+    "beyond.ply": (
+        "ply\nformat ascii 1.0\nelement vertex 3\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n",
+        "faces name vertices that are not there",
+    ),
     "points.obj": ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no faces|not a readable"),
 }
 
@@ -70,6 +79,48 @@ def test_broken_files_are_rejected_with_a_reason(tmp_path, name):
     (tmp_path / name).write_text(content)
     with pytest.raises(RejectedError, match=reason):
         read_mesh(tmp_path / name, "m")
+
+
+@pytest.mark.parametrize("ending", ["obj", "stl", "ply", "off", "glb", "3mf"])
+def test_damaged_files_are_read_or_rejected_and_never_crash(tmp_path, ending):
+    path = tmp_path / f"ball.{ending}"
+    BALL.export(path)
+    whole = path.read_bytes()
+    rng = np.random.default_rng(0)
+    for length in (len(whole), len(whole) * 9 // 10, len(whole) // 2):
+        for _ in range(5):
+            damaged = bytearray(whole[:length])
+            for place in rng.integers(0, length, 20):
+                damaged[place] = rng.integers(256)
+            path.write_bytes(damaged)
+            with contextlib.suppress(RejectedError):
+                mesh = read_mesh(path, "m")
+                assert np.isfinite(mesh.vertices).all()
+                assert mesh.area > 0
+
+
+def test_parts_of_a_scene_are_put_in_their_places(tmp_path):
+    scene = trimesh.Scene()
+    scene.add_geometry(trimesh.creation.box())
+    move = trimesh.transformations.translation_matrix([10, 0, 0])
+    scene.add_geometry(trimesh.creation.box(), transform=move)
+    scene.export(tmp_path / "two.glb")
+    mesh = read_mesh(tmp_path / "two.glb", "m")
+    assert mesh.volume == pytest.approx(2)
+    assert mesh.extents[0] == pytest.approx(11)
+
+
+def test_materials_and_texture_coordinates_do_not_split_a_mesh(tmp_path):
+    lines = ["mtllib absent.mtl"]
+    lines += [f"v {x} {y} {z}" for x, y, z in BALL.vertices.tolist()]
+    lines += [f"vt {k / 1000} 0" for k in range(3 * len(BALL.faces))]
+    for row, (a, b, c) in enumerate((BALL.faces + 1).tolist()):
+        lines.append(f"usemtl paint{row % 3}")
+        lines.append(f"f {a}/{3 * row + 1} {b}/{3 * row + 2} {c}/{3 * row + 3}")
+    (tmp_path / "ball.obj").write_text("\n".join(lines))
+    mesh = read_mesh(tmp_path / "ball.obj", "m")
+    assert mesh.is_volume
+    assert len(mesh.vertices) == len(BALL.vertices)
 
 
 def test_a_missing_file_is_rejected(tmp_path):

@@ -1,0 +1,53 @@
+# make         set up, then the whole pipeline on config/config.yaml, up to results/report.html
+# make setup   set up only: .venv from requirements.lock
+# make test    set up, then all tests
+# make bench   set up, then the benchmarks
+# make lint    set up, then all checks of the code that need no run
+# make lock    add to requirements.lock what is new in pyproject.toml (newest of all: delete it first)
+
+CORES ?= 2
+VENV := .venv
+READY := $(VENV)/.ready
+# 3.11 first, for which every package has a wheel
+PYTHON ?= $(firstword $(foreach name,python3.11 python3.12 python3.13 python3 python,$(shell \
+	$(name) -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' \
+	>/dev/null 2>&1 && echo $(name))))
+export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
+
+.PHONY: all setup test bench lint lock
+
+all: setup
+	snakemake --cores $(CORES)
+
+setup: $(READY)
+
+test: setup
+	pytest
+
+bench: setup
+	pytest tests/benchmarks --capture=no
+
+lint: setup
+	ruff check
+	ruff format --check
+	mypy
+	snakefmt --check Snakefile workflow
+	snakemake --lint
+	python -m egad.config_files --check
+	python -m egad.results_page --check
+
+lock:
+	$(PYTHON) -m venv build/lock
+	build/lock/bin/pip install --quiet pip-tools
+	CUSTOM_COMPILE_COMMAND="make lock" build/lock/bin/pip-compile --quiet \
+		--extra dev --build-deps-for editable --generate-hashes --strip-extras --allow-unsafe \
+		--no-emit-index-url --no-emit-trusted-host --no-emit-find-links \
+		--output-file requirements.lock pyproject.toml
+
+$(READY): requirements.lock
+	@test -n "$(PYTHON)" || { echo "Python 3.11 or newer with venv and pip is needed" \
+		"(Debian: apt-get install python3 python3-venv)" >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/pip install --require-hashes --requirement requirements.lock
+	$(VENV)/bin/pip install --no-deps --no-build-isolation --editable .
+	touch $@

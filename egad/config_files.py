@@ -1,0 +1,156 @@
+"""The configuration files and their JSON schema, generated from the settings.
+
+`python -m egad.config_files` writes them, `--check` says whether they are up to date.
+"""
+
+import json
+import sys
+import textwrap
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from egad.config_schema import Node, allowed, keys_of, node_at, schema
+from egad.files import write_text
+from egad.settings import Settings
+
+WIDTH = 98
+SCHEMA = Path("workflow/schemas/config.schema.json")
+Values = Mapping[str, Any]
+
+DEFAULT_TEXT = """
+All settings with their defaults: a quick run. Every line says what it means and what is allowed.
+Generated from egad/settings.py. Change values here, or better: put just what you want otherwise
+into a file of your own and say `snakemake --cores 2 --configfile FILE`. It is laid over this one:
+tables of names (datasets, grippers) grow by its entries, lists and values are replaced. With
+`--replace-workflow-config` it stands alone, and what it does not name has its default.
+"""
+PAPER_TEXT = """
+The parameters of the paper's Table II: 2000 steps of 100 children on one archive.
+`snakemake --cores 8 --configfile config/paper.yaml` lays them over config/config.yaml.
+"""
+TEST_TEXT = """
+Everything in under a minute, to see that it works: the objects are few and coarsely measured.
+`snakemake --cores 2 --configfile config/test.yaml` lays this over config/config.yaml.
+"""
+PAPER: Values = {
+    "shards": 32,
+    "schedule": {"islands": 1, "epochs": 20},
+    "evolution": {"steps_per_epoch": 100, "population": 100, "crossover_probability": 0.5},
+    "neat": {"activations": ["sin", "sigmoid", "gaussian", "identity"]},
+    "shape": {"resolution": 25, "threshold": 0.5},
+    "space": {
+        "complexity_range": [1.0, 5.0],
+        "difficulty_range": [0.0005, 0.004],
+        "cells": 25,
+        "elites_per_cell": 4,
+        "neighbours": 10,
+    },
+    "complexity": {"bins": 512},
+    "difficulty": {"grasps": 100, "percentile": 75.0},
+}
+TEST: Values = {
+    "shards": 2,
+    "schedule": {"islands": 2, "epochs": 2},
+    "evolution": {"steps_per_epoch": 2, "population": 10},
+    "difficulty": {"grasps": 12},
+    "similarity": {"vertices": 1000, "base_count": 20},
+    "robust": {"samples": 5},
+    "postprocess": {"grasps": 20},
+    "grasp_label": {"grasps": 10},
+    "select_eval": {"rows": 3, "columns": 3},
+    "trials": {"attempts": 2, "image_size": 96},
+}
+
+
+def files() -> dict[Path, str]:
+    """The generated files, by their path in the repository."""
+    return {
+        Path("config/config.yaml"): document(DEFAULT_TEXT, defaults()),
+        Path("config/paper.yaml"): document(PAPER_TEXT, PAPER),
+        Path("config/test.yaml"): document(TEST_TEXT, TEST),
+        SCHEMA: json.dumps(schema(), indent=2) + "\n",
+    }
+
+
+def defaults() -> Values:
+    """All settings with their defaults, without those that are nothing."""
+    values: Values = json.loads(Settings().model_dump_json(exclude_none=True))
+    return values
+
+
+def document(text: str, values: Values) -> str:
+    """A commented YAML file.
+
+    Args:
+        text: What the file is, for its head.
+        values: Settings, all or some; they come in the order of the models.
+    """
+    head = [
+        f"# yaml-language-server: $schema=../{SCHEMA.as_posix()}",
+        *(f"# {line}" for line in text.strip().splitlines()),
+    ]
+    return "\n".join([*head, *_section((), values)]) + "\n"
+
+
+def _section(path: tuple[str, ...], values: Values) -> Iterator[str]:
+    """The lines of a section: every value under its comment."""
+    indent = "  " * len(path)
+    for key in keys_of(node_at(path) or {}):
+        if key not in values:
+            continue
+        node = node_at((*path, key)) or {}
+        if not path:
+            yield ""
+        if "properties" in node:
+            yield from _comment(node["description"], indent)
+            yield f"{indent}{key}:"
+            yield from _section((*path, key), values[key])
+        elif node.get("type") == "object":
+            yield from _table(key, node, values[key])
+        else:
+            yield from _comment(f"{node['description']} [{allowed(node)}]", indent)
+            yield f"{indent}{key}: {_flow(values[key])}"
+
+
+def _table(key: str, node: Node, entries: Values) -> Iterator[str]:
+    """The lines of a table of names: the keys of an entry are explained once."""
+    yield from _comment(f"{node['description']}; an entry has", "")
+    for name in keys_of(node_at((key, "any")) or {}):
+        entry = node_at((key, "any", name)) or {}
+        yield from _comment(f"{name}: {entry['description']} [{allowed(entry)}]", "", "  ")
+    yield f"{key}:"
+    for name, entry in entries.items():
+        yield f"  {name}:"
+        yield from (f"    {inner}: {_flow(value)}" for inner, value in entry.items())
+
+
+def _comment(text: str, indent: str, inset: str = "") -> list[str]:
+    start = f"{indent}# {inset}"
+    return textwrap.wrap(
+        text, WIDTH, initial_indent=start, subsequent_indent=start + "  " * bool(inset)
+    )
+
+
+def _flow(value: object) -> str:
+    """A value as YAML on one line."""
+    text: str = yaml.safe_dump(value, default_flow_style=True, width=10_000)
+    return text.removesuffix("...\n").strip()
+
+
+def main(arguments: list[str]) -> int:
+    """Write the files, or with `--check` compare them; the exit status says if all is well."""
+    status = 0
+    for path, text in files().items():
+        if "--check" not in arguments:
+            write_text(path, text)
+        elif not path.is_file() or path.read_text(encoding="utf-8") != text:
+            print(f"{path} is not up to date: run `python -m egad.config_files`")
+            status = 1
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

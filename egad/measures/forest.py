@@ -1,0 +1,140 @@
+"""Many Reeb graphs in flat arrays, as compiled code wants them."""
+
+import hashlib
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.errors import UserError
+from egad.measures.matching import Nodes
+from egad.measures.reeb import ReebGraph
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+class Trees(NamedTuple):
+    """The arrays of a forest of t graphs."""
+
+    nodes: Nodes
+    starts: Ints  # (t + 1,): first node of each graph
+    keys: NDArray[np.uint64]  # (t,): equal for equal graphs only
+    profiles: Floats  # (t, p): weighted area, then length, of each range of each level
+
+
+class Forest:
+    """Graphs to be compared, numbered in the order in which they came."""
+
+    def __init__(self, weight: float, graphs: Iterable[ReebGraph] = ()) -> None:
+        """Make a forest of some graphs.
+
+        Args:
+            weight: Weight of area against length in the value of a node, 0 to 1.
+            graphs: The first graphs.
+        """
+        self._weights = np.array([weight, 1 - weight])
+        empty, zero = np.empty(0, np.int32), np.zeros(1, np.int32)
+        self._values = _Rows(np.empty((0, 6)))
+        self._ranges, self._children, self._neighbours = _Rows(empty), _Rows(empty), _Rows(empty)
+        self._child_starts, self._neighbour_starts = _Rows(zero), _Rows(zero)
+        self._starts, self._keys = _Rows(zero), _Rows(np.empty(0, np.uint64))
+        self._profiles: _Rows | None = None
+        self.extend(graphs)
+
+    def __len__(self) -> int:
+        return len(self._keys.view)
+
+    def extend(self, graphs: Iterable[ReebGraph]) -> None:
+        """Add graphs.
+
+        Raises:
+            UserError: They do not have the same number of ranges as those already here.
+        """
+        for graph in graphs:
+            values, profile = _weigh(
+                graph.level_starts,
+                graph.ranges,
+                np.stack((graph.areas, graph.lengths), axis=1) * self._weights,
+                graph.neighbour_starts,
+                graph.neighbours,
+            )
+            if self._profiles is None:
+                self._profiles = _Rows(np.empty((0, len(profile))))
+            if self._profiles.view.shape[1] != len(profile):
+                raise UserError("Reeb graphs with different numbers of ranges cannot be compared.")
+            start = len(self._values.view)
+            self._child_starts.extend(graph.child_starts[1:] + len(self._children.view))
+            self._neighbour_starts.extend(graph.neighbour_starts[1:] + len(self._neighbours.view))
+            self._children.extend(graph.children + start)
+            self._neighbours.extend(graph.neighbours + start)
+            self._ranges.extend(graph.ranges)
+            self._values.extend(values)
+            self._profiles.extend(profile[None])
+            self._starts.extend(np.array([start + len(values)], np.int32))
+            self._keys.extend(np.array([_key(graph)]))
+
+    @property
+    def trees(self) -> Trees:
+        """The arrays of all graphs."""
+        nodes = Nodes(
+            self._values.view,
+            self._ranges.view,
+            self._child_starts.view,
+            self._children.view,
+            self._neighbour_starts.view,
+            self._neighbours.view,
+        )
+        profiles = np.empty((0, 0)) if self._profiles is None else self._profiles.view
+        return Trees(nodes, self._starts.view, self._keys.view, profiles)
+
+
+class _Rows:
+    """An array that grows."""
+
+    def __init__(self, first: NDArray[Any]) -> None:
+        self._data = first
+        self._used = len(first)
+
+    @property
+    def view(self) -> NDArray[Any]:
+        return self._data[: self._used]
+
+    def extend(self, rows: NDArray[Any]) -> None:
+        end = self._used + len(rows)
+        if end > len(self._data):
+            larger = np.empty((2 * end, *self._data.shape[1:]), self._data.dtype)
+            larger[: self._used] = self.view
+            self._data = larger
+        self._data[self._used : end] = rows
+        self._used = end
+
+
+def _key(graph: ReebGraph) -> np.uint64:
+    """A digest of all that a graph says: two graphs are put in order by it."""
+    digest = hashlib.blake2b(digest_size=8)
+    for array in (graph.areas, graph.lengths, graph.ranges, graph.neighbours):
+        digest.update(array.tobytes())
+    return np.uint64(int.from_bytes(digest.digest(), "little"))
+
+
+@numba.njit(cache=True)
+def _weigh(
+    level_starts: Ints, ranges: Ints, own: Floats, neighbour_starts: Ints, neighbours: Ints
+) -> tuple[Floats, Floats]:
+    """Values of nodes as in `Nodes`, and the profile of the graph."""
+    values = np.zeros((len(ranges), 6))
+    count = 2 ** (len(level_starts) - 1) - 1
+    profile, first = np.zeros(2 * count), 0
+    for level in range(len(level_starts) - 1):
+        for node in range(level_starts[level], level_starts[level + 1]):
+            values[node, :2] = own[node]
+            profile[first + ranges[node]] += own[node, 0]
+            profile[count + first + ranges[node]] += own[node, 1]
+            for neighbour in neighbours[neighbour_starts[node] : neighbour_starts[node + 1]]:
+                place = 2 if neighbour < node else 4
+                values[node, place : place + 2] += own[neighbour]
+        first += 2 ** (len(level_starts) - 2 - level)
+    return values, profile

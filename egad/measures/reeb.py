@@ -1,0 +1,170 @@
+"""Multiresolutional Reeb graphs: what the similarity of two shapes is computed from.
+
+Hilaga, Shinagawa, Kohmura, Kunii, "Topology Matching for Fully Automatic Similarity Estimation of
+3D Shapes", SIGGRAPH 2001.
+"""
+
+import struct
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from egad.errors import RejectedError, UserError
+from egad.measures.bases import even_integral, scan_integral
+from egad.measures.geodesics import edge_graph
+from egad.measures.levels import levels
+from egad.measures.ranges import Parts, cut, distinct
+from egad.measures.refine import Triangulation, refine, triangulation
+from egad.settings import Similarity
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+_HEADER = struct.Struct("<4sHHII")  # magic, version, ranges, nodes, links
+_CHECKSUM = struct.Struct("<I")
+_MAGIC, _VERSION = b"REEB", 1
+
+
+@dataclass(frozen=True, eq=False)
+class ReebGraph:
+    """Reeb graphs of one shape at several resolutions, the finest first.
+
+    A node is a connected part of the surface within one range of its level; a level has twice as
+    many ranges as the next one. The nodes of a level are sorted by range. Areas and lengths sum
+    to 1 over all nodes, and to the same over each level.
+    """
+
+    level_starts: Ints  # (levels + 1,): first node of each level
+    ranges: Ints  # (n,)
+    areas: Floats  # (n,)
+    lengths: Floats  # (n,): of the interval of the function that a part spans
+    parents: Ints  # (n,): node of the next coarser level; -1 at the coarsest
+    child_starts: Ints  # (n + 1,): children of node i are children[child_starts[i]:...[i + 1]]
+    children: Ints
+    neighbour_starts: Ints  # (n + 1,): likewise
+    neighbours: Ints  # parts of the same level that a node touches; the lower range first
+
+
+def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
+    """The multiresolutional Reeb graph of a shape.
+
+    The function whose ranges it tells of is mu: how far a point is from all the others (see
+    `egad.measures.bases`), from its least value up, as a part of its greatest. The graph does not
+    depend on the place, the orientation and the size of the mesh.
+
+    Args:
+        mesh: One connected piece, in any unit; it may have holes.
+        settings: Resolution, and how mu is computed.
+
+    Raises:
+        RejectedError: The mesh is empty, not finite, degenerate or in several pieces.
+    """
+    surface = refine(_checked(mesh), settings.vertices)
+    areas = _areas(surface.vertices, surface.faces)
+    mu = _mu(surface, areas, settings)
+    scaled = (mu - mu.min()) / mu.max() * settings.ranges
+    parts = cut(surface, areas, np.minimum(scaled, np.nextafter(settings.ranges, 0)))
+    return _graph(_sorted(parts, settings.ranges), settings.ranges)
+
+
+def _checked(mesh: trimesh.Trimesh) -> Triangulation:
+    """The faces with three corners and the vertices that they use, scaled to a box of size 1."""
+    faces = np.asarray(mesh.faces, np.int64).reshape(-1, 3)
+    faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
+    if not len(faces):
+        raise RejectedError("the mesh is empty")
+    used = np.zeros(len(mesh.vertices), bool)
+    used[faces] = True
+    vertices = np.asarray(mesh.vertices, np.float64)[used]
+    if not np.isfinite(vertices).all():
+        raise RejectedError("the mesh has coordinates that are not finite")
+    size = np.ptp(vertices, axis=0).max()
+    if not size > 0:
+        raise RejectedError("the mesh has no extent")
+    renumbered = np.cumsum(used) - 1
+    return triangulation(vertices / size, renumbered[faces].astype(np.int32))
+
+
+def _areas(vertices: Floats, faces: Ints) -> Floats:
+    corners = vertices[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas: Floats = np.linalg.norm(normals, axis=1) / 2
+    return areas
+
+
+def _mu(surface: Triangulation, areas: Floats, settings: Similarity) -> Floats:
+    total = areas.sum()
+    if not total > 0:
+        raise RejectedError("the mesh has no area")
+    graph = edge_graph(surface)
+    mu: Floats
+    if settings.bases == "even":
+        mu = even_integral(graph, surface.vertices, surface.faces, areas, settings.base_count)
+    else:
+        radius = np.sqrt(settings.base_coefficient * total)
+        mu = scan_integral(graph, surface.faces, areas, radius)
+    if not np.isfinite(mu).all():
+        raise RejectedError("the mesh is not one connected piece")
+    return mu
+
+
+def _sorted(parts: Parts, ranges: int) -> Parts:
+    """The parts by range, then size; areas and lengths become shares of one level."""
+    order = np.lexsort((-parts.lengths, -parts.areas, parts.ranges))
+    rank = np.empty(len(order), np.int32)
+    rank[order] = np.arange(len(order))
+    share = 1 / ranges.bit_length()
+    return Parts(
+        parts.ranges[order],
+        parts.areas[order] * (share / parts.areas.sum()),
+        parts.lengths[order] * (share / parts.lengths.sum()),
+        distinct(rank[parts.links[:, 0]], rank[parts.links[:, 1]], len(order)),
+    )
+
+
+def _graph(parts: Parts, ranges: int) -> ReebGraph:
+    return ReebGraph(*levels(parts, ranges.bit_length()))
+
+
+def pack(graph: ReebGraph) -> bytes:
+    """A graph as bytes: its finest level, from which all the others follow."""
+    count = graph.level_starts[1]
+    starts = graph.neighbour_starts[: count + 1]
+    owners = np.repeat(np.arange(count), np.diff(starts))
+    others = graph.neighbours[: starts[-1]]
+    links = np.stack((owners, others), axis=1)[others > owners]
+    ranges = 2 ** (len(graph.level_starts) - 2)
+    data = b"".join(
+        [
+            _HEADER.pack(_MAGIC, _VERSION, ranges, count, len(links)),
+            graph.areas[:count].astype("<f8").tobytes(),
+            graph.lengths[:count].astype("<f8").tobytes(),
+            graph.ranges[:count].astype("<i4").tobytes(),
+            links.astype("<i4").tobytes(),
+        ]
+    )
+    return data + _CHECKSUM.pack(zlib.crc32(data))
+
+
+def unpack(data: bytes) -> ReebGraph:
+    """The graph of `pack`, bit for bit.
+
+    Raises:
+        UserError: The bytes are damaged, or from another version.
+    """
+    if len(data) < _HEADER.size + _CHECKSUM.size or data[:4] != _MAGIC:
+        raise UserError("This is not a packed Reeb graph.")
+    _, version, ranges, nodes, links = _HEADER.unpack_from(data)
+    if version != _VERSION:
+        raise UserError(f"The packed Reeb graph has format {version}; {_VERSION} is expected.")
+    body = memoryview(data)[: -_CHECKSUM.size]
+    if _CHECKSUM.unpack(data[-_CHECKSUM.size :]) != (zlib.crc32(body),):
+        raise UserError("The packed Reeb graph is damaged.")
+    floats = np.frombuffer(body, "<f8", 2 * nodes, _HEADER.size).astype(np.float64)
+    offset = _HEADER.size + floats.nbytes
+    ints = np.frombuffer(body, "<i4", nodes + 2 * links, offset).astype(np.int32)
+    pairs = ints[nodes:].reshape(-1, 2)
+    return _graph(Parts(ints[:nodes], floats[:nodes], floats[nodes:], pairs), ranges)

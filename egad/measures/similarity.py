@@ -1,0 +1,88 @@
+"""Similarity of shapes by matching their Reeb graphs: 1 for equal ones, 0 for nothing in common.
+
+Hilaga et al., "Topology Matching for Fully Automatic Similarity Estimation of 3D Shapes", SIGGRAPH
+2001. The distance of two shapes is 1 - similarity.
+"""
+
+from collections.abc import Sequence
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.measures.forest import Forest, Trees
+from egad.measures.matching import Space, match, space
+from egad.measures.reeb import ReebGraph
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+SLACK = 1e-12  # rounding errors of a bound and of a similarity stay below this
+
+
+def similarity(a: ReebGraph, b: ReebGraph, weight: float) -> float:
+    """Similarity of two shapes, 0 to 1; the same in both directions.
+
+    Args:
+        a: One shape.
+        b: The other, with as many ranges.
+        weight: Weight of area against length in the value of a node, 0 to 1.
+
+    Raises:
+        UserError: The graphs have different numbers of ranges.
+    """
+    return float(similarities(Forest(weight, [a, b]), np.array([[0, 1]]))[0])
+
+
+def similarity_matrix(graphs: Sequence[ReebGraph], weight: float) -> Floats:
+    """Similarities of all pairs of n shapes, (n, n): symmetric, 1 on the diagonal.
+
+    Raises:
+        UserError: The graphs have different numbers of ranges.
+    """
+    result = np.eye(len(graphs))
+    rows, columns = np.triu_indices(len(graphs), 1)
+    values = similarities(Forest(weight, graphs), np.stack((rows, columns), axis=1))
+    result[rows, columns] = result[columns, rows] = values
+    return result
+
+
+def similarities(forest: Forest, pairs: Integers) -> Floats:
+    """Similarities of (m, 2) pairs of graphs of a forest, (m,)."""
+    result: Floats = _similarities(forest.trees, pairs)
+    return result
+
+
+@numba.njit(cache=True)
+def _similarities(trees: Trees, pairs: Integers) -> Floats:
+    result = np.empty(len(pairs))
+    if len(pairs) > 0:
+        memory = space(np.max(np.diff(trees.starts)))
+        for i in range(len(pairs)):
+            result[i] = compare(trees, pairs[i, 0], pairs[i, 1], memory)
+    return result
+
+
+@numba.njit(cache=True)
+def compare(trees: Trees, one: int, other: int, memory: Space) -> float:
+    """Similarity of two graphs of a forest. The graph with the smaller key goes first."""
+    if trees.keys[one] == trees.keys[other]:
+        return 1.0
+    if trees.keys[one] > trees.keys[other]:
+        one, other = other, one
+    starts = (trees.starts[one], trees.starts[other])
+    roots = (trees.starts[one + 1] - 1, trees.starts[other + 1] - 1)
+    return match(trees.nodes, starts, roots, memory)
+
+
+@numba.njit(cache=True)
+def bound(profiles: Floats, one: int, other: int) -> float:
+    """What the similarity of two graphs cannot exceed.
+
+    Matched nodes lie in the same range of the same level, so what they share there is at most the
+    smaller one of the totals of the two graphs.
+    """
+    total = 0.0
+    for k in range(profiles.shape[1]):
+        total += min(profiles[one, k], profiles[other, k])
+    return total

@@ -1,0 +1,45 @@
+"""To and from manifold3d, whose solids are exact under union, intersection and cutting."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import manifold3d
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+Solid = Any  # manifold3d.Manifold, which has no type information
+
+
+def to_solid(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Solid:
+    """The solid within closed surfaces that wind outwards; see `is_solid`."""
+    points = np.ascontiguousarray(vertices, dtype=np.float64)
+    triangles = np.ascontiguousarray(faces, dtype=np.uint64)
+    return manifold3d.Manifold(manifold3d.Mesh64(points, triangles))
+
+
+def is_solid(solid: Solid) -> bool:
+    """Whether every edge had two faces, wound alike, and something is left of it."""
+    return bool(solid.status() == manifold3d.Error.NoError and not solid.is_empty())
+
+
+def arrays(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Vertices (n, 3) and faces (m, 3) of a solid."""
+    raw = solid.to_mesh64()
+    vertices = np.ascontiguousarray(np.asarray(raw.vert_properties)[:, :3])
+    return vertices, np.asarray(raw.tri_verts).astype(np.int64)
+
+
+def to_mesh(solid: Solid) -> trimesh.Trimesh:
+    """The surface of a solid."""
+    return trimesh.Trimesh(*arrays(solid), process=False)
+
+
+def union(solids: Iterable[Solid]) -> Solid:
+    """All solids as one: where they overlap, only the outer surface stays."""
+    return manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add)
+
+
+def box(low: NDArray[np.float64], high: NDArray[np.float64]) -> Solid:
+    """An axis-aligned box."""
+    return manifold3d.Manifold.cube(tuple(high - low)).translate(tuple(low))

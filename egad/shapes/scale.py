@@ -1,0 +1,128 @@
+"""Scaling objects to the opening of a gripper."""
+
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.spatial import QhullError
+from scipy.spatial.transform import Rotation
+
+from egad.errors import RejectedError, UserError
+
+Floats = NDArray[np.float64]
+
+TURNS = 400  # orientations tried; they lie some 10 degrees apart, as the box has 24 of its own
+STARTS = 2  # the best of them that are turned further
+TILT = 0.05  # radians: first step of that
+
+
+def box_sides(mesh: trimesh.Trimesh) -> Floats:
+    """Sides of the minimum-volume oriented box, ascending, (3,) (ours).
+
+    A face of the smallest box need not lie on a face of the convex hull, which is all that
+    trimesh looks at. So its box and the best of evenly spread orientations are each turned to
+    the nearest local minimum of the volume.
+
+    Raises:
+        RejectedError: All vertices lie in one plane.
+    """
+    try:
+        hull = mesh.convex_hull
+    except QhullError as error:
+        raise RejectedError("flat") from error
+    points = np.asarray(hull.vertices)
+    turns = _even_turns(TURNS)
+    seen = (points @ turns.reshape(-1, 3).T).reshape(len(points), TURNS, 3)
+    best = np.argsort(np.ptp(seen, axis=0).prod(axis=1), kind="stable")[:STARTS]
+    to_box, _ = trimesh.bounds.oriented_bounds(hull)
+    starts = [np.asarray(to_box)[:3, :3], *turns[best]]
+    boxes = [_turned_to_minimum(points @ start.T) for start in starts]
+    return np.sort(min(boxes, key=np.prod))
+
+
+def _turned_to_minimum(points: Floats) -> Floats:
+    """Sides of the smallest axis-aligned box that small turns of the points lead to, (3,)."""
+
+    def sides(turn: Floats) -> Floats:
+        extents: Floats = np.ptp(points @ Rotation.from_rotvec(turn).as_matrix().T, axis=0)
+        return extents
+
+    unit = float(sides(np.zeros(3)).prod())
+
+    def volume(turn: Floats) -> float:
+        return float(sides(turn).prod()) / unit
+
+    simplex = np.vstack([np.zeros(3), TILT * np.eye(3)])
+    options: Any = {"initial_simplex": simplex, "xatol": 1e-5, "fatol": 1e-7, "maxiter": 300}
+    return sides(minimize(volume, np.zeros(3), method="Nelder-Mead", options=options).x)
+
+
+def _even_turns(count: int) -> Floats:
+    """Rotations spread evenly, (count, 3, 3). Source: Alexa, Super-Fibonacci spirals, CVPR 2022."""
+    height = (np.arange(count) + 0.5) / count
+    first, second = (2 * np.pi * count * height / step for step in (2**0.5, 1.533751168755204))
+    quaternions = [
+        np.sqrt(height) * np.sin(first),
+        np.sqrt(height) * np.cos(first),
+        np.sqrt(1 - height) * np.sin(second),
+        np.sqrt(1 - height) * np.cos(second),
+    ]
+    turns: Floats = Rotation.from_quat(np.column_stack(quaternions)).as_matrix()
+    return turns
+
+
+def scale_factor(rule: str, sides: Floats, opening: float, side_fraction: float) -> float:
+    """The factor that a rule scales an object by.
+
+    Source: `paper`: EGAD, section IV; `egad-script`: EGAD's released script; `exact`: what EGAD's
+    difficulty measure does.
+
+    Args:
+        rule: `paper`: the smallest side becomes at most the fraction of the opening, smaller
+            objects stay as they are. `egad-script`: the longest side becomes the opening, then
+            as `paper`. `exact`: the smallest side becomes the fraction of the opening.
+        sides: Sides of the minimum-volume box, ascending, metres, (3,).
+        opening: Widest opening of the gripper, metres.
+        side_fraction: That fraction.
+
+    Raises:
+        UserError: There is no such rule.
+    """
+    fitting = side_fraction * opening / float(sides[0])
+    factors = {
+        "paper": min(1.0, fitting),
+        "egad-script": min(opening / float(sides[-1]), fitting),
+        "exact": fitting,
+    }
+    if rule not in factors:
+        raise UserError(f"scale rule {rule!r} is not known; allowed: {', '.join(factors)}")
+    return factors[rule]
+
+
+def rescale(
+    mesh: trimesh.Trimesh, rule: str, opening: float, side_fraction: float
+) -> tuple[trimesh.Trimesh, dict[str, Any]]:
+    """Scale an object about the origin of its coordinates to fit a gripper.
+
+    Args:
+        mesh: Metres; not changed.
+        rule: See `scale_factor`.
+        opening: Widest opening of the gripper, metres.
+        side_fraction: Part of the opening that the rule aims at.
+
+    Returns:
+        The scaled mesh, and a row of `egad.tables.SCALES` without the label.
+
+    Raises:
+        RejectedError: The object is flat.
+        UserError: There is no such rule.
+    """
+    before = box_sides(mesh)
+    factor = scale_factor(rule, before, opening, side_fraction)
+    scaled = trimesh.Trimesh(np.asarray(mesh.vertices) * factor, mesh.faces, process=False)
+    row = {"rule": rule, "opening": opening, "factor": factor}
+    row |= {f"before_{n}": float(side) for n, side in enumerate(before, 1)}
+    row |= {f"after_{n}": float(side * factor) for n, side in enumerate(before, 1)}
+    return scaled, row

@@ -1,1 +1,0 @@
-from egad.stage_settings import *  # noqa: F403

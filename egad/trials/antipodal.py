@@ -1,0 +1,217 @@
+"""antipodal-depth: grasps between opposing edges of a depth image."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from egad.settings import Gripper
+from egad.trials.camera import View
+from egad.trials.grasp import Grasp
+
+Floats = NDArray[np.float64]
+
+MAX_EDGES = 400
+MAX_CANDIDATES = 400
+MAX_GRASPS = 50
+CLEARANCE = 0.008  # free space that is wanted on each side of the object
+LEAST_CLEARANCE = 0.002
+TABLE_CLEARANCE = 0.003  # fingertips stay this far above whatever lies below them
+LEAST_BITE = 0.005  # the pads must reach this far below the lower of the two edges
+FULL_BITE = 0.02  # and gain nothing by reaching further than this
+TORQUE_SCALING = 100.0  # 1/m
+PROBE = 0.004  # distance of the points at which the space for the hand is probed
+
+
+class _Edges(NamedTuple):
+    """Places where the surface falls off too steeply to slip out between two pads."""
+
+    points: Floats  # (n, 3) world
+    outward: Floats  # (n, 2) unit vectors, towards the lower side
+
+
+class _Pairs(NamedTuple):
+    """Candidates: two opposing edges each."""
+
+    middle: Floats  # (n, 2)
+    axis: Floats  # (n, 2) unit vectors from the first edge to the second
+    distance: Floats  # (n,)
+    top: Floats  # (n,) height of the lower of the two edges
+    squareness: Floats  # (n,) lesser cos^2 of the angles between axis and edge normals
+
+
+class _Relief(NamedTuple):
+    """Heights over the table, seen from straight above."""
+
+    heights: Floats
+    origin: Floats
+    cell: float
+
+    def centroid(self) -> Floats:
+        """Centroid of the volume between the table and what is seen, (3,)."""
+        weights = self.heights / self.heights.sum()
+        x, y = (np.arange(n) + 0.5 for n in self.heights.shape)
+        middle = self.origin + self.cell * np.array(
+            [x @ weights.sum(axis=1), y @ weights.sum(axis=0)]
+        )
+        return np.append(middle, (weights * self.heights).sum() / 2)
+
+    def highest(self, points: Floats) -> Floats:
+        """The greatest height under points (..., m, 2), over m."""
+        index = np.floor((points - self.origin) / self.cell).astype(np.int64)
+        last = np.array(self.heights.shape) - 1
+        inside = ((index >= 0) & (index <= last)).all(axis=-1)
+        index = np.clip(index, 0, last)
+        heights = self.heights[index[..., 0], index[..., 1]]
+        highest: Floats = np.where(inside, heights, 0.0).max(axis=-1)
+        return highest
+
+
+def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
+    """Grasps between opposing edges of a depth image (ours, after Dex-Net's image sampler).
+
+    An edge is where the surface falls by at least 1 / friction: less steep sides slip out between
+    vertical pads. Two edges are a candidate if the line between them lies in the friction cones
+    of both (in the plane), and the hand opens wide enough. The hand goes as deep as table,
+    neighbouring surface and palm allow. The quality, from 0 to 1, is
+
+        cos^2(angle) / sqrt(1 + (100 / m * distance)^2) * min(bite / 20 mm, 1),
+
+    the closed form of the Ferrari-Canny quality for small angles, as far as the image tells: the
+    wider angle between line and edge normals, and the distance of the line from the centroid of
+    the volume below what is seen; the bite is how far the pads reach below the lower edge.
+
+    Args:
+        view: A depth image from roughly above; the table is at height 0.
+        gripper: The hand.
+        _rng: Not used: the same image gives the same grasps.
+
+    Returns:
+        At most 50 grasps, best first.
+    """
+    points = view.points()
+    relief = _relief(view, points)
+    pairs = _pairs(_edges(view, points, gripper.friction), gripper)
+    if relief is None or len(pairs.top) == 0:
+        return []
+    centroid = relief.centroid()
+    order = np.argsort(-_score(pairs, centroid, pairs.top), kind="stable")[:MAX_CANDIDATES]
+    return _grasps(_Pairs(*(values[order] for values in pairs)), relief, centroid, gripper)
+
+
+def _edges(view: View, points: Floats, friction: float) -> _Edges:
+    """Pixels on the upper side of steep falls, thinned to at most `MAX_EDGES`."""
+    heights = np.nan_to_num(points[..., 2])
+    pitch = np.nan_to_num(view.depth, nan=np.inf) / view.intrinsics.focal
+    fall_v, fall_u = np.gradient(-heights)
+    steep = np.hypot(fall_u, fall_v) >= pitch / friction
+    rises = ndimage.maximum_filter(heights, 3) - heights
+    drops = heights - ndimage.minimum_filter(heights, 3)
+    rows, columns = np.nonzero(steep & (drops > rises))
+    chosen = np.linspace(0, len(rows) - 1, min(len(rows), MAX_EDGES)).astype(np.int64)
+    rows, columns = rows[chosen], columns[chosen]
+    # Steps of the pixel grid turn the gradient by up to 45 degrees; blurring evens them out.
+    fall_v, fall_u = np.gradient(-ndimage.gaussian_filter(heights, 1.5))
+    fall = np.stack([fall_u[rows, columns], fall_v[rows, columns]], axis=1)
+    outward = fall @ view.pose[:2, :2].T
+    lengths = np.linalg.norm(outward, axis=1, keepdims=True)
+    return _Edges(points[rows, columns], outward / np.maximum(lengths, 1e-12))
+
+
+def _pairs(edges: _Edges, gripper: Gripper) -> _Pairs:
+    """All pairs of edges that oppose each other within friction cones and opening."""
+    first, second = np.triu_indices(len(edges.points), 1)
+    apart = edges.points[second, :2] - edges.points[first, :2]
+    distance = np.linalg.norm(apart, axis=1)
+    axis = apart / np.maximum(distance, 1e-12)[:, None]
+    cosines = np.minimum(
+        -np.einsum("ij,ij->i", axis, edges.outward[first]),
+        np.einsum("ij,ij->i", axis, edges.outward[second]),
+    )
+    cone = np.cos(np.arctan(gripper.friction))
+    fits = (cosines >= cone) & (distance <= gripper.opening - 2 * LEAST_CLEARANCE)
+    first, second = first[fits], second[fits]
+    return _Pairs(
+        middle=(edges.points[first, :2] + edges.points[second, :2]) / 2,
+        axis=axis[fits],
+        distance=distance[fits],
+        top=np.minimum(edges.points[first, 2], edges.points[second, 2]),
+        squareness=cosines[fits] ** 2,
+    )
+
+
+def _relief(view: View, points: Floats) -> _Relief | None:
+    """What stands on the table, as heights on a grid; none if nothing does."""
+    standing = points[points[..., 2] > TABLE_CLEARANCE]
+    if len(standing) == 0:
+        return None
+    cell = float(np.nanmax(view.depth)) / view.intrinsics.focal
+    origin = standing[:, :2].min(axis=0) - 2 * cell
+    index = np.floor((standing[:, :2] - origin) / cell).astype(np.int64)
+    heights = np.zeros(index.max(axis=0) + 3)
+    np.maximum.at(heights, (index[:, 0], index[:, 1]), standing[:, 2])
+    return _Relief(heights, origin, cell)
+
+
+def _score(pairs: _Pairs, centroid: Floats, level: Floats) -> Floats:
+    """Squareness, and nearness to the centroid, of grasp lines at some height, (n,)."""
+    away = centroid[:2] - pairs.middle
+    across = away[:, 0] * pairs.axis[:, 1] - away[:, 1] * pairs.axis[:, 0]
+    squared = across**2 + (centroid[2] - level) ** 2
+    score: Floats = pairs.squareness / np.sqrt(1 + TORQUE_SCALING**2 * squared)
+    return score
+
+
+def _grasps(pairs: _Pairs, relief: _Relief, centroid: Floats, gripper: Gripper) -> list[Grasp]:
+    """Candidates for which the hand has space, with their depths and qualities."""
+    width = np.minimum(pairs.distance + 2 * CLEARANCE, gripper.opening)
+    tip = _lowest_tip(pairs, width, relief, gripper)
+    bite = pairs.top - tip
+    level = tip + bite / 2
+    quality = _score(pairs, centroid, level) * np.clip(bite / FULL_BITE, 0, 1)
+    order = np.argsort(-quality, kind="stable")
+    order = order[bite[order] >= LEAST_BITE][:MAX_GRASPS]
+    angle = np.arctan2(pairs.axis[:, 1], pairs.axis[:, 0])
+    return [
+        Grasp(
+            center=(float(pairs.middle[i, 0]), float(pairs.middle[i, 1]), float(level[i])),
+            angle=float(angle[i]),
+            width=float(width[i]),
+            depth=float(bite[i] / 2),
+            quality=float(quality[i]),
+        )
+        for i in order
+    ]
+
+
+def _lowest_tip(pairs: _Pairs, width: Floats, relief: _Relief, gripper: Gripper) -> Floats:
+    """How low the fingertips can go before a finger or the palm meets what is seen, (n,)."""
+    finger = _probes(gripper.finger_thickness, gripper.finger_width)
+    shift = (width + gripper.finger_thickness)[:, None, None] / 2 * np.array([1.0, 0.0])
+    below_fingers = np.maximum(
+        relief.highest(_placed(finger + shift, pairs)),
+        relief.highest(_placed(finger - shift, pairs)),
+    )
+    below_palm = relief.highest(_placed(_probes(*gripper.palm[:2])[None], pairs))
+    clear = np.maximum(below_fingers, below_palm - gripper.finger_length)
+    lowest: Floats = np.maximum(clear, 0.0) + TABLE_CLEARANCE
+    return lowest
+
+
+def _probes(length: float, width: float) -> Floats:
+    """Points over a rectangle around the origin, not further apart than `PROBE`, (m, 2)."""
+    x = np.linspace(-length / 2, length / 2, int(np.ceil(length / PROBE)) + 1)
+    y = np.linspace(-width / 2, width / 2, int(np.ceil(width / PROBE)) + 1)
+    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+def _placed(points: Floats, pairs: _Pairs) -> Floats:
+    """Points given along and across the closing axis, in the world, (n, m, 2)."""
+    across = np.stack([-pairs.axis[:, 1], pairs.axis[:, 0]], axis=1)
+    placed: Floats = (
+        pairs.middle[:, None]
+        + points[..., :1] * pairs.axis[:, None]
+        + points[..., 1:] * across[:, None]
+    )
+    return placed

@@ -1,0 +1,136 @@
+"""Depth images by ray casting: exact, metric, and without a window."""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Self
+
+import numpy as np
+import trimesh
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Depth = NDArray[np.float32]
+
+LOOKING_DOWN = np.diag([1.0, -1.0, -1.0])
+MISS = 1e30  # the ray caster gives 1e37 where it meets nothing
+
+
+class Intrinsics(NamedTuple):
+    """A pinhole camera; pixel (0, 0) has its centre at u = v = 0.
+
+    Attributes:
+        width: Pixels.
+        height: Pixels.
+        focal: Focal length, pixels, both ways.
+        center: Where the optical axis meets the image, pixels (u, v).
+    """
+
+    width: int
+    height: int
+    focal: float
+    center: tuple[float, float]
+
+    @classmethod
+    def square(cls, size: int, field_of_view: float) -> Self:
+        """A square image of `size` pixels a side that spans an angle in degrees."""
+        focal = size / 2 / float(np.tan(np.radians(field_of_view) / 2))
+        return cls(size, size, focal, ((size - 1) / 2, (size - 1) / 2))
+
+    def rays(self) -> Floats:
+        """For each pixel the point that it sees at depth 1, camera frame, (height, width, 3)."""
+        u, v = np.meshgrid(np.arange(self.width), np.arange(self.height))
+        x, y = (u - self.center[0]) / self.focal, (v - self.center[1]) / self.focal
+        return np.stack([x, y, np.ones_like(x)], axis=-1)
+
+
+@dataclass(frozen=True)
+class View:
+    """A depth image and the camera that took it.
+
+    Attributes:
+        depth: Metres along the optical axis, (height, width); not a number where nothing is.
+        intrinsics: The camera.
+        pose: (4, 4) transform from the camera (x right, y down, z forward) to the world.
+    """
+
+    depth: Depth
+    intrinsics: Intrinsics
+    pose: Floats
+
+    def points(self) -> Floats:
+        """What each pixel sees, in the world, (height, width, 3)."""
+        camera = self.intrinsics.rays() * self.depth[..., None]
+        world: Floats = camera @ self.pose[:3, :3].T + self.pose[:3, 3]
+        return world
+
+
+def above(height: float) -> Floats:
+    """The pose of a camera that looks straight down at the origin, x to the right, (4, 4)."""
+    pose = np.eye(4)
+    pose[:3, :3] = LOOKING_DOWN
+    pose[2, 3] = height
+    return pose
+
+
+class Eye:
+    """Takes depth images of one object on the table at height 0."""
+
+    def __init__(self, mesh: trimesh.Trimesh) -> None:
+        """Prepare the ray casting.
+
+        Args:
+            mesh: The object, in metres.
+        """
+        self._vertices = np.asarray(mesh.vertices, dtype=np.float64)
+        self._scene = EmbreeScene()
+        TriangleMesh(
+            self._scene,
+            self._vertices.astype(np.float32),
+            np.ascontiguousarray(mesh.faces, dtype=np.int32),
+        )
+
+    def look(self, matrix: Floats, intrinsics: Intrinsics, pose: Floats) -> View:
+        """Take a depth image.
+
+        Args:
+            matrix: (4, 4) transform from the object to the world.
+            intrinsics: The camera.
+            pose: (4, 4) transform from the camera to the world.
+        """
+        rays = intrinsics.rays()
+        depth = _table_depth(rays, pose)
+        to_object = np.linalg.inv(matrix) @ pose
+        window = self._window(to_object, intrinsics)
+        seen = rays[window]
+        directions = (seen.reshape(-1, 3) @ to_object[:3, :3].T).astype(np.float32)
+        origins = np.broadcast_to(to_object[:3, 3].astype(np.float32), directions.shape)
+        # Directions reach depth 1 each, so distances along them are depths.
+        distances = self._cast(np.ascontiguousarray(origins), directions)
+        depth[window] = np.fmin(depth[window], distances.reshape(seen.shape[:2]))
+        return View(depth, intrinsics, pose)
+
+    def _cast(self, origins: Depth, directions: Depth) -> Depth:
+        if len(directions) == 0:
+            return np.empty(0, dtype=np.float32)
+        distances: Depth = self._scene.run(origins, directions, query="DISTANCE")
+        return np.where(distances < MISS, distances, np.float32(np.nan))
+
+    def _window(self, to_object: Floats, intrinsics: Intrinsics) -> tuple[slice, slice]:
+        """The rows and columns that can see the object; all if some of it is beside the lens."""
+        to_camera = np.linalg.inv(to_object)
+        seen = self._vertices @ to_camera[:3, :3].T + to_camera[:3, 3]
+        if seen[:, 2].min() <= 0:
+            return slice(None), slice(None)
+        pixels = seen[:, :2] / seen[:, 2:] * intrinsics.focal + intrinsics.center
+        low = np.maximum(np.floor(pixels.min(axis=0)).astype(int), 0)
+        high = np.maximum(np.ceil(pixels.max(axis=0)).astype(int) + 1, 0)
+        return slice(low[1], high[1]), slice(low[0], high[0])
+
+
+def _table_depth(rays: Floats, pose: Floats) -> Depth:
+    """Depth of the plane z = 0 along each ray."""
+    sinking = rays @ -pose[2, :3]
+    down = sinking > 0
+    depth = np.where(down, pose[2, 3] / np.where(down, sinking, 1.0), np.nan)
+    return depth.astype(np.float32)

@@ -1,0 +1,118 @@
+"""The hand holds what friction can hold, and nothing else."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.settings import GRIPPERS
+from egad.trials.hand import COLLISION_FORCE, Hand, Stance
+from egad.trials.model import Model, build
+from egad.trials.world import Pose, World
+
+SIDE = 0.04
+LIFT = 0.2
+LIGHT = build(trimesh.creation.box((SIDE,) * 3), 400.0, 8, 0.05)  # 50 g
+HEAVY = build(trimesh.creation.box((SIDE,) * 3), 3125.0, 8, 0.05)  # 200 g
+BALL = build(trimesh.creation.icosphere(4, 0.025), 400.0, 8, 0.05)
+
+
+def gripped(
+    world: World, model: Model, force: float, y: float = 0.0, tip: float = 0.01
+) -> tuple[Hand, bool]:
+    """Close on an object on the table; the hand, and whether both fingers press."""
+    world.place(Pose(np.array([0, 0, 0.0002 - model.mesh.bounds[0, 2]]), np.array([0, 0, 0, 1.0])))
+    world.step(60)
+    gripper = GRIPPERS["egad_75mm"].model_copy(update={"force": force})
+    hand = Hand(world, gripper, Stance(0.0, y, tip, 0.0), 0.065)
+    hand.close()
+    return hand, hand.pinches()
+
+
+def test_a_held_cube_does_not_creep() -> None:
+    with World(LIGHT) as world:
+        hand, pinched = gripped(world, LIGHT, 20.0)
+        on_table = world.pose().position[2]
+        hand.lift(LIFT, 1.0)
+        before = world.pose()
+        world.step(2400)  # 10 s
+        after = world.pose()
+        assert pinched
+        assert hand.carries()
+        assert before.position[2] - on_table == pytest.approx(LIFT, abs=0.001)
+        np.testing.assert_allclose(after.position, before.position, atol=0.001)
+        np.testing.assert_allclose(after.quaternion, before.quaternion, atol=0.01)
+
+
+@pytest.mark.parametrize("force", [20.0, 70.0, 100.0])
+def test_fingers_stop_on_the_surface(force: float) -> None:
+    with World(LIGHT) as world:
+        hand, _ = gripped(world, LIGHT, force)
+        assert hand.opening() == pytest.approx(SIDE, abs=0.0005)
+        for finger in (1, 2):
+            assert world.force(hand.number, world.object, finger) == pytest.approx(force, rel=0.1)
+
+
+def test_a_cube_held_only_at_its_rim_falls() -> None:
+    """1 mm of the cube between 20 mm wide pads; the same force holds it in the middle."""
+    outcomes = []
+    for y in (0.0, 0.029):
+        with World(HEAVY) as world:
+            hand, pinched = gripped(world, HEAVY, 2.5, y)
+            hand.lift(LIFT, 1.0)
+            world.step(240)
+            outcomes.append((pinched, hand.carries(), world.pose().position[2] > LIFT / 2))
+    assert outcomes == [(True, True, True), (True, False, False)]
+
+
+@pytest.mark.parametrize(("mass", "held"), [(1.0, True), (1.5, True), (2.5, False)])
+def test_friction_carries_what_coulomb_allows(mass: float, held: bool) -> None:
+    """Two pads with 20 N and a coefficient of 0.5 carry 20 N, 2.04 kg."""
+    model = build(trimesh.creation.box((SIDE,) * 3), mass / SIDE**3, 8, 0.05)
+    with World(model) as world:
+        hand, _ = gripped(world, model, 20.0)
+        hand.lift(LIFT, 2.0)
+        world.step(240)
+        assert hand.carries() is held
+
+
+@pytest.mark.parametrize(("above", "held"), [(0.0, True), (0.005, True), (0.014, False)])
+def test_a_ball_slips_out_below_pads_beyond_the_friction_angle(above: float, held: bool) -> None:
+    """5 mm above the equator the sides lean by 12 degrees, 14 mm above by 34; friction: 27."""
+    with World(BALL) as world:
+        hand, _ = gripped(world, BALL, 20.0, tip=0.025 + above)
+        hand.lift(LIFT, 1.0)
+        assert hand.carries() is held
+
+
+def test_the_fingers_are_mirror_images_even_off_centre() -> None:
+    with World(LIGHT) as world:
+        world.place(Pose(np.array([0.01, 0, SIDE / 2]), np.array([0, 0, 0, 1.0])))
+        hand = Hand(world, GRIPPERS["egad_75mm"], Stance(0.0, 0.0, 0.01, 0.0), 0.07)
+        hand.close()
+        left, right = (world.client.getJointState(hand.number, finger)[0] for finger in (1, 2))
+        assert left == pytest.approx(right, abs=0.0005)
+        assert world.pose().position[0] == pytest.approx(0, abs=0.0005)
+        assert hand.pinches()
+
+
+def test_a_hand_closes_on_nothing() -> None:
+    with World(LIGHT) as world:
+        hand = Hand(world, GRIPPERS["yumi"], Stance(0.3, 0.0, 0.01, 0.5), 0.05)
+        hand.close()
+        assert hand.opening() == pytest.approx(0, abs=1e-4)
+        assert not hand.pinches()
+        assert not hand.carries()
+
+
+def test_a_free_descent_arrives_and_a_blocked_one_stops() -> None:
+    with World(LIGHT) as world:
+        world.place(Pose(np.array([0, 0, SIDE / 2]), np.array([0, 0, 0, 1.0])))
+        hand = Hand(world, GRIPPERS["egad_75mm"], Stance(0.0, 0.0, 0.1, 0.0), 0.075)
+        assert hand.move(0.005, 0.4)
+        assert world.client.getJointState(hand.number, 0)[0] == pytest.approx(0.005, abs=0.001)
+        world.reset()
+        world.place(Pose(np.array([0, 0, SIDE / 2]), np.array([0, 0, 0, 1.0])))
+        onto = Hand(world, GRIPPERS["egad_75mm"], Stance(0.035, 0.0, 0.1, 0.0), 0.075)
+        assert not onto.move(0.005, 0.4)
+        assert world.client.getJointState(onto.number, 0)[0] > SIDE - 0.005
+        assert world.force(onto.number, world.object) > COLLISION_FORCE

@@ -1,0 +1,108 @@
+"""A copy of the workflow in a folder of its own, and a finished run of it that tests share."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+SOURCES = ["Snakefile", "config", "egad", "envs", "profiles", "workflow"]
+TEST_CONFIG = "config/test.yaml"
+
+
+@dataclass(frozen=True)
+class Checkout:
+    """A folder with the sources of the workflow, run with the library in that folder."""
+
+    folder: Path
+
+    def snakemake(self, *arguments, configs=(TEST_CONFIG,)):
+        """Run Snakemake; its output is in `stdout`."""
+        options = ["--configfile", *map(str, configs)] if configs else []
+        return subprocess.run(
+            [sys.executable, "-m", "snakemake", *map(str, arguments), *options],
+            cwd=self.folder,
+            env=self.environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=600,
+            check=False,
+        )
+
+    def make(self, *arguments, configs=(TEST_CONFIG,)):
+        """Run Snakemake and fail with what it said if it fails."""
+        result = self.snakemake(*arguments, configs=configs)
+        assert result.returncode == 0, result.stdout
+        return result.stdout
+
+    def planned(self, *arguments, configs=(TEST_CONFIG,)):
+        """How many jobs of each rule a run would start."""
+        text = self.make("--dry-run", "--cores", 2, *arguments, configs=configs)
+        table = text.partition("Job stats:")[2].partition("total ")[0]
+        rows = re.findall(r"^(\w+) +(\d+)$", table, flags=re.MULTILINE)
+        found = {rule: int(count) for rule, count in rows}
+        assert bool(found) != ("Nothing to be done" in text), text
+        return found
+
+    def overlay(self, name, settings):
+        """A configuration file to lay over the others."""
+        path = self.folder / name
+        path.write_text(yaml.safe_dump(settings))
+        return path
+
+    def bytes(self):
+        """The contents of all results by path."""
+        results = self.folder / "results"
+        files = (path for path in results.rglob("*") if path.is_file())
+        return {
+            str(path.relative_to(results)): path.read_bytes()
+            for path in files
+            if path.name != ".snakemake_timestamp"
+        }
+
+    @property
+    def results(self):
+        return self.folder / "results"
+
+    @property
+    def environment(self):
+        kept = {key: value for key, value in os.environ.items() if not key.startswith("SNAKEMAKE")}
+        return kept | {"PYTHONPATH": str(self.folder)}
+
+
+def checkout(folder):
+    """Copy the sources, with the compiled kernels beside them, which stay valid."""
+    folder.mkdir()
+    for name in SOURCES:
+        source = ROOT / name
+        copy = shutil.copytree if source.is_dir() else shutil.copy2
+        copy(source, folder / name)
+    return Checkout(folder)
+
+
+@pytest.fixture
+def clean(tmp_path):
+    """A clean checkout."""
+    return checkout(tmp_path / "clean")
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory):
+    """A finished run on two cores. Tests must not change it."""
+    made = checkout(tmp_path_factory.mktemp("run") / "finished")
+    made.make("--cores", 2)
+    return made
+
+
+@pytest.fixture
+def copy(finished, tmp_path):
+    """A copy of the finished run, to change."""
+    shutil.copytree(finished.folder, tmp_path / "copy")
+    return Checkout(tmp_path / "copy")

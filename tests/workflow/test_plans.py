@@ -1,0 +1,149 @@
+"""What Snakemake would do: dry runs of a clean checkout and of a finished run."""
+
+import os
+
+import pytest
+
+AFTER_TRIALS = {"join_trials", "report", "all"}
+AFTER_GRASPS = {"join_grasps", "join_ungraspable", "report", "all"}
+AFTER_SELECTION = {"print_export", "simulated_trial"} | AFTER_TRIALS
+AFTER_RESCALE = {"grasp_label", "print_export", "simulated_trial"} | AFTER_GRASPS | AFTER_TRIALS
+AFTER_COLLECT = {"compare", "rescale", "select_eval"} | AFTER_RESCALE | AFTER_SELECTION
+AFTER_POSTPROCESS = {"collect"} | AFTER_COLLECT
+EVERYTHING = {"evolve", "merge", "archive", "postprocess"} | AFTER_POSTPROCESS
+
+
+@pytest.mark.parametrize("entry", ["Snakefile", "workflow/Snakefile"])
+def test_a_clean_checkout_plans_the_whole_pipeline(clean, entry):
+    planned = clean.planned("--snakefile", entry, configs=())
+    assert set(planned) == EVERYTHING
+    assert (planned["evolve"], planned["postprocess"], planned["report"]) == (4, 8, 1)
+
+
+def test_paper_scale_can_be_planned(clean):
+    planned = clean.planned(configs=["config/paper.yaml"])
+    assert (planned["evolve"], planned["merge"], planned["postprocess"]) == (20, 20, 32)
+
+
+def test_as_many_epochs_as_are_allowed_can_be_planned(clean):
+    most = clean.overlay("most.yaml", {"schedule": {"epochs": 200, "islands": 4}})
+    assert clean.planned(configs=[most])["evolve"] == 800
+
+
+def test_a_finished_run_has_nothing_to_do(finished):
+    assert finished.planned() == {}
+
+
+@pytest.mark.parametrize(
+    ("settings", "rules"),
+    [
+        ({"trials": {"attempts": 3}}, {"simulated_trial"} | AFTER_TRIALS),
+        ({"print_export": {"gap": 0.006}}, {"print_export", "report", "all"}),
+        ({"robust": {"samples": 6}}, {"grasp_label"} | AFTER_GRASPS),
+        ({"select_eval": {"restarts": 3}}, {"select_eval"} | AFTER_SELECTION),
+        ({"rescale": {"side_fraction": 0.7}}, {"rescale"} | AFTER_RESCALE),
+        ({"postprocess": {"grasps": 21}}, {"postprocess"} | AFTER_POSTPROCESS),
+        ({"shards": 3}, {"postprocess"} | AFTER_POSTPROCESS),
+        ({"evolution": {"population": 11}}, EVERYTHING),
+        ({"seed": 1}, EVERYTHING),
+        (
+            {"grippers": {"egad_75mm": {"force": 71.0}}},
+            {"rescale", "grasp_label", "simulated_trial"} | AFTER_RESCALE,
+        ),
+        ({"grippers": {"panda": {"force": 71.0}}}, {"report", "all"}),
+        ({"grippers": {"mine": {"opening": 0.06}}}, {"report", "all"}),
+    ],
+    ids=str,
+)
+def test_a_setting_re_runs_what_depends_on_it_and_no_more(copy, settings, rules):
+    changed = copy.overlay("changed.yaml", settings)
+    assert set(copy.planned(configs=["config/test.yaml", changed])) == rules
+
+
+@pytest.mark.parametrize(
+    ("module", "rules"),
+    [
+        ("egad/trials/world.py", {"simulated_trial"} | AFTER_TRIALS),
+        ("egad/evalset/selection.py", {"select_eval"} | AFTER_SELECTION),
+        ("egad/shapes/mass.py", {"postprocess"} | AFTER_POSTPROCESS),
+        ("egad/evolution/reproduction.py", EVERYTHING),
+        ("egad/report/page.py", {"report", "all"}),
+        ("egad/cli.py", set()),
+        ("egad/settings.py", set()),
+    ],
+)
+def test_an_edited_module_re_runs_its_stages(copy, module, rules):
+    path = copy.folder / module
+    path.write_text(f"{path.read_text()}\nEDITED = 1\n")
+    assert set(copy.planned()) == rules
+
+
+def test_a_touched_or_commented_module_re_runs_nothing(copy):
+    for module in ("egad/tables.py", "egad/seeds.py", "egad/evolution/island.py"):
+        path = copy.folder / module
+        path.write_text(f"# a comment\n{path.read_text()}\n\n")
+        os.utime(path)
+    assert copy.planned() == {}
+
+
+def test_more_epochs_extend_a_finished_run(copy):
+    longer = copy.overlay("longer.yaml", {"schedule": {"epochs": 4}})
+    planned = copy.planned(configs=["config/test.yaml", longer])
+    assert (planned["evolve"], planned["merge"], planned["archive"]) == (4, 2, 1)
+
+
+def test_fewer_epochs_need_no_evolution(copy):
+    shorter = copy.overlay("shorter.yaml", {"schedule": {"epochs": 1}})
+    planned = copy.planned(configs=["config/test.yaml", shorter])
+    assert set(planned) == {"archive", "postprocess"} | AFTER_POSTPROCESS
+
+
+def test_a_configuration_of_ones_own_can_stand_alone(clean):
+    (clean.folder / "my meshes").mkdir()
+    (clean.folder / "my meshes" / "a.obj").touch()
+    dataset = {"source": "meshes", "folder": "my meshes", "units": "mm"}
+    alone = clean.overlay("own.yaml", {"datasets": {"own": dataset}, "targets": {"datasets": []}})
+    planned = clean.planned("--replace-workflow-config", configs=[alone])
+    assert set(planned) == {"postprocess", "collect", "compare", "report", "all"}
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        "results/egad/rescaled/robotiq2f85/scales.parquet",
+        "results/ycb/objects.parquet",
+        "results/own/archive.parquet",
+    ],
+)
+def test_a_target_that_cannot_be_made_is_refused(clean, target):
+    (clean.folder / "own").mkdir()
+    (clean.folder / "own" / "a.obj").touch()
+    dataset = {"source": "meshes", "folder": "own", "units": "mm"}
+    own = clean.overlay("own.yaml", {"datasets": {"own": dataset}})
+    result = clean.snakemake("--dry-run", "--cores", 2, target, configs=[own])
+    assert result.returncode != 0
+    assert "MissingRuleException" in result.stdout
+    assert target in result.stdout
+
+
+def test_a_wrong_configuration_stops_with_every_problem(clean):
+    wrong = {"seed": "3", "evolution": {"poplation": 5}, "targets": {"grippers": ["yumy"]}}
+    result = clean.snakemake("--cores", 2, configs=[clean.overlay("wrong.yaml", wrong)])
+    assert result.returncode != 0
+    for line in (
+        'seed: "3" is not allowed',
+        "evolution.poplation: unknown key; did you mean evolution.population?",
+        "targets.grippers: 'yumy' is not defined; known: egad_75mm",
+    ):
+        assert line in result.stdout
+    assert "Traceback" not in result.stdout
+    assert not clean.results.exists()
+
+
+def test_a_folder_that_is_not_there_is_named(clean):
+    dataset = {"source": "meshes", "folder": "nowhere/to be found", "units": "mm"}
+    own = clean.overlay("own.yaml", {"datasets": {"own": dataset}})
+    result = clean.snakemake("--cores", 2, "results/own/objects.parquet", configs=[own])
+    assert result.returncode != 0
+    assert "nowhere/to be found" in result.stdout
+    assert not clean.results.exists()

@@ -1,0 +1,249 @@
+"""What the workflow makes: real runs on config/test.yaml."""
+
+import hashlib
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+import trimesh
+
+from egad import tables
+from egad.settings import Settings
+
+GRIPPER, POLICY = "egad_75mm", "antipodal-depth"
+SHARDS = EPOCHS = ISLANDS = 2
+PUBLISHED = {
+    "comparison.parquet": tables.COMPARISON,
+    "egad/archive.parquet": tables.ARCHIVE,
+    "egad/objects.parquet": tables.OBJECTS,
+    "egad/rejected.parquet": tables.REJECTED,
+    "egad/eval49.parquet": tables.EVAL49,
+    f"egad/grasps/{GRIPPER}.parquet": tables.GRASPS,
+    f"egad/grasps/{GRIPPER}.rejected.parquet": tables.REJECTED,
+    f"egad/rescaled/{GRIPPER}/scales.parquet": tables.SCALES,
+    f"egad/rescaled/{GRIPPER}/rejected.parquet": tables.REJECTED,
+    f"egad/print/{GRIPPER}/manifest.parquet": tables.MANIFEST,
+    f"egad/trials/{GRIPPER}/{POLICY}.parquet": tables.TRIALS,
+}
+EPOCH_TABLES = {
+    f"egad/epochs/epoch-{epoch}/{name}.parquet": tables.EPOCH
+    for epoch in range(EPOCHS)
+    for name in ("archive", "island-0", "island-1")
+}
+PARTS = {
+    f"egad/parts/{name}-{shard}.parquet": schema
+    for shard in range(SHARDS)
+    for name, schema in {
+        "solids": tables.SOLIDS,
+        "rejected": tables.REJECTED,
+        f"grasps-{GRIPPER}": tables.GRASPS,
+        f"ungraspable-{GRIPPER}": tables.REJECTED,
+        f"trials-{GRIPPER}-{POLICY}": tables.TRIALS,
+    }.items()
+}
+TABLES = PUBLISHED | EPOCH_TABLES | PARTS
+
+
+@pytest.fixture
+def load(finished):
+    """A published table of the finished run, by its path within results."""
+    return lambda path: tables.read(finished.results / path, TABLES[path])
+
+
+@pytest.mark.parametrize("path", TABLES)
+def test_every_table_is_there_with_columns_units_and_meanings(finished, path):
+    assert pq.read_schema(finished.results / path).equals(TABLES[path], check_metadata=True)
+
+
+def test_there_are_no_other_tables_and_no_temporary_files(finished):
+    made = {str(path.relative_to(finished.results)) for path in finished.results.rglob("*.parquet")}
+    assert made == set(TABLES)
+    assert not list(finished.results.rglob("*.partial"))
+
+
+def test_every_elite_is_an_object_or_was_rejected(load):
+    archive, objects = load("egad/archive.parquet"), load("egad/objects.parquet")
+    rejected = load("egad/rejected.parquet")
+    assert len(objects) > 5
+    assert set(archive["id"]) == set(objects["id"]) | set(rejected["id"])
+    assert set(archive["epoch"]) <= set(range(EPOCHS))
+
+
+def test_every_object_has_a_mesh_with_its_volume(finished, load):
+    objects = load("egad/objects.parquet")
+    for row in objects.itertuples():
+        mesh = trimesh.load_mesh(finished.results / f"egad/meshes/{row.label}.obj")
+        assert mesh.is_watertight == row.watertight
+        assert mesh.volume == pytest.approx(row.volume, rel=1e-6)
+        assert mesh.extents.max() <= 0.1 + 1e-9
+    meshes = {path.stem for path in (finished.results / "egad/meshes").glob("*.obj")}
+    assert meshes == set(objects["label"])
+
+
+def test_every_object_is_scaled_for_the_gripper(load):
+    objects, scales = load("egad/objects.parquet"), load(f"egad/rescaled/{GRIPPER}/scales.parquet")
+    assert sorted(scales["label"]) == sorted(objects["label"])
+    opening = Settings().grippers[GRIPPER].opening
+    assert (scales["after_1"] <= 0.8 * opening + 1e-9).all()
+    assert (scales["factor"] <= 1).all()
+
+
+def test_every_object_has_grasps_or_was_rejected(load):
+    objects, grasps = load("egad/objects.parquet"), load(f"egad/grasps/{GRIPPER}.parquet")
+    without = load(f"egad/grasps/{GRIPPER}.rejected.parquet")
+    assert set(objects["id"]) == set(grasps["id"]) | set(without["id"])
+    assert (grasps["width"] <= Settings().grippers[GRIPPER].opening).all()
+    assert grasps.groupby("id").size().max() <= 10
+    assert not grasps.duplicated(["id", "grasp"]).any()
+
+
+def test_the_evaluation_set_is_printed_and_tried(finished, load):
+    evalset = load("egad/eval49.parquet")
+    assert 1 <= len(evalset) <= 9
+    assert set(evalset["id"]) <= set(load("egad/objects.parquet")["id"])
+    manifest = load(f"egad/print/{GRIPPER}/manifest.parquet")
+    assert set(manifest["label"]) == set(evalset["label"])
+    for name in manifest["file"]:
+        assert (finished.results / f"egad/print/{GRIPPER}" / name).stat().st_size > 84
+    trials = load(f"egad/trials/{GRIPPER}/{POLICY}.parquet")
+    assert trials.groupby("label").size().to_dict() == dict.fromkeys(evalset["label"], 2)
+
+
+def test_the_comparison_counts_the_objects(load):
+    comparison, objects = load("comparison.parquet"), load("egad/objects.parquet")
+    assert comparison["dataset"].tolist() == ["egad"]
+    assert comparison["objects"].item() == len(objects)
+    assert comparison["diversity_mean"].item() == pytest.approx(objects["diversity"].mean())
+
+
+def test_the_report_shows_every_evaluation_object(finished, load):
+    page = (finished.results / "report.html").read_text()
+    assert page.lstrip().lower().startswith("<!doctype html>")
+    assert all(label in page for label in load("egad/eval49.parquet")["label"])
+
+
+def test_logs_and_benchmarks_of_every_job_are_kept(finished):
+    for folder, ending in (("logs", "log"), ("benchmarks", "tsv")):
+        made = list((finished.folder / folder).rglob(f"*.{ending}"))
+        assert len(made) == sum(finished.planned("--forceall").values()) - 1  # `all` has none
+
+
+def test_a_second_run_does_nothing(finished):
+    before = {path: path.stat().st_mtime_ns for path in finished.results.rglob("*")}
+    assert "Nothing to be done" in finished.make("--cores", 2)
+    assert before == {path: path.stat().st_mtime_ns for path in finished.results.rglob("*")}
+
+
+def test_deleted_tables_are_rebuilt_byte_for_byte(copy):
+    """Also where an interrupted write left something behind."""
+    before = copy.bytes()
+    deleted = ["egad/eval49.parquet", f"egad/grasps/{GRIPPER}.parquet", "comparison.parquet"]
+    for path in deleted:
+        (copy.results / path).unlink()
+        (copy.results / path).with_name(f".{Path(path).name}.partial").write_bytes(b"half a table")
+    copy.make("--cores", 2)
+    assert copy.bytes() == before
+
+
+def test_one_core_gives_the_same_bytes_as_two(clean, finished):
+    clean.make("--cores", 1)
+    one, two = clean.bytes(), finished.bytes()
+    assert set(one) == set(two)
+    assert {path for path in one if _digest(one[path]) != _digest(two[path])} == set()
+
+
+def _digest(data):
+    return hashlib.sha256(data).hexdigest()
+
+
+def test_every_gripper_is_a_target(copy):
+    targets = {name: f"results/egad/rescaled/{name}/scales.parquet" for name in Settings().grippers}
+    copy.make("--cores", 2, *targets.values())
+    for name, gripper in Settings().grippers.items():
+        scales = tables.read(copy.folder / targets[name], tables.SCALES)
+        assert set(scales["opening"]) == {gripper.opening}
+        assert len(scales) == len(list((copy.results / "egad/meshes").glob("*.obj")))
+
+
+def test_more_epochs_keep_the_archives_of_the_earlier_ones(copy):
+    before = copy.bytes()
+    longer = copy.overlay("longer.yaml", {"schedule": {"epochs": 3}})
+    copy.make("--cores", 2, "results/egad/archive.parquet", configs=["config/test.yaml", longer])
+    after = copy.bytes()
+    assert all(after[path] == before[path] for path in EPOCH_TABLES)
+    archive = tables.read(copy.results / "egad/archive.parquet", tables.ARCHIVE)
+    assert archive["epoch"].max() <= 2
+    assert after["egad/epochs/epoch-2/archive.parquet"] != b""
+
+
+@pytest.fixture
+def own_meshes(clean):
+    """A clean checkout with a folder of meshes, good and bad, and its configuration."""
+    folder = clean.folder / "my meshes"
+    folder.mkdir()
+    box = trimesh.creation.box((40, 30, 20))
+    box.export(folder / "box.obj")
+    trimesh.creation.icosphere(subdivisions=2, radius=20).export(folder / "ball.stl")
+    (folder / "notes.obj").write_text("This is not a mesh.\n")
+    (folder / "empty.obj").write_text("")
+    (folder / "nan.obj").write_text("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    box.update_faces(box.face_normals[:, 2] < 0.5)
+    box.export(folder / "open.ply")
+    (folder / "cut.glb").write_bytes(b"glTF\x02\x00")
+    dataset = {"source": "meshes", "folder": "my meshes", "units": "mm"}
+    own = clean.overlay("own.yaml", {"datasets": {"own": dataset}, "targets": {"datasets": []}})
+    return clean, ["config/test.yaml", own]
+
+
+def test_a_folder_of_meshes_is_a_dataset_and_bad_ones_are_named(own_meshes):
+    checkout, configs = own_meshes
+    checkout.make("--cores", 2, "results/own/objects.parquet", configs=configs)
+    objects = tables.read(checkout.results / "own/objects.parquet", tables.OBJECTS)
+    objects = objects.set_index("label")
+    assert {"ball", "box"} <= set(objects.index) <= {"ball", "box", "open"}
+    assert objects.loc["box", "volume"] == pytest.approx(24e-6, rel=1e-6)
+    rejected = tables.read(checkout.results / "own/rejected.parquet", tables.REJECTED)
+    reasons = rejected.set_index("id")["reason"]
+    assert {"notes", "empty", "nan", "cut"} <= set(reasons.index)
+    assert set(reasons.index) | set(objects.index) == {
+        *("ball", "box", "cut", "empty", "nan", "notes", "open")
+    }
+    assert reasons.str.len().gt(5).all()
+
+    assert checkout.planned("results/own/objects.parquet", configs=configs) == {}
+    (checkout.folder / "my meshes" / "new.obj").touch()
+    planned = checkout.planned("results/own/objects.parquet", configs=configs)
+    assert planned == {"postprocess": SHARDS, "collect": 1}
+
+
+def test_a_full_disk_leaves_no_half_table(finished, tmp_path):
+    """A limit on the size of files stands in for the disk."""
+    archive = finished.results / "egad/epochs/epoch-1/archive.parquet"
+    out = tmp_path / "archive.parquet"
+    command = [sys.executable, "-c", "from egad.cli import main; main()", "archive", archive]
+
+    def publish(**limits):
+        return subprocess.run(
+            [*map(str, command), "--out", str(out)],
+            env=finished.environment,
+            capture_output=True,
+            text=True,
+            check=False,
+            **limits,
+        )
+
+    failed = publish(preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000)))
+    assert failed.returncode == 1
+    assert failed.stderr.startswith("egad: ")
+    assert "Traceback" not in failed.stderr
+    assert not out.exists()
+    assert (tmp_path / ".archive.parquet.partial").stat().st_size <= 2000
+    assert publish().returncode == 0
+    pd.testing.assert_frame_equal(
+        pd.read_parquet(out), pd.read_parquet(finished.results / "egad/archive.parquet")
+    )
+    assert not (tmp_path / ".archive.parquet.partial").exists()

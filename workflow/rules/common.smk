@@ -1,0 +1,126 @@
+"""Functions that the rules use, and the names that may stand in file names. No rules here."""
+
+import json
+import os
+import sys
+from pathlib import Path
+
+from snakemake.exceptions import WorkflowError
+
+from egad import stage_settings
+from egad.code_version import code_version
+from egad.config_check import check
+from egad.errors import UserError
+
+try:
+    SETTINGS = check(config)
+except UserError as error:
+    raise WorkflowError(f"The configuration cannot be used:\n{error}")
+
+# A chain of epochs is as deep as it is long, and Snakemake walks it by recursion.
+sys.setrecursionlimit(20_000)
+# Jobs find the `egad` of this Python even if its environment is not activated.
+os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
+
+SHARDS = range(SETTINGS.shards)
+ISLANDS = range(SETTINGS.schedule.islands)
+LAST_EPOCH = SETTINGS.schedule.epochs - 1
+EVOLVED = [name for name, dataset in SETTINGS.datasets.items() if dataset.source == "evolved"]
+EVOLVED_DATASET = "|".join(EVOLVED) or "(?!)"  # patterns; the latter fits no name
+ENVIRONMENT = "../../envs/egad.yaml"
+
+
+wildcard_constraints:
+    dataset="|".join(SETTINGS.datasets),
+    gripper="|".join(SETTINGS.grippers),
+    policy=r"[a-z0-9\-]+",
+    epoch=r"\d+",
+    island=r"\d+",
+    shard=r"\d+",
+
+
+def settings_of(stage):
+    """The settings that a stage reads, as JSON: its command gets them, its rule re-runs for them.
+
+    A stage that reads a gripper gets the one in the file name, else that of the difficulty.
+    """
+
+    def chosen(wildcards):
+        model = getattr(stage_settings, stage)
+        part = stage_settings.select(SETTINGS, model, wildcards.get("gripper"))
+        return json.dumps(part.model_dump(mode="json"), separators=(",", ":"), sort_keys=True)
+
+    return chosen
+
+
+def each(option, name):
+    """An option with every file of a named input: `--solids A --solids B`."""
+    return lambda wildcards, input: [
+        word for file in getattr(input, name) for word in (option, str(file))
+    ]
+
+
+def parts(pattern):
+    """The files of all shards."""
+    return lambda wildcards: expand(pattern, shard=SHARDS, **wildcards)
+
+
+def previous_archive(wildcards):
+    """The merged archive of the epoch before; none for the first."""
+    epoch = int(wildcards.epoch)
+    previous = f"results/{wildcards.dataset}/epochs/epoch-{epoch - 1}/archive.parquet"
+    return [previous] if epoch else []
+
+
+def evolve_threads(wildcards):
+    """Children are evaluated side by side on all cores; 8 where a cluster does not tell."""
+    try:
+        cores = workflow.cores
+    except WorkflowError:
+        cores = 8
+    return min(SETTINGS.evolution.population, cores)
+
+
+def evolve_memory(wildcards, threads):
+    """Megabytes: every worker is a process with the compiled library in it."""
+    return 1000 + 500 * threads
+
+
+def raw_objects(wildcards):
+    """What the objects of a dataset are made from: its archive, or all files in its folder."""
+    dataset = SETTINGS.datasets[wildcards.dataset]
+    if dataset.source == "evolved":
+        return [f"results/{wildcards.dataset}/archive.parquet"]
+    files = [path for path in Path(dataset.folder).glob("[!.]*") if path.is_file()]
+    return sorted(map(str, files)) or [dataset.folder]
+
+
+def raw_options(wildcards, input):
+    """The options of postprocess that say what the objects are made from."""
+    dataset = SETTINGS.datasets[wildcards.dataset]
+    if dataset.source == "evolved":
+        return ["--archive", str(input[0])]
+    return ["--folder", dataset.folder, "--units", dataset.units]
+
+
+def made_of_every_dataset(files):
+    """Some files of each dataset in the configuration."""
+    return expand("results/{dataset}/{file}", dataset=SETTINGS.datasets, file=files)
+
+
+def made_of_targets():
+    """What is made of each dataset that is taken all the way."""
+    targets = SETTINGS.targets
+    of_gripper = [
+        "rescaled/{gripper}/scales.parquet",
+        "grasps/{gripper}.parquet",
+        "grasps/{gripper}.rejected.parquet",
+        "print/{gripper}/manifest.parquet",
+    ]
+    trials = "trials/{gripper}/{policy}.parquet"
+    files = [
+        "eval49.parquet",
+        *expand(of_gripper, gripper=targets.grippers),
+        *expand(trials, gripper=targets.grippers, policy=targets.policies),
+    ]
+    return expand("results/{dataset}/{file}", dataset=targets.datasets, file=files)

@@ -1,0 +1,36 @@
+"""Compare: all datasets of the configuration side by side.
+
+Inputs: results/D/objects.parquet of every dataset.
+Outputs: results/comparison.parquet.
+"""
+
+
+localrules:
+    compare,
+
+
+rule compare:
+    """Objects, coverage and diversity of each dataset."""
+    input:
+        made_of_every_dataset(["objects.parquet"]),
+    output:
+        ensure("results/comparison.parquet", non_empty=True),
+    log:
+        "logs/compare.log",
+    benchmark:
+        "benchmarks/compare.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        settings=settings_of("Compare"),
+        named=lambda wildcards, input: [f"{Path(file).parent.name}={file}" for file in input],
+        code=code_version("egad.stages.compare"),
+    message:
+        "Comparing the datasets"
+    shell:
+        "egad compare --settings {params.settings:q} --out {output:q} {params.named:q}"
+        " > {log:q} 2>&1"

@@ -1,0 +1,100 @@
+"""Evolve: epochs of islands, merged.
+
+Inputs: the settings alone.
+Outputs: results/D/archive.parquet, the elites; results/D/epochs/, what one epoch hands to the next.
+Steps: every island breeds from the merged archive of the epoch before; the islands are merged; the
+archive of the last epoch is published. More epochs than before extend a finished run.
+"""
+
+
+localrules:
+    archive,
+
+
+rule evolve:
+    """One epoch of one island."""
+    input:
+        base=previous_archive,
+    output:
+        ensure(
+            "results/{dataset}/epochs/epoch-{epoch}/island-{island}.parquet",
+            non_empty=True,
+        ),
+    log:
+        "logs/{dataset}/evolve/epoch-{epoch}-island-{island}.log",
+    benchmark:
+        "benchmarks/{dataset}/evolve/epoch-{epoch}-island-{island}.tsv"
+    wildcard_constraints:
+        dataset=EVOLVED_DATASET,
+    conda:
+        ENVIRONMENT
+    threads: evolve_threads
+    resources:
+        mem_mb=evolve_memory,
+        runtime=240,
+    params:
+        settings=settings_of("Evolve"),
+        base=each("--base", "base"),
+        code=code_version("egad.stages.evolve"),
+    message:
+        "Evolving epoch {wildcards.epoch}, island {wildcards.island}"
+    shell:
+        "egad evolve --settings {params.settings:q} --epoch {wildcards.epoch}"
+        " --island {wildcards.island} {params.base:q} --workers {threads} --out {output:q}"
+        " > {log:q} 2>&1"
+
+
+rule merge:
+    """The islands of an epoch become one archive."""
+    input:
+        expand(
+            "results/{{dataset}}/epochs/epoch-{{epoch}}/island-{island}.parquet",
+            island=ISLANDS,
+        ),
+    output:
+        ensure("results/{dataset}/epochs/epoch-{epoch}/archive.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/merge/epoch-{epoch}.log",
+    benchmark:
+        "benchmarks/{dataset}/merge/epoch-{epoch}.tsv"
+    wildcard_constraints:
+        dataset=EVOLVED_DATASET,
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=3000,
+        runtime=60,
+    params:
+        settings=settings_of("Merge"),
+        code=code_version("egad.stages.merge"),
+    message:
+        "Merging the islands of epoch {wildcards.epoch}"
+    shell:
+        "egad merge --settings {params.settings:q} --out {output:q} {input:q} > {log:q} 2>&1"
+
+
+rule archive:
+    """The archive of the last epoch, for people."""
+    input:
+        f"results/{{dataset}}/epochs/epoch-{LAST_EPOCH}/archive.parquet",
+    output:
+        ensure("results/{dataset}/archive.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/archive.log",
+    benchmark:
+        "benchmarks/{dataset}/archive.tsv"
+    wildcard_constraints:
+        dataset=EVOLVED_DATASET,
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        code=code_version("egad.stages.merge"),
+    message:
+        "Publishing the archive"
+    shell:
+        "egad archive {input:q} --out {output:q} > {log:q} 2>&1"

@@ -1,0 +1,93 @@
+"""Grasp-label: antipodal grasps with plain and robust quality.
+
+Inputs: results/D/objects.parquet, results/D/rescaled/G.
+Outputs: results/D/grasps/G.parquet, and G.rejected.parquet for the objects without any grasp.
+Steps: shards of objects are labelled; then the tables of the shards are joined.
+"""
+
+
+localrules:
+    join_grasps,
+    join_ungraspable,
+
+
+rule grasp_label:
+    """Label the grasps of the objects of a shard."""
+    input:
+        objects="results/{dataset}/objects.parquet",
+        scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
+    output:
+        grasps=ensure("results/{dataset}/parts/grasps-{gripper}-{shard}.parquet", non_empty=True),
+        rejected=ensure(
+            "results/{dataset}/parts/ungraspable-{gripper}-{shard}.parquet",
+            non_empty=True,
+        ),
+    log:
+        "logs/{dataset}/grasp_label/{gripper}-{shard}.log",
+    benchmark:
+        "benchmarks/{dataset}/grasp_label/{gripper}-{shard}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=120,
+    params:
+        settings=settings_of("GraspLabels"),
+        meshes=subpath(input.scales, parent=True),
+        shards=len(SHARDS),
+        code=code_version("egad.stages.grasp_label"),
+    message:
+        "Labelling grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
+    shell:
+        "egad grasp-label --settings {params.settings:q} --shard {wildcards.shard}"
+        " --shards {params.shards} --objects {input.objects:q} --meshes {params.meshes:q}"
+        " --out {output.grasps:q} --rejected {output.rejected:q} > {log:q} 2>&1"
+
+
+rule join_grasps:
+    """All labelled grasps of a gripper."""
+    input:
+        parts("results/{dataset}/parts/grasps-{gripper}-{shard}.parquet"),
+    output:
+        ensure("results/{dataset}/grasps/{gripper}.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/join_grasps/{gripper}.log",
+    benchmark:
+        "benchmarks/{dataset}/join_grasps/{gripper}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=4000,
+        runtime=10,
+    params:
+        code=code_version("egad.stages.join"),
+    message:
+        "Joining the grasps of {wildcards.gripper} on {wildcards.dataset}"
+    shell:
+        "egad join --schema grasps --out {output:q} {input:q} > {log:q} 2>&1"
+
+
+rule join_ungraspable:
+    """The objects that a gripper has no grasp for."""
+    input:
+        parts("results/{dataset}/parts/ungraspable-{gripper}-{shard}.parquet"),
+    output:
+        ensure("results/{dataset}/grasps/{gripper}.rejected.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/join_ungraspable/{gripper}.log",
+    benchmark:
+        "benchmarks/{dataset}/join_ungraspable/{gripper}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        code=code_version("egad.stages.join"),
+    message:
+        "Joining the objects of {wildcards.dataset} without grasps of {wildcards.gripper}"
+    shell:
+        "egad join --schema rejected --out {output:q} {input:q} > {log:q} 2>&1"

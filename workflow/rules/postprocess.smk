@@ -1,0 +1,69 @@
+"""Postprocess: repaired meshes with mass properties, graded again without the luck of selection.
+
+Inputs: results/D/archive.parquet, or the folder of meshes of the dataset.
+Outputs: results/D/objects.parquet, results/D/meshes/LABEL.obj (metres), results/D/rejected.parquet.
+Steps: shards of objects are repaired and measured; then cells, labels and diversities of all.
+"""
+
+
+rule postprocess:
+    """Repair and measure the objects of a shard."""
+    input:
+        raw_objects,
+    output:
+        solids=ensure("results/{dataset}/parts/solids-{shard}.parquet", non_empty=True),
+        rejected=ensure("results/{dataset}/parts/rejected-{shard}.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/postprocess/{shard}.log",
+    benchmark:
+        "benchmarks/{dataset}/postprocess/{shard}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=120,
+    params:
+        settings=settings_of("PostprocessSolids"),
+        objects=raw_options,
+        shards=len(SHARDS),
+        code=code_version("egad.stages.postprocess"),
+    message:
+        "Repairing and measuring {wildcards.dataset}, shard {wildcards.shard}"
+    shell:
+        "egad postprocess --settings {params.settings:q} --shard {wildcards.shard}"
+        " --shards {params.shards} {params.objects:q} --out {output.solids:q}"
+        " --rejected {output.rejected:q} > {log:q} 2>&1"
+
+
+rule collect:
+    """Cells, labels, diversities and meshes of a whole dataset."""
+    input:
+        solids=parts("results/{dataset}/parts/solids-{shard}.parquet"),
+        rejects=parts("results/{dataset}/parts/rejected-{shard}.parquet"),
+    output:
+        objects=ensure("results/{dataset}/objects.parquet", non_empty=True),
+        rejected=ensure("results/{dataset}/rejected.parquet", non_empty=True),
+        meshes=directory("results/{dataset}/meshes"),
+    log:
+        "logs/{dataset}/collect.log",
+    benchmark:
+        "benchmarks/{dataset}/collect.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=4000,
+        runtime=60,
+    params:
+        settings=settings_of("Collect"),
+        source=lambda wildcards: SETTINGS.datasets[wildcards.dataset].source,
+        solids=each("--solids", "solids"),
+        rejects=each("--rejects", "rejects"),
+        code=code_version("egad.stages.collect"),
+    message:
+        "Collecting the objects of {wildcards.dataset}"
+    shell:
+        "egad collect --settings {params.settings:q} --source {params.source:q}"
+        " {params.solids:q} {params.rejects:q} --out {output.objects:q}"
+        " --rejected {output.rejected:q} --meshes {output.meshes:q} > {log:q} 2>&1"

@@ -1,0 +1,35 @@
+"""Print-export: STL files and 3MF plates of the evaluation set, in millimetres.
+
+Inputs: results/D/eval49.parquet, results/D/rescaled/G.
+Outputs: results/D/print/G, a folder with manifest.parquet in it.
+"""
+
+
+rule print_export:
+    """Files for printers, for one gripper."""
+    input:
+        evaluation="results/{dataset}/eval49.parquet",
+        scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
+    output:
+        manifest=ensure("results/{dataset}/print/{gripper}/manifest.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/print_export/{gripper}.log",
+    benchmark:
+        "benchmarks/{dataset}/print_export/{gripper}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=30,
+    params:
+        settings=settings_of("PrintFiles"),
+        meshes=subpath(input.scales, parent=True),
+        folder=subpath(output.manifest, parent=True),
+        code=code_version("egad.stages.print_export"),
+    message:
+        "Writing print files of {wildcards.dataset} for {wildcards.gripper}"
+    shell:
+        "egad print-export --settings {params.settings:q} --eval {input.evaluation:q}"
+        " --meshes {params.meshes:q} --scales {input.scales:q} --out {params.folder:q}"
+        " > {log:q} 2>&1"

@@ -1,0 +1,34 @@
+"""Report: everything at a glance, in one HTML file that opens offline.
+
+Inputs: the tables and meshes of all datasets, and all that is made of the targets.
+Outputs: results/report.html.
+"""
+
+
+rule report:
+    """Write the report."""
+    input:
+        "results/comparison.parquet",
+        made_of_every_dataset(["objects.parquet", "rejected.parquet", "meshes"]),
+        made_of_targets(),
+    output:
+        ensure("results/report.html", non_empty=True),
+    log:
+        "logs/report.log",
+    benchmark:
+        "benchmarks/report.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    params:
+        settings=SETTINGS.model_dump_json(),
+        results=subpath(output[0], parent=True),
+        code=code_version("egad.stages.report"),
+    message:
+        "Writing the report"
+    shell:
+        "egad report --settings {params.settings:q} --results {params.results:q} --out {output:q}"
+        " > {log:q} 2>&1"

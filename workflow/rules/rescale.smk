@@ -1,0 +1,33 @@
+"""Rescale: the objects scaled to a gripper.
+
+Inputs: results/D/meshes.
+Outputs: results/D/rescaled/G/LABEL.obj (metres), scales.parquet and rejected.parquet beside them.
+"""
+
+
+rule rescale:
+    """Scale all objects of a dataset to one gripper."""
+    input:
+        "results/{dataset}/meshes",
+    output:
+        scales=ensure("results/{dataset}/rescaled/{gripper}/scales.parquet", non_empty=True),
+        rejected=ensure("results/{dataset}/rescaled/{gripper}/rejected.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/rescale/{gripper}.log",
+    benchmark:
+        "benchmarks/{dataset}/rescale/{gripper}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=60,
+    params:
+        settings=settings_of("RescaleMeshes"),
+        folder=subpath(output.scales, parent=True),
+        code=code_version("egad.stages.rescale"),
+    message:
+        "Scaling {wildcards.dataset} to {wildcards.gripper}"
+    shell:
+        "egad rescale --settings {params.settings:q} --out {params.folder:q} {input:q}"
+        " > {log:q} 2>&1"

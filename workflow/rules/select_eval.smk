@@ -1,0 +1,33 @@
+"""Select-eval: the evaluation set, one object a cell of a coarse grid.
+
+Inputs: results/D/objects.parquet, and the shards of postprocess for their Reeb graphs.
+Outputs: results/D/eval49.parquet.
+"""
+
+
+rule select_eval:
+    """Choose the objects that look least alike."""
+    input:
+        objects="results/{dataset}/objects.parquet",
+        solids=parts("results/{dataset}/parts/solids-{shard}.parquet"),
+    output:
+        ensure("results/{dataset}/eval49.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/select_eval.log",
+    benchmark:
+        "benchmarks/{dataset}/select_eval.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=4000,
+        runtime=60,
+    params:
+        settings=settings_of("EvalSelection"),
+        solids=each("--solids", "solids"),
+        code=code_version("egad.stages.select_eval"),
+    message:
+        "Choosing the evaluation set of {wildcards.dataset}"
+    shell:
+        "egad select-eval --settings {params.settings:q} --objects {input.objects:q}"
+        " {params.solids:q} --out {output:q} > {log:q} 2>&1"

@@ -1,0 +1,67 @@
+"""Simulated-trial: attempts of a grasp detector on the evaluation set.
+
+Inputs: results/D/eval49.parquet, results/D/rescaled/G.
+Outputs: results/D/trials/G/P.parquet, a row an attempt.
+Steps: shards of objects are tried; then the tables of the shards are joined.
+"""
+
+
+localrules:
+    join_trials,
+
+
+rule simulated_trial:
+    """Try to grasp the objects of a shard."""
+    input:
+        evaluation="results/{dataset}/eval49.parquet",
+        scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
+    output:
+        ensure(
+            "results/{dataset}/parts/trials-{gripper}-{policy}-{shard}.parquet",
+            non_empty=True,
+        ),
+    log:
+        "logs/{dataset}/simulated_trial/{gripper}-{policy}-{shard}.log",
+    benchmark:
+        "benchmarks/{dataset}/simulated_trial/{gripper}-{policy}-{shard}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=120,
+    params:
+        settings=settings_of("SimulatedTrials"),
+        meshes=subpath(input.scales, parent=True),
+        shards=len(SHARDS),
+        code=code_version("egad.stages.simulate"),
+    message:
+        "Trying {wildcards.policy} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
+    shell:
+        "egad simulate --settings {params.settings:q} --policy {wildcards.policy:q}"
+        " --shard {wildcards.shard} --shards {params.shards} --eval {input.evaluation:q}"
+        " --meshes {params.meshes:q} --out {output:q} > {log:q} 2>&1"
+
+
+rule join_trials:
+    """All attempts of a detector with a gripper."""
+    input:
+        parts("results/{dataset}/parts/trials-{gripper}-{policy}-{shard}.parquet"),
+    output:
+        ensure("results/{dataset}/trials/{gripper}/{policy}.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/join_trials/{gripper}-{policy}.log",
+    benchmark:
+        "benchmarks/{dataset}/join_trials/{gripper}-{policy}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        code=code_version("egad.stages.join"),
+    message:
+        "Joining the trials of {wildcards.policy} with {wildcards.gripper} on {wildcards.dataset}"
+    shell:
+        "egad join --schema trials --out {output:q} {input:q} > {log:q} 2>&1"
