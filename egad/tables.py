@@ -5,6 +5,7 @@ renamed, so a file that exists is complete.
 """
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pyarrow as pa
@@ -218,6 +219,11 @@ COMPARISON = pa.schema(
 )
 
 
+def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
+    """The rows of a table, each as a dictionary by column."""
+    return [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
+
+
 def empty(schema: pa.Schema) -> pd.DataFrame:
     """A table with the columns of a schema and no rows."""
     frame: pd.DataFrame = schema.empty_table().to_pandas()
@@ -229,8 +235,8 @@ def write(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> None:
     columns = frame[schema.names] if len(frame) else empty(schema)
     table = pa.Table.from_pandas(columns, schema=schema, preserve_index=False)
     table = table.replace_schema_metadata(None)
-    with replacing(path) as temporary:
-        pq.write_table(table, temporary, compression="zstd")
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        pq.write_table(table, file, compression="zstd")
 
 
 def read(path: Path, schema: pa.Schema) -> pd.DataFrame:

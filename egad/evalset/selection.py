@@ -42,13 +42,19 @@ def select(
     """
     if len(objects) == 0:
         return tables.empty(tables.EVAL49)
-    rows = difficulty_cells(objects["difficulty"], space, settings.rows)
-    columns = complexity_cells(objects["complexity"], space, settings.columns)
-    candidates = list(pd.Series(range(len(objects))).groupby([rows, columns]).indices.values())
+    rows, columns = _coarse_cells(objects, settings, space)
+    candidates = candidates_by_cell(objects, settings, space)
     starts = (random_choice(candidates, rng) for _ in range(settings.restarts))
     found = [improve(start, candidates, distances) for start in starts]
     best = max(found, key=lambda chosen: total(chosen, distances))
     return _frame(objects.iloc[best], rows[best], columns[best], _nearest(best, distances))
+
+
+def candidates_by_cell(objects: pd.DataFrame, settings: SelectEval, space: Space) -> list[Indices]:
+    """The row numbers of the objects in each coarse cell that has any, row by row."""
+    rows, columns = _coarse_cells(objects, settings, space)
+    cell = rows * settings.columns + columns
+    return [np.flatnonzero(cell == each) for each in np.unique(cell)]
 
 
 def random_choice(candidates: Sequence[Indices], rng: np.random.Generator) -> Indices:
@@ -79,10 +85,34 @@ def total(chosen: Indices, distances: Distances) -> float:
     return float(distances[np.ix_(chosen, chosen)].sum() / 2)
 
 
+def mean_distance(chosen: Indices, distances: Distances) -> float:
+    """Mean distance of all pairs of a set; NaN for fewer than two objects."""
+    pairs = len(chosen) * (len(chosen) - 1) / 2
+    return total(chosen, distances) / pairs if pairs else float("nan")
+
+
+def best_of_random(
+    candidates: Sequence[Indices],
+    distances: Distances,
+    rng: np.random.Generator,
+    draws: int = 1000,
+) -> float:
+    """The largest mean distance among random sets, to hold that of the chosen set against."""
+    drawn = (random_choice(candidates, rng) for _ in range(draws))
+    return max(mean_distance(chosen, distances) for chosen in drawn)
+
+
 def empty_cells(chosen: pd.DataFrame, settings: SelectEval) -> list[str]:
     """Labels of the coarse cells that no object of the dataset lies in."""
     labels = [_label(row, col) for row in range(settings.rows) for col in range(settings.columns)]
     return [label for label in labels if label not in set(chosen["label"])]
+
+
+def _coarse_cells(
+    objects: pd.DataFrame, settings: SelectEval, space: Space
+) -> tuple[Indices, Indices]:
+    rows = difficulty_cells(objects["difficulty"], space, settings.rows)
+    return rows, complexity_cells(objects["complexity"], space, settings.columns)
 
 
 def _label(row: int, column: int) -> str:
@@ -101,10 +131,11 @@ def _nearest(chosen: Indices, distances: Distances) -> NDArray[np.float64]:
 def _frame(
     chosen: pd.DataFrame, rows: Indices, columns: Indices, nearest: NDArray[np.float64]
 ) -> pd.DataFrame:
-    return chosen.assign(
+    table: pd.DataFrame = chosen.assign(
         object_label=chosen["label"],
         label=[_label(row, column) for row, column in zip(rows, columns, strict=True)],
         row=rows,
         column=columns,
         nearest=nearest,
-    )[tables.EVAL49.names].sort_values("label", ignore_index=True)
+    )[tables.EVAL49.names]
+    return table.sort_values("label", ignore_index=True)

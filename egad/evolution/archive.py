@@ -140,7 +140,7 @@ def elites_of(frame: pd.DataFrame) -> list[Elite]:
             parents=tuple(row["parents"]),
             epoch=row["epoch"],
         )
-        for row in frame.to_dict("records")
+        for row in tables.records(frame)
     ]
 
 

@@ -80,7 +80,7 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         faces = np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
     except Exception as error:
         raise RejectedError(unreadable) from error
-    if len(faces) and not (0 <= faces.min() and faces.max() < len(vertices)):
+    if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
         raise RejectedError(f"{unreadable}: faces name vertices that are not there")
     return vertices, faces
 

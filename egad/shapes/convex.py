@@ -3,17 +3,16 @@
 import heapq
 from collections.abc import Iterator
 from itertools import count, product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import manifold3d
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
+from egad.shapes.manifold import Solid, arrays, is_solid, to_mesh, to_solid, union
 
 Floats = NDArray[np.float64]
-Solid = Any  # manifold3d.Manifold, which has no type information
 Plane = tuple[Floats, float]  # unit normal, distance from the origin
 
 SIMPLIFICATION = 0.005  # of the longest side: finer detail costs time and changes no contact
@@ -64,14 +63,13 @@ def convex_parts(
     """
     whole = _solid(mesh)
     pieces = _split(whole, max_parts, volume_error * whole.volume())
-    return [_mesh(piece.hull()) for piece in pieces]
+    return [to_mesh(piece.hull()) for piece in pieces]
 
 
 def excess_volume(parts: list[trimesh.Trimesh], mesh: trimesh.Trimesh) -> float:
     """Volume of the union of the parts / volume of the mesh - 1."""
-    hulls = [_manifold(part.vertices, part.faces) for part in parts]
-    union = manifold3d.Manifold.batch_boolean(hulls, manifold3d.OpType.Add)
-    return float(union.volume() / abs(mesh.volume) - 1)
+    together = union(to_solid(part.vertices, part.faces) for part in parts)
+    return float(together.volume() / abs(mesh.volume) - 1)
 
 
 def _solid(mesh: trimesh.Trimesh) -> Solid:
@@ -79,12 +77,12 @@ def _solid(mesh: trimesh.Trimesh) -> Solid:
 
     Inside out, a surface bounds everything but the object, and every hull would be of that.
     """
-    faces = np.asarray(mesh.faces)
-    if len(faces) == 0 or not np.isfinite(mesh.vertices).all():
+    if len(mesh.faces) == 0 or not np.isfinite(mesh.vertices).all():
         raise RejectedError("no faces, or coordinates that are not finite")
-    outward = faces if mesh.volume > 0 else faces[:, ::-1]
-    solid = _manifold(mesh.vertices, outward)
-    if solid.status() != manifold3d.Error.NoError or not solid.volume() > 0:
+    solid = to_solid(mesh.vertices, mesh.faces)
+    if solid.volume() < 0:
+        solid = to_solid(mesh.vertices, mesh.faces[:, ::-1])
+    if not is_solid(solid) or not solid.volume() > 0:
         raise RejectedError("the surface does not bound a solid")
     return solid.simplify(SIMPLIFICATION * float(np.ptp(mesh.vertices, axis=0).max()))
 
@@ -123,7 +121,7 @@ def _best_cut(solid: Solid) -> tuple[Solid, Solid]:
 
 
 def _planes(solid: Solid) -> list[Plane]:
-    vertices = _vertices(solid)
+    vertices, _ = arrays(solid)
     deepest = vertices[_depths(solid, vertices).argmax()]
     through = [(normal, float(normal @ deepest)) for normal in DIRECTIONS]
     low, high = vertices.min(axis=0), vertices.max(axis=0)
@@ -138,7 +136,7 @@ def _planes(solid: Solid) -> list[Plane]:
 
 def _depths(solid: Solid, points: Floats) -> Floats:
     """How far points lie below the hull of a solid, (n,)."""
-    hull = _mesh(solid.hull())
+    hull = to_mesh(solid.hull())
     corners = hull.triangles[trimesh.triangles.nondegenerate(hull.triangles)]
     normals = trimesh.triangles.normals(corners)[0]
     offsets = np.einsum("ij,ij->i", normals, corners[:, 0])
@@ -152,21 +150,3 @@ def _bodies(solid: Solid, crumb: float) -> list[Solid]:
 
 def _excess(solid: Solid) -> float:
     return float(solid.hull().volume() - solid.volume())
-
-
-def _manifold(vertices: Floats, faces: NDArray[np.int64]) -> Solid:
-    points = np.ascontiguousarray(vertices, dtype=np.float64)
-    return manifold3d.Manifold(
-        manifold3d.Mesh64(points, np.ascontiguousarray(faces, dtype=np.uint64))
-    )
-
-
-def _vertices(solid: Solid) -> Floats:
-    vertices: Floats = np.asarray(solid.to_mesh64().vert_properties)[:, :3]
-    return vertices
-
-
-def _mesh(solid: Solid) -> trimesh.Trimesh:
-    raw = solid.to_mesh64()
-    vertices = np.array(raw.vert_properties)[:, :3]
-    return trimesh.Trimesh(vertices, np.array(raw.tri_verts, dtype=np.int64), process=False)

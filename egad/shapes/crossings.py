@@ -28,9 +28,12 @@ def crossings(vertices: Floats, faces: Ints, depth: float) -> Ints:
     axis = int(np.argmax(np.ptp(vertices, axis=0)))
     turned = np.ascontiguousarray(np.roll(vertices, -axis, axis=1), dtype=np.float64)
     corners = turned[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     pairs: Ints = _sweep(
         turned,
         np.ascontiguousarray(faces, dtype=np.int64),
+        np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0),
         np.ascontiguousarray(corners.min(axis=1)),
         np.ascontiguousarray(corners.max(axis=1)),
         depth,
@@ -39,7 +42,9 @@ def crossings(vertices: Floats, faces: Ints, depth: float) -> Ints:
 
 
 @numba.njit(cache=True)
-def _sweep(vertices: Floats, faces: Ints, low: Floats, high: Floats, depth: float) -> Ints:
+def _sweep(
+    vertices: Floats, faces: Ints, normals: Floats, low: Floats, high: Floats, depth: float
+) -> Ints:
     """Test the pairs whose boxes overlap, found along the first coordinate."""
     order = np.argsort(low[:, 0], kind="mergesort")
     found = []
@@ -49,10 +54,12 @@ def _sweep(vertices: Floats, faces: Ints, low: Floats, high: Floats, depth: floa
             j = order[later]
             if low[j, 0] > high[i, 0]:
                 break
-            if not _boxes_overlap(low[i], high[i], low[j], high[j]):
+            if low[i, 1] > high[j, 1] or low[j, 1] > high[i, 1]:
                 continue
-            if _pierces(vertices, faces[i], faces[j], depth) or _pierces(
-                vertices, faces[j], faces[i], depth
+            if low[i, 2] > high[j, 2] or low[j, 2] > high[i, 2]:
+                continue
+            if _pierces(vertices, faces, normals, i, j, depth) or _pierces(
+                vertices, faces, normals, j, i, depth
             ):
                 found.append((i, j))
     pairs = np.empty((len(found), 2), dtype=np.int64)
@@ -62,43 +69,44 @@ def _sweep(vertices: Floats, faces: Ints, low: Floats, high: Floats, depth: floa
 
 
 @numba.njit(cache=True)
-def _boxes_overlap(low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats) -> bool:
-    beside = low_a[1] > high_b[1] or low_b[1] > high_a[1]
-    return bool(not beside and low_a[2] <= high_b[2] and low_b[2] <= high_a[2])
-
-
-@numba.njit(cache=True)
-def _pierces(vertices: Floats, edges_of: Ints, triangle: Ints, depth: float) -> bool:
-    """Whether an edge of one triangle passes through the other."""
-    a, b, c = vertices[triangle[0]], vertices[triangle[1]], vertices[triangle[2]]
-    normal = np.cross(b - a, c - a)
-    length = np.sqrt((normal * normal).sum())
-    if length == 0.0:
-        return False
+def _pierces(
+    vertices: Floats, faces: Ints, normals: Floats, first: int, second: int, depth: float
+) -> bool:
+    """Whether an edge of the first triangle passes through the second."""
     for k in range(3):
-        first, second = edges_of[k], edges_of[(k + 1) % 3]
-        if _touches(first, triangle) or _touches(second, triangle):
+        p, q = faces[first, k], faces[first, (k + 1) % 3]
+        if _is_corner(p, faces, second) or _is_corner(q, faces, second):
             continue
-        p, q = vertices[first], vertices[second]
-        above = (normal * (p - a)).sum() / length
-        below = (normal * (q - a)).sum() / length
+        above = _height(vertices, p, faces, normals, second)
+        below = _height(vertices, q, faces, normals, second)
         if above * below >= 0.0 or min(abs(above), abs(below)) <= depth:
             continue
-        if _passes_within(p, q, a, b, c):
+        if _passes_within(vertices[p], vertices[q], vertices, faces[second]):
             return True
     return False
 
 
 @numba.njit(cache=True)
-def _touches(vertex: int, triangle: Ints) -> bool:
-    return bool(vertex == triangle[0] or vertex == triangle[1] or vertex == triangle[2])
+def _is_corner(vertex: int, faces: Ints, face: int) -> bool:
+    a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
+    return bool(vertex in (a, b, c))
 
 
 @numba.njit(cache=True)
-def _passes_within(p: Floats, q: Floats, a: Floats, b: Floats, c: Floats) -> bool:
+def _height(vertices: Floats, vertex: int, faces: Ints, normals: Floats, face: int) -> float:
+    """Signed distance of a vertex from the plane of a triangle; 0 if that has no area."""
+    height = 0.0
+    for k in range(3):
+        height += normals[face, k] * (vertices[vertex, k] - vertices[faces[face, 0], k])
+    return height
+
+
+@numba.njit(cache=True)
+def _passes_within(p: Floats, q: Floats, vertices: Floats, corners: Ints) -> bool:
     """Whether the line p-q winds the same way about all three sides."""
+    a, b, c = vertices[corners[0]] - p, vertices[corners[1]] - p, vertices[corners[2]] - p
     line = q - p
-    x = (line * np.cross(a - p, b - p)).sum()
-    y = (line * np.cross(b - p, c - p)).sum()
-    z = (line * np.cross(c - p, a - p)).sum()
+    x = (line * np.cross(a, b)).sum()
+    y = (line * np.cross(b, c)).sum()
+    z = (line * np.cross(c, a)).sum()
     return bool((x >= 0 and y >= 0 and z >= 0) or (x <= 0 and y <= 0 and z <= 0))

@@ -13,8 +13,8 @@ Solid = Any  # manifold3d.Manifold, which has no type information
 
 def to_solid(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Solid:
     """The solid within closed surfaces that wind outwards; see `is_solid`."""
-    points = np.ascontiguousarray(vertices, dtype=np.float64)
-    triangles = np.ascontiguousarray(faces, dtype=np.uint64)
+    points = np.array(vertices, dtype=np.float64, order="C")  # copies: it takes no read-only ones
+    triangles = np.array(faces, dtype=np.uint64, order="C")
     return manifold3d.Manifold(manifold3d.Mesh64(points, triangles))
 
 
@@ -26,7 +26,7 @@ def is_solid(solid: Solid) -> bool:
 def arrays(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Vertices (n, 3) and faces (m, 3) of a solid."""
     raw = solid.to_mesh64()
-    vertices = np.ascontiguousarray(np.asarray(raw.vert_properties)[:, :3])
+    vertices = np.array(np.asarray(raw.vert_properties)[:, :3], order="C")
     return vertices, np.asarray(raw.tri_verts).astype(np.int64)
 
 

@@ -42,8 +42,9 @@ def run(
     frame = arrange(join(solids, tables.SOLIDS, ["id"]), settings, evolved)
     with replacing(meshes) as folder:
         folder.mkdir()
-        for row in frame.itertuples():
-            write_obj(mesh_of(row.vertices, row.faces), folder / f"{row.label}.obj")
+        columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
+        for label, vertices, faces in columns:
+            write_obj(mesh_of(vertices, faces), folder / f"{label}.obj")
     tables.write(join(rejects, tables.REJECTED, ["id", "stage"]), tables.REJECTED, rejected)
     tables.write(frame, tables.OBJECTS, objects)
     log.info("%d objects", len(frame))

@@ -38,15 +38,16 @@ def run(
     frame = tables.read(objects, tables.OBJECTS)
     frame = frame[[in_shard(object_id, *shard) for object_id in frame["id"]]]
     labelled, left_out = [], []
-    for row in progress(frame.itertuples(), "labelling grasps", len(frame)):
+    names = zip(frame["id"], frame["label"], strict=True)
+    for object_id, object_label in progress(names, "labelling grasps", len(frame)):
         try:
-            mesh = read_mesh(meshes / f"{row.label}.obj", "m")
-            rng = generator(settings.seed, "grasps", row.id)
+            mesh = read_mesh(meshes / f"{object_label}.obj", "m")
+            rng = generator(settings.seed, "grasps", object_id)
             grasps = label(mesh, mesh.center_mass, settings, rng)
         except RejectedError as reason:
-            left_out.append(rejection(row.id, "grasp-label", reason))
+            left_out.append(rejection(object_id, "grasp-label", reason))
         else:
-            labelled.append(grasps.assign(id=row.id, label=row.label))
+            labelled.append(grasps.assign(id=object_id, label=object_label))
     table = pd.concat(labelled) if labelled else tables.empty(tables.GRASPS)
     tables.write(table, tables.GRASPS, out)
     tables.write(pd.DataFrame(left_out), tables.REJECTED, rejected)

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -63,8 +64,8 @@ def from_archive(
     def build(packed: bytes) -> trimesh.Trimesh:
         return surface(voxels.unpack(packed, shape.resolution), shape)
 
-    sources = {
-        object_id: lambda packed=packed: build(packed)
+    sources: Sources = {
+        str(object_id): partial(build, packed)
         for object_id, packed in archive["voxels"].items()
         if in_shard(str(object_id), shard, shards)
     }
@@ -74,8 +75,8 @@ def from_archive(
 def from_folder(folder: Path, units: str, shard: int, shards: int) -> tuple[Sources, pd.Series]:
     """The mesh files of a shard; they were not selected by any difficulty."""
     files = object_names(mesh_files(folder))
-    sources = {
-        name: lambda path=path: read_mesh(path, units)
+    sources: Sources = {
+        name: partial(read_mesh, path, units)
         for name, path in files.items()
         if in_shard(name, shard, shards)
     }

@@ -26,15 +26,13 @@ def run(settings: PrintFiles, evaluation: Path, meshes: Path, scales: Path, out:
         scales: Table with the columns of `egad.tables.SCALES`.
         out: Folder for `LABEL.stl`, `plate-N.3mf` and `manifest.parquet`.
     """
-    chosen = tables.read(evaluation, tables.EVAL49)
+    chosen = tables.records(tables.read(evaluation, tables.EVAL49))
     factors = tables.read(scales, tables.SCALES).set_index("label")["factor"]
-    solids = {
-        row.label: read_mesh(meshes / f"{row.object_label}.obj", "m") for row in chosen.itertuples()
-    }
+    solids = {row["label"]: read_mesh(meshes / f"{row['object_label']}.obj", "m") for row in chosen}
     items = plan_prints(solids, settings.print_export.bed, settings.print_export.gap)
     rows = [
-        _manifest_row(row.label, row.id, items[row.label], factors[row.object_label])
-        for row in chosen.itertuples()
+        _manifest_row(row["label"], row["id"], items[row["label"]], factors[row["object_label"]])
+        for row in chosen
     ]
     with replacing(out) as folder:
         folder.mkdir()

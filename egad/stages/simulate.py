@@ -36,9 +36,9 @@ def run(
     chosen = tables.read(evaluation, tables.EVAL49)
     chosen = chosen[[in_shard(object_id, *shard) for object_id in chosen["id"]]]
     parts = []
-    for row in progress(chosen.itertuples(), "trying", len(chosen)):
-        mesh = read_mesh(meshes / f"{row.object_label}.obj", "m")
-        parts.append(run_trials(mesh, row.label, row.id, policy, settings))
+    for row in progress(tables.records(chosen), "trying", len(chosen)):
+        mesh = read_mesh(meshes / f"{row['object_label']}.obj", "m")
+        parts.append(run_trials(mesh, row["label"], row["id"], policy, settings))
     table = pd.concat(parts) if parts else tables.empty(tables.TRIALS)
     tables.write(table, tables.TRIALS, out)
     log.info("%d attempts, %d successes", len(table), int(table["success"].sum()))

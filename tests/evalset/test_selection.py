@@ -5,7 +5,16 @@ import pandas as pd
 import pytest
 
 from egad import tables
-from egad.evalset.selection import empty_cells, improve, random_choice, select, total
+from egad.evalset.selection import (
+    best_of_random,
+    candidates_by_cell,
+    empty_cells,
+    improve,
+    mean_distance,
+    random_choice,
+    select,
+    total,
+)
 from egad.settings import SelectEval, Space
 
 SPACE = Space()
@@ -95,3 +104,16 @@ def test_nearest_is_the_smallest_distance_within_the_set():
     for row, index in enumerate(picked):
         others = [other for other in picked if other != index]
         assert chosen["nearest"][row] == pytest.approx(distances[index, others].min())
+
+
+def test_the_chosen_set_beats_the_best_of_a_thousand_random_ones():
+    objects, distances = dataset(200, 1)
+    candidates = candidates_by_cell(objects, GRID, SPACE)
+    assert sorted(np.concatenate(candidates)) == list(range(200))
+    picked = chosen_by(objects, distances)["id"].str[2:].astype(int).to_numpy()
+    ours = mean_distance(picked, distances)
+    pairs = itertools.combinations(picked, 2)
+    assert ours == pytest.approx(np.mean([distances[pair] for pair in pairs]))
+    everything = mean_distance(np.arange(200), distances)
+    assert ours > best_of_random(candidates, distances, np.random.default_rng(0)) > everything
+    assert np.isnan(mean_distance(np.array([3]), distances))
