@@ -25,7 +25,7 @@ test: setup
 	pytest
 
 bench: setup
-	pytest tests/benchmarks --capture=no
+	pytest tests/benchmarks --capture=no --override-ini python_files='bench_*.py'
 
 lint: setup
 	ruff check

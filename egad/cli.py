@@ -53,13 +53,13 @@ def evolve(
     island: Annotated[int, typer.Option(help="number of the island")],
     out: Out,
     base: Annotated[Path | None, typer.Option(help="archive of the epoch before")] = None,
-    workers: Annotated[int, typer.Option(help="processes")] = 1,
+    jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
 ) -> None:
     """Evolve one island for one epoch."""
     from egad.stage_settings import Evolve
     from egad.stages import evolve as stage
 
-    stage.run(_parse(Evolve, settings), epoch, island, base, out, workers)
+    stage.run(_parse(Evolve, settings), epoch, island, base, out, jobs)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -235,6 +235,7 @@ def rescale(
     rule: Annotated[str, typer.Option(help="paper, egad-script or exact")] = "paper",
     units: Annotated[str, typer.Option(help="unit of the meshes: m, mm, cm, inch")] = "m",
     ending: Annotated[str, typer.Option("--format", help="obj (m) or stl (mm)")] = "obj",
+    jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
 ) -> None:
     """Scale any meshes to a gripper."""
     from egad.config_check import check
@@ -254,7 +255,7 @@ def rescale(
     if ending not in stage.WRITERS:
         raise UserError(f"--format is {ending!r}; allowed: {', '.join(stage.WRITERS)}")
     files = [file for path in meshes for file in ([path] if path.is_file() else mesh_files(path))]
-    rejected = stage.run(parsed, files, units, out, ending)
+    rejected = stage.run(parsed, files, units, out, ending, jobs)
     if rejected:
         typer.echo(f"{rejected} files could not be used: see {out / 'rejected.parquet'}")
 

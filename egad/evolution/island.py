@@ -2,30 +2,16 @@
 
 import logging
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
 from functools import partial
-from typing import Any
 
 from egad.evolution.archive import Archive, Elite
 from egad.evolution.evaluation import Measured, Solid, express, measure
 from egad.evolution.reproduction import Offspring, breed
 from egad.progress import progress
 from egad.stage_settings import Evolve
+from egad.workers import Mapper
 
 log = logging.getLogger(__name__)
-Mapper = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
-
-
-@contextmanager
-def workers(count: int) -> Iterator[Mapper]:
-    """A `map` that keeps order and runs in `count` processes (in this one if 1)."""
-    if count == 1:
-        yield map
-        return
-    with ProcessPoolExecutor(count) as pool:
-        yield partial(pool.map, chunksize=2)
 
 
 def evolve(

@@ -19,7 +19,7 @@ Ints = NDArray[np.int32]
 def even_integral(
     graph: EdgeGraph, vertices: Floats, faces: Ints, areas: Floats, count: int
 ) -> Floats:
-    """mu from farthest-point bases, each of which stands for the vertices nearest to it.
+    """The integral from farthest-point bases, each of which stands for the vertices nearest to it.
 
     The first base is the vertex farthest from the centre of the surface, so neither the order of
     the vertices nor the place of the mesh matters; every other one is the vertex farthest from
@@ -33,22 +33,17 @@ def even_integral(
         count: Number of bases; fewer if no other vertex is left.
 
     Returns:
-        (n,), infinite where a base cannot reach.
+        (n,).
     """
-    share, centre = np.zeros(len(vertices)), np.zeros(3)
-    for face in range(len(faces)):
-        for vertex in faces[face]:
-            share[vertex] += areas[face] / 3
-            centre += vertices[vertex] * (areas[face] / 3)
-    base = np.argmax(np.sum((vertices - centre / np.sum(areas)) ** 2, axis=1))
-    nearest, owner = np.full(len(vertices), np.inf), np.zeros(len(vertices), np.int64)
+    share = _shares(faces, areas, len(vertices))
+    base = _farthest_from_centre(vertices, share)
+    nearest, known = np.full(len(vertices), np.inf), np.full(len(vertices), np.inf)
+    owner = np.zeros(len(vertices), np.int64)
     bases = [base]
     while True:
-        before = nearest.copy()
         spread(graph, base, nearest)
-        owner[nearest < before] = len(bases) - 1
-        base = np.argmax(nearest)
-        if len(bases) == count or not 0 < nearest[base] < np.inf:
+        base = _claim(nearest, known, owner, len(bases) - 1)
+        if len(bases) == count or nearest[base] == 0:
             break
         bases.append(base)
     weights = np.zeros(len(bases))
@@ -63,8 +58,39 @@ def even_integral(
 
 
 @numba.njit(cache=True)
+def _shares(faces: Ints, areas: Floats, count: int) -> Floats:
+    """Area of the surface that belongs to each vertex: a third of each of its faces."""
+    share = np.zeros(count)
+    for face, area in enumerate(areas):
+        for vertex in faces[face]:
+            share[vertex] += area / 3
+    return share
+
+
+@numba.njit(cache=True)
+def _farthest_from_centre(vertices: Floats, share: Floats) -> int:
+    squares = np.zeros(len(vertices))
+    for k in range(3):
+        centre = np.sum(vertices[:, k] * share) / np.sum(share)
+        squares += (vertices[:, k] - centre) ** 2
+    return int(np.argmax(squares))
+
+
+@numba.njit(cache=True)
+def _claim(nearest: Floats, known: Floats, owner: NDArray[np.int64], number: int) -> int:
+    """Give vertices that came nearer to a new base to it; returns the one farthest from all."""
+    farthest = 0
+    for vertex, distance in enumerate(nearest):
+        if distance < known[vertex]:
+            owner[vertex], known[vertex] = number, distance
+        if distance > nearest[farthest]:
+            farthest = vertex
+    return farthest
+
+
+@numba.njit(cache=True)
 def scan_integral(graph: EdgeGraph, faces: Ints, areas: Floats, radius: float) -> Floats:
-    """mu from the bases of the program that the published values come from.
+    """The integral from the bases of the program that the published values come from.
 
     Vertices are walked in their order: one that is not covered yet becomes a base and covers all
     within the radius. It stands for all faces with a vertex that it is the first to cover, so
@@ -77,7 +103,7 @@ def scan_integral(graph: EdgeGraph, faces: Ints, areas: Floats, radius: float) -
         radius: Geodesic distance up to which a base covers.
 
     Returns:
-        (n,), infinite where a base cannot reach.
+        (n,).
     """
     count = len(graph.starts) - 1
     result, distances = np.zeros(count), np.empty(count)

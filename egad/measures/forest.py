@@ -41,7 +41,8 @@ class Forest:
         self._ranges, self._children, self._neighbours = _Rows(empty), _Rows(empty), _Rows(empty)
         self._child_starts, self._neighbour_starts = _Rows(zero), _Rows(zero)
         self._starts, self._keys = _Rows(zero), _Rows(np.empty(0, np.uint64))
-        self._profiles: _Rows | None = None
+        self._profiles = _Rows(np.empty((0, 0)))
+        self._levels: set[int] = set()
         self.extend(graphs)
 
     def __len__(self) -> int:
@@ -53,6 +54,11 @@ class Forest:
         Raises:
             UserError: They do not have the same number of ranges as those already here.
         """
+        graphs = list(graphs)
+        levels = self._levels | {len(graph.level_starts) for graph in graphs}
+        if len(levels) > 1:
+            raise UserError("Reeb graphs with different numbers of ranges cannot be compared.")
+        self._levels = levels
         for graph in graphs:
             values, profile = _weigh(
                 graph.level_starts,
@@ -61,10 +67,6 @@ class Forest:
                 graph.neighbour_starts,
                 graph.neighbours,
             )
-            if self._profiles is None:
-                self._profiles = _Rows(np.empty((0, len(profile))))
-            if self._profiles.view.shape[1] != len(profile):
-                raise UserError("Reeb graphs with different numbers of ranges cannot be compared.")
             start = len(self._values.view)
             self._child_starts.extend(graph.child_starts[1:] + len(self._children.view))
             self._neighbour_starts.extend(graph.neighbour_starts[1:] + len(self._neighbours.view))
@@ -87,8 +89,7 @@ class Forest:
             self._neighbour_starts.view,
             self._neighbours.view,
         )
-        profiles = np.empty((0, 0)) if self._profiles is None else self._profiles.view
-        return Trees(nodes, self._starts.view, self._keys.view, profiles)
+        return Trees(nodes, self._starts.view, self._keys.view, self._profiles.view)
 
 
 class _Rows:
@@ -105,8 +106,9 @@ class _Rows:
     def extend(self, rows: NDArray[Any]) -> None:
         end = self._used + len(rows)
         if end > len(self._data):
-            larger = np.empty((2 * end, *self._data.shape[1:]), self._data.dtype)
-            larger[: self._used] = self.view
+            larger = np.empty((2 * end, *rows.shape[1:]), self._data.dtype)
+            if self._used:
+                larger[: self._used] = self.view
             self._data = larger
         self._data[self._used : end] = rows
         self._used = end

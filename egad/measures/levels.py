@@ -89,7 +89,7 @@ def _rows(owners: Ints, items: Ints, count: int) -> tuple[Ints, Ints]:
     for row in range(count):
         starts[row + 1] += starts[row]
     place, result = starts.copy(), np.empty_like(items)
-    for owner, item in zip(owners, items):
-        result[place[owner]] = item
+    for i, owner in enumerate(owners):
+        result[place[owner]] = items[i]
         place[owner] += 1
     return starts, result

@@ -47,6 +47,7 @@ class Space(NamedTuple):
     order: Ints  # of these by size: index in the first side, or -1 - index in the second
     line: Ints  # nodes that runs are cut from
     chosen: Ints  # best partners so far
+    total: Floats  # (6,): values of a run
 
 
 @numba.njit(cache=True)
@@ -64,6 +65,7 @@ def space(largest: int) -> Space:
         np.empty(2 * largest, np.int32),
         np.empty(largest, np.int32),
         np.empty(LONGEST_RUN, np.int32),
+        np.empty(6),
     )
 
 
@@ -129,7 +131,8 @@ def _match(nodes: Nodes, space: Space, side: int, node: int, count: int) -> floa
     space.free[node + space.shift[side]] = False
     space.bounds[space.state[0], 2] = space.state[1] = end
     space.state[0] += 1
-    return min(area, nodes.values[node, 0]) + min(length, nodes.values[node, 1])
+    common: float = min(area, nodes.values[node, 0]) + min(length, nodes.values[node, 1])
+    return common
 
 
 @numba.njit(cache=True)
@@ -172,7 +175,8 @@ def _sort(nodes: Nodes, space: Space, first: int, second: int) -> None:
 @numba.njit(cache=True)
 def _size(nodes: Nodes, space: Space, item: int) -> float:
     node = space.sides[0, item] if item >= 0 else space.sides[1, -1 - item]
-    return nodes.values[node, 0] + nodes.values[node, 1]
+    size: float = nodes.values[node, 0] + nodes.values[node, 1]
+    return size
 
 
 @numba.njit(cache=True)
@@ -220,7 +224,8 @@ def _choose_run(
 @numba.njit(cache=True)
 def _tick(space: Space) -> int:
     space.state[2] += 1
-    return space.state[2]
+    visit: int = space.state[2]
+    return visit
 
 
 @numba.njit(cache=True)
@@ -240,31 +245,21 @@ def _best_end(
     nodes: Nodes, space: Space, node: int, side: int, start: int, end: int
 ) -> tuple[float, int]:
     """The least cost of matching a node to line[start:e], and that e; start + 2 <= e <= end."""
-    visit = _tick(space)
+    total, visit = space.total, _tick(space)
+    total[:] = 0.0
     least, best = np.inf, start
-    area = length = below_area = below_length = above_area = above_length = 0.0
-    own = nodes.values[node]
     for i in range(start, end):
         other = space.line[i]
-        area += nodes.values[other, 0]
-        length += nodes.values[other, 1]
+        for k in range(2):
+            total[k] += nodes.values[other, k]
         for j in range(nodes.neighbour_starts[other], nodes.neighbour_starts[other + 1]):
             neighbour = nodes.neighbours[j]
             if space.added[neighbour + space.shift[side]] != visit:
                 space.added[neighbour + space.shift[side]] = visit
-                if neighbour < other:
-                    below_area += nodes.values[neighbour, 0]
-                    below_length += nodes.values[neighbour, 1]
-                else:
-                    above_area += nodes.values[neighbour, 0]
-                    above_length += nodes.values[neighbour, 1]
-        around = (
-            abs(own[2] - below_area)
-            + abs(own[3] - below_length)
-            + abs(own[4] - above_area)
-            + abs(own[5] - above_length)
-        )
-        cost = abs(own[0] - area) + abs(own[1] - length) + NEIGHBOUR_WEIGHT * around
+                place = 2 if neighbour < other else 4
+                for k in range(2):
+                    total[place + k] += nodes.values[neighbour, k]
+        cost = _cost(nodes.values[node], total)
         if i > start and cost < least:
             least, best = cost, i + 1
     return least, best
@@ -275,4 +270,5 @@ def _cost(one: Floats, other: Floats) -> float:
     around = 0.0
     for k in range(2, 6):
         around += abs(one[k] - other[k])
-    return abs(one[0] - other[0]) + abs(one[1] - other[1]) + NEIGHBOUR_WEIGHT * around
+    cost: float = abs(one[0] - other[0]) + abs(one[1] - other[1]) + NEIGHBOUR_WEIGHT * around
+    return cost

@@ -1,141 +1,218 @@
-"""Exact nearest neighbours by shape, in a set that changes.
+"""Exact nearest neighbours among shapes, with few comparisons, while shapes come and go.
 
-Distances are dear and most are never needed: a cheap bound of the similarity tells which pairs can
-matter. Every distance that was computed is kept while both members are there.
+Comparing two Reeb graphs is costly, a bound on their similarity is not: candidates are compared in
+the order of the bound until none that is left can be near enough. The bound is ours.
 """
 
-from collections.abc import Sequence
+import heapq
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.measures.forest import Forest
+from egad.measures.forest import Forest, Trees
+from egad.measures.matching import Space, space
 from egad.measures.reeb import ReebGraph
-from egad.measures.similarity import similarities
+from egad.measures.similarity import SLACK, bound, compare
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-SPARE = 500  # graphs of removed members that are kept before the forest is planted anew
+Integers = NDArray[np.int64]
+Bytes = NDArray[np.uint8]
+
+_UNKNOWN, _BOUND, _EXACT = 0, 1, 2
+
+
+def diversities(graphs: Sequence[ReebGraph], weight: float, neighbours: int) -> Floats:
+    """Diversity of each of n shapes among the others, (n,); see `Neighbourhood.diversity`.
+
+    Raises:
+        UserError: The graphs have different numbers of ranges.
+    """
+    neighbourhood = Neighbourhood(weight, neighbours)
+    indices = neighbourhood.add(graphs)
+    return np.array([neighbourhood.diversity(index) for index in indices], dtype=np.float64)
 
 
 class Neighbourhood:
-    """The members of a set, and who is nearest to whom (distance = 1 - similarity)."""
+    """Shapes and their nearest neighbours. A distance is 1 - similarity, computed at most once."""
 
     def __init__(self, weight: float, neighbours: int) -> None:
-        """Make an empty set.
+        """Start with no shapes.
 
         Args:
-            weight: Weight of area against length in the similarity.
-            neighbours: How many nearest members count for the diversity of one.
+            weight: Weight of area against length in the value of a node, 0 to 1.
+            neighbours: How many nearest neighbours are looked for.
         """
-        self._weight, self._count = weight, neighbours
+        self._weight = weight
         self._forest = Forest(weight)
         self._graphs: dict[int, ReebGraph] = {}
-        self._tree = np.zeros(0, np.int64)  # number in the forest, by member
-        self._lower = np.zeros((0, 0))  # distance if exact, else a lower bound of it
-        self._exact = np.zeros((0, 0), bool)
+        self._free: list[int] = []  # a heap: the lowest index is used first
+        self._trees = np.empty(0, np.int64)  # number in the forest, -1 if absent
+        self._distances = np.empty((0, 0))  # or lower bounds
+        self._known = np.empty((0, 0), np.uint8)
+        self._near = np.empty((0, neighbours), np.int64)  # padded with -1
+        self._valid = np.empty(0, bool)  # of the rows of `_near`
 
-    def add(self, graphs: Sequence[ReebGraph]) -> list[int]:
-        """Add members.
+    def __len__(self) -> int:
+        return len(self._graphs)
 
-        Returns:
-            Their indices; those of removed members are used again.
+    def add(self, graphs: Iterable[ReebGraph]) -> list[int]:
+        """Add shapes; returns their indices, which those of removed shapes may have had before.
+
+        Raises:
+            UserError: The graphs have different numbers of ranges.
         """
-        self._thin_out()
-        places = self._free_places(len(graphs))
+        graphs = list(graphs)
         first = len(self._forest)
         self._forest.extend(graphs)
-        self._graphs |= dict(zip(places, graphs, strict=True))
-        self._tree[places] = first + np.arange(len(graphs))
-        members = self._members()
-        profiles = self._forest.trees.profiles
-        for place in places:
-            bounds = 1 - _bounds(profiles, self._tree[place], self._tree[members])
-            for one, other in ((place, members), (members, place)):
-                self._lower[one, other] = bounds
-                self._exact[one, other] = False
-        return places
+        self._make_room(len(graphs))
+        indices = [heapq.heappop(self._free) for _ in graphs]
+        self._graphs.update(zip(indices, graphs, strict=True))
+        self._trees[indices] = np.arange(first, len(self._forest))
+        self._known[indices] = self._known[:, indices] = _UNKNOWN
+        self._valid[:] = False
+        return indices
 
     def remove(self, index: int) -> None:
-        """Take a member out of the set."""
+        """Remove a shape.
+
+        Raises:
+            KeyError: There is no such shape.
+        """
         del self._graphs[index]
+        self._trees[index] = -1
+        heapq.heappush(self._free, index)
+        self._valid &= (self._near != index).all(axis=1)
+        if len(self._forest) > 2 * len(self) + 100:
+            self._replant()
 
     def distance(self, one: int, other: int) -> float:
-        """The distance of two members."""
-        self._compute(one, np.array([other]))
-        return float(self._lower[one, other])
+        """Distance of two shapes.
 
-    def nearest(self, index: int) -> tuple[Ints, Floats]:
-        """The nearest other members, at most as many as asked for, and their distances.
-
-        Sorted by distance, then index.
+        Raises:
+            KeyError: There are no such shapes.
         """
-        others = self._members()
-        others = others[others != index]
-        count = min(self._count, len(others))
-        while count:
-            order = np.argpartition(self._lower[index, others], count - 1)[:count]
-            found = others[order]
-            unknown = found[~self._exact[index, found]]
-            if len(unknown) == 0:
-                found = found[np.lexsort((found, self._lower[index, found]))]
-                return found, self._lower[index, found]
-            self._compute(index, unknown)
-        return np.zeros(0, np.int64), np.zeros(0)
+        self._check(one, other)
+        if one != other and self._known[one, other] != _EXACT:
+            table = self._table
+            _measure(table, one, other, space(np.diff(table.trees.starts).max()))
+        return float(self._distances[one, other]) if one != other else 0.0
+
+    def nearest(self, index: int) -> tuple[Integers, Floats]:
+        """The nearest other shapes and their distances, ascending; equally near ones by index.
+
+        Raises:
+            KeyError: There is no such shape.
+        """
+        self._check(index)
+        if not self._valid[index]:
+            others = np.flatnonzero(self._trees >= 0)
+            near = _nearest(self._table, index, others[others != index], self._near.shape[1])
+            self._near[index] = -1
+            self._near[index, : len(near)] = near
+            self._valid[index] = True
+        near = self._near[index][self._near[index] >= 0]
+        return near, self._distances[index, near]
 
     def diversity(self, index: int) -> float:
-        """Mean distance to the nearest other members; 1 if there is none.
+        """Mean distance of a shape to its nearest ones; 1 if there is no other.
 
-        Source: EGAD, section III-C.
+        Raises:
+            KeyError: There is no such shape.
         """
         _, distances = self.nearest(index)
         return float(distances.mean()) if len(distances) else 1.0
 
-    def _members(self) -> Ints:
-        return np.array(sorted(self._graphs), dtype=np.int64)
+    @property
+    def _table(self) -> "_Table":
+        return _Table(self._forest.trees, self._trees, self._distances, self._known)
 
-    def _compute(self, index: int, others: Ints) -> None:
-        """Replace bounds by distances."""
-        others = others[~self._exact[index, others]]
-        trees = np.stack([np.full(len(others), self._tree[index]), self._tree[others]], axis=1)
-        distances = 1 - similarities(self._forest, trees)
-        for one, other in ((index, others), (others, index)):
-            self._lower[one, other] = distances
-            self._exact[one, other] = True
+    def _check(self, *indices: int) -> None:
+        for index in indices:
+            if index not in self._graphs:
+                raise KeyError(index)
 
-    def _free_places(self, count: int) -> list[int]:
-        """The lowest indices that no member has, with room for them in the matrices."""
-        free = [index for index in range(len(self._graphs) + count) if index not in self._graphs]
-        needed = max(free[:count], default=-1) + 1
-        grow = max(0, needed - len(self._tree))
-        if grow:
-            grow = max(grow, len(self._tree) // 2)
-            self._tree = np.pad(self._tree, (0, grow))
-            self._lower = np.pad(self._lower, (0, grow))
-            self._exact = np.pad(self._exact, (0, grow))
-        return free[:count]
-
-    def _thin_out(self) -> None:
-        """Plant the forest anew without the graphs of removed members, once there are many."""
-        if len(self._forest) < 2 * len(self._graphs) + SPARE:
+    def _make_room(self, count: int) -> None:
+        """Have indices for so many more shapes."""
+        size = len(self._trees)
+        needed = len(self) + count
+        if needed <= size:
             return
-        members = self._members()
-        self._forest = Forest(self._weight, [self._graphs[index] for index in members])
-        self._tree[members] = np.arange(len(members))
+        larger = max(needed, size + size // 4)
+        distances, known = np.empty((larger, larger)), np.zeros((larger, larger), np.uint8)
+        distances[:size, :size], known[:size, :size] = self._distances, self._known
+        self._distances, self._known = distances, known
+        more = larger - size
+        self._trees = np.pad(self._trees, (0, more), constant_values=-1)
+        self._near = np.pad(self._near, ((0, more), (0, 0)), constant_values=-1)
+        self._valid = np.pad(self._valid, (0, more))
+        self._free.extend(range(size, larger))  # all of these are larger: still a heap
+
+    def _replant(self) -> None:
+        """Drop the graphs of removed shapes from the forest."""
+        indices = sorted(self._graphs)
+        self._forest = Forest(self._weight, [self._graphs[index] for index in indices])
+        self._trees[indices] = np.arange(len(indices))
 
 
-def diversities(graphs: Sequence[ReebGraph], weight: float, neighbours: int) -> Floats:
-    """The diversity of each of n shapes among the others, (n,)."""
-    everyone = Neighbourhood(weight, neighbours)
-    return np.array([everyone.diversity(index) for index in everyone.add(graphs)])
+class _Table(NamedTuple):
+    """What is known of the distances between m indices."""
+
+    trees: Trees
+    numbers: Integers  # (m,): of the graphs in the forest
+    distances: Floats  # (m, m): or lower bounds
+    known: Bytes  # (m, m)
 
 
 @numba.njit(cache=True)
-def _bounds(profiles: Floats, one: int, others: Ints) -> Floats:
-    """What the similarity of a graph to each of others cannot exceed (see `similarity.bound`)."""
-    result = np.zeros(len(others))
-    for i, other in enumerate(others):
-        for k in range(profiles.shape[1]):
-            result[i] += min(profiles[one, k], profiles[other, k])
-    return result
+def _nearest(table: _Table, index: int, others: Integers, count: int) -> Integers:
+    """The nearest of some other indices; those that cannot be near are not compared."""
+    near, found = np.empty(min(count, len(others)), np.int64), 0
+    distances, known = table.distances[index], table.known[index]
+    for other in others:
+        if known[other] == _UNKNOWN:
+            _estimate(table, index, other)
+        if known[other] == _EXACT:
+            found = _insert(near, found, distances, other)
+    limit = distances[near[-1]] if found == len(near) else np.inf
+    candidates = others[(known[others] == _BOUND) & (distances[others] <= limit)]
+    if len(candidates) == 0:
+        return near
+    memory = space(np.max(np.diff(table.trees.starts)))
+    for other in candidates[np.argsort(distances[candidates], kind="mergesort")]:
+        if found == len(near) and distances[other] > distances[near[-1]]:
+            break
+        _measure(table, index, other, memory)
+        found = _insert(near, found, distances, other)
+    return near
+
+
+@numba.njit(cache=True)
+def _estimate(table: _Table, one: int, other: int) -> None:
+    """Keep a lower bound of a distance."""
+    most = bound(table.trees.profiles, table.numbers[one], table.numbers[other])
+    table.distances[one, other] = table.distances[other, one] = 1 - most - SLACK
+    table.known[one, other] = table.known[other, one] = _BOUND
+
+
+@numba.njit(cache=True)
+def _measure(table: _Table, one: int, other: int, memory: Space) -> None:
+    """Keep an exact distance."""
+    similarity = compare(table.trees, table.numbers[one], table.numbers[other], memory)
+    table.distances[one, other] = table.distances[other, one] = 1 - similarity
+    table.known[one, other] = table.known[other, one] = _EXACT
+
+
+@numba.njit(cache=True)
+def _insert(near: Integers, found: int, distances: Floats, other: int) -> int:
+    """Insert an index by (distance, index) if it is among the nearest; returns their number."""
+    slot = min(found, len(near))
+    while slot > 0 and (distances[other], other) < (distances[near[slot - 1]], near[slot - 1]):
+        if slot < len(near):
+            near[slot] = near[slot - 1]
+        slot -= 1
+    if slot < len(near):
+        near[slot] = other
+    return min(found + 1, len(near))

@@ -97,7 +97,7 @@ def _join_at_vertices(
 def _join_face(edges: Ints, crossings: _Crossings, roots: Ints) -> int:
     """Join the crossings of a face in each range; returns its edge that passes through them all."""
     low, high, first = crossings
-    carrier = edges[0]
+    carrier: int = edges[0]
     for edge in edges[1:]:
         if high[edge] - low[edge] > high[carrier] - low[carrier]:
             carrier = edge

@@ -17,7 +17,8 @@ from egad.measures.bases import even_integral, scan_integral
 from egad.measures.geodesics import edge_graph
 from egad.measures.levels import levels
 from egad.measures.ranges import Parts, cut, distinct
-from egad.measures.refine import Triangulation, refine, triangulation
+from egad.measures.refine import Triangulation, face_areas, refine, triangulation
+from egad.measures.shells import outer_shell
 from egad.settings import Similarity
 
 Floats = NDArray[np.float64]
@@ -63,7 +64,7 @@ def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
         RejectedError: The mesh is empty, not finite, degenerate or in several pieces.
     """
     surface = refine(_checked(mesh), settings.vertices)
-    areas = _areas(surface.vertices, surface.faces)
+    areas = face_areas(surface)
     mu = _mu(surface, areas, settings)
     scaled = (mu - mu.min()) / mu.max() * settings.ranges
     parts = cut(surface, areas, np.minimum(scaled, np.nextafter(settings.ranges, 0)))
@@ -71,43 +72,38 @@ def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
 
 
 def _checked(mesh: trimesh.Trimesh) -> Triangulation:
-    """The faces with three corners and the vertices that they use, scaled to a box of size 1."""
-    faces = np.asarray(mesh.faces, np.int64).reshape(-1, 3)
-    faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
+    """The outer shell with the vertices that it uses, scaled to a box of size 1."""
+    vertices = np.asarray(mesh.vertices, np.float64).reshape(-1, 3)
+    faces = np.asarray(mesh.faces, np.int32).reshape(-1, 3)
+    a, b, c = faces.T
+    faces = faces[(a != b) & (b != c) & (c != a)]
     if not len(faces):
         raise RejectedError("the mesh is empty")
-    used = np.zeros(len(mesh.vertices), bool)
-    used[faces] = True
-    vertices = np.asarray(mesh.vertices, np.float64)[used]
     if not np.isfinite(vertices).all():
         raise RejectedError("the mesh has coordinates that are not finite")
+    faces = outer_shell(vertices, faces)
+    used = np.zeros(len(vertices), bool)
+    used[faces] = True
+    vertices = vertices[used]
     size = np.ptp(vertices, axis=0).max()
     if not size > 0:
         raise RejectedError("the mesh has no extent")
-    renumbered = np.cumsum(used) - 1
-    return triangulation(vertices / size, renumbered[faces].astype(np.int32))
-
-
-def _areas(vertices: Floats, faces: Ints) -> Floats:
-    corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas: Floats = np.linalg.norm(normals, axis=1) / 2
-    return areas
+    if not used.all():
+        faces = (np.cumsum(used, dtype=np.int32) - 1)[faces]
+    return triangulation(vertices / size, faces)
 
 
 def _mu(surface: Triangulation, areas: Floats, settings: Similarity) -> Floats:
     total = areas.sum()
     if not total > 0:
         raise RejectedError("the mesh has no area")
-    graph = edge_graph(surface)
+    graph = edge_graph(surface, shortcuts=settings.bases == "even")
     mu: Floats
     if settings.bases == "even":
         mu = even_integral(graph, surface.vertices, surface.faces, areas, settings.base_count)
     else:
         radius = np.sqrt(settings.base_coefficient * total)
         mu = scan_integral(graph, surface.faces, areas, radius)
-    if not np.isfinite(mu).all():
-        raise RejectedError("the mesh is not one connected piece")
     return mu
 
 

@@ -74,6 +74,27 @@ def lexicographic(low: Ints, high: Ints, bound: int) -> NDArray[np.int64]:
 
 
 @numba.njit(cache=True)
+def face_areas(mesh: Triangulation) -> Floats:
+    """Area of each face, (f,)."""
+    result = np.empty(len(mesh.faces))
+    for face, (a, b, c) in enumerate(mesh.faces):
+        square = 0.0
+        for i in range(3):
+            j = (i + 1) % 3
+            u, v = (
+                mesh.vertices[b, i] - mesh.vertices[a, i],
+                mesh.vertices[c, i] - mesh.vertices[a, i],
+            )
+            p, q = (
+                mesh.vertices[b, j] - mesh.vertices[a, j],
+                mesh.vertices[c, j] - mesh.vertices[a, j],
+            )
+            square += (u * q - v * p) ** 2
+        result[face] = np.sqrt(square) / 2
+    return result
+
+
+@numba.njit(cache=True)
 def refine(mesh: Triangulation, count: int) -> Triangulation:
     """Split the longest edge at its midpoint, again and again, until there are `count` vertices.
 

@@ -137,9 +137,8 @@ def _planes(solid: Solid) -> list[Plane]:
 def _depths(solid: Solid, points: Floats) -> Floats:
     """How far points lie below the hull of a solid, (n,)."""
     hull = to_mesh(solid.hull())
-    corners = hull.triangles[trimesh.triangles.nondegenerate(hull.triangles)]
-    normals = trimesh.triangles.normals(corners)[0]
-    offsets = np.einsum("ij,ij->i", normals, corners[:, 0])
+    normals, wide = trimesh.triangles.normals(hull.triangles)  # needles have none
+    offsets = np.einsum("ij,ij->i", normals, hull.triangles[wide, 0])
     depths: Floats = (offsets - points @ normals.T).min(axis=1)
     return depths
 

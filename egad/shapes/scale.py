@@ -55,7 +55,7 @@ def _turned_to_minimum(points: Floats) -> Floats:
         return float(sides(turn).prod()) / unit
 
     simplex = np.vstack([np.zeros(3), TILT * np.eye(3)])
-    options: Any = {"initial_simplex": simplex, "xatol": 1e-5, "fatol": 1e-7, "maxiter": 300}
+    options: Any = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-4, "maxiter": 300}
     return sides(minimize(volume, np.zeros(3), method="Nelder-Mead", options=options).x)
 
 

@@ -5,8 +5,9 @@ from pathlib import Path
 
 from egad import tables
 from egad.evolution.archive import Archive, elites_of
-from egad.evolution.island import evolve, workers
+from egad.evolution.island import evolve
 from egad.stage_settings import Evolve
+from egad.workers import workers
 
 log = logging.getLogger(__name__)
 

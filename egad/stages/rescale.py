@@ -1,9 +1,12 @@
 """rescale: meshes scaled to a gripper."""
 
 import logging
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
+import trimesh
 
 from egad import tables
 from egad.errors import RejectedError
@@ -13,13 +16,19 @@ from egad.progress import progress
 from egad.shapes.scale import rescale
 from egad.stage_settings import RescaleMeshes
 from egad.stages.shards import rejection
+from egad.workers import workers
 
 log = logging.getLogger(__name__)
 WRITERS = {"obj": write_obj, "stl": write_stl_mm}
 
 
 def run(
-    settings: RescaleMeshes, files: list[Path], units: str, out: Path, ending: str = "obj"
+    settings: RescaleMeshes,
+    files: list[Path],
+    units: str,
+    out: Path,
+    ending: str = "obj",
+    worker_count: int = 1,
 ) -> int:
     """Scale every mesh by the rule and write it, with a table of what was done.
 
@@ -27,26 +36,42 @@ def run(
         settings: Gripper and rule.
         files: Meshes in any format that can be read.
         units: Unit of their coordinates.
-        out: Folder for `NAME.obj` (metres) or `NAME.stl` (millimetres) and `scales.parquet`.
+        out: Folder for `NAME.obj` (metres) or `NAME.stl` (millimetres), `scales.parquet` and
+            `rejected.parquet`.
         ending: `obj` or `stl`.
+        worker_count: Processes; the result does not depend on it.
 
     Returns:
-        How many files could not be read; `rejected.parquet` names them.
+        How many files could not be used; `rejected.parquet` names them.
     """
+    named = object_names(files)
     scales, left_out = [], []
-    rule = settings.rescale
-    with replacing(out) as folder:
+    with workers(worker_count) as mapper, replacing(out) as folder:
         folder.mkdir()
-        for name, path in progress(object_names(files).items(), "scaling", len(files)):
-            try:
-                mesh = read_mesh(path, units)
-                scaled, row = rescale(mesh, rule.rule, settings.gripper.opening, rule.side_fraction)
-            except RejectedError as reason:
-                left_out.append(rejection(path.name, "rescale", reason))
+        results = mapper(partial(_scaled, units=units, settings=settings), named.values())
+        for (name, path), result in zip(
+            named.items(), progress(results, "scaling", len(named)), strict=True
+        ):
+            if isinstance(result, str):
+                left_out.append(rejection(path.name, "rescale", result))
             else:
-                WRITERS[ending](scaled, folder / f"{name}.{ending}")
+                mesh, row = result
+                WRITERS[ending](mesh, folder / f"{name}.{ending}")
                 scales.append({"label": name, **row})
         tables.write(pd.DataFrame(scales), tables.SCALES, folder / "scales.parquet")
         tables.write(pd.DataFrame(left_out), tables.REJECTED, folder / "rejected.parquet")
-    log.info("%d meshes scaled by rule %s, %d rejected", len(scales), rule.rule, len(left_out))
+    rule = settings.rescale.rule
+    log.info("%d meshes scaled by rule %s, %d rejected", len(scales), rule, len(left_out))
     return len(left_out)
+
+
+def _scaled(
+    path: Path, units: str, settings: RescaleMeshes
+) -> tuple[trimesh.Trimesh, dict[str, Any]] | str:
+    """A scaled mesh and its row, or the reason why there is none."""
+    rule = settings.rescale
+    try:
+        mesh = read_mesh(path, units)
+        return rescale(mesh, rule.rule, settings.gripper.opening, rule.side_fraction)
+    except RejectedError as reason:
+        return str(reason)

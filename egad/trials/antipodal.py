@@ -51,7 +51,7 @@ class _Relief(NamedTuple):
     def centroid(self) -> Floats:
         """Centroid of the volume between the table and what is seen, (3,)."""
         weights = self.heights / self.heights.sum()
-        x, y = (np.arange(n) + 0.5 for n in self.heights.shape)
+        x, y = (np.arange(size) + 0.5 for size in self.heights.shape)
         middle = self.origin + self.cell * np.array(
             [x @ weights.sum(axis=1), y @ weights.sum(axis=0)]
         )
@@ -96,24 +96,26 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     if relief is None or len(pairs.top) == 0:
         return []
     centroid = relief.centroid()
-    order = np.argsort(-_score(pairs, centroid, pairs.top), kind="stable")[:MAX_CANDIDATES]
-    return _grasps(_Pairs(*(values[order] for values in pairs)), relief, centroid, gripper)
+    # Probing the space for the hand is costly: first as if the palm stayed above everything.
+    tip = max(relief.heights.max() - gripper.finger_length, 0.0) + TABLE_CLEARANCE
+    hopeful = np.argsort(-_quality(pairs, centroid, tip), kind="stable")[:MAX_CANDIDATES]
+    return _grasps(_Pairs(*(values[hopeful] for values in pairs)), relief, centroid, gripper)
 
 
 def _edges(view: View, points: Floats, friction: float) -> _Edges:
-    """Pixels on the upper side of steep falls, thinned to at most `MAX_EDGES`."""
+    """Pixels on steep falls, but not at their feet, thinned to at most `MAX_EDGES`."""
     heights = np.nan_to_num(points[..., 2])
     pitch = np.nan_to_num(view.depth, nan=np.inf) / view.intrinsics.focal
-    fall_v, fall_u = np.gradient(-heights)
-    steep = np.hypot(fall_u, fall_v) >= pitch / friction
+    steep = np.hypot(*np.gradient(heights)) >= pitch / friction
     rises = ndimage.maximum_filter(heights, 3) - heights
     drops = heights - ndimage.minimum_filter(heights, 3)
-    rows, columns = np.nonzero(steep & (drops > rises))
+    rows, columns = np.nonzero(steep & (2 * drops > rises))
     chosen = np.linspace(0, len(rows) - 1, min(len(rows), MAX_EDGES)).astype(np.int64)
     rows, columns = rows[chosen], columns[chosen]
     # Steps of the pixel grid turn the gradient by up to 45 degrees; blurring evens them out.
-    fall_v, fall_u = np.gradient(-ndimage.gaussian_filter(heights, 1.5))
-    fall = np.stack([fall_u[rows, columns], fall_v[rows, columns]], axis=1)
+    blurred: Floats = ndimage.gaussian_filter(heights, 1.5)
+    fall_v, fall_u = np.gradient(-blurred)
+    fall = np.stack([fall_u, fall_v], axis=-1)[rows, columns]
     outward = fall @ view.pose[:2, :2].T
     lengths = np.linalg.norm(outward, axis=1, keepdims=True)
     return _Edges(points[rows, columns], outward / np.maximum(lengths, 1e-12))
@@ -151,16 +153,19 @@ def _relief(view: View, points: Floats) -> _Relief | None:
     index = np.floor((standing[:, :2] - origin) / cell).astype(np.int64)
     heights = np.zeros(index.max(axis=0) + 3)
     np.maximum.at(heights, (index[:, 0], index[:, 1]), standing[:, 2])
-    return _Relief(heights, origin, cell)
+    # Between the pixels of a steep side are holes, and the probes step over narrow ridges.
+    return _Relief(np.asarray(ndimage.maximum_filter(heights, 3)), origin, cell)
 
 
-def _score(pairs: _Pairs, centroid: Floats, level: Floats) -> Floats:
-    """Squareness, and nearness to the centroid, of grasp lines at some height, (n,)."""
+def _quality(pairs: _Pairs, centroid: Floats, tip: Floats | float) -> Floats:
+    """The quality of pairs for fingertips at some height, (n,); see `antipodal_depth`."""
+    bite = pairs.top - tip
     away = centroid[:2] - pairs.middle
     across = away[:, 0] * pairs.axis[:, 1] - away[:, 1] * pairs.axis[:, 0]
-    squared = across**2 + (centroid[2] - level) ** 2
-    score: Floats = pairs.squareness / np.sqrt(1 + TORQUE_SCALING**2 * squared)
-    return score
+    above = tip + bite / 2 - centroid[2]
+    moment = np.sqrt(1 + TORQUE_SCALING**2 * (across**2 + above**2))
+    quality: Floats = pairs.squareness / moment * np.clip(bite / FULL_BITE, 0, 1)
+    return quality
 
 
 def _grasps(pairs: _Pairs, relief: _Relief, centroid: Floats, gripper: Gripper) -> list[Grasp]:
@@ -169,7 +174,7 @@ def _grasps(pairs: _Pairs, relief: _Relief, centroid: Floats, gripper: Gripper) 
     tip = _lowest_tip(pairs, width, relief, gripper)
     bite = pairs.top - tip
     level = tip + bite / 2
-    quality = _score(pairs, centroid, level) * np.clip(bite / FULL_BITE, 0, 1)
+    quality = _quality(pairs, centroid, tip)
     order = np.argsort(-quality, kind="stable")
     order = order[bite[order] >= LEAST_BITE][:MAX_GRASPS]
     angle = np.arctan2(pairs.axis[:, 1], pairs.axis[:, 0])

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+import pybullet
 from numpy.typing import NDArray
 
 from egad.settings import Gripper
@@ -91,7 +92,7 @@ class Hand:
             self.world.client.setJointMotorControl2(
                 self.number,
                 finger,
-                self.world.client.VELOCITY_CONTROL,
+                pybullet.VELOCITY_CONTROL,
                 targetVelocity=-CLOSING_SPEED,
                 force=self.gripper.force,
             )
@@ -125,7 +126,7 @@ class Hand:
         self.world.client.setJointMotorControl2(
             self.number,
             PALM,
-            self.world.client.POSITION_CONTROL,
+            pybullet.POSITION_CONTROL,
             targetPosition=height,
             targetVelocity=speed,
             positionGain=POSITION_GAIN,
@@ -147,7 +148,7 @@ class Hand:
         sizes = [palm, finger, finger]
         below = -(palm[2] + finger[2]) / 2
         shapes = [
-            client.createCollisionShape(client.GEOM_BOX, halfExtents=(size / 2).tolist())
+            client.createCollisionShape(pybullet.GEOM_BOX, halfExtents=(size / 2).tolist())
             for size in sizes
         ]
         number: int = client.createMultiBody(
@@ -165,7 +166,7 @@ class Hand:
             linkInertialFramePositions=[(0, 0, 0)] * 3,
             linkInertialFrameOrientations=[(0, 0, 0, 1)] * 3,
             linkParentIndices=[0, PALM + 1, PALM + 1],
-            linkJointTypes=[client.JOINT_PRISMATIC] * 3,
+            linkJointTypes=[pybullet.JOINT_PRISMATIC] * 3,
             linkJointAxis=[(0, 0, 1), (1, 0, 0), (-1, 0, 0)],
         )
         return number
@@ -186,7 +187,7 @@ class Hand:
                 self.number, finger, jointLowerLimit=0.0, jointUpperLimit=gripper.opening / 2
             )
             client.setJointMotorControl2(
-                self.number, finger, client.POSITION_CONTROL, width / 2, force=gripper.force
+                self.number, finger, pybullet.POSITION_CONTROL, width / 2, force=gripper.force
             )
         self._drive(height, 0.0)
         self._couple()
@@ -198,7 +199,7 @@ class Hand:
             LEFT,
             self.number,
             RIGHT,
-            client.JOINT_GEAR,
+            pybullet.JOINT_GEAR,
             (1, 0, 0),
             (0, 0, 0),
             (0, 0, 0),

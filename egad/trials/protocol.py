@@ -173,7 +173,7 @@ def run(
     except RejectedError as reason:
         log.warning("%s (%s) cannot be simulated: %s", label, object_id, reason)
         attempts = [Attempt("failed", None, 0.0)] * len(seeds)
-        known = {"parts": 0, "volume_error": np.nan}
+        known: dict[str, Any] = {"parts": 0, "volume_error": np.nan}
     else:
         with World(model) as world:
             bench = Bench(world, settings.gripper, trials)

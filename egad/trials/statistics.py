@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
@@ -71,11 +72,11 @@ def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
         rows: Letters of the set.
         columns: Digits of the set.
     """
-    row = trials["label"].str[0].map(ord) - ord("A")
-    column = trials["label"].str[1:].astype(int)
+    places = [(ord(label[0]) - ord("A"), int(label[1:])) for label in trials["label"]]
+    row, column = np.array(places, dtype=np.int64).reshape(-1, 2).T
     cells = {
-        (ord(str(label)[0]) - ord("A"), int(str(label)[1:])): rate(attempts)
-        for label, attempts in trials.groupby("label")
+        place: rate(trials[(row == place[0]) & (column == place[1])])
+        for place in sorted(set(places))
     }
     return TrialGrid(
         cells,

@@ -52,16 +52,13 @@ class Pose(NamedTuple):
 
 
 class Client:
-    """One connection to the engine; its functions and constants are those of `pybullet`."""
+    """One connection to the engine; its methods are the functions of `pybullet`."""
 
     def __init__(self) -> None:
         self._number = pybullet.connect(pybullet.DIRECT)
 
-    def __getattr__(self, name: str) -> Any:
-        attribute = getattr(pybullet, name)
-        if not callable(attribute):
-            return attribute
-        return functools.partial(attribute, physicsClientId=self._number)
+    def __getattr__(self, name: str) -> functools.partial[Any]:
+        return functools.partial(getattr(pybullet, name), physicsClientId=self._number)
 
 
 class World:

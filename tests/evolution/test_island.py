@@ -3,10 +3,11 @@ import pytest
 from egad import tables
 from egad.evolution.archive import Archive
 from egad.evolution.evaluation import Solid, measure
-from egad.evolution.island import evolve, workers
+from egad.evolution.island import evolve
 from egad.evolution.reproduction import breed
 from egad.settings import Difficulty, Evolution, Settings, Shape, Similarity
 from egad.stage_settings import Evolve, select
+from egad.workers import workers
 
 SETTINGS = select(
     Settings(

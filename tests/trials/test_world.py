@@ -1,6 +1,7 @@
 """The simulated table obeys the physics that can be worked out by hand."""
 
 import numpy as np
+import pybullet
 import pytest
 import trimesh
 
@@ -66,7 +67,7 @@ def test_the_hole_of_a_ring_is_free() -> None:
     with World(RING) as world:
         world.place(at(0, 0, 0.1))
         client = world.client
-        shape = client.createCollisionShape(client.GEOM_SPHERE, radius=0.005)
+        shape = client.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.005)
         turns = np.linspace(0, 2 * np.pi, 8, endpoint=False)
         places = [(0, 0, 0.1), *((0.03 * np.cos(t), 0.03 * np.sin(t), 0.1) for t in turns)]
         distances = []

@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -22,25 +23,34 @@ class Checkout:
 
     folder: Path
 
-    def snakemake(self, *arguments, configs=(TEST_CONFIG,)):
-        """Run Snakemake; its output is in `stdout`."""
+    def start(self, *arguments, configs=(TEST_CONFIG,)):
+        """Start Snakemake in a process group of its own."""
         options = ["--configfile", *map(str, configs)] if configs else []
-        return subprocess.run(
+        return subprocess.Popen(
             [sys.executable, "-m", "snakemake", *map(str, arguments), *options],
             cwd=self.folder,
             env=self.environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=600,
-            check=False,
+            start_new_session=True,
         )
+
+    def snakemake(self, *arguments, configs=(TEST_CONFIG,)):
+        """Run Snakemake to its end: its exit status and what it said."""
+        with self.start(*arguments, configs=configs) as process:
+            try:
+                said, _ = process.communicate(timeout=600)
+            except BaseException:
+                os.killpg(process.pid, signal.SIGKILL)
+                raise
+        return process.returncode, said
 
     def make(self, *arguments, configs=(TEST_CONFIG,)):
         """Run Snakemake and fail with what it said if it fails."""
-        result = self.snakemake(*arguments, configs=configs)
-        assert result.returncode == 0, result.stdout
-        return result.stdout
+        status, said = self.snakemake(*arguments, configs=configs)
+        assert status == 0, said
+        return said
 
     def planned(self, *arguments, configs=(TEST_CONFIG,)):
         """How many jobs of each rule a run would start."""

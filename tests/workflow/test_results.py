@@ -1,9 +1,12 @@
 """What the workflow makes: real runs on config/test.yaml."""
 
 import hashlib
+import os
 import resource
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pandas as pd
@@ -55,8 +58,11 @@ def load(finished):
 
 
 @pytest.mark.parametrize("path", TABLES)
-def test_every_table_is_there_with_columns_units_and_meanings(finished, path):
-    assert pq.read_schema(finished.results / path).equals(TABLES[path], check_metadata=True)
+def test_every_table_is_there_with_columns_units_and_meanings(finished, tmp_path, path):
+    tables.write(tables.empty(TABLES[path]), TABLES[path], tmp_path / "empty.parquet")
+    expected = pq.read_schema(tmp_path / "empty.parquet")
+    assert pq.read_schema(finished.results / path).equals(expected, check_metadata=True)
+    assert expected.names == TABLES[path].names
 
 
 def test_there_are_no_other_tables_and_no_temporary_files(finished):
@@ -147,6 +153,25 @@ def test_deleted_tables_are_rebuilt_byte_for_byte(copy):
         (copy.results / path).with_name(f".{Path(path).name}.partial").write_bytes(b"half a table")
     copy.make("--cores", 2)
     assert copy.bytes() == before
+
+
+def test_a_run_that_was_killed_goes_on_to_the_same_bytes(clean, finished):
+    second_epoch = clean.folder / "logs/egad/evolve/epoch-1-island-0.log"
+    process = clean.start("--cores", 2)
+    while not second_epoch.exists() and process.poll() is None:
+        time.sleep(0.1)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    first = clean.results / "egad/epochs/epoch-0/archive.parquet"
+    kept = first.stat().st_mtime_ns
+    assert not (clean.results / "egad/archive.parquet").exists()
+
+    clean.make("--unlock")
+    clean.make("--cores", 2, "results/egad/archive.parquet")
+    assert first.stat().st_mtime_ns == kept
+    after, expected = clean.bytes(), finished.bytes()
+    for path in ["egad/archive.parquet", *EPOCH_TABLES]:
+        assert after[path] == expected[path], path
 
 
 def test_one_core_gives_the_same_bytes_as_two(clean, finished):
@@ -241,7 +266,7 @@ def test_a_full_disk_leaves_no_half_table(finished, tmp_path):
     assert failed.stderr.startswith("egad: ")
     assert "Traceback" not in failed.stderr
     assert not out.exists()
-    assert (tmp_path / ".archive.parquet.partial").stat().st_size <= 2000
+    assert 0 < (tmp_path / ".archive.parquet.partial").stat().st_size <= 2000
     assert publish().returncode == 0
     pd.testing.assert_frame_equal(
         pd.read_parquet(out), pd.read_parquet(finished.results / "egad/archive.parquet")

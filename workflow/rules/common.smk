@@ -103,24 +103,30 @@ def raw_options(wildcards, input):
     return ["--folder", dataset.folder, "--units", dataset.units]
 
 
-def made_of_every_dataset(files):
-    """Some files of each dataset in the configuration."""
-    return expand("results/{dataset}/{file}", dataset=SETTINGS.datasets, file=files)
+def of_datasets(datasets, files):
+    """The same files of several datasets."""
+    return expand("results/{dataset}/{file}", dataset=datasets, file=files)
 
 
-def made_of_targets():
-    """What is made of each dataset that is taken all the way."""
+def published():
+    """What the report shows: all files for people, but the report itself."""
     targets = SETTINGS.targets
     of_gripper = [
         "rescaled/{gripper}/scales.parquet",
+        "rescaled/{gripper}/rejected.parquet",
         "grasps/{gripper}.parquet",
         "grasps/{gripper}.rejected.parquet",
         "print/{gripper}/manifest.parquet",
     ]
     trials = "trials/{gripper}/{policy}.parquet"
-    files = [
+    of_target = [
         "eval49.parquet",
         *expand(of_gripper, gripper=targets.grippers),
         *expand(trials, gripper=targets.grippers, policy=targets.policies),
     ]
-    return expand("results/{dataset}/{file}", dataset=targets.datasets, file=files)
+    return [
+        "results/comparison.parquet",
+        *of_datasets(EVOLVED, ["archive.parquet"]),
+        *of_datasets(SETTINGS.datasets, ["objects.parquet", "rejected.parquet", "meshes"]),
+        *of_datasets(targets.datasets, of_target),
+    ]

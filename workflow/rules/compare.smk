@@ -12,7 +12,7 @@ localrules:
 rule compare:
     """Objects, coverage and diversity of each dataset."""
     input:
-        made_of_every_dataset(["objects.parquet"]),
+        of_datasets(SETTINGS.datasets, ["objects.parquet"]),
     output:
         ensure("results/comparison.parquet", non_empty=True),
     log:

@@ -40,7 +40,7 @@ rule evolve:
         "Evolving epoch {wildcards.epoch}, island {wildcards.island}"
     shell:
         "egad evolve --settings {params.settings:q} --epoch {wildcards.epoch}"
-        " --island {wildcards.island} {params.base:q} --workers {threads} --out {output:q}"
+        " --island {wildcards.island} {params.base:q} --jobs {threads} --out {output:q}"
         " > {log:q} 2>&1"
 
 

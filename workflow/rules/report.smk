@@ -8,9 +8,7 @@ Outputs: results/report.html.
 rule report:
     """Write the report."""
     input:
-        "results/comparison.parquet",
-        made_of_every_dataset(["objects.parquet", "rejected.parquet", "meshes"]),
-        made_of_targets(),
+        published(),
     output:
         ensure("results/report.html", non_empty=True),
     log:

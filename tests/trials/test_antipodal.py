@@ -1,0 +1,126 @@
+"""antipodal-depth finds the obvious grasps, and none where there are none."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.errors import UserError
+from egad.settings import GRIPPERS, Gripper
+from egad.trials.camera import Eye, Intrinsics, View, above
+from egad.trials.grasp import Grasp
+from egad.trials.policies import best, detector
+
+HAND = GRIPPERS["egad_75mm"]
+CAMERA = Intrinsics.square(300, 40.0)
+
+
+def seen(mesh: trimesh.Trimesh, x: float = 0.0, y: float = 0.0, turn: float = 0.0) -> View:
+    """A view of a mesh that stands on the table."""
+    matrix = trimesh.transformations.rotation_matrix(turn, (0, 0, 1))
+    matrix[:3, 3] = [x, y, -mesh.bounds[0, 2]]
+    return Eye(mesh).look(matrix, CAMERA, above(0.6))
+
+
+def detect(view: View, gripper: Gripper = HAND) -> list[Grasp]:
+    return detector("antipodal-depth")(view, gripper, np.random.default_rng(0))
+
+
+def folded(angle: float) -> float:
+    """An angle of an axis, which has no direction, in [-pi / 2, pi / 2)."""
+    return (angle + np.pi / 2) % np.pi - np.pi / 2
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize(("x", "y"), [(0.0, 0.0), (0.08, -0.05)])
+def test_a_bar_is_grasped_across_its_middle(turn: float, x: float, y: float) -> None:
+    grasps = detect(seen(trimesh.creation.box((0.03, 0.12, 0.04)), x, y, turn))
+    first = grasps[0]
+    assert folded(first.angle - turn) == pytest.approx(0, abs=0.1)
+    np.testing.assert_allclose(first.center[:2], [x, y], atol=0.006)
+    assert 0.03 < first.width <= HAND.opening
+    assert 0 < first.tip < 0.01
+    assert 0.02 < first.center[2] + first.depth < 0.045
+    assert first.quality > 0.8
+
+
+def test_grasps_are_ranked_and_within_bounds() -> None:
+    grasps = detect(seen(trimesh.creation.cylinder(0.02, 0.06)))
+    qualities = [grasp.quality for grasp in grasps]
+    assert 0 < len(grasps) <= 50
+    assert qualities == sorted(qualities, reverse=True)
+    assert all(0 <= quality <= 1 for quality in qualities)
+    assert all(grasp.fits(HAND) for grasp in grasps)
+
+
+def test_the_closer_to_the_centroid_the_better() -> None:
+    """A dumbbell on its side, heavier at one end: its bar is best held near that end."""
+    bar = trimesh.creation.box((0.16, 0.03, 0.03))
+    head = trimesh.creation.box(
+        (0.03, 0.03, 0.06), trimesh.transformations.translation_matrix((0.095, 0, 0.015))
+    )
+    grasps = detect(seen(trimesh.util.concatenate([bar, head])))
+    assert 0.01 < grasps[0].center[0] < 0.06
+
+
+@pytest.mark.parametrize("sides", [(0.12, 0.12, 0.06), (0.12, 0.12, 0.004)])
+def test_nothing_is_found_on_what_is_too_wide_or_too_flat(sides: tuple[float, ...]) -> None:
+    assert detect(seen(trimesh.creation.box(sides))) == []
+
+
+def test_an_empty_table_gives_nothing() -> None:
+    matrix = trimesh.transformations.translation_matrix((5, 5, 0))
+    empty = Eye(trimesh.creation.box((0.1, 0.1, 0.1))).look(matrix, CAMERA, above(0.6))
+    assert detect(empty) == []
+    blind = View(np.full_like(empty.depth, np.nan), CAMERA, above(0.6))
+    assert detect(blind) == []
+
+
+def test_gentle_slopes_are_no_edges() -> None:
+    """A cone of 45 degrees slips out between pads with a friction of 0.5."""
+    cone = trimesh.creation.cone(0.03, 0.03)
+    steep = trimesh.creation.cone(0.03, 0.12)
+    assert detect(seen(cone)) == []
+    assert detect(seen(steep)) != []
+
+
+def test_fingers_need_space_beside_the_object() -> None:
+    """Between a block and walls 15 mm away, pads that open 8 mm wider and are 10 mm thick."""
+    block = trimesh.creation.box((0.03, 0.03, 0.05))
+    walls = [
+        trimesh.creation.box((0.01, 0.2, 0.05), trimesh.transformations.translation_matrix(at))
+        for at in ((-0.035, 0, 0), (0.035, 0, 0))
+    ]
+
+    def angles(mesh: trimesh.Trimesh) -> set[str]:
+        found = [grasp for grasp in detect(seen(mesh)) if np.hypot(*grasp.center[:2]) < 0.01]
+        return {"across" if abs(folded(grasp.angle)) < 0.5 else "along" for grasp in found}
+
+    assert angles(block) == {"across", "along"}
+    assert angles(trimesh.util.concatenate([block, *walls])) == {"along"}
+
+
+def test_the_palm_stays_above_the_object() -> None:
+    tower = trimesh.creation.box((0.04, 0.04, 0.15))
+    assert all(grasp.tip > 0.15 - HAND.finger_length for grasp in detect(seen(tower)))
+
+
+def test_the_same_image_gives_the_same_grasps() -> None:
+    view = seen(trimesh.creation.box((0.03, 0.06, 0.04)), turn=0.3)
+    other = detector("antipodal-depth")(view, HAND, np.random.default_rng(99))
+    assert detect(view) == other
+
+
+def test_best_takes_the_highest_quality_that_the_hand_can_do() -> None:
+    fine = Grasp((0.0, 0.0, 0.02), 0.0, 0.05, 0.01, 0.5)
+    poorer = Grasp((0.0, 0.0, 0.02), 1.0, 0.05, 0.01, 0.3)
+    too_wide = Grasp((0.0, 0.0, 0.02), 0.0, 0.2, 0.01, 0.9)
+    nowhere = Grasp((0.0, float("nan"), 0.02), 0.0, 0.05, 0.01, 0.9)
+    unsure = Grasp((0.0, 0.0, 0.02), 0.0, 0.05, 0.01, float("inf"))
+    assert best([poorer, too_wide, fine, nowhere, unsure], HAND) == fine
+    assert best([too_wide, nowhere], HAND) is None
+    assert best([], HAND) is None
+
+
+def test_unknown_detectors_are_named() -> None:
+    with pytest.raises(UserError, match="antipodal-depth"):
+        detector("antipodal")
