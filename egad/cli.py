@@ -268,6 +268,18 @@ def materialise(archive: Path, out: OutFolder) -> None:
     typer.echo(f"{stage.run(archive, out)} meshes in {out}")
 
 
+@app.command(rich_help_panel=TOOL)
+def collage(
+    dataset: Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")],
+    out: Out,
+) -> None:
+    """Draw the objects of a dataset at their places in the space, as one PNG picture."""
+    from egad.settings import Space
+    from egad.stages import collage as stage
+
+    stage.run(dataset, out, Space())
+
+
 @app.command(name="check-config", rich_help_panel=TOOL)
 def check_config(files: list[Path]) -> None:
     """Check configuration files and list every problem."""

@@ -163,13 +163,13 @@ def _split(room: _Room, edge: int, middle: int, faces: int, edges: int) -> int:
     for k in range(3):
         room.vertices[middle, k] = (room.vertices[one, k] + room.vertices[other, k]) / 2
     second = edges
-    corner = room.first[edge]
+    corner = int(room.first[edge])
     room.first[edge] = -1
     _set_edge(room, edge, one, middle)
     _set_edge(room, second, middle, other)
     added = 0
     while corner >= 0:
-        later = room.following[corner]
+        later = int(room.following[corner])
         forward = room.faces[corner // 3, corner % 3] == one
         halves = (edge, second) if forward else (second, edge)
         _split_face(room, corner, middle, halves, faces + added, edges + 1 + added)

@@ -41,7 +41,8 @@ def outer_shell(vertices: Floats, faces: Ints) -> Ints:
     inside = ((corners >= low) & (corners <= high)).all(axis=(1, 2))
     if not (own | (hollow[shells] & inside)).all():
         raise RejectedError("the mesh is not one connected piece")
-    return faces[own]
+    outer: Ints = faces[own]
+    return outer
 
 
 @numba.njit(cache=True)

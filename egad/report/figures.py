@@ -12,7 +12,8 @@ from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
 from egad.report.style import FAINT, INK, LINES, SOFT, drawn, ink_on
-from egad.report.summary import PUBLISHED, Rate, TrialGrid, outcome_counts
+from egad.report.summary import PUBLISHED, outcome_counts
+from egad.trials.statistics import Rate, TrialGrid
 
 OUTCOMES = {
     "success": "#0072b2",
@@ -32,7 +33,7 @@ def trial_heat_map(grid: TrialGrid, rows: int, columns: int, present: set[str]) 
     """Success rate of every object, with the rates of whole rows and columns beside it.
 
     Args:
-        grid: Rates from `egad.report.summary.trial_grid`.
+        grid: Rates from `egad.trials.statistics.trial_grid`.
         rows: Letters of the evaluation set; the easiest is drawn at the bottom.
         columns: Digits of the evaluation set.
         present: Labels of the objects in the set; all other places are drawn empty.

@@ -12,6 +12,7 @@ from egad.report import figures, maps, summary
 from egad.report.data import DatasetReport, ReportData
 from egad.report.parameters import entry_tables, parameter_tables
 from egad.settings import Settings
+from egad.trials.statistics import Rate, trial_grid
 
 __all__ = ["DatasetReport", "ReportData", "build"]
 
@@ -25,7 +26,7 @@ class TrialView:
 
     gripper: str
     policy: str
-    rate: summary.Rate
+    rate: Rate
     objects: int
     outcomes: dict[str, int]
     heat_map: str
@@ -102,7 +103,7 @@ def _trial_view(
     key: tuple[str, str], trials: pd.DataFrame, data: DatasetReport, settings: Settings
 ) -> TrialView:
     rows, columns = settings.select_eval.rows, settings.select_eval.columns
-    grid = summary.trial_grid(trials, rows, columns)
+    grid = trial_grid(trials, rows, columns)
     chosen = trials if data.evalset is None else data.evalset
     heat_map = figures.trial_heat_map(grid, rows, columns, set(chosen["label"]))
     outcomes = summary.outcome_counts(trials)

@@ -1,11 +1,9 @@
 """The numbers of a report, from its tables."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binomtest
 
 from egad.measures.space import coverage, filled_cells
 from egad.report.data import DatasetReport
@@ -29,62 +27,6 @@ PUBLISHED = pd.DataFrame(
     ],
 )
 """EGAD (Morrison, Corke, Leitner 2020), Table III."""
-
-
-@dataclass(frozen=True)
-class Rate:
-    """A success rate with its Wilson interval of 95 %."""
-
-    successes: int
-    attempts: int
-
-    @property
-    def value(self) -> float:
-        """Successes / attempts; NaN if there were no attempts."""
-        return self.successes / self.attempts if self.attempts else float("nan")
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """Lower and upper end."""
-        if not self.attempts:
-            return 0.0, 1.0
-        found = binomtest(self.successes, self.attempts).proportion_ci(method="wilson")
-        return float(found.low), float(found.high)
-
-
-def rate(trials: pd.DataFrame) -> Rate:
-    """The success rate over all rows of a table of attempts."""
-    return Rate(int(trials["success"].sum()), len(trials))
-
-
-@dataclass(frozen=True)
-class TrialGrid:
-    """Success rates over the grid of the evaluation set, row 0 = easiest, column 0 = simplest."""
-
-    cells: dict[tuple[int, int], Rate]
-    rows: list[Rate]
-    columns: list[Rate]
-    overall: Rate
-
-
-def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
-    """Success rate of every object, row and column of the evaluation set.
-
-    Args:
-        trials: Columns of `egad.tables.TRIALS`; labels as `C4`.
-        rows: Letters of the set.
-        columns: Digits of the set.
-    """
-    row = trials["label"].str[0].map(ord) - ord("A")
-    column = trials["label"].str[1:].astype(int)
-    places = pd.Series(list(zip(row, column, strict=True)), index=trials.index, dtype=object)
-    cells = {place: rate(trials[places == place]) for place in sorted(set(places))}
-    return TrialGrid(
-        cells,
-        [rate(trials[row == index]) for index in range(rows)],
-        [rate(trials[column == index]) for index in range(columns)],
-        rate(trials),
-    )
 
 
 def space_numbers(objects: pd.DataFrame, space: Space) -> Row:

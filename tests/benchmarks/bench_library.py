@@ -1,6 +1,6 @@
 """How fast the costly parts of the library are, in CPU time on one core: `make bench`.
 
-Compiling is not counted. The objects are offspring of random genomes, as at the start of a run.
+Compiling is not counted. The objects are offspring of an archive that evolved for some steps.
 """
 
 import time
@@ -8,7 +8,9 @@ import time
 import numpy as np
 import pytest
 
+from egad.evolution.archive import Archive
 from egad.evolution.evaluation import express, measure
+from egad.evolution.island import evolve
 from egad.evolution.reproduction import breed
 from egad.grasps.labels import label
 from egad.grasps.quality import ferrari_canny
@@ -36,8 +38,16 @@ def rate(what, unit, work, amount=1):
 
 
 @pytest.fixture(scope="module")
-def offspring():
-    return breed([], EVOLVE, 0, 0, 0)
+def elites():
+    few = {"evolution": {"population": 20, "steps_per_epoch": 15}}
+    archive = Archive(SETTINGS.space, SETTINGS.similarity)
+    evolve(archive, select(Settings.model_validate(few), Evolve), 0, 0)
+    return archive.elites
+
+
+@pytest.fixture(scope="module")
+def offspring(elites):
+    return breed(elites, EVOLVE, 1, 0, 0)
 
 
 @pytest.fixture(scope="module")

@@ -3,11 +3,11 @@ import itertools
 import numpy as np
 import pytest
 import trimesh
-from egad.measures.similarity import similarity
 
 from egad import tables
 from egad.evolution.archive import Archive, Elite, elites_of, merge
 from egad.measures import reeb
+from egad.measures.similarity import similarity
 from egad.settings import Similarity, Space
 
 SIMILARITY = Similarity(vertices=200, ranges=16, base_count=10)

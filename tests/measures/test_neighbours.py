@@ -64,7 +64,7 @@ def test_no_distance_is_computed_twice_and_many_not_at_all(graphs, monkeypatch):
     monkeypatch.setattr(neighbours, "similarities", counting)
     everyone = Neighbourhood(0.5, 2)
     for _ in range(2):
-        for index in everyone.add(graphs) if not len(asked) else range(40):
+        for index in everyone.add(graphs) if not asked else range(40):
             everyone.diversity(index)
     assert len(asked) == len(set(asked))
     assert len(asked) < 40 * 39 / 2

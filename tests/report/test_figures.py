@@ -8,7 +8,7 @@ import pytest
 
 from egad import tables
 from egad.report import figures, style
-from egad.report.summary import trial_grid
+from egad.trials.statistics import trial_grid
 
 SVG = "{http://www.w3.org/2000/svg}"
 

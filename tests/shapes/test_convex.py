@@ -74,6 +74,21 @@ def test_parts_cover_the_solid_and_nothing_far_from_it(
     assert not covered[~inside_torus(points, TUBE + 0.003)].any()
 
 
+def test_a_cluster_of_balls_whose_hulls_have_needles() -> None:
+    rng = np.random.default_rng(4)
+    balls = [
+        trimesh.creation.icosphere(3, rng.uniform(0.008, 0.02)).apply_translation(
+            rng.uniform(-0.025, 0.025, 3)
+        )
+        for _ in range(6)
+    ]
+    cluster = trimesh.boolean.union(balls, engine="manifold")
+    parts = convex_parts(cluster, 64, 0.01)
+    assert len(parts) > 4
+    assert abs(excess_volume(parts, cluster)) <= 0.01
+    assert all(part.is_volume for part in parts)
+
+
 def test_volume_error_is_kept(torus: trimesh.Trimesh, torus_parts: list[trimesh.Trimesh]) -> None:
     assert 0 < excess_volume(torus_parts, torus) <= 0.06
     coarse = convex_parts(torus, 64, 0.3)

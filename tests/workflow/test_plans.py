@@ -4,6 +4,8 @@ import os
 
 import pytest
 
+from egad.settings import Settings
+
 AFTER_TRIALS = {"join_trials", "report", "all"}
 AFTER_GRASPS = {"join_grasps", "join_ungraspable", "report", "all"}
 AFTER_SELECTION = {"print_export", "simulated_trial"} | AFTER_TRIALS
@@ -17,7 +19,9 @@ EVERYTHING = {"evolve", "merge", "archive", "postprocess"} | AFTER_POSTPROCESS
 def test_a_clean_checkout_plans_the_whole_pipeline(clean, entry):
     planned = clean.planned("--snakefile", entry, configs=())
     assert set(planned) == EVERYTHING
-    assert (planned["evolve"], planned["postprocess"], planned["report"]) == (4, 8, 1)
+    schedule = Settings().schedule
+    assert planned["evolve"] == schedule.epochs * schedule.islands
+    assert (planned["postprocess"], planned["report"]) == (Settings().shards, 1)
 
 
 def test_paper_scale_can_be_planned(clean):

@@ -72,16 +72,15 @@ def previous_archive(wildcards):
     return [previous] if epoch else []
 
 
-def evolve_threads(wildcards):
-    """Children are evaluated side by side on all cores; 8 where a cluster does not tell."""
+def side_by_side(wildcards):
+    """Threads of jobs that work on many objects at once: all cores; 8 where a cluster decides."""
     try:
-        cores = workflow.cores
+        return min(64, workflow.cores)
     except WorkflowError:
-        cores = 8
-    return min(SETTINGS.evolution.population, cores)
+        return 8
 
 
-def evolve_memory(wildcards, threads):
+def worker_memory(wildcards, threads):
     """Megabytes: every worker is a process with the compiled library in it."""
     return 1000 + 500 * threads
 

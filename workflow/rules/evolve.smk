@@ -28,9 +28,9 @@ rule evolve:
         dataset=EVOLVED_DATASET,
     conda:
         ENVIRONMENT
-    threads: evolve_threads
+    threads: side_by_side
     resources:
-        mem_mb=evolve_memory,
+        mem_mb=worker_memory,
         runtime=240,
     params:
         settings=settings_of("Evolve"),

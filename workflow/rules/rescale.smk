@@ -18,9 +18,9 @@ rule rescale:
         "benchmarks/{dataset}/rescale/{gripper}.tsv"
     conda:
         ENVIRONMENT
-    threads: 1
+    threads: side_by_side
     resources:
-        mem_mb=1000,
+        mem_mb=worker_memory,
         runtime=60,
     params:
         settings=settings_of("RescaleMeshes"),
@@ -29,5 +29,5 @@ rule rescale:
     message:
         "Scaling {wildcards.dataset} to {wildcards.gripper}"
     shell:
-        "egad rescale --settings {params.settings:q} --out {params.folder:q} {input:q}"
-        " > {log:q} 2>&1"
+        "egad rescale --settings {params.settings:q} --out {params.folder:q} --jobs {threads}"
+        " {input:q} > {log:q} 2>&1"

@@ -1,0 +1,32 @@
+"""collage: one picture of all objects of a dataset, at their places in the space."""
+
+from pathlib import Path
+
+from egad import tables
+from egad.exchange.meshes import read_mesh
+from egad.files import replacing
+from egad.progress import progress
+from egad.report.collage import collage
+from egad.report.render import png_bytes, render
+from egad.settings import Space
+
+SIZE = 96
+
+
+def run(dataset: Path, out: Path, space: Space) -> None:
+    """Draw the most diverse object of every cell.
+
+    Args:
+        dataset: Folder of a dataset, with `objects.parquet` and `meshes/`.
+        out: PNG file.
+        space: The cells.
+    """
+    objects = tables.read(dataset / "objects.parquet", tables.OBJECTS)
+    cell = ["complexity_cell", "difficulty_cell"]
+    shown = objects.sort_values("diversity", ascending=False).drop_duplicates(cell)
+    pictures = {
+        label: png_bytes(render(read_mesh(dataset / "meshes" / f"{label}.obj", "m"), SIZE))
+        for label in progress(shown["label"], "drawing", len(shown))
+    }
+    with replacing(out) as temporary:
+        temporary.write_bytes(collage(shown, pictures, space))
