@@ -5,12 +5,17 @@ import sys
 import pytest
 
 from egad import cli
+from egad.settings import Settings
+from egad.stage_settings import Merge, select
 
 
 def egad(*arguments):
     code = "from egad.cli import main; main()"
     return subprocess.run(
-        [sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True
+        [sys.executable, "-c", code, *map(str, arguments)],
+        check=False,
+        capture_output=True,
+        text=True,
     )
 
 
@@ -19,7 +24,9 @@ def test_help_lists_every_stage_and_imports_nothing_heavy():
         "import sys; from egad import cli\n"
         "print([n for n in ('numba', 'trimesh', 'pybullet', 'scipy') if n in sys.modules])"
     )
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True
+    )
     assert loaded.stdout.strip() == "[]"
     shown = egad("--help").stdout
     for name in ("evolve", "postprocess", "grasp-label", "rescale", "select-eval", "simulate"):
@@ -54,8 +61,5 @@ def test_rescale_says_what_is_allowed(tmp_path, arguments, sentence):
 
 
 def test_stage_settings_travel_as_json():
-    from egad.settings import Settings
-    from egad.stage_settings import Merge, select
-
     merge = select(Settings(), Merge)
     assert cli._parse(Merge, json.dumps(json.loads(merge.model_dump_json()))) == merge

@@ -22,6 +22,7 @@ class Trees(NamedTuple):
     nodes: Nodes
     starts: Ints  # (t + 1,): first node of each graph
     keys: NDArray[np.uint64]  # (t,): equal for equal graphs only
+    levels: int
     profiles: Floats  # (t, p): weighted area, then length, of each range of each level
 
 
@@ -37,9 +38,10 @@ class Forest:
         """
         self._weights = np.array([weight, 1 - weight])
         empty, zero = np.empty(0, np.int32), np.zeros(1, np.int32)
-        self._values = _Rows(np.empty((0, 6)))
-        self._ranges, self._children, self._neighbours = _Rows(empty), _Rows(empty), _Rows(empty)
-        self._child_starts, self._neighbour_starts = _Rows(zero), _Rows(zero)
+        self._values, self._around = _Rows(np.empty((0, 2))), _Rows(np.empty((0, 4)))
+        self._child_starts, self._child_middles = _Rows(zero), _Rows(empty)
+        self._children, self._neighbours = _Rows(empty), _Rows(empty)
+        self._neighbour_starts = _Rows(zero)
         self._starts, self._keys = _Rows(zero), _Rows(np.empty(0, np.uint64))
         self._profiles = _Rows(np.empty((0, 0)))
         self._levels: set[int] = set()
@@ -60,21 +62,17 @@ class Forest:
             raise UserError("Reeb graphs with different numbers of ranges cannot be compared.")
         self._levels = levels
         for graph in graphs:
-            values, profile = _weigh(
-                graph.level_starts,
-                graph.ranges,
-                np.stack((graph.areas, graph.lengths), axis=1) * self._weights,
-                graph.neighbour_starts,
-                graph.neighbours,
-            )
+            values = np.stack((graph.areas, graph.lengths), axis=1) * self._weights
             start = len(self._values.view)
-            self._child_starts.extend(graph.child_starts[1:] + len(self._children.view))
-            self._neighbour_starts.extend(graph.neighbour_starts[1:] + len(self._neighbours.view))
+            children, neighbours = len(self._children.view), len(self._neighbours.view)
+            self._child_starts.extend(graph.child_starts[1:] + children)
+            self._child_middles.extend(_middles(graph) + children)
+            self._neighbour_starts.extend(graph.neighbour_starts[1:] + neighbours)
             self._children.extend(graph.children + start)
             self._neighbours.extend(graph.neighbours + start)
-            self._ranges.extend(graph.ranges)
             self._values.extend(values)
-            self._profiles.extend(profile[None])
+            self._around.extend(_around(graph.neighbour_starts, graph.neighbours, values))
+            self._profiles.extend(_profile(graph, values)[None])
             self._starts.extend(np.array([start + len(values)], np.int32))
             self._keys.extend(np.array([_key(graph)]))
 
@@ -83,13 +81,15 @@ class Forest:
         """The arrays of all graphs."""
         nodes = Nodes(
             self._values.view,
-            self._ranges.view,
+            self._around.view,
             self._child_starts.view,
+            self._child_middles.view,
             self._children.view,
             self._neighbour_starts.view,
             self._neighbours.view,
         )
-        return Trees(nodes, self._starts.view, self._keys.view, self._profiles.view)
+        levels = max(self._levels, default=1) - 1
+        return Trees(nodes, self._starts.view, self._keys.view, levels, self._profiles.view)
 
 
 class _Rows:
@@ -122,21 +122,31 @@ def _key(graph: ReebGraph) -> np.uint64:
     return np.uint64(int.from_bytes(digest.digest(), "little"))
 
 
+def _middles(graph: ReebGraph) -> Ints:
+    """Where the children of each node begin that lie in the upper half of its range."""
+    lower = graph.ranges[graph.children] % 2 == 0
+    before = np.concatenate(([0], np.cumsum(lower)))
+    starts, ends = graph.child_starts[:-1], graph.child_starts[1:]
+    middles: Ints = (starts + before[ends] - before[starts]).astype(np.int32)
+    return middles
+
+
+def _profile(graph: ReebGraph, values: Floats) -> Floats:
+    """The sum of the values over each range of each level: all areas, then all lengths."""
+    levels = len(graph.level_starts) - 1
+    firsts = 2**levels - 2 ** np.arange(levels, 0, -1)
+    place = np.repeat(firsts, np.diff(graph.level_starts)) + graph.ranges
+    sums = [np.bincount(place, column, 2**levels - 1) for column in values.T]
+    return np.concatenate(sums)
+
+
 @numba.njit(cache=True)
-def _weigh(
-    level_starts: Ints, ranges: Ints, own: Floats, neighbour_starts: Ints, neighbours: Ints
-) -> tuple[Floats, Floats]:
-    """Values of nodes as in `Nodes`, and the profile of the graph."""
-    values = np.zeros((len(ranges), 6))
-    count = 2 ** (len(level_starts) - 1) - 1
-    profile, first = np.zeros(2 * count), 0
-    for level in range(len(level_starts) - 1):
-        for node in range(level_starts[level], level_starts[level + 1]):
-            values[node, :2] = own[node]
-            profile[first + ranges[node]] += own[node, 0]
-            profile[count + first + ranges[node]] += own[node, 1]
-            for neighbour in neighbours[neighbour_starts[node] : neighbour_starts[node + 1]]:
-                place = 2 if neighbour < node else 4
-                values[node, place : place + 2] += own[neighbour]
-        first += 2 ** (len(level_starts) - 2 - level)
-    return values, profile
+def _around(starts: Ints, neighbours: Ints, values: Floats) -> Floats:
+    """Sums of values over the neighbours of each node in the range below, and above."""
+    result = np.zeros((len(values), 4))
+    for node in range(len(values)):
+        for neighbour in neighbours[starts[node] : starts[node + 1]]:
+            place = 0 if neighbour < node else 2
+            for k in range(2):
+                result[node, place + k] += values[neighbour, k]
+    return result

@@ -25,9 +25,10 @@ MOST_RUNS = 64  # that one node is compared to: a bound that does not depend on 
 class Nodes(NamedTuple):
     """Nodes of many graphs in one row; in each graph the coarsest one is the last."""
 
-    values: Floats  # (n, 6): weighted area and length, and their sums over neighbours below, above
-    ranges: Ints  # (n,)
+    values: Floats  # (n, 2): weighted area and length
+    around: Floats  # (n, 4): their sums over the neighbours below, and above
     child_starts: Ints  # (n + 1,)
+    child_middles: Ints  # (n,): where the children in the upper half of the range begin
     children: Ints
     neighbour_starts: Ints  # (n + 1,)
     neighbours: Ints
@@ -41,8 +42,8 @@ class Space(NamedTuple):
     free: NDArray[np.bool_]  # whether a node may still be matched in this bout
     seen: Ints  # last visit as a neighbour that runs are taken from
     added: Ints  # last visit as a neighbour of a run
-    matched: Ints  # nodes of matches whose children are to be matched
-    bounds: Ints  # (matches, 3): where in `matched` the first side, the second and the next begin
+    matched: Ints  # nodes of all matches
+    bounds: Ints  # (matches, 3): where in `matched` either side and the next match begin
     sides: Ints  # (2, n): nodes of a bout
     order: Ints  # of these by size: index in the first side, or -1 - index in the second
     line: Ints  # nodes that runs are cut from
@@ -70,28 +71,60 @@ def space(largest: int) -> Space:
 
 
 @numba.njit(cache=True)
-def match(nodes: Nodes, starts: tuple[int, int], roots: tuple[int, int], space: Space) -> float:
-    """Similarity of two graphs, given the finest and the coarsest node of each.
+def match(
+    nodes: Nodes,
+    starts: tuple[int, int],
+    roots: tuple[int, int],
+    levels: int,
+    least: float,
+    space: Space,
+) -> tuple[float, bool]:
+    """Similarity of two graphs, level by level, as long as it can still reach a least value.
+
+    What a level shares, the children of its matches share at most again on every finer one.
+
+    Args:
+        nodes: All nodes.
+        starts: The finest node of either graph; where matches are equally good, the result can
+            depend on which graph is the first.
+        roots: The coarsest one.
+        levels: Number of levels.
+        least: Stop when the similarity must be less.
+        space: Memory.
 
     Returns:
-        A number from 0 to 1. The order of the two graphs may matter where matches are equally good.
+        The similarity from 0 to 1 and True, or an upper bound of it and False.
     """
     space.state[0] = space.state[1] = 0
     space.shift[0], space.shift[1] = -starts[0], len(space.line) - starts[1]
     space.chosen[0] = roots[1]
-    total = _match(nodes, space, 0, roots[0], 1)
-    while space.state[0] > 0:
-        space.state[0] -= 1
-        start, middle, end = space.bounds[space.state[0]]
-        for half in range(2):
-            first = _children(nodes, space, 0, start, middle, half)
-            second = _children(nodes, space, 1, middle, end, half)
-            if first == 1 and second == 1:
-                space.chosen[0] = space.sides[1, 0]
-                total += _match(nodes, space, 0, space.sides[0, 0], 1)
-            elif first > 0 and second > 0:
-                total += _bout(nodes, space, first, second)
-    return min(total, 1.0)
+    shared = total = _match(nodes, space, 0, roots[0], 1)
+    first = 0
+    for left in range(levels - 1, 0, -1):
+        if total + left * shared < least:
+            return total + left * shared, False
+        end = space.state[0]
+        shared = 0.0
+        for i in range(first, end):
+            for half in range(2):
+                shared += _bout(nodes, space, i, half)
+        total += shared
+        first = end
+    return min(total, 1.0), True
+
+
+@numba.njit(cache=True)
+def _bout(nodes: Nodes, space: Space, i: int, half: int) -> float:
+    """Match the children of a match in one half of the range; returns what they share."""
+    start, middle, end = space.bounds[i]
+    first = _children(nodes, space, 0, start, middle, half)
+    second = _children(nodes, space, 1, middle, end, half)
+    if first == 0 or second == 0:
+        return 0.0
+    if first == 1 and second == 1:
+        space.chosen[0] = space.sides[1, 0]
+        return _match(nodes, space, 0, space.sides[0, 0], 1)
+    return _contest(nodes, space, first, second)
 
 
 @numba.njit(cache=True)
@@ -100,17 +133,18 @@ def _children(nodes: Nodes, space: Space, side: int, start: int, end: int, half:
     count = 0
     for i in range(start, end):
         node = space.matched[i]
-        for j in range(nodes.child_starts[node], nodes.child_starts[node + 1]):
-            child = nodes.children[j]
-            if nodes.ranges[child] & 1 == half:
-                space.sides[side, count] = child
-                count += 1
+        low, high = nodes.child_middles[node], nodes.child_starts[node + 1]
+        if half == 0:
+            low, high = nodes.child_starts[node], low
+        for j in range(low, high):
+            space.sides[side, count] = nodes.children[j]
+            count += 1
     return count
 
 
 @numba.njit(cache=True)
 def _match(nodes: Nodes, space: Space, side: int, node: int, count: int) -> float:
-    """Match a node of a side to the chosen ones of the other; returns their similarity."""
+    """Match a node of a side to the chosen ones of the other; returns what they share."""
     area = length = 0.0
     end = space.state[1]
     space.bounds[space.state[0], 0] = end
@@ -136,8 +170,8 @@ def _match(nodes: Nodes, space: Space, side: int, node: int, count: int) -> floa
 
 
 @numba.njit(cache=True)
-def _bout(nodes: Nodes, space: Space, first: int, second: int) -> float:
-    """Match the nodes of two sides, the largest first; returns the sum of similarities."""
+def _contest(nodes: Nodes, space: Space, first: int, second: int) -> float:
+    """Match the nodes of two sides, the largest first; returns what they share."""
     for side, count in ((0, first), (1, second)):
         for i in range(count):
             space.free[space.sides[side, i] + space.shift[side]] = True
@@ -182,12 +216,11 @@ def _size(nodes: Nodes, space: Space, item: int) -> float:
 @numba.njit(cache=True)
 def _choose(nodes: Nodes, space: Space, node: int, side: int, count: int) -> int:
     """Find the partners on the other side that cost least; returns how many there are."""
-    own = nodes.values[node]
     least, chosen, free = np.inf, 0, 0
     for other in space.sides[side, :count]:
         if space.free[other + space.shift[side]]:
             free += 1
-            cost = _cost(own, nodes.values[other])
+            cost = _cost(nodes, node, nodes.values[other], nodes.around[other])
             if cost < least:
                 least, chosen = cost, 1
                 space.chosen[0] = other
@@ -208,7 +241,7 @@ def _choose_run(
             if space.seen[neighbour + space.shift[side]] == visit:
                 continue
             space.seen[neighbour + space.shift[side]] = visit
-            length = _line(nodes, space, neighbour, nodes.ranges[other], side)
+            length = _line(nodes, space, neighbour, other, side)
             for start in range(length - 1):
                 end = min(length, start + LONGEST_RUN, start + 1 + left)
                 cost, best = _best_end(nodes, space, node, side, start, end)
@@ -229,12 +262,13 @@ def _tick(space: Space) -> int:
 
 
 @numba.njit(cache=True)
-def _line(nodes: Nodes, space: Space, neighbour: int, at: int, side: int) -> int:
-    """List the free nodes of a range that have a common neighbour; returns their number."""
+def _line(nodes: Nodes, space: Space, neighbour: int, other: int, side: int) -> int:
+    """List the free nodes that a neighbour has in the range of another; returns their number."""
     length = 0
     for j in range(nodes.neighbour_starts[neighbour], nodes.neighbour_starts[neighbour + 1]):
         node = nodes.neighbours[j]
-        if nodes.ranges[node] == at and space.free[node + space.shift[side]]:
+        same_side = (node < neighbour) == (other < neighbour)
+        if same_side and space.free[node + space.shift[side]]:
             space.line[length] = node
             length += 1
     return length
@@ -245,30 +279,33 @@ def _best_end(
     nodes: Nodes, space: Space, node: int, side: int, start: int, end: int
 ) -> tuple[float, int]:
     """The least cost of matching a node to line[start:e], and that e; start + 2 <= e <= end."""
-    total, visit = space.total, _tick(space)
-    total[:] = 0.0
+    values, around, visit = space.total[:2], space.total[2:], _tick(space)
+    space.total[:] = 0.0
     least, best = np.inf, start
     for i in range(start, end):
         other = space.line[i]
         for k in range(2):
-            total[k] += nodes.values[other, k]
+            values[k] += nodes.values[other, k]
         for j in range(nodes.neighbour_starts[other], nodes.neighbour_starts[other + 1]):
             neighbour = nodes.neighbours[j]
             if space.added[neighbour + space.shift[side]] != visit:
                 space.added[neighbour + space.shift[side]] = visit
-                place = 2 if neighbour < other else 4
+                place = 0 if neighbour < other else 2
                 for k in range(2):
-                    total[place + k] += nodes.values[neighbour, k]
-        cost = _cost(nodes.values[node], total)
+                    around[place + k] += nodes.values[neighbour, k]
+        cost = _cost(nodes, node, values, around)
         if i > start and cost < least:
             least, best = cost, i + 1
     return least, best
 
 
 @numba.njit(cache=True)
-def _cost(one: Floats, other: Floats) -> float:
-    around = 0.0
-    for k in range(2, 6):
-        around += abs(one[k] - other[k])
-    cost: float = abs(one[0] - other[0]) + abs(one[1] - other[1]) + NEIGHBOUR_WEIGHT * around
+def _cost(nodes: Nodes, node: int, values: Floats, around: Floats) -> float:
+    """Twice what is lost by matching a node to one, or a run, of these values."""
+    cost = 0.0
+    for k in range(4):
+        cost += abs(nodes.around[node, k] - around[k])
+    cost *= NEIGHBOUR_WEIGHT
+    for k in range(2):
+        cost += abs(nodes.values[node, k] - values[k])
     return cost

@@ -97,7 +97,7 @@ class Neighbourhood:
         self._check(one, other)
         if one != other and self._known[one, other] != _EXACT:
             table = self._table
-            _measure(table, one, other, space(np.diff(table.trees.starts).max()))
+            _measure(table, one, other, np.inf, space(np.diff(table.trees.starts).max()))
         return float(self._distances[one, other]) if one != other else 0.0
 
     def nearest(self, index: int) -> tuple[Integers, Floats]:
@@ -182,10 +182,11 @@ def _nearest(table: _Table, index: int, others: Integers, count: int) -> Integer
         return near
     memory = space(np.max(np.diff(table.trees.starts)))
     for other in candidates[np.argsort(distances[candidates], kind="mergesort")]:
-        if found == len(near) and distances[other] > distances[near[-1]]:
+        limit = distances[near[-1]] if found == len(near) else np.inf
+        if distances[other] > limit:
             break
-        _measure(table, index, other, memory)
-        found = _insert(near, found, distances, other)
+        if _measure(table, index, other, limit, memory):
+            found = _insert(near, found, distances, other)
     return near
 
 
@@ -198,11 +199,15 @@ def _estimate(table: _Table, one: int, other: int) -> None:
 
 
 @numba.njit(cache=True)
-def _measure(table: _Table, one: int, other: int, memory: Space) -> None:
-    """Keep an exact distance."""
-    similarity = compare(table.trees, table.numbers[one], table.numbers[other], memory)
-    table.distances[one, other] = table.distances[other, one] = 1 - similarity
-    table.known[one, other] = table.known[other, one] = _EXACT
+def _measure(table: _Table, one: int, other: int, limit: float, memory: Space) -> bool:
+    """Keep the distance and say True, or a better bound if it exceeds a limit."""
+    numbers = table.numbers[one], table.numbers[other]
+    similarity, exact = compare(table.trees, *numbers, 1 - limit - SLACK, memory)
+    distance = 1 - similarity if exact else 1 - similarity - SLACK
+    table.distances[one, other] = table.distances[other, one] = distance
+    if exact:
+        table.known[one, other] = table.known[other, one] = _EXACT
+    return exact
 
 
 @numba.njit(cache=True)

@@ -59,20 +59,25 @@ def _similarities(trees: Trees, pairs: Integers) -> Floats:
     if len(pairs) > 0:
         memory = space(np.max(np.diff(trees.starts)))
         for i in range(len(pairs)):
-            result[i] = compare(trees, pairs[i, 0], pairs[i, 1], memory)
+            result[i], _ = compare(trees, pairs[i, 0], pairs[i, 1], -np.inf, memory)
     return result
 
 
 @numba.njit(cache=True)
-def compare(trees: Trees, one: int, other: int, memory: Space) -> float:
-    """Similarity of two graphs of a forest. The graph with the smaller key goes first."""
+def compare(
+    trees: Trees, one: int, other: int, least: float, memory: Space
+) -> tuple[float, bool]:
+    """Similarity of two graphs of a forest and True; the graph with the smaller key goes first.
+
+    If it must be less than `least`, this may return an upper bound and False, which is quicker.
+    """
     if trees.keys[one] == trees.keys[other]:
-        return 1.0
+        return 1.0, True
     if trees.keys[one] > trees.keys[other]:
         one, other = other, one
     starts = (trees.starts[one], trees.starts[other])
     roots = (trees.starts[one + 1] - 1, trees.starts[other + 1] - 1)
-    return match(trees.nodes, starts, roots, memory)
+    return match(trees.nodes, starts, roots, trees.levels, least, memory)
 
 
 @numba.njit(cache=True)
