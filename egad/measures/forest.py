@@ -37,14 +37,11 @@ class Forest:
             graphs: The first graphs.
         """
         self._weights = np.array([weight, 1 - weight])
-        empty, zero = np.empty(0, np.int32), np.zeros(1, np.int32)
-        self._values, self._around = _Rows(np.empty((0, 2))), _Rows(np.empty((0, 4)))
-        self._child_starts, self._child_middles = _Rows(zero), _Rows(empty)
-        self._children, self._neighbours = _Rows(empty), _Rows(empty)
-        self._neighbour_starts = _Rows(zero)
-        self._starts, self._keys = _Rows(zero), _Rows(np.empty(0, np.uint64))
-        self._profiles = _Rows(np.empty((0, 0)))
         self._levels: set[int] = set()
+        self._values, self._around = _Rows(np.empty((0, 2))), _Rows(np.empty((0, 4)))
+        self._rows, self._links = _Rows(np.empty((0, 5), np.int32)), _Rows(np.empty(0, np.int32))
+        self._starts, self._keys = _Rows(np.zeros(1, np.int32)), _Rows(np.empty(0, np.uint64))
+        self._profiles = _Rows(np.empty((0, 0)))
         self.extend(graphs)
 
     def __len__(self) -> int:
@@ -64,12 +61,9 @@ class Forest:
         for graph in graphs:
             values = np.stack((graph.areas, graph.lengths), axis=1) * self._weights
             start = len(self._values.view)
-            children, neighbours = len(self._children.view), len(self._neighbours.view)
-            self._child_starts.extend(graph.child_starts[1:] + children)
-            self._child_middles.extend(_middles(graph) + children)
-            self._neighbour_starts.extend(graph.neighbour_starts[1:] + neighbours)
-            self._children.extend(graph.children + start)
-            self._neighbours.extend(graph.neighbours + start)
+            links = np.concatenate((graph.children, graph.neighbours)) + start
+            self._rows.extend(_rows(graph) + len(self._links.view))
+            self._links.extend(links)
             self._values.extend(values)
             self._around.extend(_around(graph.neighbour_starts, graph.neighbours, values))
             self._profiles.extend(_profile(graph, values)[None])
@@ -80,13 +74,7 @@ class Forest:
     def trees(self) -> Trees:
         """The arrays of all graphs."""
         nodes = Nodes(
-            self._values.view,
-            self._around.view,
-            self._child_starts.view,
-            self._child_middles.view,
-            self._children.view,
-            self._neighbour_starts.view,
-            self._neighbours.view,
+            self._values.view, self._around.view, self._rows.view, self._links.view
         )
         levels = max(self._levels, default=1) - 1
         return Trees(nodes, self._starts.view, self._keys.view, levels, self._profiles.view)
@@ -122,13 +110,15 @@ def _key(graph: ReebGraph) -> np.uint64:
     return np.uint64(int.from_bytes(digest.digest(), "little"))
 
 
-def _middles(graph: ReebGraph) -> Ints:
-    """Where the children of each node begin that lie in the upper half of its range."""
+def _rows(graph: ReebGraph) -> Ints:
+    """`Nodes.rows` of a graph alone, with its neighbours after its children."""
     lower = graph.ranges[graph.children] % 2 == 0
     before = np.concatenate(([0], np.cumsum(lower)))
     starts, ends = graph.child_starts[:-1], graph.child_starts[1:]
-    middles: Ints = (starts + before[ends] - before[starts]).astype(np.int32)
-    return middles
+    middles = starts + before[ends] - before[starts]
+    neighbours = graph.neighbour_starts + len(graph.children)
+    rows = np.stack((starts, middles, ends, neighbours[:-1], neighbours[1:]), axis=1)
+    return rows.astype(np.int32)
 
 
 def _profile(graph: ReebGraph, values: Floats) -> Floats:

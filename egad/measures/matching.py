@@ -27,47 +27,35 @@ class Nodes(NamedTuple):
 
     values: Floats  # (n, 2): weighted area and length
     around: Floats  # (n, 4): their sums over the neighbours below, and above
-    child_starts: Ints  # (n + 1,)
-    child_middles: Ints  # (n,): where the children in the upper half of the range begin
-    children: Ints
-    neighbour_starts: Ints  # (n + 1,)
-    neighbours: Ints
+    rows: Ints  # (n, 5): where in `links` a node's children begin, those in the upper half of its
+    # range begin, and all of them end; where its neighbours begin and end
+    links: Ints
 
 
 class Space(NamedTuple):
-    """Memory of a matching, to be used again for the next one."""
+    """Memory of a matching, to be used again for the next one. Few arrays: they cost at each call."""
 
-    state: Ints  # number of matches in `bounds`, of nodes in `matched`, and of the last visit
-    shift: Ints  # (2,): what to add to a node of either graph to find it in the next three
-    free: NDArray[np.bool_]  # whether a node may still be matched in this bout
-    seen: Ints  # last visit as a neighbour that runs are taken from
-    added: Ints  # last visit as a neighbour of a run
-    matched: Ints  # nodes of all matches
-    bounds: Ints  # (matches, 3): where in `matched` either side and the next match begin
-    sides: Ints  # (2, n): nodes of a bout
-    order: Ints  # of these by size: index in the first side, or -1 - index in the second
-    line: Ints  # nodes that runs are cut from
-    chosen: Ints  # best partners so far
-    total: Floats  # (6,): values of a run
+    ints: Ints  # (12, 2 n): a row for each purpose below
+    run: Floats  # (6,): values of a run, and around it
+
+
+STATE = 0  # numbers of matches, of their nodes and of visits; what to add to nodes of either graph
+FREE = 1  # by node so shifted: whether it may still be matched in this contest
+SEEN = 2  # likewise: last visit as a neighbour that runs are taken from
+ADDED = 3  # likewise: last visit as a neighbour of a run
+MATCHED = 4  # nodes of all matches
+FIRST, SECOND, END = 5, 6, 7  # by match: where in MATCHED either side begins, and where it ends
+SIDE = 8  # and 9: nodes of a contest
+ORDER = 10  # of these by size: index in the first side, or -1 - index in the second
+LINE = 11  # nodes that runs are cut from
+CHOSEN = 12  # best partners so far
+_ROWS = 13
 
 
 @numba.njit(cache=True)
 def space(largest: int) -> Space:
     """Memory for graphs of at most `largest` nodes."""
-    return Space(
-        np.zeros(3, np.int32),
-        np.zeros(2, np.int32),
-        np.zeros(2 * largest, np.bool_),
-        np.zeros(2 * largest, np.int32),
-        np.zeros(2 * largest, np.int32),
-        np.empty(2 * largest, np.int32),
-        np.empty((2 * largest, 3), np.int32),
-        np.empty((2, largest), np.int32),
-        np.empty(2 * largest, np.int32),
-        np.empty(largest, np.int32),
-        np.empty(LONGEST_RUN, np.int32),
-        np.empty(6),
-    )
+    return Space(np.zeros((_ROWS, max(2 * largest, 5)), np.int32), np.zeros(6))
 
 
 @numba.njit(cache=True)
@@ -95,15 +83,15 @@ def match(
     Returns:
         The similarity from 0 to 1 and True, or an upper bound of it and False.
     """
-    space.state[0] = space.state[1] = 0
-    space.shift[0], space.shift[1] = -starts[0], len(space.line) - starts[1]
-    space.chosen[0] = roots[1]
+    space.ints[STATE, 0] = space.ints[STATE, 1] = 0
+    space.ints[STATE, 3], space.ints[STATE, 4] = -starts[0], space.ints.shape[1] // 2 - starts[1]
+    space.ints[CHOSEN, 0] = roots[1]
     shared = total = _match(nodes, space, 0, roots[0], 1)
     first = 0
     for left in range(levels - 1, 0, -1):
         if total + left * shared < least:
             return total + left * shared, False
-        end = space.state[0]
+        end = space.ints[STATE, 0]
         shared = 0.0
         for i in range(first, end):
             for half in range(2):
@@ -116,14 +104,14 @@ def match(
 @numba.njit(cache=True)
 def _bout(nodes: Nodes, space: Space, i: int, half: int) -> float:
     """Match the children of a match in one half of the range; returns what they share."""
-    start, middle, end = space.bounds[i]
+    start, middle, end = space.ints[FIRST : END + 1, i]
     first = _children(nodes, space, 0, start, middle, half)
     second = _children(nodes, space, 1, middle, end, half)
     if first == 0 or second == 0:
         return 0.0
     if first == 1 and second == 1:
-        space.chosen[0] = space.sides[1, 0]
-        return _match(nodes, space, 0, space.sides[0, 0], 1)
+        space.ints[CHOSEN, 0] = space.ints[SIDE + 1, 0]
+        return _match(nodes, space, 0, space.ints[SIDE, 0], 1)
     return _contest(nodes, space, first, second)
 
 
@@ -132,12 +120,12 @@ def _children(nodes: Nodes, space: Space, side: int, start: int, end: int, half:
     """List the children of some nodes in one half of the range; returns their number."""
     count = 0
     for i in range(start, end):
-        node = space.matched[i]
-        low, high = nodes.child_middles[node], nodes.child_starts[node + 1]
+        node = space.ints[MATCHED, i]
+        low, high = nodes.rows[node, 1], nodes.rows[node, 2]
         if half == 0:
-            low, high = nodes.child_starts[node], low
+            low, high = nodes.rows[node, 0], low
         for j in range(low, high):
-            space.sides[side, count] = nodes.children[j]
+            space.ints[SIDE + side, count] = nodes.links[j]
             count += 1
     return count
 
@@ -146,25 +134,25 @@ def _children(nodes: Nodes, space: Space, side: int, start: int, end: int, half:
 def _match(nodes: Nodes, space: Space, side: int, node: int, count: int) -> float:
     """Match a node of a side to the chosen ones of the other; returns what they share."""
     area = length = 0.0
-    end = space.state[1]
-    space.bounds[space.state[0], 0] = end
+    end = space.ints[STATE, 1]
+    space.ints[FIRST, space.ints[STATE, 0]] = end
     if side == 0:
-        space.matched[end] = node
+        space.ints[MATCHED, end] = node
         end += 1
-        space.bounds[space.state[0], 1] = end
-    for partner in space.chosen[:count]:
+        space.ints[SECOND, space.ints[STATE, 0]] = end
+    for partner in space.ints[CHOSEN, :count]:
         area += nodes.values[partner, 0]
         length += nodes.values[partner, 1]
-        space.free[partner + space.shift[1 - side]] = False
-        space.matched[end] = partner
+        space.ints[FREE, partner + space.ints[STATE, 4 - side]] = False
+        space.ints[MATCHED, end] = partner
         end += 1
     if side == 1:
-        space.bounds[space.state[0], 1] = end
-        space.matched[end] = node
+        space.ints[SECOND, space.ints[STATE, 0]] = end
+        space.ints[MATCHED, end] = node
         end += 1
-    space.free[node + space.shift[side]] = False
-    space.bounds[space.state[0], 2] = space.state[1] = end
-    space.state[0] += 1
+    space.ints[FREE, node + space.ints[STATE, 3 + side]] = False
+    space.ints[END, space.ints[STATE, 0]] = space.ints[STATE, 1] = end
+    space.ints[STATE, 0] += 1
     common: float = min(area, nodes.values[node, 0]) + min(length, nodes.values[node, 1])
     return common
 
@@ -174,14 +162,14 @@ def _contest(nodes: Nodes, space: Space, first: int, second: int) -> float:
     """Match the nodes of two sides, the largest first; returns what they share."""
     for side, count in ((0, first), (1, second)):
         for i in range(count):
-            space.free[space.sides[side, i] + space.shift[side]] = True
+            space.ints[FREE, space.ints[SIDE + side, i] + space.ints[STATE, 3 + side]] = True
     _sort(nodes, space, first, second)
     total = 0.0
     left = np.array([first, second])
-    for item in space.order[: first + second]:
+    for item in space.ints[ORDER, : first + second]:
         side, rivals = (0, second) if item >= 0 else (1, first)
-        node = space.sides[side, item if item >= 0 else -1 - item]
-        if space.free[node + space.shift[side]]:
+        node = space.ints[SIDE + side, item if item >= 0 else -1 - item]
+        if space.ints[FREE, node + space.ints[STATE, 3 + side]]:
             count = _choose(nodes, space, node, 1 - side, rivals)
             total += _match(nodes, space, side, node, count)
             left[side] -= 1
@@ -190,7 +178,7 @@ def _contest(nodes: Nodes, space: Space, first: int, second: int) -> float:
                 break
     for side, count in ((0, first), (1, second)):
         for i in range(count):
-            space.free[space.sides[side, i] + space.shift[side]] = False
+            space.ints[FREE, space.ints[SIDE + side, i] + space.ints[STATE, 3 + side]] = False
     return total
 
 
@@ -200,15 +188,15 @@ def _sort(nodes: Nodes, space: Space, first: int, second: int) -> None:
         item = i if i < first else first - 1 - i
         size = _size(nodes, space, item)
         slot = i
-        while slot > 0 and size > _size(nodes, space, space.order[slot - 1]):
-            space.order[slot] = space.order[slot - 1]
+        while slot > 0 and size > _size(nodes, space, space.ints[ORDER, slot - 1]):
+            space.ints[ORDER, slot] = space.ints[ORDER, slot - 1]
             slot -= 1
-        space.order[slot] = item
+        space.ints[ORDER, slot] = item
 
 
 @numba.njit(cache=True)
 def _size(nodes: Nodes, space: Space, item: int) -> float:
-    node = space.sides[0, item] if item >= 0 else space.sides[1, -1 - item]
+    node = space.ints[SIDE, item] if item >= 0 else space.ints[SIDE + 1, -1 - item]
     size: float = nodes.values[node, 0] + nodes.values[node, 1]
     return size
 
@@ -217,13 +205,13 @@ def _size(nodes: Nodes, space: Space, item: int) -> float:
 def _choose(nodes: Nodes, space: Space, node: int, side: int, count: int) -> int:
     """Find the partners on the other side that cost least; returns how many there are."""
     least, chosen, free = np.inf, 0, 0
-    for other in space.sides[side, :count]:
-        if space.free[other + space.shift[side]]:
+    for other in space.ints[SIDE + side, :count]:
+        if space.ints[FREE, other + space.ints[STATE, 3 + side]]:
             free += 1
             cost = _cost(nodes, node, nodes.values[other], nodes.around[other])
             if cost < least:
                 least, chosen = cost, 1
-                space.chosen[0] = other
+                space.ints[CHOSEN, 0] = other
     return _choose_run(nodes, space, node, side, count, least, chosen) if free > 1 else chosen
 
 
@@ -233,21 +221,21 @@ def _choose_run(
 ) -> int:
     """Like `_choose`, for runs: free nodes that are consecutive at one common neighbour."""
     left, visit = MOST_RUNS, _tick(space)
-    for other in space.sides[side, :count]:
-        if not space.free[other + space.shift[side]]:
+    for other in space.ints[SIDE + side, :count]:
+        if not space.ints[FREE, other + space.ints[STATE, 3 + side]]:
             continue
-        for j in range(nodes.neighbour_starts[other], nodes.neighbour_starts[other + 1]):
-            neighbour = nodes.neighbours[j]
-            if space.seen[neighbour + space.shift[side]] == visit:
+        for j in range(nodes.rows[other, 3], nodes.rows[other, 4]):
+            neighbour = nodes.links[j]
+            if space.ints[SEEN, neighbour + space.ints[STATE, 3 + side]] == visit:
                 continue
-            space.seen[neighbour + space.shift[side]] = visit
+            space.ints[SEEN, neighbour + space.ints[STATE, 3 + side]] = visit
             length = _line(nodes, space, neighbour, other, side)
             for start in range(length - 1):
                 end = min(length, start + LONGEST_RUN, start + 1 + left)
                 cost, best = _best_end(nodes, space, node, side, start, end)
                 if cost < least:
                     least, chosen = cost, best - start
-                    space.chosen[:chosen] = space.line[start:best]
+                    space.ints[CHOSEN, :chosen] = space.ints[LINE, start:best]
                 left -= end - start - 1
                 if left == 0:
                     return chosen
@@ -256,8 +244,8 @@ def _choose_run(
 
 @numba.njit(cache=True)
 def _tick(space: Space) -> int:
-    space.state[2] += 1
-    visit: int = space.state[2]
+    space.ints[STATE, 2] += 1
+    visit: int = space.ints[STATE, 2]
     return visit
 
 
@@ -265,11 +253,11 @@ def _tick(space: Space) -> int:
 def _line(nodes: Nodes, space: Space, neighbour: int, other: int, side: int) -> int:
     """List the free nodes that a neighbour has in the range of another; returns their number."""
     length = 0
-    for j in range(nodes.neighbour_starts[neighbour], nodes.neighbour_starts[neighbour + 1]):
-        node = nodes.neighbours[j]
+    for j in range(nodes.rows[neighbour, 3], nodes.rows[neighbour, 4]):
+        node = nodes.links[j]
         same_side = (node < neighbour) == (other < neighbour)
-        if same_side and space.free[node + space.shift[side]]:
-            space.line[length] = node
+        if same_side and space.ints[FREE, node + space.ints[STATE, 3 + side]]:
+            space.ints[LINE, length] = node
             length += 1
     return length
 
@@ -279,17 +267,17 @@ def _best_end(
     nodes: Nodes, space: Space, node: int, side: int, start: int, end: int
 ) -> tuple[float, int]:
     """The least cost of matching a node to line[start:e], and that e; start + 2 <= e <= end."""
-    values, around, visit = space.total[:2], space.total[2:], _tick(space)
-    space.total[:] = 0.0
+    values, around, visit = space.run[:2], space.run[2:], _tick(space)
+    space.run[:] = 0.0
     least, best = np.inf, start
     for i in range(start, end):
-        other = space.line[i]
+        other = space.ints[LINE, i]
         for k in range(2):
             values[k] += nodes.values[other, k]
-        for j in range(nodes.neighbour_starts[other], nodes.neighbour_starts[other + 1]):
-            neighbour = nodes.neighbours[j]
-            if space.added[neighbour + space.shift[side]] != visit:
-                space.added[neighbour + space.shift[side]] = visit
+        for j in range(nodes.rows[other, 3], nodes.rows[other, 4]):
+            neighbour = nodes.links[j]
+            if space.ints[ADDED, neighbour + space.ints[STATE, 3 + side]] != visit:
+                space.ints[ADDED, neighbour + space.ints[STATE, 3 + side]] = visit
                 place = 0 if neighbour < other else 2
                 for k in range(2):
                     around[place + k] += nodes.values[neighbour, k]
