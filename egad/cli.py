@@ -1,16 +1,17 @@
 """The `egad` command: one command a stage, and tools for people."""
 
-import json
 import logging
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, TypeVar
 
 import typer
 import yaml
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
-from egad.errors import UserError
+from egad.errors import RejectedError, UserError
+from egad.settings import Settings
 from egad.tables import TableError
 
 app = typer.Typer(
@@ -27,6 +28,7 @@ OutFolder = Annotated[Path, typer.Option(help="folder to write")]
 Shard = Annotated[int, typer.Option(help="number of this shard")]
 Shards = Annotated[int, typer.Option(help="number of all shards")]
 Rejected = Annotated[Path, typer.Option(help="table of the objects left out, with reasons")]
+Config = Annotated[Path | None, typer.Option(help="configuration file; else the defaults")]
 STAGE = "Stages of the pipeline"
 TOOL = "Tools"
 
@@ -36,14 +38,38 @@ def main() -> None:
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
     try:
         app()
-    except (UserError, TableError) as error:
+    except (UserError, TableError, RejectedError) as error:
         sys.exit(f"egad: {error}")
     except OSError as error:
         sys.exit(f"egad: {error.strerror or error}: {error.filename or ''}".rstrip(": "))
 
 
 def _parse(model: type[M], text: str) -> M:
-    return model.model_validate(json.loads(text))
+    try:
+        return model.model_validate_json(text)
+    except ValidationError as error:
+        raise UserError(f"--settings is not what this stage reads: {error}") from error
+
+
+def _settings(config: Path | None) -> Settings:
+    """The settings of a configuration file; the defaults without one."""
+    from egad.config_check import check
+
+    if config is None:
+        return Settings()
+    try:
+        values = yaml.safe_load(config.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise UserError(f"{config}: not a YAML file: {error}") from error
+    return check(values or {})
+
+
+def _spare(folder: Path, files: Sequence[Path] = ()) -> None:
+    """Refuse to replace a folder that holds anything but what this command wrote before."""
+    foreign = folder.exists() and any(folder.iterdir()) and not (folder / "scales.parquet").exists()
+    inside = any(folder.resolve() in file.resolve().parents for file in files)
+    if foreign or inside:
+        raise UserError(f"--out {folder} holds files that would be lost; name a folder of its own")
 
 
 @app.command(rich_help_panel=STAGE)
@@ -208,8 +234,10 @@ def compare(
     from egad.stage_settings import Compare
     from egad.stages import compare as stage
 
-    named = dict(dataset.split("=", 1) for dataset in datasets)
-    paths = {name: Path(path) for name, path in named.items()}
+    named = [dataset.partition("=") for dataset in datasets]
+    if wrong := [name for name, _, path in named if not path]:
+        raise UserError(f"{wrong[0]!r} does not say which table; write NAME=objects.parquet")
+    paths = {name: Path(path) for name, _, path in named}
     stage.run(_parse(Compare, settings), paths, out)
 
 
@@ -220,7 +248,6 @@ def report(
     out: Out,
 ) -> None:
     """Write the report: one HTML file that opens offline."""
-    from egad.settings import Settings
     from egad.stages import report as stage
 
     stage.run(_parse(Settings, settings), results, out)
@@ -240,7 +267,6 @@ def rescale(
     """Scale any meshes to a gripper."""
     from egad.config_check import check
     from egad.exchange.meshes import mesh_files
-    from egad.settings import Settings
     from egad.stage_settings import RescaleMeshes, select
     from egad.stages import rescale as stage
 
@@ -254,37 +280,42 @@ def rescale(
         raise UserError("rescale needs --opening, the widest opening of the gripper in metres")
     if ending not in stage.WRITERS:
         raise UserError(f"--format is {ending!r}; allowed: {', '.join(stage.WRITERS)}")
-    files = [file for path in meshes for file in ([path] if path.is_file() else mesh_files(path))]
+    if settings is None:
+        files = [
+            each for path in meshes for each in ([path] if path.is_file() else mesh_files(path))
+        ]
+        _spare(out, files)
+    else:  # of the pipeline's own folder, which may be empty
+        files = [each for path in meshes for each in sorted(path.glob("*.obj"))]
     rejected = stage.run(parsed, files, units, out, ending, jobs)
     if rejected:
         typer.echo(f"{rejected} files could not be used: see {out / 'rejected.parquet'}")
 
 
 @app.command(rich_help_panel=TOOL)
-def materialise(archive: Path, out: OutFolder) -> None:
-    """Write the meshes of an archive as LABEL.obj, in metres."""
+def materialise(archive: Path, out: OutFolder, config: Config = None) -> None:
+    """Write the meshes of an archive as ID.obj, in metres, as they came out of evolution."""
     from egad.stages import materialise as stage
 
-    typer.echo(f"{stage.run(archive, out)} meshes in {out}")
+    _spare(out)
+    typer.echo(f"{stage.run(archive, out, _settings(config).shape)} meshes in {out}")
 
 
 @app.command(rich_help_panel=TOOL)
 def collage(
     dataset: Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")],
     out: Out,
+    config: Config = None,
 ) -> None:
     """Draw the objects of a dataset at their places in the space, as one PNG picture."""
-    from egad.settings import Space
     from egad.stages import collage as stage
 
-    stage.run(dataset, out, Space())
+    stage.run(dataset, out, _settings(config).space)
 
 
 @app.command(name="check-config", rich_help_panel=TOOL)
 def check_config(files: list[Path]) -> None:
     """Check configuration files and list every problem."""
-    from egad.config_check import check
-
     for file in files:
-        check(yaml.safe_load(file.read_text(encoding="utf-8")) or {})
+        _settings(file)
         typer.echo(f"{file}: fine")

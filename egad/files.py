@@ -14,13 +14,17 @@ def replacing(path: Path) -> Iterator[Path]:
     If the block fails, `path` is as it was before and the temporary file or folder stays for
     a look; the next attempt replaces it. A block may write a file or make a folder.
     """
+    path = path.absolute()
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.partial")
     _remove(temporary)
     yield temporary
-    if temporary.is_dir():
-        _remove(path)
+    old = path.with_name(f".{path.name}.old")
+    _remove(old)
+    if temporary.is_dir() and path.exists():
+        os.replace(path, old)  # a folder cannot be renamed onto another
     os.replace(temporary, path)
+    _remove(old)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -58,7 +58,7 @@ itself is a grasp quality: high for easy objects. Every table opens with
 `pandas.read_parquet`; columns carry their `unit` and `meaning` as Arrow field metadata.
 
 Folders `D/parts` and `D/epochs` hold what jobs hand to each other. They may be deleted once a run
-is finished; the pipeline makes again what it needs.
+is finished; the pipeline makes again what it needs, which for more epochs is all of them.
 
 This page is generated from the schemas: `python -m egad.results_page`.
 """

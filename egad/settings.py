@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_vali
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_\-]*$")]
 Fraction = Annotated[float, Field(ge=0, le=1)]
+PositiveFraction = Annotated[float, Field(gt=0, le=1)]
 Length = Annotated[float, Field(gt=0, le=10)]
 Sigma = Annotated[float, Field(ge=0)]
 Range = tuple[float, float]
@@ -210,7 +211,7 @@ class Difficulty(Section):
     gripper: Name = Field("yumi", description="gripper of the table that grasps are sampled for")
     grasps: int = Field(100, ge=1, description="grasps sampled while evolving")
     percentile: float = Field(75, ge=0, le=100, description="percentile of the qualities, percent")
-    side_fraction: Fraction = Field(
+    side_fraction: PositiveFraction = Field(
         0.8, description="objects are scaled until their smallest side is this part of the opening"
     )
 
@@ -242,7 +243,9 @@ class Rescale(Section):
         description="paper: smallest side at most the fraction; egad-script: longest side = "
         "opening, then as paper; exact: smallest side = the fraction",
     )
-    side_fraction: Fraction = Field(0.8, description="part of the opening that the rule aims at")
+    side_fraction: PositiveFraction = Field(
+        0.8, description="part of the opening that the rule aims at"
+    )
 
 
 class SelectEval(Section):

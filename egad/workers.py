@@ -2,9 +2,12 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
 from typing import Any
+
+from egad.errors import UserError
 
 Mapper = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
 
@@ -15,5 +18,10 @@ def workers(count: int) -> Iterator[Mapper]:
     if count == 1:
         yield map
         return
-    with ProcessPoolExecutor(count) as pool:
-        yield partial(pool.map, chunksize=2)
+    try:
+        with ProcessPoolExecutor(count) as pool:
+            yield partial(pool.map, chunksize=2)
+    except BrokenProcessPool as error:
+        raise UserError(
+            "a worker process was killed, probably for want of memory; take fewer with --jobs"
+        ) from error

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from egad import cli
+from egad import cli, tables
 from egad.settings import Settings
 from egad.stage_settings import Merge, select
 
@@ -63,3 +63,58 @@ def test_rescale_says_what_is_allowed(tmp_path, arguments, sentence):
 def test_stage_settings_travel_as_json():
     merge = select(Settings(), Merge)
     assert cli._parse(Merge, json.dumps(json.loads(merge.model_dump_json()))) == merge
+
+
+CUBE = "\n".join(
+    [
+        *(f"v {x} {y} {z}" for x in (0, 1) for y in (0, 1) for z in (0, 1)),
+        *("f 1 2 4", "f 1 4 3", "f 5 7 8", "f 5 8 6", "f 1 5 6", "f 1 6 2"),
+        *("f 3 4 8", "f 3 8 7", "f 1 3 7", "f 1 7 5", "f 2 6 8", "f 2 8 4"),
+    ]
+)
+
+
+def test_rescale_keeps_files_that_it_did_not_write(tmp_path):
+    source, kept = tmp_path / "source", tmp_path / "kept"
+    for folder in (source, kept):
+        folder.mkdir()
+    (source / "cube.obj").write_text(CUBE)
+    (kept / "thesis.txt").write_text("years of work")
+    for out in (source, kept):
+        result = egad("rescale", source, "--opening", "0.05", "--out", out)
+        assert result.returncode == 1
+        assert "would be lost" in result.stderr
+    assert (source / "cube.obj").read_text() == CUBE
+    assert (kept / "thesis.txt").exists()
+
+
+def test_rescale_scales_the_good_and_names_the_bad(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "cube.obj").write_text(CUBE)
+    (tmp_path / "in" / "list.obj").write_text("milk, eggs")
+    for _ in range(2):  # a second time over its own output
+        result = egad("rescale", tmp_path / "in", "--opening", "0.05", "--out", tmp_path / "out")
+        assert result.returncode == 0, result.stderr
+    scales = tables.read(tmp_path / "out" / "scales.parquet", tables.SCALES)
+    assert scales["factor"].tolist() == pytest.approx([0.04])
+    rejected = tables.read(tmp_path / "out" / "rejected.parquet", tables.REJECTED)
+    assert rejected["id"].tolist() == ["list"]
+
+
+@pytest.mark.parametrize("content", ["a: [1", "\x80\x81", "seed: -1\nshard: 3"])
+def test_check_config_says_what_is_wrong(tmp_path, content):
+    path = tmp_path / "mine.yaml"
+    path.write_bytes(content.encode("latin-1"))
+    result = egad("check-config", path)
+    assert result.returncode == 1
+    assert "Traceback" not in result.stderr
+    if "shard" in content:
+        assert "seed" in result.stderr
+        assert "shards" in result.stderr
+
+
+def test_settings_of_another_stage_are_refused(tmp_path):
+    result = egad("merge", "--settings", "{}", tmp_path / "a", "--out", tmp_path / "b")
+    assert result.returncode == 1
+    assert "--settings is not what this stage reads" in result.stderr
+    assert "Traceback" not in result.stderr

@@ -35,3 +35,14 @@ def test_a_failed_folder_leaves_the_old_one(tmp_path):
         raise RuntimeError
     assert list(path.iterdir()) == []
     assert folder.exists()
+
+
+def test_a_folder_is_never_missing_while_it_is_replaced(tmp_path):
+    path = tmp_path / "meshes"
+    with replacing(path) as folder:
+        folder.mkdir()
+        (folder / "old").touch()
+    with replacing(path) as folder:
+        folder.mkdir()
+        assert (path / "old").exists()
+    assert [entry.name for entry in tmp_path.iterdir()] == ["meshes"]

@@ -24,7 +24,11 @@ def mesh_files(folder: Path) -> list[Path]:
     """
     if not folder.is_dir():
         raise UserError(f"{folder}: there is no such folder of meshes")
-    files = sorted(path for path in folder.iterdir() if path.suffix.lower() in ENDINGS)
+    files = sorted(
+        path
+        for path in folder.iterdir()
+        if path.suffix.lower() in ENDINGS and not path.name.startswith(".")
+    )
     if not files:
         raise UserError(f"{folder}: no mesh files in it; allowed endings: {' '.join(ENDINGS)}")
     return files

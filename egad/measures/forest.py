@@ -73,9 +73,7 @@ class Forest:
     @property
     def trees(self) -> Trees:
         """The arrays of all graphs."""
-        nodes = Nodes(
-            self._values.view, self._around.view, self._rows.view, self._links.view
-        )
+        nodes = Nodes(self._values.view, self._around.view, self._rows.view, self._links.view)
         levels = max(self._levels, default=1) - 1
         return Trees(nodes, self._starts.view, self._keys.view, levels, self._profiles.view)
 

@@ -144,18 +144,20 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
         travelled = distances[vertex]
         for i in range(starts[vertex], starts[vertex + 1]):
             neighbour, distance = neighbours[i], travelled + lengths[i]
-            known = distances[neighbour]
-            if distance >= known:
+            if distance >= distances[neighbour]:
                 continue
             distances[neighbour] = distance
             bucket = int(distance * scale) & mask
             before, after = preceding[neighbour], following[neighbour]
             if before == _ABSENT:
                 waiting += 1
-            elif bucket == int(known * scale) & mask:
-                continue
-            else:
-                _unlink(first, following, preceding, before, after)
+            else:  # unlink it from its bucket
+                if before >= 0:
+                    following[before] = after
+                else:
+                    first[-1 - before] = after
+                if after >= 0:
+                    preceding[after] = before
             after = first[bucket]
             first[bucket], following[neighbour], preceding[neighbour] = (
                 neighbour,
@@ -164,14 +166,3 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
             )
             if after >= 0:
                 preceding[after] = neighbour
-
-
-@numba.njit(cache=True)
-def _unlink(first: Ints, following: Ints, preceding: Ints, before: int, after: int) -> None:
-    """Join what lies before and after a vertex in its bucket."""
-    if before >= 0:
-        following[before] = after
-    else:
-        first[-1 - before] = after
-    if after >= 0:
-        preceding[after] = before

@@ -33,9 +33,12 @@ class Nodes(NamedTuple):
 
 
 class Space(NamedTuple):
-    """Memory of a matching, to be used again for the next one. Few arrays: they cost at each call."""
+    """Memory of a matching, to be used again for the next one.
 
-    ints: Ints  # (12, 2 n): a row for each purpose below
+    All integers share one array, as every array of its own would slow each call down.
+    """
+
+    ints: Ints  # (_ROWS, 2 n): a row for each purpose below
     run: Floats  # (6,): values of a run, and around it
 
 

@@ -1,7 +1,8 @@
 """Exact nearest neighbours among shapes, with few comparisons, while shapes come and go.
 
 Comparing two Reeb graphs is costly, a bound on their similarity is not: candidates are compared in
-the order of the bound until none that is left can be near enough. The bound is ours.
+the order of the bound until none that is left can be near enough, and only as far as it takes to
+see that they are not. The bounds are ours.
 """
 
 import heapq
@@ -22,6 +23,8 @@ Integers = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
 
 _UNKNOWN, _BOUND, _EXACT = 0, 1, 2
+
+SPARE = 100  # graphs of removed shapes that may stay in a small forest
 
 
 def diversities(graphs: Sequence[ReebGraph], weight: float, neighbours: int) -> Floats:
@@ -85,7 +88,7 @@ class Neighbourhood:
         self._trees[index] = -1
         heapq.heappush(self._free, index)
         self._valid &= (self._near != index).all(axis=1)
-        if len(self._forest) > 2 * len(self) + 100:
+        if len(self._forest) > 2 * len(self) + SPARE:
             self._replant()
 
     def distance(self, one: int, other: int) -> float:

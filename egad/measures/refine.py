@@ -140,8 +140,8 @@ def _room(mesh: Triangulation, splits: int) -> _Room:
         np.concatenate((first, np.full(more + splits, -1, np.int32))),
         np.concatenate((following, np.empty(3 * more, np.int32))),
     )
-    for edge in range(len(mesh.edges)):
-        _set_edge(room, edge, mesh.edges[edge, 0], mesh.edges[edge, 1])
+    for number in range(len(mesh.edges)):
+        _set_edge(room, number, mesh.edges[number, 0], mesh.edges[number, 1])
     return room
 
 

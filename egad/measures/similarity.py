@@ -64,9 +64,7 @@ def _similarities(trees: Trees, pairs: Integers) -> Floats:
 
 
 @numba.njit(cache=True)
-def compare(
-    trees: Trees, one: int, other: int, least: float, memory: Space
-) -> tuple[float, bool]:
+def compare(trees: Trees, one: int, other: int, least: float, memory: Space) -> tuple[float, bool]:
     """Similarity of two graphs of a forest and True; the graph with the smaller key goes first.
 
     If it must be less than `least`, this may return an upper bound and False, which is quicker.

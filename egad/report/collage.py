@@ -34,9 +34,7 @@ def collage(
     side, margin = unit * space.cells, unit
     image = Image.new("RGB", (side + margin, side + margin), "white")
     pictured = objects[objects["label"].isin(list(pictures))]
-    ordered = pictured.sort_values(["diversity", "label"], ascending=[False, True])
-    best = ordered.drop_duplicates(["complexity_cell", "difficulty_cell"])
-    for item in best.to_dict("records"):
+    for item in most_diverse(pictured).to_dict("records"):
         place = (
             margin + int(item["complexity_cell"]) * unit,
             (space.cells - 1 - int(item["difficulty_cell"])) * unit,
@@ -48,6 +46,12 @@ def collage(
     buffer = io.BytesIO()
     turned.transpose(Image.Transpose.ROTATE_90).save(buffer, "png", optimize=True)
     return buffer.getvalue()
+
+
+def most_diverse(objects: pd.DataFrame) -> pd.DataFrame:
+    """The most diverse object of every cell."""
+    ordered = objects.sort_values(["diversity", "label"], ascending=[False, True])
+    return ordered.drop_duplicates(["complexity_cell", "difficulty_cell"])
 
 
 def _paste(image: Image.Image, content: bytes, place: tuple[int, int], unit: int) -> None:

@@ -6,7 +6,7 @@ from egad import tables
 from egad.exchange.meshes import read_mesh
 from egad.files import replacing
 from egad.progress import progress
-from egad.report.collage import collage
+from egad.report.collage import collage, most_diverse
 from egad.report.render import png_bytes, render
 from egad.settings import Space
 
@@ -21,9 +21,7 @@ def run(dataset: Path, out: Path, space: Space) -> None:
         out: PNG file.
         space: The cells.
     """
-    objects = tables.read(dataset / "objects.parquet", tables.OBJECTS)
-    cell = ["complexity_cell", "difficulty_cell"]
-    shown = objects.sort_values("diversity", ascending=False).drop_duplicates(cell)
+    shown = most_diverse(tables.read(dataset / "objects.parquet", tables.OBJECTS))
     pictures = {
         label: png_bytes(render(read_mesh(dataset / "meshes" / f"{label}.obj", "m"), SIZE))
         for label in progress(shown["label"], "drawing", len(shown))

@@ -12,7 +12,7 @@ from egad.grasps.labels import label
 from egad.progress import progress
 from egad.seeds import generator
 from egad.stage_settings import GraspLabels
-from egad.stages.shards import in_shard, rejection
+from egad.stages.shards import rejection, rows_in_shard
 
 log = logging.getLogger(__name__)
 
@@ -36,7 +36,7 @@ def run(
         rejected: Table of the objects that have no grasp.
     """
     frame = tables.read(objects, tables.OBJECTS)
-    frame = frame[[in_shard(object_id, *shard) for object_id in frame["id"]]]
+    frame = rows_in_shard(frame, *shard)
     labelled, left_out = [], []
     names = zip(frame["id"], frame["label"], strict=True)
     for object_id, object_label in progress(names, "labelling grasps", len(frame)):

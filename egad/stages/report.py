@@ -53,7 +53,9 @@ def run(settings: Settings, results: Path, out: Path) -> None:
 def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
     """What was made for a dataset; only targets are taken beyond their objects."""
     objects = tables.read(folder / "objects.parquet", tables.OBJECTS)
-    rejected = tables.read(folder / "rejected.parquet", tables.REJECTED)
+    rejected = _rejected(
+        folder, settings.targets.grippers if name in settings.targets.datasets else []
+    )
     pictures = _pictures(folder / "meshes", objects["label"].tolist(), THUMBNAIL)
     if name not in settings.targets.datasets:
         return DatasetReport(objects, rejected, pictures)
@@ -77,6 +79,16 @@ def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
             for policy in settings.targets.policies
         },
     )
+
+
+def _rejected(folder: Path, grippers: list[str]) -> pd.DataFrame:
+    """What was left out of a dataset, and of what was made of it for grippers."""
+    frames = [tables.read(folder / "rejected.parquet", tables.REJECTED)]
+    for gripper in grippers:
+        for path in (f"rescaled/{gripper}/rejected.parquet", f"grasps/{gripper}.rejected.parquet"):
+            left_out = tables.read(folder / path, tables.REJECTED)
+            frames.append(left_out.assign(stage=left_out["stage"] + f" {gripper}"))
+    return pd.concat(frames, ignore_index=True)
 
 
 def _pictures(meshes: Path, labels: list[str], size: int) -> dict[str, bytes]:

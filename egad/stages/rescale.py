@@ -49,11 +49,9 @@ def run(
     with workers(worker_count) as mapper, replacing(out) as folder:
         folder.mkdir()
         results = mapper(partial(_scaled, units=units, settings=settings), named.values())
-        for (name, path), result in zip(
-            named.items(), progress(results, "scaling", len(named)), strict=True
-        ):
+        for name, result in zip(named, progress(results, "scaling", len(named)), strict=True):
             if isinstance(result, str):
-                left_out.append(rejection(path.name, "rescale", result))
+                left_out.append(rejection(name, "rescale", result))
             else:
                 mesh, row = result
                 WRITERS[ending](mesh, folder / f"{name}.{ending}")

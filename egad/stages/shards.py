@@ -3,6 +3,7 @@
 import hashlib
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pyarrow as pa
 
@@ -13,6 +14,12 @@ def in_shard(object_id: str, shard: int, shards: int) -> bool:
     """Whether an object belongs to a shard, by a hash of its id."""
     digest = hashlib.sha256(object_id.encode()).digest()
     return int.from_bytes(digest[:8], "little") % shards == shard
+
+
+def rows_in_shard(frame: pd.DataFrame, shard: int, shards: int) -> pd.DataFrame:
+    """The rows of the objects of a shard."""
+    chosen = [in_shard(object_id, shard, shards) for object_id in frame["id"]]
+    return frame.loc[np.array(chosen, dtype=bool)]
 
 
 def join(parts: list[Path], schema: pa.Schema, order: list[str]) -> pd.DataFrame:

@@ -9,7 +9,7 @@ from egad import tables
 from egad.exchange.meshes import read_mesh
 from egad.progress import progress
 from egad.stage_settings import SimulatedTrials
-from egad.stages.shards import in_shard
+from egad.stages.shards import rows_in_shard
 from egad.trials.protocol import run as run_trials
 
 log = logging.getLogger(__name__)
@@ -34,7 +34,7 @@ def run(
         out: Table with the columns of `egad.tables.TRIALS`.
     """
     chosen = tables.read(evaluation, tables.EVAL49)
-    chosen = chosen[[in_shard(object_id, *shard) for object_id in chosen["id"]]]
+    chosen = rows_in_shard(chosen, *shard)
     parts = []
     for row in progress(tables.records(chosen), "trying", len(chosen)):
         mesh = read_mesh(meshes / f"{row['object_label']}.obj", "m")

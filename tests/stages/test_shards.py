@@ -1,7 +1,7 @@
 import pandas as pd
 
 from egad import tables
-from egad.stages.shards import in_shard, join, rejection
+from egad.stages.shards import in_shard, join, rejection, rows_in_shard
 
 IDS = [f"object-{number}" for number in range(200)]
 
@@ -35,3 +35,14 @@ def test_the_number_of_shards_leaves_no_trace(tmp_path):
 def test_nothing_but_empty_shards_gives_an_empty_table(tmp_path):
     tables.write(tables.empty(tables.REJECTED), tables.REJECTED, tmp_path / "a")
     assert len(join([tmp_path / "a"], tables.REJECTED, ["id"])) == 0
+
+
+def test_rows_of_an_empty_table_keep_its_columns():
+    rows = rows_in_shard(tables.empty(tables.OBJECTS), 0, 2)
+    assert list(rows.columns) == tables.OBJECTS.names
+
+
+def test_rows_of_all_shards_are_the_table():
+    frame = pd.DataFrame({"id": IDS})
+    rows = pd.concat([rows_in_shard(frame, shard, 3) for shard in range(3)])
+    assert sorted(rows["id"]) == sorted(IDS)

@@ -13,13 +13,13 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).parents[2]
-SOURCES = ["Snakefile", "config", "egad", "envs", "profiles", "workflow"]
+SOURCES = ["Snakefile", "config", "envs", "profiles", "workflow"]
 TEST_CONFIG = "config/test.yaml"
 
 
 @dataclass(frozen=True)
 class Checkout:
-    """A folder with the sources of the workflow, run with the library in that folder."""
+    """A folder with the sources of the workflow."""
 
     folder: Path
 
@@ -83,12 +83,19 @@ class Checkout:
 
     @property
     def environment(self):
+        """Where the library is: that of this repository, whose compiled kernels are kept."""
         kept = {key: value for key, value in os.environ.items() if not key.startswith("SNAKEMAKE")}
-        return kept | {"PYTHONPATH": str(self.folder)}
+        own = (self.folder / "egad").is_dir()
+        return kept | {"PYTHONPATH": str(self.folder if own else ROOT)}
+
+    def take_library(self):
+        """Copy the library into the folder, to edit it."""
+        uncompiled = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / "egad", self.folder / "egad", ignore=uncompiled)
 
 
 def checkout(folder):
-    """Copy the sources, with the compiled kernels beside them, which stay valid."""
+    """Copy the sources."""
     folder.mkdir()
     for name in SOURCES:
         source = ROOT / name

@@ -77,12 +77,14 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(copy, settings, rules)
     ],
 )
 def test_an_edited_module_re_runs_its_stages(copy, module, rules):
+    copy.take_library()
     path = copy.folder / module
     path.write_text(f"{path.read_text()}\nEDITED = 1\n")
     assert set(copy.planned()) == rules
 
 
 def test_a_touched_or_commented_module_re_runs_nothing(copy):
+    copy.take_library()
     for module in ("egad/tables.py", "egad/seeds.py", "egad/evolution/island.py"):
         path = copy.folder / module
         path.write_text(f"# a comment\n{path.read_text()}\n\n")
