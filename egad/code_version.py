@@ -12,7 +12,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parent
 # Values of settings reach a stage as parameters of its rule; their definitions decide nothing else.
-# The top module, also left out, holds the version of the release alone.
+# The top module, also left out, holds the version of the release and where kernels are kept.
 EXCLUDED = ("settings", "stage_settings")
 _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 

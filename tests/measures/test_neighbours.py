@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.errors import UserError
 from egad.measures import neighbours, reeb
 from egad.measures.neighbours import Neighbourhood, diversities
 from egad.measures.similarity import similarity_matrix
@@ -53,21 +54,24 @@ def test_a_set_that_changes_equals_one_made_anew(graphs, monkeypatch):
         assert [changing.diversity(places[number]) for number in members] == expected.tolist()
 
 
-def test_no_distance_is_computed_twice_and_many_not_at_all(graphs, monkeypatch):
-    asked = []
-    original = neighbours.similarities
-
-    def counting(forest, pairs):
-        asked.extend(map(tuple, np.sort(pairs, axis=1).tolist()))
-        return original(forest, pairs)
-
-    monkeypatch.setattr(neighbours, "similarities", counting)
+def test_many_distances_are_never_computed(graphs):
     everyone = Neighbourhood(0.5, 2)
-    for _ in range(2):
-        for index in everyone.add(graphs) if not asked else range(40):
-            everyone.diversity(index)
-    assert len(asked) == len(set(asked))
-    assert len(asked) < 40 * 39 / 2
+    for index in everyone.add(graphs):
+        everyone.diversity(index)
+    exact = everyone._known[np.triu_indices(40, 1)] == neighbours._EXACT
+    assert 40 < exact.sum() < 0.7 * len(exact)
+
+
+def test_no_distance_is_computed_twice(graphs, distances):
+    everyone = Neighbourhood(0.5, 3)
+    places = everyone.add(graphs)
+    before = [everyone.nearest(index)[1] for index in places]
+    for array in everyone._forest.trees.nodes:
+        array[:] = 0  # whatever is computed from now on is wrong
+    everyone._valid[:] = False
+    assert np.array_equal([everyone.nearest(index)[1] for index in places], before)
+    near = everyone.nearest(0)[0][0]
+    assert everyone.distance(near, 0) == distances[near, 0]
 
 
 def test_the_order_of_questions_does_not_matter(graphs):
@@ -92,3 +96,42 @@ def test_few_members(graphs):
     lonely.add(graphs[1:3])
     assert len(lonely.nearest(only)[0]) == 2
     assert len(diversities([], 0.5, 10)) == 0
+
+
+def test_a_pair_given_up_early_gets_its_exact_distance_when_asked(graphs, distances):
+    everyone = Neighbourhood(0.5, 1)
+    for index in everyone.add(graphs):
+        everyone.nearest(index)
+    found = [[everyone.distance(a, b) for b in range(40)] for a in range(40)]
+    assert np.array_equal(found, distances)
+
+
+def test_equal_shapes_are_at_distance_0_and_sorted_by_index(graphs):
+    twins = Neighbourhood(0.5, 3)
+    twins.add([graphs[0], graphs[1], graphs[0], graphs[0]])
+    indices, values = twins.nearest(2)
+    assert indices.tolist() == [0, 3, 1]
+    assert values[:2].tolist() == [0, 0]
+    assert twins.distance(2, 2) == 0
+
+
+def test_unknown_members(graphs):
+    pair = Neighbourhood(0.5, 3)
+    pair.add(graphs[:2])
+    pair.remove(0)
+    assert len(pair) == 1
+    for question in (pair.diversity, pair.nearest, pair.remove, lambda i: pair.distance(1, i)):
+        for index in (0, 2, -1):
+            with pytest.raises(KeyError):
+                question(index)
+    assert pair.diversity(1) == 1.0
+
+
+def test_other_resolutions_are_refused_and_nothing_is_lost(graphs):
+    coarse = SETTINGS.model_copy(update={"ranges": 32})
+    few = Neighbourhood(0.5, 3)
+    few.add(graphs[:2])
+    with pytest.raises(UserError):
+        few.add([graphs[2], reeb.extract(trimesh.creation.box(), coarse)])
+    assert few.add(graphs[2:3]) == [2]
+    assert few.diversity(2) == diversities(graphs[:3], 0.5, 3)[2]

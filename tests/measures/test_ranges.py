@@ -1,3 +1,5 @@
+import itertools
+
 import networkx as nx
 import numpy as np
 import pytest
@@ -17,7 +19,7 @@ def area_below(mesh, height):
                 kept.append(one)
             if (one[2] <= height) != (other[2] <= height):
                 kept.append(one + (other - one) * (height - one[2]) / (other[2] - one[2]))
-        for b, c in zip(kept[1:-1], kept[2:], strict=True):
+        for b, c in itertools.pairwise(kept[1:]):
             total += np.linalg.norm(np.cross(b - kept[0], c - kept[0])) / 2
     return total
 
