@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.errors import UserError
-from egad.measures.matching import Nodes
+from egad.measures.matching_arrays import Nodes
 from egad.measures.reeb import ReebGraph
 
 Floats = NDArray[np.float64]

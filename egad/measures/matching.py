@@ -5,60 +5,36 @@ Hilaga et al., "Topology Matching for Fully Automatic Similarity Estimation of 3
 come from: the neighbours of a node count less, and a node can be matched to a run of nodes.
 
 Children of matched nodes are matched among themselves, in each half of the range apart. Nothing
-outside such a *bout* decides who matches whom in it, so bouts are fought one by one.
+outside such a bout decides who matches whom in it, so bouts are fought one by one.
 """
-
-from typing import NamedTuple
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad.measures.matching_arrays import (
+    ADDED,
+    CHOSEN,
+    END,
+    FIRST,
+    FREE,
+    LINE,
+    LONGEST_RUN,
+    MATCHED,
+    ORDER,
+    SECOND,
+    SEEN,
+    SIDE,
+    STATE,
+    Nodes,
+    Space,
+)
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
 NEIGHBOUR_WEIGHT = 0.1
-LONGEST_RUN = 5
 MOST_RUNS = 64  # that one node is compared to: a bound that does not depend on time
-
-
-class Nodes(NamedTuple):
-    """Nodes of many graphs in one row; in each graph the coarsest one is the last."""
-
-    values: Floats  # (n, 2): weighted area and length
-    around: Floats  # (n, 4): their sums over the neighbours below, and above
-    rows: Ints  # (n, 5): where in `links` a node's children begin, those in the upper half of its
-    # range begin, and all of them end; where its neighbours begin and end
-    links: Ints
-
-
-class Space(NamedTuple):
-    """Memory of a matching, to be used again for the next one.
-
-    All integers share one array, as every array of its own would slow each call down.
-    """
-
-    ints: Ints  # (_ROWS, 2 n): a row for each purpose below
-    run: Floats  # (6,): values of a run, and around it
-
-
-STATE = 0  # numbers of matches, of their nodes and of visits; what to add to nodes of either graph
-FREE = 1  # by node so shifted: whether it may still be matched in this contest
-SEEN = 2  # likewise: last visit as a neighbour that runs are taken from
-ADDED = 3  # likewise: last visit as a neighbour of a run
-MATCHED = 4  # nodes of all matches
-FIRST, SECOND, END = 5, 6, 7  # by match: where in MATCHED either side begins, and where it ends
-SIDE = 8  # and 9: nodes of a contest
-ORDER = 10  # of these by size: index in the first side, or -1 - index in the second
-LINE = 11  # nodes that runs are cut from
-CHOSEN = 12  # best partners so far
-_ROWS = 13
-
-
-@numba.njit(cache=True)
-def space(largest: int) -> Space:
-    """Memory for graphs of at most `largest` nodes."""
-    return Space(np.zeros((_ROWS, max(2 * largest, 5)), np.int32), np.zeros(6))
 
 
 @numba.njit(cache=True)

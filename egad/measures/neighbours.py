@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.measures.forest import Forest, Trees
-from egad.measures.matching import Space, space
+from egad.measures.matching_arrays import Space, space
 from egad.measures.reeb import ReebGraph
 from egad.measures.similarity import SLACK, bound, compare
 

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.measures.forest import Forest, Trees
-from egad.measures.matching import Space, match, space
+from egad.measures.matching import match
+from egad.measures.matching_arrays import Space, space
 from egad.measures.reeb import ReebGraph
 
 Floats = NDArray[np.float64]

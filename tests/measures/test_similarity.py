@@ -7,7 +7,7 @@ import trimesh
 from egad.errors import UserError
 from egad.measures import reeb
 from egad.measures.forest import Forest
-from egad.measures.matching import space
+from egad.measures.matching_arrays import space
 from egad.measures.similarity import bound, compare, similarity, similarity_matrix
 from egad.settings import Similarity
 
