@@ -41,7 +41,7 @@ def edge_graph(mesh: Triangulation, shortcuts: bool) -> EdgeGraph:
 
     Args:
         mesh: Any mesh.
-        shortcuts: Whether a path may also cross two faces from corner to corner, as in section 4
+        shortcuts: Whether a path may also cross two faces from corner to corner, as the short-cut
             of Hilaga et al. (SIGGRAPH 2001). Along edges alone a distance depends on how they
             run; with shortcuts it nearly stays the same when the surface is meshed anew.
     """
