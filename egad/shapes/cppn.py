@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from egad.shapes.genome import INPUTS, OUTPUT
+from egad.shapes.genome import INPUTS, OUTPUT, connections
 
 Field = NDArray[np.float32]
 
@@ -64,15 +64,9 @@ def query(row: Mapping[str, Any], resolution: int) -> Field:
 def _used_connections(row: Mapping[str, Any]) -> dict[int, list[tuple[int, float]]]:
     """For each node that the output depends on: its enabled inputs and their weights."""
     incoming: dict[int, list[tuple[int, float]]] = {int(key): [] for key in row["node_keys"]}
-    for source, target, weight, enabled in zip(
-        row["connection_sources"],
-        row["connection_targets"],
-        row["connection_weights"],
-        row["connection_enabled"],
-        strict=True,
-    ):
+    for source, target, weight, enabled in connections(row):
         if enabled:
-            incoming[int(target)].append((int(source), float(weight)))
+            incoming[target].append((source, weight))
     used: dict[int, list[tuple[int, float]]] = {}
     waiting = [OUTPUT]
     while waiting:

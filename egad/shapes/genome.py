@@ -178,6 +178,13 @@ def from_row(config: DefaultGenomeConfig, row: Row) -> Genome:
         node = genome.create_node(config, int(key))
         node.bias, node.activation = float(bias), str(activation)
         genome.nodes[int(key)] = node
+    for source, target, weight, enabled in connections(row):
+        genome.add_connection(config, source, target, weight, enabled)
+    return genome
+
+
+def connections(row: Row) -> Iterator[tuple[int, int, float, bool]]:
+    """Source, target, weight and whether it is in use, of each connection of a table row."""
     for source, target, weight, enabled in zip(
         row["connection_sources"],
         row["connection_targets"],
@@ -185,5 +192,4 @@ def from_row(config: DefaultGenomeConfig, row: Row) -> Genome:
         row["connection_enabled"],
         strict=True,
     ):
-        genome.add_connection(config, int(source), int(target), float(weight), bool(enabled))
-    return genome
+        yield int(source), int(target), float(weight), bool(enabled)

@@ -2,7 +2,6 @@ import itertools
 
 import numpy as np
 import pytest
-import trimesh
 
 from egad import tables
 from egad.evolution.archive import Archive, Elite, elites_of, merge
@@ -15,11 +14,8 @@ SPACE = Space(cells=2, elites_per_cell=2, neighbours=3)
 GENOME = {name: [] for name in tables.GENOME.names}
 
 
-def elite(number, cell=(0, 0)):
-    """A box of random sides in a given cell of the 2 x 2 space."""
-    rng = np.random.default_rng(number)
-    mesh = trimesh.creation.box(extents=rng.uniform(0.2, 1, 3)).subdivide().subdivide()
-    mesh.vertices[rng.random(len(mesh.vertices)) < 0.3] *= rng.uniform(0.6, 1.5)
+def elite(mesh, number, cell=(0, 0)):
+    """A mesh in a given cell of the 2 x 2 space."""
     return Elite(
         id=f"{number:03d}",
         genome=GENOME,
@@ -33,9 +29,9 @@ def elite(number, cell=(0, 0)):
 
 
 @pytest.fixture(scope="module")
-def elites():
+def elites(spiky_box):
     cells = list(itertools.product((0, 1), (0, 1)))
-    return [elite(number, cells[number % 3]) for number in range(18)]
+    return [elite(spiky_box(number), number, cells[number % 3]) for number in range(18)]
 
 
 def slow_archive(batches, space):

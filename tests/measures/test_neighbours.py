@@ -12,14 +12,8 @@ SETTINGS = Similarity(vertices=200, ranges=16, base_count=10)
 
 
 @pytest.fixture(scope="module")
-def graphs():
-    shapes = []
-    for number in range(40):
-        rng = np.random.default_rng(number)
-        mesh = trimesh.creation.box(extents=rng.uniform(0.2, 1, 3)).subdivide().subdivide()
-        mesh.vertices[rng.random(len(mesh.vertices)) < 0.3] *= rng.uniform(0.6, 1.5)
-        shapes.append(reeb.extract(mesh, SETTINGS))
-    return shapes
+def graphs(spiky_box):
+    return [reeb.extract(spiky_box(number), SETTINGS) for number in range(40)]
 
 
 @pytest.fixture(scope="module")

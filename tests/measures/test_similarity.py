@@ -17,15 +17,9 @@ PAIRS = [(a, b) for a in range(COUNT) for b in range(a)]
 
 
 @pytest.fixture(scope="module")
-def graphs():
+def graphs(spiky_box):
     """Spiky boxes: many branches."""
-    shapes = []
-    for number in range(COUNT):
-        rng = np.random.default_rng(number)
-        mesh = trimesh.creation.box(extents=rng.uniform(0.2, 1, 3)).subdivide().subdivide()
-        mesh.vertices[rng.random(len(mesh.vertices)) < 0.3] *= rng.uniform(0.6, 1.5)
-        shapes.append(reeb.extract(mesh, SETTINGS))
-    return shapes
+    return [reeb.extract(spiky_box(number), SETTINGS) for number in range(COUNT)]
 
 
 @pytest.fixture(scope="module")
