@@ -49,7 +49,7 @@ PAPER: Values = {
         "neighbours": 10,
     },
     "complexity": {"bins": 512},
-    "difficulty": {"grasps": 100, "percentile": 75.0},
+    "difficulty": {"metric": "plain", "grasps": 100, "percentile": 75.0},
 }
 TEST: Values = {
     "shards": 2,

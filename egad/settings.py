@@ -209,6 +209,11 @@ class Difficulty(Section):
     """Grasp difficulty: a percentile of the quality of sampled grasps. High values are easy."""
 
     gripper: Name = Field("yumi", description="gripper of the table that grasps are sampled for")
+    metric: Literal["plain", "robust"] = Field(
+        "plain",
+        description="quality of a grasp, or its mean over disturbed copies; the published letters "
+        "follow the plain one (rank correlation 0.94 against 0.43, docs/measures.md)",
+    )
     grasps: int = Field(100, ge=1, description="grasps sampled while evolving")
     percentile: float = Field(75, ge=0, le=100, description="percentile of the qualities, percent")
     side_fraction: PositiveFraction = Field(

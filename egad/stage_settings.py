@@ -47,6 +47,7 @@ class Measuring(StageSettings):
     similarity: Similarity
     sampling: Sampling
     quality: Quality
+    robust: Robust
 
 
 class Evolve(Measuring):
@@ -63,6 +64,20 @@ class Merge(StageSettings):
 
     space: Space
     similarity: Similarity
+
+
+class MeasureMeshes(Measuring):
+    """Any meshes: repaired, measured, and placed in the space."""
+
+    postprocess: Postprocess
+    material: Material
+    space: Space
+
+
+class LocateMeshes(MeasureMeshes):
+    """The same among the objects of an archive."""
+
+    shape: Shape
 
 
 class PostprocessSolids(Measuring):

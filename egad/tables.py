@@ -105,6 +105,35 @@ SOLIDS = pa.schema(
     ]
 )
 
+_REASON = _column("reason", _STRING, "why it could not be measured; empty if it was")
+MEASURED = pa.schema(
+    [
+        _column("name", _STRING, "name of the mesh file"),
+        _COMPLEXITY,
+        _DIFFICULTY,
+        *_CELLS,
+        _column("grasps", _INT, "grasps that the difficulty was computed from"),
+        _column("longest_side", _FLOAT, "longest side of the axis-aligned box", "m"),
+        _column("repaired", _BOOL, "whether repair changed the mesh beyond merging vertices"),
+        _REASON,
+    ]
+)
+
+LOCATED = pa.schema(
+    [
+        _column("name", _STRING, "name of the mesh file"),
+        _COMPLEXITY,
+        _DIFFICULTY,
+        *_CELLS,
+        _column("complexity_percentile", _FLOAT, "part of the objects that are simpler", "%"),
+        _column("difficulty_percentile", _FLOAT, "part of the objects that are easier", "%"),
+        _column("diversity", _FLOAT, "mean distance to the nearest objects"),
+        _column("nearest", pa.list_(_STRING), "the nearest objects, the nearest first"),
+        _column("distances", pa.list_(_FLOAT), "distances to them"),
+        _REASON,
+    ]
+)
+
 _INTERNAL = {"vertices", "faces", "graph"}
 OBJECTS = pa.schema(
     [

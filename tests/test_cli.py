@@ -4,7 +4,8 @@ import sys
 
 import pytest
 
-from egad import cli, tables
+from egad import tables
+from egad.cli.common import parse
 from egad.settings import Settings
 from egad.stage_settings import Merge, select
 
@@ -62,7 +63,7 @@ def test_rescale_says_what_is_allowed(tmp_path, arguments, sentence):
 
 def test_stage_settings_travel_as_json():
     merge = select(Settings(), Merge)
-    assert cli._parse(Merge, json.dumps(json.loads(merge.model_dump_json()))) == merge
+    assert parse(Merge, json.dumps(json.loads(merge.model_dump_json()))) == merge
 
 
 CUBE = "\n".join(

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 from egad.errors import RejectedError
 from egad.measures import reeb
-from egad.measures.complexity import complexity
-from egad.measures.difficulty import difficulty
+from egad.measures.coordinates import coordinates
 from egad.seeds import generator
 from egad.shapes import cppn, voxels
 from egad.shapes.genome import Row
-from egad.shapes.surface import surface
+from egad.shapes.surface import packed_surface
 from egad.stage_settings import Evolve
 
 
@@ -43,18 +42,11 @@ def measure(solid: Solid, settings: Evolve) -> Measured | str:
     The grasps are drawn from a generator named after the solid, so equal solids have equal
     measures wherever and whenever they are found.
     """
-    mesh = surface(voxels.unpack(solid.packed, settings.shape.resolution), settings.shape)
+    mesh = packed_surface(solid.packed, settings.shape)
+    rng = generator(settings.seed, "difficulty", solid.id)
     try:
-        quality, _ = difficulty(
-            mesh,
-            opening=settings.gripper.opening,
-            grasps=settings.difficulty.grasps,
-            settings=settings.difficulty,
-            sampling=settings.sampling,
-            quality=settings.quality,
-            rng=generator(settings.seed, "difficulty", solid.id),
-        )
-        entropy = complexity(mesh, settings.complexity.bins)
-        return Measured(entropy, quality, reeb.extract(mesh, settings.similarity))
+        place = coordinates(mesh, settings, settings.difficulty.grasps, rng)
+        graph = reeb.extract(mesh, settings.similarity)
+        return Measured(place.complexity, place.difficulty, graph)
     except RejectedError as error:
         return str(error)

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from egad.errors import RejectedError
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.sampler import sample
-from egad.settings import Difficulty, Quality, Sampling
+from egad.grasps.robust import robust_ferrari_canny
+from egad.grasps.sampler import Grasps, sample
+from egad.stage_settings import Measuring
 
 Floats = NDArray[np.float64]
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
@@ -19,28 +20,21 @@ FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 
 def difficulty(
     mesh: trimesh.Trimesh,
-    opening: float,
+    settings: Measuring,
     grasps: int,
-    *,
-    settings: Difficulty,
-    sampling: Sampling,
-    quality: Quality,
     rng: np.random.Generator,
     com: Floats | None = None,
 ) -> tuple[float, int]:
     """A percentile of the quality of sampled grasps: high values are easy objects.
 
     A copy of the mesh is measured: turned until its principal axes (of the vertices) are the
-    coordinate axes, then scaled until its smallest side is `settings.side_fraction` of the
-    opening. Grasps without quality count as zeros.
+    coordinate axes, then scaled until its smallest side is `side_fraction` of the opening. Grasps
+    without quality count as zeros.
 
     Args:
         mesh: The object, of any size, its triangles winding outwards.
-        opening: Widest opening of the gripper, metres.
+        settings: Gripper, metric, percentile, and how grasps are sampled and rated.
         grasps: Grasps to sample.
-        settings: Percentile and size.
-        sampling: How grasps are sampled.
-        quality: How they are rated.
         rng: Where chance comes from.
         com: Centre of mass in the frame of the mesh; else the centroid of the volume.
 
@@ -55,16 +49,40 @@ def difficulty(
         raise RejectedError("no faces")
     if not np.isfinite(mesh.vertices).all():
         raise RejectedError("coordinates that are not finite")
-    place = _alignment(np.asarray(mesh.vertices), settings.side_fraction * opening)
+    opening = settings.gripper.opening
+    place = _alignment(np.asarray(mesh.vertices), settings.difficulty.side_fraction * opening)
     scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
     centre = _apply(place, center_of_mass(mesh) if com is None else com)
-    found, tally = sample(scaled, opening, grasps, sampling, rng)
+    found, tally = sample(scaled, opening, grasps, settings.sampling, rng)
     if len(found) == 0:
         raise RejectedError(f"no grasp ({tally})")
-    qualities = ferrari_canny(
-        found.points, found.normals, found.axes, centre, **quality.model_dump()
+    qualities = _qualities(scaled, found, centre, settings, rng)
+    return percentile(qualities, settings.difficulty.percentile), len(found)
+
+
+def _qualities(
+    mesh: trimesh.Trimesh,
+    grasps: Grasps,
+    com: Floats,
+    settings: Measuring,
+    rng: np.random.Generator,
+) -> Floats:
+    """Quality of each grasp by the metric of the settings."""
+    if settings.difficulty.metric == "plain":
+        rated: Floats = ferrari_canny(
+            grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()
+        )
+        return rated
+    mean, _, _ = robust_ferrari_canny(
+        mesh,
+        grasps,
+        com,
+        settings.gripper.opening,
+        quality=settings.quality,
+        robust=settings.robust,
+        rng=rng,
     )
-    return percentile(qualities, settings.percentile), len(found)
+    return mean
 
 
 def percentile(values: Floats, percent: float) -> float:

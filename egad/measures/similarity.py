@@ -4,7 +4,8 @@ Hilaga et al., "Topology Matching for Fully Automatic Similarity Estimation of 3
 2001. The distance of two shapes is 1 - similarity.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numba
 import numpy as np
@@ -35,16 +36,33 @@ def similarity(a: ReebGraph, b: ReebGraph, weight: float) -> float:
     return float(similarities(Forest(weight, [a, b]), np.array([[0, 1]]))[0])
 
 
-def similarity_matrix(graphs: Sequence[ReebGraph], weight: float) -> Floats:
+def similarity_matrix(
+    graphs: Sequence[ReebGraph],
+    weight: float,
+    threads: int = 1,
+    watch: Callable[[Iterable[Floats]], Iterable[Floats]] = iter,
+) -> Floats:
     """Similarities of all pairs of n shapes, (n, n): symmetric, 1 on the diagonal.
+
+    Args:
+        graphs: The shapes.
+        weight: Weight of area against length in the value of a node, 0 to 1.
+        threads: Rows worked on at once; the result does not depend on it.
+        watch: Passes the n rows through while they come, for showing progress.
 
     Raises:
         UserError: The graphs have different numbers of ranges.
     """
-    result = np.eye(len(graphs))
-    rows, columns = np.triu_indices(len(graphs), 1)
-    values = similarities(Forest(weight, graphs), np.stack((rows, columns), axis=1))
-    result[rows, columns] = result[columns, rows] = values
+    forest, count = Forest(weight, graphs), len(graphs)
+    result = np.eye(count)
+
+    def after(one: int) -> Floats:
+        others = np.arange(one + 1, count)
+        return similarities(forest, np.stack((np.full_like(others, one), others), axis=1))
+
+    with ThreadPoolExecutor(threads) as pool:
+        for one, values in enumerate(watch(pool.map(after, range(count)))):
+            result[one, one + 1 :] = result[one + 1 :, one] = values
     return result
 
 
@@ -54,7 +72,7 @@ def similarities(forest: Forest, pairs: Integers) -> Floats:
     return result
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def _similarities(trees: Trees, pairs: Integers) -> Floats:
     result = np.empty(len(pairs))
     if len(pairs) > 0:

@@ -32,6 +32,11 @@ def difficulty_cells(difficulty: ArrayLike, space: Space, count: int | None = No
     return count - 1 - cells(difficulty, *space.difficulty_range, count)
 
 
+def cell_name(complexity_cell: int, difficulty_cell: int) -> str:
+    """The name of a cell, as labels begin: `M14`."""
+    return f"{string.ascii_uppercase[difficulty_cell]}{complexity_cell:02d}"
+
+
 def labels(complexity_cell: Iterable[int], difficulty_cell: Iterable[int]) -> list[str]:
     """Names as published, in the order given: `M14_3` is the fourth object of cell (14, M)."""
     seen: dict[tuple[int, int], int] = {}
@@ -39,7 +44,7 @@ def labels(complexity_cell: Iterable[int], difficulty_cell: Iterable[int]) -> li
     for column, row in zip(complexity_cell, difficulty_cell, strict=True):
         slot = seen.get((column, row), 0)
         seen[column, row] = slot + 1
-        names.append(f"{string.ascii_uppercase[row]}{column:02d}_{slot}")
+        names.append(f"{cell_name(column, row)}_{slot}")
     return names
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from egad.measures.space import cell_name
 from egad.report.data import DatasetReport
 from egad.report.style import scale_colour
 from egad.settings import SelectEval, Space
@@ -95,7 +96,7 @@ def space_map(data: DatasetReport, space: Space) -> SpaceMap:
 
 
 def _name(item: Mapping[str, Any] | pd.Series) -> str:
-    return f"{string.ascii_uppercase[item['difficulty_cell']]}{item['complexity_cell']:02d}"
+    return cell_name(item["complexity_cell"], item["difficulty_cell"])
 
 
 def _cell(group: pd.DataFrame, mean: float, colour: str, pictures: Mapping[str, bytes]) -> Cell:

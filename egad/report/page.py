@@ -5,19 +5,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
-from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup, escape
 
 from egad.report import figures, maps, summary
 from egad.report.data import DatasetReport, ReportData
+from egad.report.environment import environment
 from egad.report.parameters import entry_tables, parameter_tables
 from egad.settings import Settings
 from egad.trials.statistics import Rate, trial_grid
 
 __all__ = ["DatasetReport", "ReportData", "build"]
-
-SPACE = "\N{NO-BREAK SPACE}"
-DASH = "\N{EN DASH}"
 
 
 @dataclass(frozen=True)
@@ -62,7 +58,7 @@ def build(report: ReportData) -> str:
     """
     views = [_view(name, data, report.settings) for name, data in report.datasets.items()]
     return (
-        _environment()
+        environment()
         .get_template("page.html.j2")
         .render(
             settings=report.settings,
@@ -112,36 +108,3 @@ def _trial_view(
 
 def _figure(svg: str) -> str:
     return maps.data_uri(svg.encode(), "image/svg+xml")
-
-
-def _environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("egad.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(percent=_percent, count=_count, fixed=_fixed, code=_code)
-    return environment
-
-
-def _percent(value: float, digits: int = 0) -> str:
-    return DASH if pd.isna(value) else f"{100 * value:.{digits}f}{SPACE}%"
-
-
-def _count(value: int) -> str:
-    return f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
-
-
-def _fixed(value: float, digits: int = 2) -> str:
-    return DASH if pd.isna(value) else f"{value:.{digits}f}"
-
-
-def _code(text: str) -> Markup:
-    """Text as HTML, with what stands between backticks set as code."""
-    parts = [
-        Markup("<code>{}</code>").format(part) if index % 2 else escape(part)
-        for index, part in enumerate(text.split("`"))
-    ]
-    return Markup("").join(parts)

@@ -7,7 +7,12 @@ from scipy import sparse
 from skimage.measure import marching_cubes
 
 from egad.settings import Shape
-from egad.shapes.voxels import Solid
+from egad.shapes.voxels import Solid, unpack
+
+
+def packed_surface(packed: bytes, shape: Shape) -> trimesh.Trimesh:
+    """The surface of voxels as archives keep them; see `surface`."""
+    return surface(unpack(packed, shape.resolution), shape)
 
 
 def surface(voxels: Solid, shape: Shape) -> trimesh.Trimesh:

@@ -7,8 +7,7 @@ from egad.exchange.meshes import write_obj
 from egad.files import replacing
 from egad.progress import progress
 from egad.settings import Shape
-from egad.shapes import voxels
-from egad.shapes.surface import surface
+from egad.shapes.surface import packed_surface
 
 
 def run(archive: Path, out: Path, shape: Shape) -> int:
@@ -27,6 +26,5 @@ def run(archive: Path, out: Path, shape: Shape) -> int:
     with replacing(out) as folder:
         folder.mkdir()
         for object_id, packed in progress(objects, "writing meshes", len(frame)):
-            mesh = surface(voxels.unpack(packed, shape.resolution), shape)
-            write_obj(mesh, folder / f"{object_id}.obj")
+            write_obj(packed_surface(packed, shape), folder / f"{object_id}.obj")
     return len(frame)

@@ -14,14 +14,11 @@ from egad import tables
 from egad.errors import RejectedError
 from egad.exchange.meshes import mesh_files, object_names, read_mesh
 from egad.measures import reeb
-from egad.measures.complexity import complexity
-from egad.measures.difficulty import difficulty
+from egad.measures.coordinates import coordinates
 from egad.progress import progress
 from egad.seeds import generator
-from egad.shapes import voxels
-from egad.shapes.mass import mass_properties
-from egad.shapes.repair import repair
-from egad.shapes.surface import surface
+from egad.shapes.solid import body
+from egad.shapes.surface import packed_surface
 from egad.stage_settings import PostprocessSolids
 from egad.stages.shards import in_shard, rejection
 
@@ -59,13 +56,8 @@ def from_archive(
 ) -> tuple[Sources, pd.Series]:
     """The evolved objects of a shard, and the difficulties that they were selected by."""
     archive = tables.read(path, tables.ARCHIVE).set_index("id")
-    shape = settings.shape
-
-    def build(packed: bytes) -> trimesh.Trimesh:
-        return surface(voxels.unpack(packed, shape.resolution), shape)
-
     sources: Sources = {
-        str(object_id): partial(build, packed)
+        str(object_id): partial(packed_surface, packed, settings.shape)
         for object_id, packed in archive["voxels"].items()
         if in_shard(str(object_id), shard, shards)
     }
@@ -89,30 +81,16 @@ def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids
     Raises:
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
     """
-    repaired = repair(mesh)
-    solid = repaired.mesh
-    mass = mass_properties(solid, settings.material.density)
-    if mass.volume < settings.postprocess.min_volume:
-        least = settings.postprocess.min_volume
-        raise RejectedError(f"volume of {mass.volume:.3g} m3 is below {least:.3g} m3")
-    quality, grasps = difficulty(
-        solid,
-        opening=settings.gripper.opening,
-        grasps=settings.postprocess.grasps,
-        settings=settings.difficulty,
-        sampling=settings.sampling,
-        quality=settings.quality,
-        rng=generator(settings.seed, "regrade", object_id),
-    )
+    solid, repaired, mass = body(mesh, settings.material, settings.postprocess)
+    rng = generator(settings.seed, "regrade", object_id)
+    place = coordinates(solid, settings, settings.postprocess.grasps, rng)
     return {
         "id": object_id,
-        "complexity": complexity(solid, settings.complexity.bins),
-        "difficulty": quality,
-        "grasps": grasps,
+        **place._asdict(),
         "volume": mass.volume,
         "area": mass.area,
         "watertight": bool(solid.is_watertight),
-        "repaired": repaired.changed,
+        "repaired": repaired,
         **dict(zip(("extents_x", "extents_y", "extents_z"), solid.extents, strict=True)),
         **dict(zip(("com_x", "com_y", "com_z"), mass.com, strict=True)),
         "mass": mass.mass,

@@ -17,8 +17,8 @@ from egad.grasps.quality import ferrari_canny
 from egad.measures import reeb
 from egad.measures.similarity import similarity_matrix
 from egad.settings import Settings
-from egad.shapes import cppn, voxels
-from egad.shapes.surface import surface
+from egad.shapes import cppn
+from egad.shapes.surface import packed_surface
 from egad.stage_settings import Evolve, GraspLabels, select
 
 SETTINGS = Settings()
@@ -58,8 +58,7 @@ def solids(offspring):
 
 @pytest.fixture(scope="module")
 def meshes(solids):
-    shape = EVOLVE.shape
-    return [surface(voxels.unpack(each.packed, shape.resolution), shape) for each in solids[:20]]
+    return [packed_surface(each.packed, EVOLVE.shape) for each in solids[:20]]
 
 
 def test_network_queries(offspring):

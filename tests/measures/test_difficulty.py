@@ -4,20 +4,14 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.measures.difficulty import center_of_mass, difficulty, percentile
-from egad.settings import Difficulty, Quality, Sampling
+from egad.settings import Settings
+from egad.stage_settings import Measuring, select
 
 
-def measure(mesh, grasps=100, seed=0, com=None, **settings):
-    return difficulty(
-        mesh,
-        0.05,
-        grasps,
-        settings=Difficulty(**settings),
-        sampling=Sampling(),
-        quality=Quality(),
-        rng=np.random.default_rng(seed),
-        com=com,
-    )
+def measure(mesh, grasps=100, seed=0, com=None, sampling=None, **settings):
+    config = {"difficulty": settings, "sampling": sampling or {}}
+    read = select(Settings.model_validate(config), Measuring)
+    return difficulty(mesh, read, grasps, np.random.default_rng(seed), com)
 
 
 def wedge():
@@ -77,18 +71,17 @@ def test_side_fraction_sets_the_size():
 
 
 def test_fewer_grasps_than_wanted_are_counted():
-    rules = Sampling(rounds=1, spacing=0.01)
-    value, used = difficulty(
-        wedge(),
-        0.05,
-        100,
-        settings=Difficulty(),
-        sampling=rules,
-        quality=Quality(),
-        rng=np.random.default_rng(0),
-    )
+    value, used = measure(wedge(), sampling={"rounds": 1, "spacing": 0.01})
     assert 0 < used < 100
     assert value > 0
+
+
+def test_the_robust_metric_is_lower_for_objects_as_wide_as_the_hand():
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    plain, _ = measure(ball)
+    robust, used = measure(ball, metric="robust")
+    assert used == 100
+    assert 0 < robust < plain
 
 
 def test_same_seed_gives_the_same_value():

@@ -72,7 +72,7 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(copy, settings, rules)
         ("egad/shapes/mass.py", {"postprocess"} | AFTER_POSTPROCESS),
         ("egad/evolution/reproduction.py", EVERYTHING),
         ("egad/report/page.py", {"report", "all"}),
-        ("egad/cli.py", set()),
+        ("egad/cli/stages.py", set()),
         ("egad/settings.py", set()),
     ],
 )

@@ -1,75 +1,18 @@
-"""The `egad` command: one command a stage, and tools for people."""
+"""The commands of the stages: what the rules of the workflow call."""
 
-import logging
-import sys
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 import typer
-import yaml
-from pydantic import BaseModel, ValidationError
 
-from egad.errors import RejectedError, UserError
+from egad.cli.common import STAGE, Jobs, Out, OutFolder, app, parse
+from egad.errors import UserError
 from egad.settings import Settings
-from egad.tables import TableError
-
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    help="Evolved objects for robot grasping. Commands take metres unless they say otherwise.",
-)
-M = TypeVar("M", bound=BaseModel)
 
 SettingsText = Annotated[str, typer.Option("--settings", help="settings of this stage, as JSON")]
-Out = Annotated[Path, typer.Option(help="file to write")]
-OutFolder = Annotated[Path, typer.Option(help="folder to write")]
 Shard = Annotated[int, typer.Option(help="number of this shard")]
 Shards = Annotated[int, typer.Option(help="number of all shards")]
 Rejected = Annotated[Path, typer.Option(help="table of the objects left out, with reasons")]
-Config = Annotated[Path | None, typer.Option(help="configuration file; else the defaults")]
-STAGE = "Stages of the pipeline"
-TOOL = "Tools"
-
-
-def main() -> None:
-    """Run the command; say what went wrong in a sentence, without a traceback."""
-    logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
-    try:
-        app()
-    except (UserError, TableError, RejectedError) as error:
-        sys.exit(f"egad: {error}")
-    except OSError as error:
-        sys.exit(f"egad: {error.strerror or error}: {error.filename or ''}".rstrip(": "))
-
-
-def _parse(model: type[M], text: str) -> M:
-    try:
-        return model.model_validate_json(text)
-    except ValidationError as error:
-        raise UserError(f"--settings is not what this stage reads: {error}") from error
-
-
-def _settings(config: Path | None) -> Settings:
-    """The settings of a configuration file; the defaults without one."""
-    from egad.config_check import check
-
-    if config is None:
-        return Settings()
-    try:
-        values = yaml.safe_load(config.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise UserError(f"{config}: not a YAML file: {error}") from error
-    return check(values or {})
-
-
-def _spare(folder: Path, files: Sequence[Path] = ()) -> None:
-    """Refuse to replace a folder that holds anything but what this command wrote before."""
-    foreign = folder.exists() and any(folder.iterdir()) and not (folder / "scales.parquet").exists()
-    inside = any(folder.resolve() in file.resolve().parents for file in files)
-    if foreign or inside:
-        raise UserError(f"--out {folder} holds files that would be lost; name a folder of its own")
 
 
 @app.command(rich_help_panel=STAGE)
@@ -79,13 +22,13 @@ def evolve(
     island: Annotated[int, typer.Option(help="number of the island")],
     out: Out,
     base: Annotated[Path | None, typer.Option(help="archive of the epoch before")] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
+    jobs: Jobs = 1,
 ) -> None:
     """Evolve one island for one epoch."""
     from egad.stage_settings import Evolve
     from egad.stages import evolve as stage
 
-    stage.run(_parse(Evolve, settings), epoch, island, base, out, jobs)
+    stage.run(parse(Evolve, settings), epoch, island, base, out, jobs)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -94,7 +37,7 @@ def merge(settings: SettingsText, islands: list[Path], out: Out) -> None:
     from egad.stage_settings import Merge
     from egad.stages import merge as stage
 
-    stage.run(_parse(Merge, settings), islands, out)
+    stage.run(parse(Merge, settings), islands, out)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -120,7 +63,7 @@ def postprocess(
     from egad.stage_settings import PostprocessSolids
     from egad.stages import postprocess as stage
 
-    parsed = _parse(PostprocessSolids, settings)
+    parsed = parse(PostprocessSolids, settings)
     if archive is not None:
         sources, known = stage.from_archive(archive, parsed, shard, shards)
     elif folder is not None and units is not None:
@@ -144,7 +87,7 @@ def collect(
     from egad.stage_settings import Collect
     from egad.stages import collect as stage
 
-    parsed = _parse(Collect, settings)
+    parsed = parse(Collect, settings)
     stage.run(parsed, source == "evolved", solids, rejects, out, rejected, meshes)
 
 
@@ -162,7 +105,7 @@ def grasp_label(
     from egad.stage_settings import GraspLabels
     from egad.stages import grasp_label as stage
 
-    parsed = _parse(GraspLabels, settings)
+    parsed = parse(GraspLabels, settings)
     stage.run(parsed, objects, meshes, (shard, shards), out, rejected)
 
 
@@ -189,7 +132,7 @@ def select_eval(
     from egad.stage_settings import EvalSelection
     from egad.stages import select_eval as stage
 
-    stage.run(_parse(EvalSelection, settings), objects, solids, out)
+    stage.run(parse(EvalSelection, settings), objects, solids, out)
 
 
 @app.command(name="print-export", rich_help_panel=STAGE)
@@ -204,7 +147,7 @@ def print_export(
     from egad.stage_settings import PrintFiles
     from egad.stages import print_export as stage
 
-    stage.run(_parse(PrintFiles, settings), evaluation, meshes, scales, out)
+    stage.run(parse(PrintFiles, settings), evaluation, meshes, scales, out)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -221,7 +164,7 @@ def simulate(
     from egad.stage_settings import SimulatedTrials
     from egad.stages import simulate as stage
 
-    stage.run(_parse(SimulatedTrials, settings), policy, evaluation, meshes, (shard, shards), out)
+    stage.run(parse(SimulatedTrials, settings), policy, evaluation, meshes, (shard, shards), out)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -238,7 +181,7 @@ def compare(
     if wrong := [name for name, _, path in named if not path]:
         raise UserError(f"{wrong[0]!r} does not say which table; write NAME=objects.parquet")
     paths = {name: Path(path) for name, _, path in named}
-    stage.run(_parse(Compare, settings), paths, out)
+    stage.run(parse(Compare, settings), paths, out)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -250,72 +193,4 @@ def report(
     """Write the report: one HTML file that opens offline."""
     from egad.stages import report as stage
 
-    stage.run(_parse(Settings, settings), results, out)
-
-
-@app.command(rich_help_panel=TOOL)
-def rescale(
-    meshes: Annotated[list[Path], typer.Argument(help="mesh files or folders of them")],
-    out: OutFolder,
-    settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
-    opening: Annotated[float | None, typer.Option(help="opening of the gripper, metres")] = None,
-    rule: Annotated[str, typer.Option(help="paper, egad-script or exact")] = "paper",
-    units: Annotated[str, typer.Option(help="unit of the meshes: m, mm, cm, inch")] = "m",
-    ending: Annotated[str, typer.Option("--format", help="obj (m) or stl (mm)")] = "obj",
-    jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
-) -> None:
-    """Scale any meshes to a gripper."""
-    from egad.config_check import check
-    from egad.exchange.meshes import mesh_files
-    from egad.stage_settings import RescaleMeshes, select
-    from egad.stages import rescale as stage
-
-    if settings is not None:
-        parsed = _parse(RescaleMeshes, settings)
-    elif opening is not None:
-        grippers = {**Settings().model_dump()["grippers"], "yours": {"opening": opening}}
-        config = {"grippers": grippers, "rescale": {"rule": rule}}
-        parsed = select(check(config), RescaleMeshes, "yours")
-    else:
-        raise UserError("rescale needs --opening, the widest opening of the gripper in metres")
-    if ending not in stage.WRITERS:
-        raise UserError(f"--format is {ending!r}; allowed: {', '.join(stage.WRITERS)}")
-    if settings is None:
-        files = [
-            each for path in meshes for each in ([path] if path.is_file() else mesh_files(path))
-        ]
-        _spare(out, files)
-    else:  # of the pipeline's own folder, which may be empty
-        files = [each for path in meshes for each in sorted(path.glob("*.obj"))]
-    rejected = stage.run(parsed, files, units, out, ending, jobs)
-    if rejected:
-        typer.echo(f"{rejected} files could not be used: see {out / 'rejected.parquet'}")
-
-
-@app.command(rich_help_panel=TOOL)
-def materialise(archive: Path, out: OutFolder, config: Config = None) -> None:
-    """Write the meshes of an archive as ID.obj, in metres, as they came out of evolution."""
-    from egad.stages import materialise as stage
-
-    _spare(out)
-    typer.echo(f"{stage.run(archive, out, _settings(config).shape)} meshes in {out}")
-
-
-@app.command(rich_help_panel=TOOL)
-def collage(
-    dataset: Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")],
-    out: Out,
-    config: Config = None,
-) -> None:
-    """Draw the objects of a dataset at their places in the space, as one PNG picture."""
-    from egad.stages import collage as stage
-
-    stage.run(dataset, out, _settings(config).space)
-
-
-@app.command(name="check-config", rich_help_panel=TOOL)
-def check_config(files: list[Path]) -> None:
-    """Check configuration files and list every problem."""
-    for file in files:
-        _settings(file)
-        typer.echo(f"{file}: fine")
+    stage.run(parse(Settings, settings), results, out)

@@ -1,0 +1,22 @@
+"""The `egad` command: one command a stage, and tools for people."""
+
+import logging
+import sys
+
+from egad.cli import measuring, stages, tools
+from egad.cli.common import app
+from egad.errors import RejectedError, UserError
+from egad.tables import TableError
+
+__all__ = ["main", "measuring", "stages", "tools"]
+
+
+def main() -> None:
+    """Run the command; say what went wrong in a sentence, without a traceback."""
+    logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
+    try:
+        app()
+    except (UserError, TableError, RejectedError) as error:
+        sys.exit(f"egad: {error}")
+    except OSError as error:
+        sys.exit(f"egad: {error.strerror or error}: {error.filename or ''}".rstrip(": "))

@@ -1,0 +1,66 @@
+"""What all commands share: the application, options, and how settings are read."""
+
+import os
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import typer
+import yaml
+from pydantic import BaseModel, ValidationError
+
+from egad.errors import UserError
+from egad.settings import Settings
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="Evolved objects for robot grasping. Commands take metres unless they say otherwise.",
+)
+STAGE = "Stages of the pipeline"
+TOOL = "Tools"
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+Out = Annotated[Path, typer.Option(help="file to write")]
+OutFolder = Annotated[Path, typer.Option(help="folder to write")]
+Config = Annotated[Path | None, typer.Option(help="configuration file; else the defaults")]
+Meshes = Annotated[list[Path], typer.Argument(help="mesh files or folders of them")]
+Units = Annotated[str, typer.Option(help="unit of the meshes: m, mm, cm, inch")]
+Jobs = Annotated[int, typer.Option(min=1, help="processes")]
+M = TypeVar("M", bound=BaseModel)
+
+
+def parse(model: type[M], text: str) -> M:
+    """The settings that the workflow hands to a stage.
+
+    Raises:
+        UserError: They are not what the stage reads.
+    """
+    try:
+        return model.model_validate_json(text)
+    except ValidationError as error:
+        raise UserError(f"--settings is not what this stage reads: {error}") from error
+
+
+def settings_in(config: Path | None) -> Settings:
+    """The settings of a configuration file; the defaults without one.
+
+    Raises:
+        UserError: The file is not YAML, or has settings that are not allowed.
+    """
+    from egad.config_check import check
+
+    if config is None:
+        return Settings()
+    try:
+        values = yaml.safe_load(config.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise UserError(f"{config}: not a YAML file: {error}") from error
+    return check(values or {})
+
+
+def files_in(paths: list[Path]) -> list[Path]:
+    """The files that are named, and those in the folders that are named."""
+    from egad.exchange.meshes import mesh_files
+
+    return [file for path in paths for file in (mesh_files(path) if path.is_dir() else [path])]

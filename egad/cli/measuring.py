@@ -1,0 +1,140 @@
+"""Tools that measure any meshes: how complex and difficult, how alike, and where in the space."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+import pandas as pd
+import typer
+
+from egad.cli.common import CORES, TOOL, Config, Jobs, Meshes, Units, app, files_in, settings_in
+from egad.errors import UserError
+from egad.settings import Settings
+
+TableFile = Annotated[Path | None, typer.Option(help="table to write: .parquet or .csv")]
+Grasps = Annotated[
+    int | None, typer.Option(min=1, help="grasps to grade by; else as in the configuration")
+]
+Bases = Annotated[
+    str | None, typer.Option(help="even, or scan: as the original program; else the configuration")
+]
+Among = Annotated[
+    Path, typer.Option("--in", help="archive.parquet, or the folder of a dataset: results/egad")
+]
+PageFile = Annotated[
+    list[Path], typer.Option(help="file to write: .html, .parquet or .csv; may be repeated")
+]
+
+
+@app.command(rich_help_panel=TOOL)
+def measure(
+    meshes: Meshes,
+    units: Units,
+    out: TableFile = None,
+    grasps: Grasps = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Measure complexity and difficulty of any meshes, and name their cells."""
+    from egad import tables
+    from egad.cli.show import measured
+    from egad.exchange.frames import check_ending, write_frame
+    from egad.exchange.meshes import object_names
+    from egad.stage_settings import MeasureMeshes, select
+    from egad.stages import measure as stage
+
+    check_ending(out)
+    settings = select(_graded(settings_in(config), grasps), MeasureMeshes)
+    table = stage.run(settings, object_names(files_in(meshes)), units, jobs)
+    measured(table)
+    if out is not None:
+        write_frame(table, tables.MEASURED, out)
+    _complain(_reasons(table), len(table))
+
+
+@app.command(rich_help_panel=TOOL)
+def similarity(
+    meshes: Meshes,
+    units: Units,
+    out: TableFile = None,
+    bases: Bases = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Compare any meshes with each other: 1 for the same shape, 0 for nothing in common."""
+    from egad.cli.show import square
+    from egad.config_check import check
+    from egad.exchange.frames import check_ending, write_matrix
+    from egad.exchange.meshes import object_names
+    from egad.stages import similarity as stage
+
+    check_ending(out)
+    settings = settings_in(config)
+    if bases is not None:
+        changed = settings.model_dump(mode="json")
+        settings = check({**changed, "similarity": {**changed["similarity"], "bases": bases}})
+    files = object_names(files_in(meshes))
+    matrix, reasons = stage.run(settings.similarity, files, units, jobs)
+    square(matrix)
+    if out is not None:
+        write_matrix(matrix, out)
+    _complain(reasons, len(files))
+
+
+@app.command(rich_help_panel=TOOL)
+def locate(
+    meshes: Meshes,
+    units: Units,
+    among: Among,
+    out: PageFile = [Path("locate.html")],  # noqa: B006 (typer copies it)
+    grasps: Grasps = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Show where any meshes lie in the space of a dataset, and the objects most like them."""
+    from egad import tables
+    from egad.cli.show import located
+    from egad.exchange.frames import check_ending, write_frame
+    from egad.exchange.meshes import object_names
+    from egad.files import write_text
+    from egad.report.locations import page
+    from egad.stage_settings import LocateMeshes, select
+    from egad.stages import locate as stage
+
+    for path in out:
+        check_ending(path, (".html", ".parquet", ".csv"))
+    settings = select(_graded(settings_in(config), grasps), LocateMeshes)
+    objects = stage.reference(among, settings.shape)
+    table, shown = stage.run(settings, objects, object_names(files_in(meshes)), units, jobs)
+    located(table)
+    for path in out:
+        if path.suffix.lower() == ".html":
+            text = page(str(among), objects.objects, shown, _reasons(table), settings.space)
+            write_text(path, text)
+        else:
+            write_frame(table, tables.LOCATED, path)
+    _complain(_reasons(table), len(table))
+
+
+def _graded(settings: Settings, grasps: int | None) -> Settings:
+    """The settings with another number of grasps."""
+    if grasps is None:
+        return settings
+    section = settings.postprocess.model_copy(update={"grasps": grasps})
+    return settings.model_copy(update={"postprocess": section})
+
+
+def _reasons(table: pd.DataFrame) -> dict[str, str]:
+    """Names of the meshes that could not be used, and why."""
+    rejected = table[table["reason"] != ""]
+    return dict(zip(rejected["name"], rejected["reason"], strict=True))
+
+
+def _complain(reasons: Mapping[str, str], total: int) -> None:
+    """Say which meshes could not be used, and why; an error if none could."""
+    for name, reason in reasons.items():
+        typer.echo(f"{name}: {reason}", err=True)
+    if len(reasons) == total:
+        raise UserError(f"none of the {total} meshes could be used")
+    if reasons:
+        typer.echo(f"{len(reasons)} of {total} meshes could not be used", err=True)

@@ -1,0 +1,80 @@
+"""Tables on the terminal."""
+
+import sys
+from collections.abc import Iterable, Sequence
+
+import pandas as pd
+from rich.console import Console
+from rich.table import Table
+
+from egad.measures.space import cell_name
+
+DASH = "\N{EN DASH}"
+WIDE = 200  # columns of a table that goes into a file
+QUALITY = "quality/1000"
+MOST = 12  # columns of a matrix that still can be read
+
+
+def measured(table: pd.DataFrame) -> None:
+    """Print columns of `egad.tables.MEASURED`."""
+    show(
+        ["name", "complexity", QUALITY, "cell", "grasps"],
+        [(*_place(row), number(row["grasps"], 0)) for row in _rows(table)],
+    )
+
+
+def located(table: pd.DataFrame) -> None:
+    """Print columns of `egad.tables.LOCATED`."""
+    show(
+        ["name", "complexity", QUALITY, "cell", "simpler %", "easier %", "diversity", "nearest"],
+        [
+            (
+                *_place(row),
+                number(row["complexity_percentile"], 0),
+                number(row["difficulty_percentile"], 0),
+                number(row["diversity"], 3),
+                row["nearest"][0] if isinstance(row["nearest"], list) else DASH,
+            )
+            for row in _rows(table)
+        ],
+    )
+
+
+def square(matrix: pd.DataFrame) -> None:
+    """Print a matrix of similarities, or what it is like if it is too large."""
+    if len(matrix) > MOST:
+        known = matrix.notna().any()
+        print(f"{len(matrix)} meshes, {known.sum()} compared; --out writes their similarities")
+        return
+    numbers = [[number(value, 3) for value in row] for row in matrix.to_numpy()]
+    names = [str(name) for name in matrix.index]
+    show(["", *names], [(name, *row) for name, row in zip(names, numbers, strict=True)])
+
+
+def show(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table on stdout, the first and the last column of words to the left."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for place, column in enumerate(columns):
+        left = place == 0 or column == "nearest"
+        table.add_column(column, justify="left" if left else "right", no_wrap=place == 0)
+    for row in rows:
+        table.add_row(*row)
+    width = None if sys.stdout.isatty() else WIDE
+    Console(width=width, highlight=False, markup=False).print(table)
+
+
+def number(value: float, digits: int) -> str:
+    """A number, or a dash if there is none."""
+    return DASH if pd.isna(value) else f"{value:.{digits}f}"
+
+
+def _rows(table: pd.DataFrame) -> list[pd.Series]:
+    return [row for _, row in table.iterrows()]
+
+
+def _place(row: pd.Series) -> tuple[str, str, str, str]:
+    """Name, complexity, difficulty and cell of a row."""
+    unknown = pd.isna(row["complexity_cell"])
+    cell = DASH if unknown else cell_name(int(row["complexity_cell"]), int(row["difficulty_cell"]))
+    quality = number(1000 * row["difficulty"], 3)
+    return str(row["name"]), number(row["complexity"], 3), quality, cell

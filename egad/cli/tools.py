@@ -1,0 +1,97 @@
+"""Tools that make files: scaled meshes, the meshes of an archive, pictures."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from egad.cli.common import (
+    CORES,
+    TOOL,
+    Config,
+    Jobs,
+    Meshes,
+    Out,
+    OutFolder,
+    Units,
+    app,
+    files_in,
+    parse,
+    settings_in,
+)
+from egad.errors import UserError
+from egad.settings import Settings
+
+
+@app.command(rich_help_panel=TOOL)
+def rescale(
+    meshes: Meshes,
+    out: OutFolder,
+    settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
+    opening: Annotated[float | None, typer.Option(help="opening of the gripper, metres")] = None,
+    rule: Annotated[str, typer.Option(help="paper, egad-script or exact")] = "paper",
+    units: Units = "m",
+    ending: Annotated[str, typer.Option("--format", help="obj (m) or stl (mm)")] = "obj",
+    jobs: Jobs = CORES,
+) -> None:
+    """Scale any meshes to a gripper."""
+    from egad.config_check import check
+    from egad.stage_settings import RescaleMeshes, select
+    from egad.stages import rescale as stage
+
+    if settings is not None:
+        parsed = parse(RescaleMeshes, settings)
+    elif opening is not None:
+        grippers = {**Settings().model_dump()["grippers"], "yours": {"opening": opening}}
+        config = {"grippers": grippers, "rescale": {"rule": rule}}
+        parsed = select(check(config), RescaleMeshes, "yours")
+    else:
+        raise UserError("rescale needs --opening, the widest opening of the gripper in metres")
+    if ending not in stage.WRITERS:
+        raise UserError(f"--format is {ending!r}; allowed: {', '.join(stage.WRITERS)}")
+    if settings is None:
+        files = files_in(meshes)
+        _spare(out, files)
+    else:  # of the pipeline's own folder, which may be empty
+        files = [each for path in meshes for each in sorted(path.glob("*.obj"))]
+    rejected = stage.run(parsed, files, units, out, ending, jobs)
+    if rejected:
+        typer.echo(f"{rejected} files could not be used: see {out / 'rejected.parquet'}")
+
+
+@app.command(rich_help_panel=TOOL)
+def materialise(archive: Path, out: OutFolder, config: Config = None) -> None:
+    """Write the meshes of an archive as ID.obj, in metres, as they came out of evolution."""
+    from egad.stages import materialise as stage
+
+    _spare(out)
+    typer.echo(f"{stage.run(archive, out, settings_in(config).shape)} meshes in {out}")
+
+
+@app.command(rich_help_panel=TOOL)
+def collage(
+    dataset: Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")],
+    out: Out,
+    config: Config = None,
+) -> None:
+    """Draw the objects of a dataset at their places in the space, as one PNG picture."""
+    from egad.stages import collage as stage
+
+    stage.run(dataset, out, settings_in(config).space)
+
+
+@app.command(name="check-config", rich_help_panel=TOOL)
+def check_config(files: list[Path]) -> None:
+    """Check configuration files and list every problem."""
+    for file in files:
+        settings_in(file)
+        typer.echo(f"{file}: fine")
+
+
+def _spare(folder: Path, files: Sequence[Path] = ()) -> None:
+    """Refuse to replace a folder that holds anything but what this command wrote before."""
+    foreign = folder.exists() and any(folder.iterdir()) and not (folder / "scales.parquet").exists()
+    inside = any(folder.resolve() in file.resolve().parents for file in files)
+    if foreign or inside:
+        raise UserError(f"--out {folder} holds files that would be lost; name a folder of its own")

@@ -1,0 +1,58 @@
+"""Tables for people: Parquet or CSV, as the file name says."""
+
+from pathlib import Path
+
+import pandas as pd
+import pyarrow as pa
+
+from egad import tables
+from egad.errors import UserError
+from egad.files import replacing
+
+ENDINGS = (".parquet", ".csv")
+
+
+def check_ending(path: Path | None, endings: tuple[str, ...] = ENDINGS) -> None:
+    """Make sure, before any work, that a file can be written.
+
+    Raises:
+        UserError: The name does not end as one that can, or there is no such folder.
+    """
+    if path is None:
+        return
+    if path.suffix.lower() not in endings:
+        raise UserError(f"--out {path}: the name must end in {' or '.join(endings)}")
+    if not path.absolute().parent.is_dir():
+        raise UserError(f"--out {path}: there is no folder {path.parent}")
+
+
+def write_frame(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> None:
+    """Write the columns of a schema as Parquet, or as CSV where lists are joined by spaces.
+
+    Columns that the table lacks are written without values.
+    """
+    whole = frame.reindex(columns=schema.names)
+    if path.suffix.lower() == ".parquet":
+        tables.write(whole, schema, path)
+        return
+    for field in schema:
+        if pa.types.is_list(field.type):
+            whole[field.name] = [_joined(values) for values in whole[field.name]]
+        elif pa.types.is_integer(field.type):
+            whole[field.name] = whole[field.name].astype("Int64")
+    with replacing(path) as temporary:
+        whole.to_csv(temporary, index=False)
+
+
+def write_matrix(matrix: pd.DataFrame, path: Path) -> None:
+    """Write a matrix whose index and columns are names; the names are its first column."""
+    named = matrix.rename_axis("name").reset_index()
+    with replacing(path) as temporary:
+        if path.suffix.lower() == ".parquet":
+            named.to_parquet(temporary, index=False)
+        else:
+            named.to_csv(temporary, index=False)
+
+
+def _joined(values: object) -> str:
+    return " ".join(str(each) for each in values) if isinstance(values, list) else ""

@@ -1,0 +1,42 @@
+"""Where an object lies in the space: its complexity and its difficulty."""
+
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+
+from egad.measures.complexity import complexity
+from egad.measures.difficulty import difficulty
+from egad.stage_settings import Measuring
+
+
+class Coordinates(NamedTuple):
+    """The measures that span the space.
+
+    Attributes:
+        complexity: Entropy of the angular deficits, bits.
+        difficulty: Percentile of grasp quality; high is easy.
+        grasps: How many grasps the percentile was taken from.
+    """
+
+    complexity: float
+    difficulty: float
+    grasps: int
+
+
+def coordinates(
+    mesh: trimesh.Trimesh, settings: Measuring, grasps: int, rng: np.random.Generator
+) -> Coordinates:
+    """Measure a closed mesh.
+
+    Args:
+        mesh: One body, wound outwards, of any size.
+        settings: What the measures depend on.
+        grasps: Grasps to sample.
+        rng: Where the grasps come from.
+
+    Raises:
+        RejectedError: The mesh cannot be measured, or has no grasp.
+    """
+    quality, found = difficulty(mesh, settings, grasps, rng)
+    return Coordinates(complexity(mesh, settings.complexity.bins), quality, found)

@@ -1,0 +1,42 @@
+"""How templates are filled: numbers as text, and nothing that breaks a page."""
+
+import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+SPACE = "\N{NO-BREAK SPACE}"
+DASH = "\N{EN DASH}"
+
+
+def environment() -> Environment:
+    """The templates of this package, with filters `percent`, `count`, `fixed` and `code`."""
+    environment = Environment(
+        loader=PackageLoader("egad.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(percent=_percent, count=_count, fixed=_fixed, code=_code)
+    return environment
+
+
+def _percent(value: float, digits: int = 0) -> str:
+    return DASH if pd.isna(value) else f"{100 * value:.{digits}f}{SPACE}%"
+
+
+def _count(value: int) -> str:
+    return f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+
+
+def _fixed(value: float, digits: int = 2) -> str:
+    return DASH if pd.isna(value) else f"{value:.{digits}f}"
+
+
+def _code(text: str) -> Markup:
+    """Text as HTML, with what stands between backticks set as code."""
+    parts = [
+        Markup("<code>{}</code>").format(part) if index % 2 else escape(part)
+        for index, part in enumerate(text.split("`"))
+    ]
+    return Markup("").join(parts)
