@@ -2,6 +2,7 @@ import json
 import subprocess
 import sys
 
+import pandas as pd
 import pytest
 
 from egad import tables
@@ -118,4 +119,64 @@ def test_settings_of_another_stage_are_refused(tmp_path):
     result = egad("merge", "--settings", "{}", tmp_path / "a", "--out", tmp_path / "b")
     assert result.returncode == 1
     assert "--settings is not what this stage reads" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A cube, and a file that is no mesh."""
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "meshes" / "cube.obj").write_text(CUBE)
+    (tmp_path / "meshes" / "broken.stl").write_text("solid")
+    return tmp_path / "meshes"
+
+
+def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_path):
+    for ending, read in ((".csv", pd.read_csv), (".parquet", pd.read_parquet)):
+        out = tmp_path / f"table{ending}"
+        result = egad("measure", folder, "--units", "cm", "--jobs", 1, "--out", out)
+        assert result.returncode == 0
+        assert "cube" in result.stdout
+        assert "broken: no faces" in result.stderr
+        assert "1 of 2 meshes could not be used" in result.stderr
+        table = read(out).set_index("name")
+        assert table.columns.tolist() == tables.MEASURED.names[1:]
+        assert table.loc["cube", "complexity"] == 0
+        assert table.loc["cube", "difficulty"] == pytest.approx(0.0025, abs=0.0003)
+        assert table.loc["cube", "grasps"] == 400
+        assert table.loc["broken", "reason"] == "no faces"
+
+
+def test_measure_fails_if_no_mesh_can_be_used(folder):
+    result = egad("measure", folder / "broken.stl", "--units", "m", "--jobs", 1)
+    assert result.returncode == 1
+    assert "none of the 1 meshes could be used" in result.stderr
+
+
+def test_similarity_writes_a_square_matrix(folder, tmp_path):
+    (folder / "copy.obj").write_text(CUBE)
+    out = tmp_path / "matrix.csv"
+    egad("similarity", folder, "--units", "m", "--bases", "scan", "--jobs", 1, "--out", out)
+    matrix = pd.read_csv(out, index_col="name")
+    assert matrix.columns.tolist() == matrix.index.tolist() == ["broken", "copy", "cube"]
+    assert matrix.loc["copy", "cube"] == 1
+    assert matrix.loc["broken"].isna().all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["measure"], "--units"),
+        (["measure", "--units", "feet"], "allowed: m, cm, mm, inch"),
+        (["measure", "--units", "m", "--out", "table.xlsx"], "must end in .parquet or .csv"),
+        (["measure", "--units", "m", "--out", "no/such/table.csv"], "there is no folder no/such"),
+        (["similarity", "--units", "m", "--bases", "odd"], "even or scan"),
+        (["locate", "--units", "m"], "--in"),
+        (["locate", "--units", "m", "--in", "nothing.parquet"], "no such file"),
+    ],
+)
+def test_tools_say_what_is_allowed(folder, arguments, sentence):
+    result = egad(arguments[0], folder / "cube.obj", *arguments[1:])
+    assert result.returncode != 0
+    assert sentence in result.stderr
     assert "Traceback" not in result.stderr

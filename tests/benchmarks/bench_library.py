@@ -3,11 +3,15 @@
 Compiling is not counted. The objects are offspring of an archive that evolved for some steps.
 """
 
+import os
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
+from egad import tables
 from egad.evolution.archive import Archive
 from egad.evolution.evaluation import express, measure
 from egad.evolution.island import evolve
@@ -15,7 +19,10 @@ from egad.evolution.reproduction import breed
 from egad.grasps.labels import label
 from egad.grasps.quality import ferrari_canny
 from egad.measures import reeb
-from egad.measures.similarity import similarity_matrix
+from egad.measures.difficulty import difficulty
+from egad.measures.forest import Forest
+from egad.measures.neighbours import Neighbourhood
+from egad.measures.similarity import similarities, similarity_matrix
 from egad.settings import Settings
 from egad.shapes import cppn
 from egad.shapes.surface import packed_surface
@@ -61,6 +68,29 @@ def meshes(solids):
     return [packed_surface(each.packed, EVOLVE.shape) for each in solids[:20]]
 
 
+@pytest.fixture(scope="module")
+def graphs(elites):
+    """Reeb graphs: of the epoch archive that EGAD_ARCHIVE names, else of some offspring."""
+    if "EGAD_ARCHIVE" in os.environ:
+        packed = tables.read(Path(os.environ["EGAD_ARCHIVE"]), tables.EPOCH)["graph"]
+        return [reeb.unpack(data) for data in packed]
+    found = {}
+    for step in range(30):
+        for child in breed(elites, EVOLVE, 2, 0, step):
+            solid = express(child.genome, EVOLVE)
+            if solid is not None and solid.id not in found:
+                mesh = packed_surface(solid.packed, EVOLVE.shape)
+                found[solid.id] = reeb.extract(mesh, SETTINGS.similarity)
+    return list(found.values())
+
+
+def cpu(work):
+    """CPU seconds that some work takes."""
+    start = time.process_time()
+    work()
+    return time.process_time() - start
+
+
 def test_network_queries(offspring):
     resolution = EVOLVE.shape.resolution
 
@@ -98,15 +128,64 @@ def test_similarities(meshes):
     rate("similarity", "pairs", lambda: similarity_matrix(graphs, weight), pairs)
 
 
-def test_grasp_qualities():
+def test_nearest_neighbours(graphs):
+    """Exact neighbours of newcomers by bounds, beside comparing with everything."""
+    weight, count = SETTINGS.similarity.weight, SETTINGS.space.neighbours
+    archive, newcomers = graphs[:-100], graphs[-100:]
+    neighbourhood = Neighbourhood(weight, count)
+    neighbourhood.add(archive)
+    times = []
+    for newcomer in newcomers:
+        (index,) = neighbourhood.add([newcomer])
+        times.append(1000 * cpu(lambda index=index: neighbourhood.nearest(index)))
+        neighbourhood.remove(index)
+    forest = Forest(weight, [*archive, newcomers[0]])
+    pairs = np.array([(len(archive), other) for other in range(len(archive))])
+    similarities(forest, pairs[:2])
+    exhaustive = 1000 * cpu(lambda: similarities(forest, pairs))
+    print(
+        f"\n{count} nearest of {len(archive)}: mean {np.mean(times[1:]):.1f} ms, "
+        f"worst {max(times[1:]):.1f} ms, exhaustive search {exhaustive:.1f} ms",
+        end="",
+    )
+
+
+def random_grasps(count):
     rng = np.random.default_rng(0)
-    count = 1000
     axes = rng.normal(size=(count, 3))
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
     normals = np.stack([-axes, axes], axis=1) + rng.normal(scale=0.1, size=(count, 2, 3))
     normals /= np.linalg.norm(normals, axis=2, keepdims=True)
-    points = np.stack([-axes, axes], axis=1) * 0.02
-    rate("quality", "grasps", lambda: ferrari_canny(points, normals, axes, np.zeros(3)), count)
+    return np.stack([-axes, axes], axis=1) * 0.02, normals, axes
+
+
+def test_grasp_qualities():
+    points, normals, axes = random_grasps(1000)
+    rate("quality", "grasps", lambda: ferrari_canny(points, normals, axes, np.zeros(3)), 1000)
+
+
+def test_hulls_of_scipy():
+    """What the same quality costs by a whole convex hull of the 20 wrenches."""
+    wrenches = np.random.default_rng(0).normal(size=(20, 20, 6))
+
+    def facets():
+        for some in wrenches:
+            (-ConvexHull(some).equations[:, -1]).min()
+
+    rate("quality by scipy's hull", "grasps", facets, len(wrenches))
+
+
+def test_difficulty(meshes):
+    for grasps in (100, 1000):
+        rng = np.random.default_rng(0)
+        rate(
+            f"difficulty of {grasps} grasps",
+            "objects",
+            lambda rng=rng, grasps=grasps: [
+                difficulty(mesh, EVOLVE, grasps, rng) for mesh in meshes[:5]
+            ],
+            5,
+        )
 
 
 def test_labels(meshes):

@@ -1,0 +1,38 @@
+"""Against the published set: EGAD_PUBLISHED names a folder of its objects (millimetres)."""
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+from scipy.stats import spearmanr
+
+from egad.exchange.meshes import mesh_files
+from egad.settings import Settings
+from egad.stage_settings import MeasureMeshes, select
+from egad.stages import measure
+
+FOLDER = os.environ.get("EGAD_PUBLISHED")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(FOLDER is None, reason="EGAD_PUBLISHED names no folder"),
+]
+
+
+@pytest.fixture(scope="module")
+def table():
+    files = {path.stem: path for path in mesh_files(Path(FOLDER))}
+    return measure.run(select(Settings(), MeasureMeshes), files, "mm", 2)
+
+
+def test_every_published_object_is_measured(table):
+    assert (table["reason"] == "").all()
+
+
+def test_complexity_orders_objects_as_the_published_numbers(table):
+    numbers = [int(re.fullmatch(r"[A-Y](\d\d)_\d", name)[1]) for name in table["name"]]
+    assert spearmanr(table["complexity"], numbers)[0] >= 0.96
+
+
+def test_difficulty_orders_objects_as_the_published_letters(table):
+    assert spearmanr(-table["difficulty"], [ord(name[0]) for name in table["name"]])[0] >= 0.9
