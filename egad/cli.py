@@ -115,6 +115,7 @@ def postprocess(
     archive: Annotated[Path | None, typer.Option(help="archive of evolved objects")] = None,
     folder: Annotated[Path | None, typer.Option(help="folder of meshes")] = None,
     units: Annotated[str | None, typer.Option(help="unit of these meshes: m, mm, cm, inch")] = None,
+    pattern: Annotated[str, typer.Option(help="glob of these meshes in the folder")] = "*",
 ) -> None:
     """Repair and measure the objects of a shard, from an archive or a folder of meshes."""
     from egad.stage_settings import PostprocessSolids
@@ -124,7 +125,7 @@ def postprocess(
     if archive is not None:
         sources, known = stage.from_archive(archive, parsed, shard, shards)
     elif folder is not None and units is not None:
-        sources, known = stage.from_folder(folder, units, shard, shards)
+        sources, known = stage.from_folder(folder, units, shard, shards, pattern)
     else:
         raise UserError("postprocess needs --archive, or --folder and --units")
     stage.run(parsed, sources, known, out, rejected)
@@ -266,7 +267,7 @@ def rescale(
 ) -> None:
     """Scale any meshes to a gripper."""
     from egad.config_check import check
-    from egad.exchange.meshes import mesh_files
+    from egad.exchange.folders import mesh_files
     from egad.stage_settings import RescaleMeshes, select
     from egad.stages import rescale as stage
 
