@@ -230,6 +230,7 @@ def compare(
     settings: SettingsText,
     datasets: Annotated[list[str], typer.Argument(help="NAME=objects.parquet")],
     out: Out,
+    figure: Annotated[Path, typer.Option(help="SVG file to write, with a map of each dataset")],
 ) -> None:
     """Put datasets side by side."""
     from egad.stage_settings import Compare
@@ -239,7 +240,7 @@ def compare(
     if wrong := [name for name, _, path in named if not path]:
         raise UserError(f"{wrong[0]!r} does not say which table; write NAME=objects.parquet")
     paths = {name: Path(path) for name, _, path in named}
-    stage.run(_parse(Compare, settings), paths, out)
+    typer.echo(stage.run(_parse(Compare, settings), paths, out, figure))
 
 
 @app.command(rich_help_panel=STAGE)
