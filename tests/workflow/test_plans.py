@@ -126,7 +126,9 @@ def test_datasets_of_others_are_compared_alone_or_beside_the_evolved_one(clean, 
     assert set(beside) == {"evolve", "merge", "archive", *alone}
     everything = clean.planned("--replace-workflow-config", configs=configs)
     assert set(everything) == AFTER_POSTPROCESS | {"postprocess"}
-    assert clean.planned(f"results/{name}/objects.parquet", configs=configs)
+    objects = f"results/{name}/objects.parquet"
+    said = clean.make("--dry-run", "--printshellcmds", objects, configs=configs)
+    assert ("--pattern '*/google_16k/nontextured.ply'" in said) == (name == "ycb")
 
 
 @pytest.mark.parametrize(
