@@ -37,13 +37,19 @@ class Dataset(Section):
         None, description="unit of the coordinates in these meshes (source: meshes)"
     )
 
+    pattern: str | None = Field(
+        None,
+        description="glob of the mesh files, relative to the folder; what its wildcards match "
+        "names the objects; nothing: `*`, all in the folder itself (source: meshes)",
+    )
+
     @model_validator(mode="after")
-    def _folder_and_units_belong_to_meshes(self) -> Self:
-        given = self.folder is not None and self.units is not None
-        if self.source == "meshes" and not given:
+    def _folder_units_and_pattern_belong_to_meshes(self) -> Self:
+        if self.source == "meshes" and (self.folder is None or self.units is None):
             raise ValueError("a dataset of meshes needs both `folder` and `units`")
-        if self.source == "evolved" and (self.folder is not None or self.units is not None):
-            raise ValueError("an evolved dataset takes neither `folder` nor `units`")
+        keys = (self.folder, self.units, self.pattern)
+        if self.source == "evolved" and any(key is not None for key in keys):
+            raise ValueError("an evolved dataset takes no `folder`, `units` or `pattern`")
         return self
 
 

@@ -58,6 +58,7 @@ def postprocess(
     archive: Annotated[Path | None, typer.Option(help="archive of evolved objects")] = None,
     folder: Annotated[Path | None, typer.Option(help="folder of meshes")] = None,
     units: Annotated[str | None, typer.Option(help="unit of these meshes: m, mm, cm, inch")] = None,
+    pattern: Annotated[str, typer.Option(help="glob of these meshes in the folder")] = "*",
 ) -> None:
     """Repair and measure the objects of a shard, from an archive or a folder of meshes."""
     from egad.stage_settings import PostprocessSolids
@@ -67,7 +68,7 @@ def postprocess(
     if archive is not None:
         sources, known = stage.from_archive(archive, parsed, shard, shards)
     elif folder is not None and units is not None:
-        sources, known = stage.from_folder(folder, units, shard, shards)
+        sources, known = stage.from_folder(folder, units, shard, shards, pattern)
     else:
         raise UserError("postprocess needs --archive, or --folder and --units")
     stage.run(parsed, sources, known, out, rejected)
@@ -172,6 +173,7 @@ def compare(
     settings: SettingsText,
     datasets: Annotated[list[str], typer.Argument(help="NAME=objects.parquet")],
     out: Out,
+    figure: Annotated[Path, typer.Option(help="SVG file to write, with a map of each dataset")],
 ) -> None:
     """Put datasets side by side."""
     from egad.stage_settings import Compare
@@ -181,7 +183,7 @@ def compare(
     if wrong := [name for name, _, path in named if not path]:
         raise UserError(f"{wrong[0]!r} does not say which table; write NAME=objects.parquet")
     paths = {name: Path(path) for name, _, path in named}
-    stage.run(parse(Compare, settings), paths, out)
+    typer.echo(stage.run(parse(Compare, settings), paths, out, figure))
 
 
 @app.command(rich_help_panel=STAGE)
