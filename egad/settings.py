@@ -160,7 +160,7 @@ class Similarity(Section):
     bases: Literal["even", "scan"] = Field(
         "even", description="`even`: farthest points; `scan`: the original's walk in vertex order"
     )
-    base_count: int = Field(75, ge=1, description="number of bases (even)")
+    base_count: int = Field(50, ge=1, description="number of bases (even)")
     base_coefficient: float = Field(
         0.005, gt=0, description="bases lie sqrt(this * area) apart (scan)"
     )
