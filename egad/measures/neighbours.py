@@ -195,10 +195,13 @@ def _nearest(table: _Table, index: int, others: Integers, count: int) -> Integer
 
 @numba.njit(cache=True)
 def _estimate(table: _Table, one: int, other: int) -> None:
-    """Keep a lower bound of a distance."""
+    """Keep a lower bound of a distance.
+
+    Only for the one: to compute it again for the other costs less than to write to its row.
+    """
     most = bound(table.trees.profiles, table.numbers[one], table.numbers[other])
-    table.distances[one, other] = table.distances[other, one] = 1 - most - SLACK
-    table.known[one, other] = table.known[other, one] = _BOUND
+    table.distances[one, other] = 1 - most - SLACK
+    table.known[one, other] = _BOUND
 
 
 @numba.njit(cache=True)
@@ -208,8 +211,7 @@ def _measure(table: _Table, one: int, other: int, limit: float, memory: Space) -
     similarity, exact = compare(table.trees, *numbers, 1 - limit - SLACK, memory)
     distance = 1 - similarity if exact else 1 - similarity - SLACK
     table.distances[one, other] = table.distances[other, one] = distance
-    if exact:
-        table.known[one, other] = table.known[other, one] = _EXACT
+    table.known[one, other] = table.known[other, one] = _EXACT if exact else _BOUND
     return exact
 
 
