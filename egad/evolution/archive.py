@@ -81,9 +81,9 @@ class Archive:
         self._trim()
 
     def _trim(self) -> None:
-        counts = Counter(self._cells.values())
+        counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
         crowded = list(self._cells)
-        while crowded := [i for i in crowded if counts[self._cells[i]] > self.space.elites_per_cell]:
+        while crowded := [i for i in crowded if counts[self._cells[i]] > limit]:
             least = min(crowded, key=lambda i: (self._diversity(i), self._elites[i].id))
             counts[self._cells[least]] -= 1
             crowded.remove(least)
