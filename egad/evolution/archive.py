@@ -78,14 +78,16 @@ class Archive:
             self._elites[index] = elite
             self._cells[index] = self.cell(elite)
             self._ids[elite.id] = index
-        while crowded := self._crowded():
-            self._remove(min(crowded, key=lambda i: (self._diversity(i), self._elites[i].id)))
+        self._trim()
 
-    def _crowded(self) -> list[int]:
-        """The elites of the cells that hold too many."""
-        counts = Counter(self._cells.values())
-        limit = self.space.elites_per_cell
-        return [index for index, cell in self._cells.items() if counts[cell] > limit]
+    def _trim(self) -> None:
+        counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
+        crowded = list(self._cells)
+        while crowded := [i for i in crowded if counts[self._cells[i]] > limit]:
+            least = min(crowded, key=lambda i: (self._diversity(i), self._elites[i].id))
+            counts[self._cells[least]] -= 1
+            crowded.remove(least)
+            self._remove(least)
 
     def _remove(self, index: int) -> None:
         self._neighbourhood.remove(index)
