@@ -55,7 +55,15 @@ and compared with the evolved dataset; without a file named, the targets below a
 PAPER: Values = {
     "shards": 32,
     "schedule": {"islands": 1, "epochs": 20},
-    "evolution": {"steps_per_epoch": 100, "population": 100, "crossover_probability": 0.5},
+    "evolution": {
+        "steps_per_epoch": 100,
+        "population": 100,
+        "crossover_probability": 0.5,
+        "parents": "uniform",
+        "siblings": 1,
+        "restart": 0.0,
+        "regrade": 0,
+    },
     "neat": {"activations": ["sin", "sigmoid", "gaussian", "identity"]},
     "shape": {"resolution": 25, "threshold": 0.5},
     "space": {

@@ -21,6 +21,7 @@ def evolve(
     epoch: Annotated[int, typer.Option(help="number of the epoch")],
     island: Annotated[int, typer.Option(help="number of the island")],
     out: Out,
+    history: Annotated[Path, typer.Option(help="table of the steps to write")],
     base: Annotated[Path | None, typer.Option(help="archive of the epoch before")] = None,
     jobs: Jobs = 1,
 ) -> None:
@@ -28,7 +29,7 @@ def evolve(
     from egad.stage_settings import Evolve
     from egad.stages import evolve as stage
 
-    stage.run(parse(Evolve, settings), epoch, island, base, out, jobs)
+    stage.run(parse(Evolve, settings), epoch, island, base, out, history, jobs)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -112,7 +113,7 @@ def grasp_label(
 
 @app.command(rich_help_panel=STAGE)
 def join(
-    schema: Annotated[str, typer.Option(help="grasps, trials or rejected")],
+    schema: Annotated[str, typer.Option(help="grasps, trials, history or rejected")],
     parts: list[Path],
     out: Out,
 ) -> None:

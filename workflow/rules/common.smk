@@ -130,7 +130,7 @@ def published():
     return [
         "results/comparison.parquet",
         "results/comparison.svg",
-        *of_datasets(EVOLVED, ["archive.parquet"]),
+        *of_datasets(EVOLVED, ["archive.parquet", "history.parquet"]),
         *of_datasets(SETTINGS.datasets, ["objects.parquet", "rejected.parquet", "meshes"]),
         *of_datasets(targets.datasets, of_target),
     ]
