@@ -47,7 +47,7 @@ class Measuring(StageSettings):
     similarity: Similarity
     sampling: Sampling
     quality: Quality
-    robust: Robust
+    robust: Robust | None  # none if the metric is plain: then its settings do not matter
 
 
 class Evolve(Measuring):
@@ -156,6 +156,8 @@ def select(settings: Settings, stage: type[S], gripper: str | None = None) -> S:
     """
     names = [name for name in stage.model_fields if name != "gripper"]
     values = {name: getattr(settings, name) for name in names}
+    if issubclass(stage, Measuring) and settings.difficulty.metric == "plain":
+        values["robust"] = None
     if "gripper" in stage.model_fields:
         values["gripper"] = settings.grippers[gripper or settings.difficulty.gripper]
     return stage(**values)
