@@ -91,7 +91,7 @@ HISTORY = pa.schema(
         _column("elites", _INT, "objects in the archive of the island after the step"),
         _column("coverage", _FLOAT, "part of the places that they fill"),
         _column("filled_cells", _FLOAT, "part of the cells that hold at least one"),
-        _column("qd_score", _FLOAT, "sum of their diversities"),
+        _column("qd_score", _FLOAT, "sum of their diversities; of every tenth step"),
         _column("cells", _BINARY, "how many each cell holds, one byte each, by rows of difficulty"),
     ]
 )

@@ -1,5 +1,6 @@
 """What became of an archive, step by step."""
 
+import math
 from collections import Counter
 from typing import Any
 
@@ -10,13 +11,14 @@ from egad.evolution.archive import Archive
 EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
 
 
-def snapshot(archive: Archive, outcomes: Counter[str]) -> dict[str, Any]:
+def snapshot(archive: Archive, outcomes: Counter[str], scored: bool) -> dict[str, Any]:
     """What a step did: columns of `egad.tables.HISTORY` but for the names of the step.
 
     Args:
         archive: After the step.
         outcomes: How many offspring were evaluated, empty, known already, or rejected for which
             reason.
+        scored: Whether to compute the QD-score, which asks for all diversities.
     """
     counts = archive.counts()
     return {
@@ -27,6 +29,6 @@ def snapshot(archive: Archive, outcomes: Counter[str]) -> dict[str, Any]:
         "elites": len(archive),
         "coverage": archive.coverage,
         "filled_cells": float((counts > 0).mean()),
-        "qd_score": archive.qd_score,
+        "qd_score": archive.qd_score if scored else math.nan,
         "cells": counts.astype(np.uint8).tobytes(),
     }

@@ -18,6 +18,8 @@ from egad.stage_settings import Evolve
 from egad.workers import Mapper
 
 log = logging.getLogger(__name__)
+SCORED = 10  # the QD-score of every so many steps is computed
+LINE = "step %(step)d: %(elites)d elites, coverage %(coverage).3f, QD-score %(qd_score).1f"
 
 
 class Step(NamedTuple):
@@ -52,11 +54,10 @@ def evolve(
         elites, outcomes = _evaluated(offspring, archive, settings, epoch, mapper)
         archive.add(elites)
         total += outcomes
-        rows.append({**step._asdict(), **snapshot(archive, outcomes)})
-        log.info(
-            "step %(step)d: %(elites)d elites, coverage %(coverage).3f, QD-score %(qd_score).1f",
-            rows[-1],
-        )
+        scored = number % SCORED == SCORED - 1 or number == steps - 1
+        rows.append({**step._asdict(), **snapshot(archive, outcomes, scored)})
+        if scored:
+            log.info(LINE, rows[-1])
     return pd.DataFrame(rows, columns=tables.HISTORY.names), total
 
 
