@@ -9,7 +9,7 @@ from rich.table import Table
 
 from egad.measures.space import cell_name
 
-DASH = "\N{EN DASH}"
+DASH = "-"
 WIDE = 200  # columns of a table that goes into a file
 QUALITY = "quality/1000"
 MOST = 12  # columns of a matrix that still can be read
