@@ -162,11 +162,11 @@ class Region(Section):
 
 
 class Envelope(Region):
-    """What shapes must stay in."""
+    """What shapes must stay in, but for their part."""
 
 
 class Part(Region):
-    """What every shape must contain, as far as it lies in the envelope and not in the hole."""
+    """What every shape must contain, but for the hole. It may stick out of the envelope."""
 
 
 class Hole(Region):

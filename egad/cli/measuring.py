@@ -40,13 +40,14 @@ def measure(
     from egad.cli.show import measured
     from egad.exchange.frames import check_ending, write_frame
     from egad.exchange.meshes import object_names
+    from egad.report.axes import axis_pair
     from egad.stage_settings import MeasureMeshes, select
     from egad.stages import measure as stage
 
     check_ending(out)
     settings = select(_graded(settings_in(config), grasps), MeasureMeshes)
     table = stage.run(settings, object_names(files_in(meshes)), units, jobs)
-    measured(table)
+    measured(table, axis_pair(settings.axes))
     if out is not None:
         write_frame(table, tables.MEASURED, out)
     _complain(_reasons(table), len(table))
@@ -97,6 +98,7 @@ def locate(
     from egad.exchange.frames import check_ending, write_frame
     from egad.exchange.meshes import object_names
     from egad.files import write_text
+    from egad.report.axes import axis_pair
     from egad.report.locations import page
     from egad.stage_settings import LocateMeshes, select
     from egad.stages import locate as stage
@@ -106,10 +108,11 @@ def locate(
     settings = select(_graded(settings_in(config), grasps), LocateMeshes)
     objects = stage.reference(among, settings.shape)
     table, shown = stage.run(settings, objects, object_names(files_in(meshes)), units, jobs)
-    located(table)
+    located(table, axis_pair(settings.axes))
     for path in out:
         if path.suffix.lower() == ".html":
-            text = page(str(among), objects.objects, shown, _reasons(table), settings.space)
+            reasons = _reasons(table)
+            text = page(str(among), objects.objects, shown, reasons, settings.space, settings.axes)
             write_text(path, text)
         else:
             write_frame(table, tables.LOCATED, path)

@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from egad.report import figures, maps, summary
+from egad.report.axes import axis_pair
 from egad.report.data import DatasetReport, ReportData
 from egad.report.environment import environment
 from egad.report.parameters import entry_tables, parameter_tables
@@ -62,6 +63,7 @@ def build(report: ReportData) -> str:
         .get_template("page.html.j2")
         .render(
             settings=report.settings,
+            axes=axis_pair(report.settings.axes),
             views=views,
             comparison=report.comparison.to_dict("records"),
             published=summary.PUBLISHED.to_dict("records"),
@@ -101,7 +103,8 @@ def _trial_view(
     rows, columns = settings.select_eval.rows, settings.select_eval.columns
     grid = trial_grid(trials, rows, columns)
     chosen = trials if data.evalset is None else data.evalset
-    heat_map = figures.trial_heat_map(grid, rows, columns, set(chosen["label"]))
+    present, axes = set(chosen["label"]), axis_pair(settings.axes)
+    heat_map = figures.trial_heat_map(grid, rows, columns, present, axes)
     outcomes = summary.outcome_counts(trials)
     return TrialView(*key, grid.overall, len(grid.cells), outcomes, _figure(heat_map))
 

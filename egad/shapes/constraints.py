@@ -63,17 +63,21 @@ def rules_of(settings: Evolve, read: Reader) -> Rules:
 
     mirror = settings.symmetry.mirror
     envelope, part, hole = map(grid, (settings.envelope, settings.part, settings.hole))
-    hole = None if hole is None else with_images(hole, mirror)
-    outside = None if envelope is None else with_images(~envelope, mirror)
-    banned = [each for each in (hole, outside) if each is not None]
-    allowed = ~np.logical_or.reduce(banned) if banned else None
-    if allowed is not None and not allowed.any():
+    shape = (settings.shape.resolution,) * 3
+    void = np.zeros(shape, dtype=bool) if hole is None else with_images(hole, mirror)
+    outside = np.zeros(shape, dtype=bool) if envelope is None else with_images(~envelope, mirror)
+    kept = np.zeros(shape, dtype=bool) if part is None else with_images(part, mirror) & ~void
+    allowed = (kept | ~outside) & ~void
+    if part is not None and not kept.any():
+        raise UserError("part: no voxel of it lies outside the hole")
+    if not allowed.any():
         raise UserError("envelope and hole leave no voxel of the cube to grow in")
-    if part is not None:
-        part = with_images(part, mirror) & (True if allowed is None else allowed)
-        if not part.any():
-            raise UserError("part: no voxel of it lies in the envelope and outside the hole")
-    return Rules(allowed, part, settings.symmetry, settings.limits)
+    return Rules(
+        None if allowed.all() else allowed,
+        None if part is None else kept,
+        settings.symmetry,
+        settings.limits,
+    )
 
 
 def with_images(solid: Solid, mirror: tuple[str, ...]) -> Solid:
