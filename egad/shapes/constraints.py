@@ -103,7 +103,8 @@ def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
         body = voxels.solid(output, threshold)
     else:
         filled = voxels.fill_orthographic(rules.clip(output > threshold))
-        body = voxels.largest_body(rules.clip(ndimage.binary_opening(filled)))
+        opened = rules.clip(ndimage.binary_opening(filled))
+        body = _without_voids(voxels.largest_body(opened), rules)
     if not body.any():
         raise RejectedError("empty")
     if rules.part is not None and not body[rules.part].all():
@@ -114,7 +115,17 @@ def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
     return body
 
 
+def _without_voids(body: Solid, rules: Rules) -> Solid:
+    """A body with its voids filled; one that must stay empty would be filled by repair later."""
+    full: Solid = ndimage.binary_fill_holes(body)
+    if rules.allowed is not None and (full & ~rules.allowed).any():
+        raise RejectedError("closed around what must stay empty")
+    return full
+
+
 def _check_limits(body: Solid, limits: Limits) -> None:
+    if limits == UNBOUND.limits:
+        return
     sides = box_sides(body)
     volume = int(body.sum())
     values = {

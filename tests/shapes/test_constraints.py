@@ -95,6 +95,15 @@ def test_the_part_may_stick_out_of_the_envelope_but_the_hole_goes_through_it():
     assert not (full & ~bound.allowed).any()
 
 
+def test_a_hole_must_not_be_closed_in():
+    full = np.ones((R, R, R), dtype=np.float32)
+    hole = {"kind": "ellipsoid", "size": (0.4, 0.4, 0.4)}
+    with pytest.raises(RejectedError, match="closed around"):
+        solid(full, rules(hole=Hole(**hole)))
+    at_the_side = solid(full, rules(hole=Hole(**hole, centre=(0.4, 0, 0))))
+    assert at_the_side.any()
+
+
 def test_mirrors_hold_for_regions_too():
     bound = rules(
         part=Part(kind="box", size=(0.25, 0.25, 0.25), centre=(0.3, 0, 0)),
