@@ -16,7 +16,8 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import spearmanr
 
-from egad.exchange.meshes import mesh_files, read_mesh
+from egad.exchange.folders import mesh_files
+from egad.exchange.meshes import read_mesh
 from egad.files import write_text
 from egad.grasps.quality import ferrari_canny
 from egad.measures import reeb

@@ -35,10 +35,35 @@ TEST_TEXT = """
 Everything in under a minute, to see that it works: the objects are few and coarsely measured.
 `snakemake --cores 2 --configfile config/test.yaml` lays this over config/config.yaml.
 """
+YCB_TEXT = """
+The YCB object set: 78 objects with a laser scan, in metres. Get the meshes "google_16k" from the
+YCB benchmarks site and unpack them all into data/ycb, so that there is
+data/ycb/002_master_chef_can/google_16k/nontextured.ply and so on. Then
+  snakemake --cores 2 --configfile config/datasets/ycb.yaml --replace-workflow-config \\
+    results/comparison.parquet
+measures this dataset alone. Without `--replace-workflow-config` it is laid over config/config.yaml
+and compared with the evolved dataset; without a file named, the targets below are made.
+"""
+EGAD_TEXT = """
+The published EGAD training set, in millimetres. Unpack it so that all its mesh files lie in the
+folder data/egad. Then
+  snakemake --cores 2 --configfile config/datasets/egad.yaml --replace-workflow-config \\
+    results/comparison.parquet
+measures this dataset alone. Without `--replace-workflow-config` it is laid over config/config.yaml
+and compared with the evolved dataset; without a file named, the targets below are made.
+"""
 PAPER: Values = {
     "shards": 32,
     "schedule": {"islands": 1, "epochs": 20},
-    "evolution": {"steps_per_epoch": 100, "population": 100, "crossover_probability": 0.5},
+    "evolution": {
+        "steps_per_epoch": 100,
+        "population": 100,
+        "crossover_probability": 0.5,
+        "parents": "uniform",
+        "siblings": 1,
+        "restart": 0.0,
+        "regrade": 0,
+    },
     "neat": {"activations": ["sin", "sigmoid", "gaussian", "identity"]},
     "shape": {"resolution": 25, "threshold": 0.5},
     "space": {
@@ -63,15 +88,35 @@ TEST: Values = {
     "select_eval": {"rows": 3, "columns": 3},
     "trials": {"attempts": 2, "image_size": 96},
 }
+YCB: Values = {
+    "datasets": {
+        "ycb": {
+            "source": "meshes",
+            "folder": "data/ycb",
+            "units": "m",
+            "pattern": "*/google_16k/nontextured.ply",
+        }
+    },
+    "targets": {"datasets": ["ycb"]},
+}
+EGAD: Values = {
+    "datasets": {"egad_train": {"source": "meshes", "folder": "data/egad", "units": "mm"}},
+    "targets": {"datasets": ["egad_train"]},
+}
 
 
 def files() -> dict[Path, str]:
     """The generated files, by their path in the repository."""
+    documents = {
+        "config/config.yaml": (DEFAULT_TEXT, defaults()),
+        "config/paper.yaml": (PAPER_TEXT, PAPER),
+        "config/test.yaml": (TEST_TEXT, TEST),
+        "config/datasets/ycb.yaml": (YCB_TEXT, YCB),
+        "config/datasets/egad.yaml": (EGAD_TEXT, EGAD),
+    }
     return {
-        Path("config/config.yaml"): document(DEFAULT_TEXT, defaults()),
-        Path("config/paper.yaml"): document(PAPER_TEXT, PAPER),
-        Path("config/test.yaml"): document(TEST_TEXT, TEST),
         SCHEMA: json.dumps(schema(), indent=2) + "\n",
+        **{Path(path): document(Path(path), *parts) for path, parts in documents.items()},
     }
 
 
@@ -81,15 +126,16 @@ def defaults() -> Values:
     return values
 
 
-def document(text: str, values: Values) -> str:
+def document(path: Path, text: str, values: Values) -> str:
     """A commented YAML file.
 
     Args:
+        path: Where it will be in the repository.
         text: What the file is, for its head.
         values: Settings, all or some; they come in the order of the models.
     """
     head = [
-        f"# yaml-language-server: $schema=../{SCHEMA.as_posix()}",
+        f"# yaml-language-server: $schema={'../' * len(path.parent.parts)}{SCHEMA.as_posix()}",
         *(f"# {line}" for line in text.strip().splitlines()),
     ]
     return "\n".join([*head, *_section((), values)]) + "\n"

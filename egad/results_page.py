@@ -27,7 +27,9 @@ class Artefact:
 ARTEFACTS = [
     Artefact("report.html", "Everything at a glance, in one file that opens offline."),
     Artefact("comparison.parquet", "The datasets side by side.", tables.COMPARISON),
+    Artefact("comparison.svg", "A small map of each dataset: objects a cell, all on one scale."),
     Artefact("D/archive.parquet", "The elites of evolution, one a row.", tables.ARCHIVE),
+    Artefact("D/history.parquet", "How the archive filled, a row a step.", tables.HISTORY),
     Artefact("D/objects.parquet", "The repaired and measured objects.", tables.OBJECTS),
     Artefact("D/rejected.parquet", "What was left out, and why.", tables.REJECTED),
     Artefact("D/meshes/LABEL.obj", "The meshes of these objects, in metres."),

@@ -47,13 +47,19 @@ class Dataset(Section):
         None, description="unit of the coordinates in these meshes (source: meshes)"
     )
 
+    pattern: str | None = Field(
+        None,
+        description="glob of the mesh files, relative to the folder; what its wildcards match "
+        "names the objects; nothing: `*`, all in the folder itself (source: meshes)",
+    )
+
     @model_validator(mode="after")
-    def _folder_and_units_belong_to_meshes(self) -> Self:
-        given = self.folder is not None and self.units is not None
-        if self.source == "meshes" and not given:
+    def _folder_units_and_pattern_belong_to_meshes(self) -> Self:
+        if self.source == "meshes" and (self.folder is None or self.units is None):
             raise ValueError("a dataset of meshes needs both `folder` and `units`")
-        if self.source == "evolved" and (self.folder is not None or self.units is not None):
-            raise ValueError("an evolved dataset takes neither `folder` nor `units`")
+        keys = (self.folder, self.units, self.pattern)
+        if self.source == "evolved" and any(key is not None for key in keys):
+            raise ValueError("an evolved dataset takes no `folder`, `units` or `pattern`")
         return self
 
 
@@ -88,6 +94,19 @@ class Evolution(Section):
     population: int = Field(100, ge=1, description="children an island evaluates in one step")
     crossover_probability: Fraction = Field(
         0.5, description="chance that a child has two parents; else it is a mutated copy of one"
+    )
+    parents: Literal["uniform", "sparse"] = Field(
+        "sparse",
+        description="how parents are drawn: all alike, or the more often the more places are empty "
+        "in their cell and the eight around it",
+    )
+    siblings: int = Field(1, ge=1, description="children of the same parents, one after another")
+    restart: Fraction = Field(0.0, description="chance that a child is a random genome instead")
+    regrade: int = Field(
+        0,
+        ge=0,
+        description="grasps that a newcomer to a full cell is graded again by, against lucky "
+        "elites; 0: not",
     )
 
 
@@ -254,7 +273,7 @@ class Similarity(Section):
     bases: Literal["even", "scan"] = Field(
         "even", description="`even`: farthest points; `scan`: the original's walk in vertex order"
     )
-    base_count: int = Field(75, ge=1, description="number of bases (even)")
+    base_count: int = Field(50, ge=1, description="number of bases (even)")
     base_coefficient: float = Field(
         0.005, gt=0, description="bases lie sqrt(this * area) apart (scan)"
     )

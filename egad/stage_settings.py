@@ -54,7 +54,7 @@ class Measuring(StageSettings):
     similarity: Similarity
     sampling: Sampling
     quality: Quality
-    robust: Robust
+    robust: Robust | None  # none if the metric is plain: then its settings do not matter
 
 
 class Evolve(Measuring):
@@ -153,6 +153,7 @@ class Compare(StageSettings):
     """Datasets side by side."""
 
     space: Space
+    axes: Axes
 
 
 S = TypeVar("S", bound=StageSettings)
@@ -168,6 +169,8 @@ def select(settings: Settings, stage: type[S], gripper: str | None = None) -> S:
     """
     names = [name for name in stage.model_fields if name != "gripper"]
     values = {name: getattr(settings, name) for name in names}
+    if issubclass(stage, Measuring) and settings.difficulty.metric == "plain":
+        values["robust"] = None
     if "gripper" in stage.model_fields:
         values["gripper"] = settings.grippers[gripper or settings.difficulty.gripper]
     return stage(**values)

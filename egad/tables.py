@@ -79,6 +79,23 @@ ARCHIVE = pa.schema(
 
 EPOCH = pa.schema([*ARCHIVE, _column("graph", _BINARY, "packed Reeb graph of the object")])
 
+HISTORY = pa.schema(
+    [
+        _column("epoch", _INT, "number of the epoch"),
+        _column("island", _INT, "number of the island"),
+        _column("step", _INT, "number of the step in its epoch"),
+        _column("offspring", _INT, "offspring of this step"),
+        _column("evaluated", _INT, "of these, measured and offered to the archive"),
+        _column("empty", _INT, "of these, without any solid voxel"),
+        _column("known", _INT, "of these, with the voxels of another"),
+        _column("elites", _INT, "objects in the archive of the island after the step"),
+        _column("coverage", _FLOAT, "part of the places that they fill"),
+        _column("filled_cells", _FLOAT, "part of the cells that hold at least one"),
+        _column("qd_score", _FLOAT, "sum of their diversities; of every tenth step"),
+        _column("cells", _BINARY, "how many each cell holds, one byte each, by rows of difficulty"),
+    ]
+)
+
 SOLIDS = pa.schema(
     [
         _ID,

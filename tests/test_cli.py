@@ -1,6 +1,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -113,6 +114,12 @@ def test_check_config_says_what_is_wrong(tmp_path, content):
     if "shard" in content:
         assert "seed" in result.stderr
         assert "shards" in result.stderr
+
+
+def test_check_config_accepts_the_files_that_come_along():
+    files = sorted((Path(__file__).parents[1] / "config").rglob("*.yaml"))
+    result = egad("check-config", *files)
+    assert result.stdout.splitlines() == [f"{file}: fine" for file in files]
 
 
 def test_settings_of_another_stage_are_refused(tmp_path):

@@ -11,7 +11,8 @@ from egad.config_schema import allowed, node_at, schema
 from egad.settings import Settings
 
 ROOT = Path(__file__).parents[1]
-FILES = ["config.yaml", "paper.yaml", "test.yaml"]
+DATASETS = ["datasets/ycb.yaml", "datasets/egad.yaml"]
+FILES = ["config.yaml", "paper.yaml", "test.yaml", *DATASETS]
 
 
 def load(name):
@@ -63,10 +64,29 @@ def test_the_schema_refuses_what_the_settings_refuse():
             jsonschema.validate(wrong, schema())
 
 
-def test_the_head_of_a_file_names_the_schema_beside_it():
-    first = (ROOT / "config/test.yaml").read_text().splitlines()[0]
-    target = first.removeprefix("# yaml-language-server: $schema=")
-    assert (ROOT / "config" / target).resolve() == (ROOT / config_files.SCHEMA).resolve()
+@pytest.mark.parametrize("name", FILES)
+def test_the_head_of_a_file_names_the_schema_beside_it(name):
+    path = ROOT / "config" / name
+    target = path.read_text().splitlines()[0].removeprefix("# yaml-language-server: $schema=")
+    assert (path.parent / target).resolve() == (ROOT / config_files.SCHEMA).resolve()
+
+
+@pytest.mark.parametrize("name", DATASETS)
+def test_a_dataset_of_others_stands_alone_or_beside_the_evolved_one(name):
+    alone, beside = check(load(name)), check(merged(load("config.yaml"), load(name)))
+    assert [dataset.source for dataset in alone.datasets.values()] == ["meshes"]
+    assert [dataset.source for dataset in beside.datasets.values()] == ["evolved", "meshes"]
+    assert alone.targets.datasets == beside.targets.datasets == list(alone.datasets)
+
+
+def merged(below, above):
+    """As Snakemake lays one file over another."""
+    both = below.keys() & above.keys()
+    inner = {
+        key: merged(below[key], above[key]) if isinstance(above[key], dict) else above[key]
+        for key in both
+    }
+    return below | above | inner
 
 
 def test_paper_is_table_two():

@@ -42,6 +42,7 @@ def test_settings_cannot_be_changed():
         {"difficulty": {"gripper": "other"}},
         {"datasets": {"egad": {"source": "evolved"}, "b": {"source": "evolved"}}},
         {"datasets": {"egad": {"source": "evolved", "units": "m"}}},
+        {"datasets": {"egad": {"source": "evolved", "pattern": "*"}}},
         {"datasets": {"egad": {"source": "meshes", "folder": "x"}}},
         {"space": {"difficulty_range": [0.004, 0.0005]}},
         {"space": {"complexity_range": [1, 1]}},

@@ -61,6 +61,6 @@ def settings_in(config: Path | None) -> Settings:
 
 def files_in(paths: list[Path]) -> list[Path]:
     """The files that are named, and those in the folders that are named."""
-    from egad.exchange.meshes import mesh_files
+    from egad.exchange.folders import mesh_files
 
     return [file for path in paths for file in (mesh_files(path) if path.is_dir() else [path])]

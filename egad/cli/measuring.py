@@ -38,8 +38,8 @@ def measure(
     """Measure complexity and difficulty of any meshes, and name their cells."""
     from egad import tables
     from egad.cli.show import measured
+    from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_frame
-    from egad.exchange.meshes import object_names
     from egad.report.axes import axis_pair
     from egad.stage_settings import MeasureMeshes, select
     from egad.stages import measure as stage
@@ -65,8 +65,8 @@ def similarity(
     """Compare any meshes with each other: 1 for the same shape, 0 for nothing in common."""
     from egad.cli.show import square
     from egad.config_check import check
+    from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_matrix
-    from egad.exchange.meshes import object_names
     from egad.stages import similarity as stage
 
     check_ending(out)
@@ -95,8 +95,8 @@ def locate(
     """Show where any meshes lie in the space of a dataset, and the objects most like them."""
     from egad import tables
     from egad.cli.show import located
+    from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_frame
-    from egad.exchange.meshes import object_names
     from egad.files import write_text
     from egad.report.axes import axis_pair
     from egad.report.locations import page

@@ -21,6 +21,7 @@ def evolve(
     epoch: Annotated[int, typer.Option(help="number of the epoch")],
     island: Annotated[int, typer.Option(help="number of the island")],
     out: Out,
+    history: Annotated[Path, typer.Option(help="table of the steps to write")],
     base: Annotated[Path | None, typer.Option(help="archive of the epoch before")] = None,
     jobs: Jobs = 1,
 ) -> None:
@@ -28,7 +29,7 @@ def evolve(
     from egad.stage_settings import Evolve
     from egad.stages import evolve as stage
 
-    stage.run(parse(Evolve, settings), epoch, island, base, out, jobs)
+    stage.run(parse(Evolve, settings), epoch, island, base, out, history, jobs)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -58,6 +59,7 @@ def postprocess(
     archive: Annotated[Path | None, typer.Option(help="archive of evolved objects")] = None,
     folder: Annotated[Path | None, typer.Option(help="folder of meshes")] = None,
     units: Annotated[str | None, typer.Option(help="unit of these meshes: m, mm, cm, inch")] = None,
+    pattern: Annotated[str, typer.Option(help="glob of these meshes in the folder")] = "*",
 ) -> None:
     """Repair and measure the objects of a shard, from an archive or a folder of meshes."""
     from egad.stage_settings import PostprocessSolids
@@ -67,7 +69,7 @@ def postprocess(
     if archive is not None:
         sources, known = stage.from_archive(archive, parsed, shard, shards)
     elif folder is not None and units is not None:
-        sources, known = stage.from_folder(folder, units, shard, shards)
+        sources, known = stage.from_folder(folder, units, shard, shards, pattern)
     else:
         raise UserError("postprocess needs --archive, or --folder and --units")
     stage.run(parsed, sources, known, out, rejected)
@@ -111,7 +113,7 @@ def grasp_label(
 
 @app.command(rich_help_panel=STAGE)
 def join(
-    schema: Annotated[str, typer.Option(help="grasps, trials or rejected")],
+    schema: Annotated[str, typer.Option(help="grasps, trials, history or rejected")],
     parts: list[Path],
     out: Out,
 ) -> None:
@@ -172,6 +174,7 @@ def compare(
     settings: SettingsText,
     datasets: Annotated[list[str], typer.Argument(help="NAME=objects.parquet")],
     out: Out,
+    figure: Annotated[Path, typer.Option(help="SVG file to write, with a map of each dataset")],
 ) -> None:
     """Put datasets side by side."""
     from egad.stage_settings import Compare
@@ -181,7 +184,7 @@ def compare(
     if wrong := [name for name, _, path in named if not path]:
         raise UserError(f"{wrong[0]!r} does not say which table; write NAME=objects.parquet")
     paths = {name: Path(path) for name, _, path in named}
-    stage.run(parse(Compare, settings), paths, out)
+    typer.echo(stage.run(parse(Compare, settings), paths, out, figure))
 
 
 @app.command(rich_help_panel=STAGE)

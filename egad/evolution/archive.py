@@ -7,7 +7,9 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from egad import tables
 from egad.measures import reeb
@@ -31,6 +33,11 @@ class Elite:
     graph: reeb.ReebGraph
     parents: tuple[str, ...]
     epoch: int
+
+
+def cell_of(complexity: float, difficulty: float, space: Space) -> Cell:
+    """The cell of an object: (complexity, difficulty)."""
+    return int(complexity_cells(complexity, space)), int(difficulty_cells(difficulty, space))
 
 
 class Archive:
@@ -59,12 +66,26 @@ class Archive:
         """The part of all places that hold an elite (EGAD, Table III)."""
         return len(self) / (self.space.cells**2 * self.space.elites_per_cell)
 
+    @property
+    def qd_score(self) -> float:
+        """The sum of the diversities of all elites (as pyribs; the objective is diversity)."""
+        return sum(self._diversity(index) for index in self._elites)
+
+    def counts(self) -> NDArray[np.int64]:
+        """How many elites each cell holds: (cells, cells), by difficulty, then complexity."""
+        counts = np.zeros((self.space.cells, self.space.cells), np.int64)
+        for complexity_cell, difficulty_cell in self._cells.values():
+            counts[difficulty_cell, complexity_cell] += 1
+        return counts
+
+    def is_full(self, complexity: float, difficulty: float) -> bool:
+        """Whether the cell of an object holds all the elites that it may."""
+        cell = cell_of(complexity, difficulty, self.space)
+        return list(self._cells.values()).count(cell) >= self.space.elites_per_cell
+
     def cell(self, elite: Elite) -> Cell:
         """The cell that an object belongs to: (complexity, difficulty)."""
-        return (
-            int(complexity_cells(elite.complexity, self.space)),
-            int(difficulty_cells(elite.difficulty, self.space)),
-        )
+        return cell_of(elite.complexity, elite.difficulty, self.space)
 
     def add(self, newcomers: Iterable[Elite]) -> None:
         """Insert objects, then remove the least diverse ones until every cell fits.
@@ -78,14 +99,16 @@ class Archive:
             self._elites[index] = elite
             self._cells[index] = self.cell(elite)
             self._ids[elite.id] = index
-        while crowded := self._crowded():
-            self._remove(min(crowded, key=lambda i: (self._diversity(i), self._elites[i].id)))
+        self._trim()
 
-    def _crowded(self) -> list[int]:
-        """The elites of the cells that hold too many."""
-        counts = Counter(self._cells.values())
-        limit = self.space.elites_per_cell
-        return [index for index, cell in self._cells.items() if counts[cell] > limit]
+    def _trim(self) -> None:
+        counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
+        crowded = list(self._cells)
+        while crowded := [i for i in crowded if counts[self._cells[i]] > limit]:
+            least = min(crowded, key=lambda i: (self._diversity(i), self._elites[i].id))
+            counts[self._cells[least]] -= 1
+            crowded.remove(least)
+            self._remove(least)
 
     def _remove(self, index: int) -> None:
         self._neighbourhood.remove(index)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from egad.errors import RejectedError
 from egad.measures import reeb
 from egad.measures.coordinates import coordinates
+from egad.measures.difficulty import difficulty
 from egad.seeds import generator
 from egad.shapes import constraints, cppn, voxels
 from egad.shapes.genome import Row
@@ -54,3 +55,14 @@ def measure(solid: Solid, settings: Evolve) -> Measured | str:
         return Measured(place.complexity, place.difficulty, graph)
     except RejectedError as error:
         return str(error)
+
+
+def regrade(solid: Solid, settings: Evolve) -> float | str:
+    """The difficulty of a solid by more and other grasps, or the reason why it has none."""
+    mesh = packed_surface(solid.packed, settings.shape)
+    rng = generator(settings.seed, "newcomer", solid.id)
+    try:
+        quality, _ = difficulty(mesh, settings, settings.evolution.regrade, rng)
+    except RejectedError as error:
+        return str(error)
+    return quality

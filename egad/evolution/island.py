@@ -2,10 +2,16 @@
 
 import logging
 from collections import Counter
+from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
+import pandas as pd
+
+from egad import tables
 from egad.evolution.archive import Archive, Elite
-from egad.evolution.evaluation import Measured, Solid, express, measure
+from egad.evolution.evaluation import Measured, Solid, express, measure, regrade
+from egad.evolution.history import EVALUATED, KNOWN, snapshot
 from egad.evolution.reproduction import Offspring, breed
 from egad.progress import progress
 from egad.shapes.constraints import UNBOUND, Rules
@@ -13,6 +19,16 @@ from egad.stage_settings import Evolve
 from egad.workers import Mapper
 
 log = logging.getLogger(__name__)
+SCORED = 10  # the QD-score of every so many steps is computed
+LINE = "step %(step)d: %(elites)d elites, coverage %(coverage).3f, QD-score %(qd_score).1f"
+
+
+class Step(NamedTuple):
+    """Names one step."""
+
+    epoch: int
+    island: int
+    step: int
 
 
 def evolve(
@@ -22,7 +38,7 @@ def evolve(
     island: int,
     rules: Rules = UNBOUND,
     mapper: Mapper = map,
-) -> Counter[str]:
+) -> tuple[pd.DataFrame, Counter[str]]:
     """Run the steps of one epoch of one island on its archive.
 
     Args:
@@ -34,15 +50,22 @@ def evolve(
         mapper: An order-keeping `map`; where it runs does not change the result.
 
     Returns:
-        How many offspring were evaluated, empty, known already, or rejected for which reason.
+        The steps, with the columns of `egad.tables.HISTORY`; and how many offspring were
+        evaluated, empty, known already, or rejected for which reason.
     """
-    counts: Counter[str] = Counter()
+    rows, total = [], Counter[str]()
     steps = settings.evolution.steps_per_epoch
-    for step in progress(range(steps), f"epoch {epoch}, island {island}", steps):
-        offspring = breed(archive.elites, settings, epoch, island, step)
-        archive.add(_evaluated(offspring, archive, settings, epoch, rules, mapper, counts))
-        log.info("step %d: %d elites, coverage %.3f", step, len(archive), archive.coverage)
-    return counts
+    for number in progress(range(steps), f"epoch {epoch}, island {island}", steps):
+        step = Step(epoch, island, number)
+        offspring = breed(archive.elites, settings, *step)
+        elites, outcomes = _evaluated(offspring, archive, settings, epoch, rules, mapper)
+        archive.add(elites)
+        total += outcomes
+        scored = number % SCORED == SCORED - 1 or number == steps - 1
+        rows.append({**step._asdict(), **snapshot(archive, outcomes, scored)})
+        if scored:
+            log.info(LINE, rows[-1])
+    return pd.DataFrame(rows, columns=tables.HISTORY.names), total
 
 
 def _evaluated(
@@ -52,28 +75,62 @@ def _evaluated(
     epoch: int,
     rules: Rules,
     mapper: Mapper,
-    counts: Counter[str],
-) -> list[Elite]:
-    """The offspring that are new and can be measured."""
+) -> tuple[list[Elite], Counter[str]]:
+    """The offspring that are new and can be measured, and what became of all."""
+    fresh, outcomes = _fresh(offspring, archive, settings, rules, mapper)
+    solids = [solid for _, solid in fresh]
+    results = list(mapper(partial(measure, settings=settings), solids))
+    if settings.evolution.regrade and not settings.axes.difficulty:
+        results = _regraded(solids, results, archive, settings, mapper)
+    elites = []
+    for (each, solid), result in zip(fresh, results, strict=True):
+        if isinstance(result, Measured):
+            outcomes[EVALUATED] += 1
+            elites.append(_elite(each, solid, result, epoch))
+        else:
+            outcomes[_kind(result)] += 1
+    return elites, outcomes
+
+
+def _fresh(
+    offspring: list[Offspring], archive: Archive, settings: Evolve, rules: Rules, mapper: Mapper
+) -> tuple[list[tuple[Offspring, Solid]], Counter[str]]:
+    """The offspring whose voxels are not known yet, and how many others there are."""
+    outcomes: Counter[str] = Counter()
     work = partial(express, settings=settings, rules=rules)
     solids = mapper(work, [each.genome for each in offspring])
     fresh: dict[str, tuple[Offspring, Solid]] = {}
     for each, solid in zip(offspring, solids, strict=True):
         if isinstance(solid, str):
-            counts[_kind(solid)] += 1
+            outcomes[_kind(solid)] += 1
         elif solid.id in archive or solid.id in fresh:
-            counts["known already"] += 1
+            outcomes[KNOWN] += 1
         else:
             fresh[solid.id] = each, solid
-    results = mapper(partial(measure, settings=settings), [solid for _, solid in fresh.values()])
-    elites = []
-    for (each, solid), result in zip(fresh.values(), results, strict=True):
-        if isinstance(result, Measured):
-            counts["evaluated"] += 1
-            elites.append(_elite(each, solid, result, epoch))
+    return list(fresh.values()), outcomes
+
+
+def _regraded(
+    solids: list[Solid],
+    results: list[Measured | str],
+    archive: Archive,
+    settings: Evolve,
+    mapper: Mapper,
+) -> list[Measured | str]:
+    """The results, those graded again that would have to replace an elite (ours)."""
+    places = [
+        index
+        for index, result in enumerate(results)
+        if isinstance(result, Measured) and archive.is_full(result.complexity, result.difficulty)
+    ]
+    grades = mapper(partial(regrade, settings=settings), [solids[index] for index in places])
+    for index, grade in zip(places, grades, strict=True):
+        first = results[index]
+        if isinstance(first, Measured) and isinstance(grade, float):
+            results[index] = replace(first, difficulty=grade)
         else:
-            counts[_kind(result)] += 1
-    return elites
+            results[index] = grade
+    return results
 
 
 def _kind(reason: str) -> str:

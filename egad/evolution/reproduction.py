@@ -3,10 +3,18 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import convolve
+
 from egad.evolution.archive import Elite
+from egad.measures.space import complexity_cells, difficulty_cells
 from egad.seeds import entropy, generator
+from egad.settings import Space
 from egad.shapes.genome import Row, child, neat_config, random_genome
 from egad.stage_settings import Evolve
+
+LEAST = 0.25  # weight of a parent that has no empty place around it: it may still be drawn
 
 
 @dataclass(frozen=True)
@@ -20,8 +28,9 @@ class Offspring:
 def breed(elites: Sequence[Elite], settings: Evolve, *index: int) -> list[Offspring]:
     """The offspring of one step.
 
-    Parents are drawn uniformly from the whole archive; a second one with the crossover
-    probability. Without any elites the offspring are random genomes (EGAD, section III-D).
+    Parents are drawn from the whole archive, a second one with the crossover probability. Without
+    any elites the offspring are random genomes (EGAD, section III-D). Drawing them by empty places,
+    litters of siblings and restarts are ours.
 
     Args:
         elites: The archive, in a fixed order.
@@ -30,14 +39,10 @@ def breed(elites: Sequence[Elite], settings: Evolve, *index: int) -> list[Offspr
     """
     config = neat_config(settings.neat)
     rng = generator(settings.seed, "parents", *index)
+    drawn = _parents(elites, settings, rng)
     litter = []
-    for number in range(settings.evolution.population):
+    for number, parents in enumerate(drawn):
         seed = entropy(settings.seed, "child", *index, number)
-        parents: list[Elite] = []
-        if elites:
-            parents.append(elites[int(rng.integers(len(elites)))])
-            if rng.random() < settings.evolution.crossover_probability:
-                parents.append(elites[int(rng.integers(len(elites)))])
         genome = (
             child(config, [parent.genome for parent in parents], seed)
             if parents
@@ -45,3 +50,41 @@ def breed(elites: Sequence[Elite], settings: Evolve, *index: int) -> list[Offspr
         )
         litter.append(Offspring(genome, tuple(parent.id for parent in parents)))
     return litter
+
+
+def _parents(
+    elites: Sequence[Elite], settings: Evolve, rng: np.random.Generator
+) -> list[list[Elite]]:
+    """The parents of each child; none for a random genome."""
+    evolution = settings.evolution
+    if not elites:
+        return [[]] * evolution.population
+    odds = parent_odds(elites, settings.space) if evolution.parents == "sparse" else None
+    drawn: list[list[Elite]] = []
+    while len(drawn) < evolution.population:
+        parents = [elites[_draw(rng, len(elites), odds)]]
+        if rng.random() < evolution.crossover_probability:
+            parents.append(elites[_draw(rng, len(elites), odds)])
+        if evolution.restart and rng.random() < evolution.restart:
+            parents = []
+        drawn += [parents] * evolution.siblings
+    return drawn[: evolution.population]
+
+
+def _draw(rng: np.random.Generator, count: int, odds: NDArray[np.float64] | None) -> int:
+    return int(rng.integers(count) if odds is None else rng.choice(count, p=odds))
+
+
+def parent_odds(elites: Sequence[Elite], space: Space) -> NDArray[np.float64]:
+    """The chance of each of n elites to be a parent, (n,), by the empty places around it (ours).
+
+    The weight of an elite is the number of places that are empty in its cell and the eight around
+    it, and a little more.
+    """
+    columns = complexity_cells([elite.complexity for elite in elites], space)
+    rows = difficulty_cells([elite.difficulty for elite in elites], space)
+    counts = np.zeros((space.cells, space.cells))
+    np.add.at(counts, (rows, columns), 1)
+    empty = convolve(space.elites_per_cell - counts, np.ones((3, 3)), mode="constant")
+    weights = empty[rows, columns] + LEAST
+    return np.asarray(weights / weights.sum())

@@ -1,7 +1,5 @@
 """Mesh files of other programs: read with units and checked; written the same way every time."""
 
-import re
-from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -12,50 +10,14 @@ from egad.errors import RejectedError, UserError
 from egad.files import replacing
 from egad.shapes.repair import check_surface
 
-ENDINGS = (".3mf", ".glb", ".obj", ".off", ".ply", ".stl")
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
-
-
-def mesh_files(folder: Path) -> list[Path]:
-    """The mesh files of a folder, sorted by name.
-
-    Raises:
-        UserError: There is no such folder, or it holds no mesh file.
-    """
-    if not folder.is_dir():
-        raise UserError(f"{folder}: there is no such folder of meshes")
-    files = sorted(
-        path
-        for path in folder.iterdir()
-        if path.suffix.lower() in ENDINGS and not path.name.startswith(".")
-    )
-    if not files:
-        raise UserError(f"{folder}: no mesh files in it; allowed endings: {' '.join(ENDINGS)}")
-    return files
-
-
-def object_names(files: Iterable[Path]) -> dict[str, Path]:
-    """A name for each file that is safe in paths, and unique.
-
-    Other characters than letters, digits, `-`, `_` and `.` become `_`; files of the same name get
-    `-2`, `-3` and so on.
-    """
-    names: dict[str, Path] = {}
-    for path in files:
-        stem = re.sub(r"[^A-Za-z0-9._-]", "_", path.stem).lstrip(".-") or "object"
-        name, number = stem, 1
-        while name in names:
-            number += 1
-            name = f"{stem}-{number}"
-        names[name] = path
-    return names
 
 
 def read_mesh(path: Path, units: str) -> trimesh.Trimesh:
     """Read a mesh file as one mesh in metres, vertices at the same place merged.
 
     Args:
-        path: A file with one of `ENDINGS`.
+        path: A file with one of `egad.exchange.folders.ENDINGS`.
         units: Unit of its coordinates: m, cm, mm or inch.
 
     Raises:

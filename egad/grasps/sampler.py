@@ -104,12 +104,13 @@ def sample(
     """
     caster = RayCaster(mesh)
     grasps, tally = _NONE, Tally()
+    triangles, areas = np.asarray(mesh.triangles), np.cumsum(mesh.area_faces)
     for _ in range(sampling.rounds):
         draws = max(sampling.candidates, 2 * count)
-        starts, faces = trimesh.sample.sample_surface(mesh, draws, seed=rng)
+        starts, faces = _points(triangles, areas, draws, rng)
         normals = caster.normals[faces]
         axes = _axes_in_cone(normals, sampling.cone, rng)
-        fresh, fate = _close(caster, np.asarray(starts), normals, axes, opening, sampling)
+        fresh, fate = _close(caster, starts, normals, axes, opening, sampling)
         spread = _keep_apart(grasps, fresh, sampling.spacing)
         grasps = join([grasps, fresh.take(spread)])
         tally += fate + Tally(too_close=len(fresh) - len(spread))
@@ -135,6 +136,18 @@ def approach_directions(axes: Floats) -> Floats:
     flat = np.stack([axes[:, 1], -axes[:, 0], np.zeros(len(axes))], axis=1)
     length = np.linalg.norm(flat, axis=1, keepdims=True)
     return np.where(length > 1e-9, flat / np.maximum(length, 1e-9), [1.0, 0.0, 0.0])
+
+
+def _points(
+    triangles: Floats, areas: Floats, count: int, rng: np.random.Generator
+) -> tuple[Floats, Indices]:
+    """Points uniform over (n, 3, 3) triangles with these running sums of areas, and their faces."""
+    faces = np.searchsorted(areas, rng.random(count) * areas[-1])
+    corners = triangles[faces]
+    sides = corners[:, 1:] - corners[:, :1]
+    along = rng.random((count, 2, 1))
+    along[along.sum(axis=1)[:, 0] > 1.0] -= 1.0  # back from the other half of a parallelogram
+    return corners[:, 0] + (np.abs(along) * sides).sum(axis=1), faces
 
 
 def _axes_in_cone(normals: Floats, cone: float, rng: np.random.Generator) -> Floats:

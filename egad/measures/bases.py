@@ -37,23 +37,20 @@ def even_integral(
     """
     share = _shares(faces, areas, len(vertices))
     base = _farthest_from_centre(vertices, share)
-    nearest, known = np.full(len(vertices), np.inf), np.full(len(vertices), np.inf)
+    distances = np.full((min(count, len(vertices)), len(vertices)), np.inf)
+    nearest = np.full(len(vertices), np.inf)
     owner = np.zeros(len(vertices), np.int64)
-    bases = [base]
-    while True:
-        spread(graph, base, nearest)
-        base = _claim(nearest, known, owner, len(bases) - 1)
-        if len(bases) == count or nearest[base] == 0:
-            break
-        bases.append(base)
-    weights = np.zeros(len(bases))
+    used = 0
+    while used < len(distances) and nearest[base] > 0:
+        spread(graph, base, distances[used])
+        base = _claim(distances[used], nearest, owner, used)
+        used += 1
+    weights = np.zeros(used)
     for vertex, area in enumerate(share):
         weights[owner[vertex]] += area
-    result, distances = np.zeros(len(vertices)), np.empty(len(vertices))
-    for i, base in enumerate(bases):
-        distances[:] = np.inf
-        spread(graph, base, distances)
-        result += weights[i] * distances
+    result = np.zeros(len(vertices))
+    for i in range(used):
+        result += weights[i] * distances[i]
     return result
 
 
@@ -77,13 +74,13 @@ def _farthest_from_centre(vertices: Floats, share: Floats) -> int:
 
 
 @numba.njit(cache=True)
-def _claim(nearest: Floats, known: Floats, owner: NDArray[np.int64], number: int) -> int:
-    """Give vertices that came nearer to a new base to it; returns the one farthest from all."""
+def _claim(distances: Floats, nearest: Floats, owner: NDArray[np.int64], number: int) -> int:
+    """Give vertices that are nearer to a new base to it; returns the one farthest from all."""
     farthest = 0
-    for vertex, distance in enumerate(nearest):
-        if distance < known[vertex]:
-            owner[vertex], known[vertex] = number, distance
-        if distance > nearest[farthest]:
+    for vertex, distance in enumerate(distances):
+        if distance < nearest[vertex]:
+            owner[vertex], nearest[vertex] = number, distance
+        if nearest[vertex] > nearest[farthest]:
             farthest = vertex
     return farthest
 

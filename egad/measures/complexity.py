@@ -4,6 +4,7 @@ Wang et al., "Assessing shape complexity by the entropy of angular deficits", as
 (Morrison, Corke and Leitner, RA-L 2020).
 """
 
+import numba
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
@@ -44,10 +45,21 @@ def angular_deficits(mesh: trimesh.Trimesh) -> Floats:
     return np.asarray(2 * np.pi - angles[used])
 
 
+@numba.njit(cache=True)
 def corner_angles(triangles: Floats) -> Floats:
     """Angles at the corners of (n, 3, 3) triangles: (n, 3), radians; 0 between zero edges."""
-    after = np.roll(triangles, -1, axis=1) - triangles
-    before = np.roll(triangles, 1, axis=1) - triangles
-    sine = np.linalg.norm(np.cross(after, before), axis=2)
-    cosine = np.einsum("nck,nck->nc", after, before)
-    return np.asarray(np.arctan2(sine, cosine))
+    result = np.empty((len(triangles), 3))
+    for i in range(len(triangles)):
+        for corner in range(3):
+            after, before = (corner + 1) % 3, (corner + 2) % 3
+            cosine = square = 0.0
+            for k in range(3):
+                j = (k + 1) % 3
+                u = triangles[i, after, k] - triangles[i, corner, k]
+                v = triangles[i, before, k] - triangles[i, corner, k]
+                cosine += u * v
+                p = triangles[i, after, j] - triangles[i, corner, j]
+                q = triangles[i, before, j] - triangles[i, corner, j]
+                square += (u * q - p * v) ** 2
+            result[i, corner] = np.arctan2(np.sqrt(square), cosine)
+    return result

@@ -68,7 +68,7 @@ def _qualities(
     rng: np.random.Generator,
 ) -> Floats:
     """Quality of each grasp by the metric of the settings."""
-    if settings.difficulty.metric == "plain":
+    if settings.robust is None:
         rated: Floats = ferrari_canny(
             grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()
         )
@@ -93,10 +93,23 @@ def percentile(values: Floats, percent: float) -> float:
 
 def center_of_mass(mesh: trimesh.Trimesh) -> Floats:
     """The centroid of the volume; that of the surface where the volume has none within bounds."""
-    centre = np.asarray(mesh.center_mass)
+    centre = _volume_centroid(np.asarray(mesh.triangles), np.asarray(mesh.triangles_cross))
     low, high = np.asarray(mesh.bounds)
     inside = bool(np.all((centre >= low) & (centre <= high)))  # False for NaN
     return centre if inside else np.asarray(mesh.centroid)
+
+
+def _volume_centroid(triangles: Floats, normals: Floats) -> Floats:
+    """The centroid of a solid from its (n, 3, 3) triangles and their scaled normals, (n, 3).
+
+    The same as `trimesh.Trimesh.center_mass`, without the inertia tensor that costs most of it.
+    """
+    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    total = a + b + c
+    squares = a**2 + b**2 + a * b + c * total
+    volume = np.sum(normals[:, 0] * total[:, 0]) / 6
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.sum((normals * squares).T.copy(), axis=1) / 24 / volume)
 
 
 def _alignment(vertices: Floats, side: float) -> tuple[Floats, Floats]:

@@ -29,7 +29,6 @@ class Space(NamedTuple):
     """
 
     ints: Ints  # (_ROWS, 2 n): a row for each purpose below
-    run: Floats  # (6,): values of a run, and around it
 
 
 STATE = 0  # numbers of matches, of their nodes and of visits; what to add to nodes of either graph
@@ -48,4 +47,4 @@ _ROWS = 13
 @numba.njit(cache=True)
 def space(largest: int) -> Space:
     """Memory for graphs of at most `largest` nodes."""
-    return Space(np.zeros((_ROWS, max(2 * largest, LONGEST_RUN)), np.int32), np.zeros(6))
+    return Space(np.zeros((_ROWS, max(2 * largest, LONGEST_RUN)), np.int32))

@@ -57,6 +57,7 @@ class Neighbourhood:
         self._known = np.empty((0, 0), np.uint8)
         self._near = np.empty((0, neighbours), np.int64)  # padded with -1
         self._valid = np.empty(0, bool)  # of the rows of `_near`
+        self._diversities: dict[int, float] = {}  # of valid rows
 
     def __len__(self) -> int:
         return len(self._graphs)
@@ -76,6 +77,7 @@ class Neighbourhood:
         self._trees[indices] = np.arange(first, len(self._forest))
         self._known[indices] = self._known[:, indices] = _UNKNOWN
         self._valid[:] = False
+        self._diversities.clear()
         return indices
 
     def remove(self, index: int) -> None:
@@ -87,7 +89,11 @@ class Neighbourhood:
         del self._graphs[index]
         self._trees[index] = -1
         heapq.heappush(self._free, index)
-        self._valid &= (self._near != index).all(axis=1)
+        stale = (self._near == index).any(axis=1)
+        stale[index] = True
+        self._valid &= ~stale
+        for row in np.flatnonzero(stale).tolist():
+            self._diversities.pop(row, None)
         if len(self._forest) > 2 * len(self) + SPARE:
             self._replant()
 
@@ -125,8 +131,10 @@ class Neighbourhood:
         Raises:
             KeyError: There is no such shape.
         """
-        _, distances = self.nearest(index)
-        return float(distances.mean()) if len(distances) else 1.0
+        if index not in self._diversities:
+            _, distances = self.nearest(index)
+            self._diversities[index] = float(distances.mean()) if len(distances) else 1.0
+        return self._diversities[index]
 
     @property
     def _table(self) -> "_Table":
@@ -195,10 +203,13 @@ def _nearest(table: _Table, index: int, others: Integers, count: int) -> Integer
 
 @numba.njit(cache=True)
 def _estimate(table: _Table, one: int, other: int) -> None:
-    """Keep a lower bound of a distance."""
+    """Keep a lower bound of a distance.
+
+    Only for the one: to compute it again for the other costs less than to write to its row.
+    """
     most = bound(table.trees.profiles, table.numbers[one], table.numbers[other])
-    table.distances[one, other] = table.distances[other, one] = 1 - most - SLACK
-    table.known[one, other] = table.known[other, one] = _BOUND
+    table.distances[one, other] = 1 - most - SLACK
+    table.known[one, other] = _BOUND
 
 
 @numba.njit(cache=True)
@@ -208,8 +219,7 @@ def _measure(table: _Table, one: int, other: int, limit: float, memory: Space) -
     similarity, exact = compare(table.trees, *numbers, 1 - limit - SLACK, memory)
     distance = 1 - similarity if exact else 1 - similarity - SLACK
     table.distances[one, other] = table.distances[other, one] = distance
-    if exact:
-        table.known[one, other] = table.known[other, one] = _EXACT
+    table.known[one, other] = table.known[other, one] = _EXACT if exact else _BOUND
     return exact
 
 

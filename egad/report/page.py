@@ -9,6 +9,7 @@ import pandas as pd
 from egad.report import figures, maps, summary
 from egad.report.axes import axis_pair
 from egad.report.data import DatasetReport, ReportData
+from egad.report.dataset_maps import dataset_maps
 from egad.report.environment import environment
 from egad.report.parameters import entry_tables, parameter_tables
 from egad.settings import Settings
@@ -57,16 +58,19 @@ def build(report: ReportData) -> str:
     Returns:
         The text of the page: the same for the same report. Pictures and figures are inline.
     """
+    axes = axis_pair(report.settings.axes)
     views = [_view(name, data, report.settings) for name, data in report.datasets.items()]
+    objects = {name: data.objects for name, data in report.datasets.items()}
     return (
         environment()
         .get_template("page.html.j2")
         .render(
             settings=report.settings,
-            axes=axis_pair(report.settings.axes),
+            axes=axes,
             views=views,
             comparison=report.comparison.to_dict("records"),
             published=summary.PUBLISHED.to_dict("records"),
+            dataset_maps=_figure(dataset_maps(objects, report.settings.space, axes)),
             comparison_figure=_figure(figures.comparison_chart(report.comparison)),
             parameters=parameter_tables(report.settings),
             entries=entry_tables(report.settings),

@@ -1,5 +1,6 @@
 """The numbers of a report, from its tables."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,29 @@ PUBLISHED = pd.DataFrame(
     ],
 )
 """EGAD (Morrison, Corke, Leitner 2020), Table III."""
+
+
+def comparison_text(comparison: pd.DataFrame) -> str:
+    """The table of datasets for a terminal, with the published ones beneath (EGAD, Table III).
+
+    Args:
+        comparison: Columns of `egad.tables.COMPARISON`.
+    """
+    titles = ("objects", "coverage", "diversity: min", "max", "mean")
+    ours = [_comparison_line(row, 1) for row in comparison.to_dict("records")]
+    theirs = [_comparison_line(row, 0) for row in PUBLISHED.to_dict("records")]
+    return "\n".join([_columns("dataset", *titles), *ours, "published", *theirs])
+
+
+def _comparison_line(row: Mapping[Any, Any], digits: int) -> str:
+    values = [row[f"diversity_{name}"] for name in ("min", "max", "mean")]
+    least, most, mean = ("-" if pd.isna(value) else f"{value:.2f}" for value in values)
+    filled = f"{100 * row['coverage']:.{digits}f} %"
+    return _columns(row["dataset"], str(row["objects"]), filled, least, most, mean)
+
+
+def _columns(name: str, objects: str, filled: str, least: str, most: str, mean: str) -> str:
+    return f"{name:20}{objects:>9}{filled:>10}{least:>16}{most:>6}{mean:>6}"
 
 
 def space_numbers(objects: pd.DataFrame, space: Space) -> Row:

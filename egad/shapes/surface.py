@@ -43,9 +43,9 @@ def surface(voxels: Solid, shape: Shape) -> trimesh.Trimesh:
 
 
 def _neighbour_mean(faces: NDArray[np.int64], count: int) -> sparse.csr_matrix:
-    """The matrix that replaces each vertex by the mean of its neighbours."""
-    pairs = faces[:, [0, 1, 1, 2, 2, 0, 1, 0, 2, 1, 0, 2]].reshape(-1, 2)
+    """The matrix that replaces each vertex by the mean of its neighbours on a closed surface."""
+    pairs = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)  # the other face has the way back
     ones = np.ones(len(pairs))
     adjacency = sparse.csr_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    adjacency.data[:] = 1.0  # an edge counts once, although both its faces name it
+    adjacency.data[:] = 1.0  # an edge counts once, however many faces meet there
     return sparse.csr_matrix(adjacency.multiply(1 / adjacency.sum(axis=1)))

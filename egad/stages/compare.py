@@ -1,35 +1,46 @@
-"""compare: datasets side by side, as in EGAD's Table III."""
+"""compare: datasets side by side, as in EGAD's Table III, with a map of each."""
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from egad import tables
+from egad.files import write_text
 from egad.measures.space import coverage, filled_cells
+from egad.report.axes import axis_pair
+from egad.report.dataset_maps import dataset_maps
+from egad.report.summary import comparison_text
 from egad.stage_settings import Compare
 
 
-def run(settings: Compare, datasets: dict[str, Path], out: Path) -> None:
-    """Coverage and diversity of each dataset.
+def run(settings: Compare, datasets: dict[str, Path], out: Path, figure: Path) -> str:
+    """Coverage and diversity of each dataset, and where its objects lie.
 
     Args:
         settings: What this stage reads.
         datasets: Tables with the columns of `egad.tables.OBJECTS`, by name.
         out: Table with the columns of `egad.tables.COMPARISON`.
+        figure: SVG file with a map of each dataset.
+
+    Returns:
+        The table for a terminal, with the published numbers beneath.
     """
-    rows = []
-    for name, path in datasets.items():
-        objects = tables.read(path, tables.OBJECTS)
-        diversity = objects["diversity"]
-        rows.append(
-            {
-                "dataset": name,
-                "objects": len(objects),
-                "coverage": coverage(objects, settings.space),
-                "filled_cells": filled_cells(objects, settings.space),
-                "diversity_min": diversity.min(),
-                "diversity_max": diversity.max(),
-                "diversity_mean": diversity.mean(),
-            }
-        )
-    tables.write(pd.DataFrame(rows), tables.COMPARISON, out)
+    objects = {name: tables.read(path, tables.OBJECTS) for name, path in datasets.items()}
+    comparison = pd.DataFrame([_row(name, each, settings) for name, each in objects.items()])
+    tables.write(comparison, tables.COMPARISON, out)
+    write_text(figure, dataset_maps(objects, settings.space, axis_pair(settings.axes)))
+    return comparison_text(comparison)
+
+
+def _row(name: str, objects: pd.DataFrame, settings: Compare) -> dict[str, Any]:
+    diversity = objects["diversity"]
+    return {
+        "dataset": name,
+        "objects": len(objects),
+        "coverage": coverage(objects, settings.space),
+        "filled_cells": filled_cells(objects, settings.space),
+        "diversity_min": diversity.min(),
+        "diversity_max": diversity.max(),
+        "diversity_mean": diversity.mean(),
+    }

@@ -20,7 +20,13 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: Evolve, epoch: int, island: int, base: Path | None, out: Path, worker_count: int
+    settings: Evolve,
+    epoch: int,
+    island: int,
+    base: Path | None,
+    out: Path,
+    history: Path,
+    worker_count: int,
 ) -> None:
     """Evolve an archive for the steps of an epoch.
 
@@ -30,6 +36,7 @@ def run(
         island: Number of the island.
         base: Merged archive of the epoch before; None to start from random genomes.
         out: The island's archive, with the columns of `egad.tables.EPOCH`.
+        history: Its steps, with the columns of `egad.tables.HISTORY`.
         worker_count: Processes; the result does not depend on it.
     """
     check_measures(settings.axes)
@@ -38,7 +45,8 @@ def run(
         archive = Archive(settings.space, settings.similarity)
         if base is not None:
             archive.add(elites_of(tables.read(base, tables.EPOCH)))
-        counts = evolve(archive, settings, epoch, island, rules, mapper)
+        steps, counts = evolve(archive, settings, epoch, island, rules, mapper)
+    tables.write(steps, tables.HISTORY, history)
     tables.write(archive.to_frame(), tables.EPOCH, out)
     log.info("%d elites, coverage %.3f", len(archive), archive.coverage)
     for outcome, count in sorted(counts.items()):

@@ -9,6 +9,7 @@ from egad.stages.shards import join
 ORDERS = {
     "grasps": (tables.GRASPS, ["label", "grasp"]),
     "trials": (tables.TRIALS, ["label", "attempt"]),
+    "history": (tables.HISTORY, ["epoch", "island", "step"]),
     "rejected": (tables.REJECTED, ["id", "stage"]),
 }
 

@@ -12,7 +12,8 @@ import trimesh
 
 from egad import tables
 from egad.errors import RejectedError
-from egad.exchange.meshes import mesh_files, object_names, read_mesh
+from egad.exchange.folders import EVERY_FILE, objects_in
+from egad.exchange.meshes import read_mesh
 from egad.measures import reeb
 from egad.measures.coordinates import coordinates
 from egad.progress import progress
@@ -64,9 +65,11 @@ def from_archive(
     return sources, archive["difficulty"]
 
 
-def from_folder(folder: Path, units: str, shard: int, shards: int) -> tuple[Sources, pd.Series]:
+def from_folder(
+    folder: Path, units: str, shard: int, shards: int, pattern: str = EVERY_FILE
+) -> tuple[Sources, pd.Series]:
     """The mesh files of a shard; they were not selected by any difficulty."""
-    files = object_names(mesh_files(folder))
+    files = objects_in(folder, pattern)
     sources: Sources = {
         name: partial(read_mesh, path, units)
         for name, path in files.items()

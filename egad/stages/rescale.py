@@ -10,7 +10,8 @@ import trimesh
 
 from egad import tables
 from egad.errors import RejectedError
-from egad.exchange.meshes import object_names, read_mesh, write_obj, write_stl_mm
+from egad.exchange.folders import object_names
+from egad.exchange.meshes import read_mesh, write_obj, write_stl_mm
 from egad.files import replacing
 from egad.progress import progress
 from egad.shapes.scale import rescale

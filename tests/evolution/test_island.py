@@ -1,11 +1,15 @@
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from egad import tables
 from egad.evolution.archive import Archive
-from egad.evolution.evaluation import Solid, measure
-from egad.evolution.island import evolve
-from egad.evolution.reproduction import breed
+from egad.evolution.evaluation import Solid, measure, regrade
+from egad.evolution.island import _evaluated, evolve
+from egad.evolution.reproduction import LEAST, breed, parent_odds
 from egad.settings import Difficulty, Evolution, Settings, Shape, Similarity
+from egad.shapes.constraints import UNBOUND
 from egad.stage_settings import Evolve, select
 from egad.workers import workers
 
@@ -23,8 +27,8 @@ SETTINGS = select(
 def evolved(worker_count, **names):
     archive = Archive(SETTINGS.space, SETTINGS.similarity)
     with workers(worker_count) as mapper:
-        counts = evolve(archive, SETTINGS, **names, mapper=mapper)
-    return archive, counts
+        history, counts = evolve(archive, SETTINGS, **names, mapper=mapper)
+    return archive, counts, history
 
 
 @pytest.fixture(scope="module")
@@ -33,15 +37,15 @@ def island():
 
 
 def test_every_offspring_is_accounted_for(island):
-    _, counts = island
+    _, counts, _ = island
     assert counts.total() == 2 * 12
     assert counts["evaluated"] > 5
     assert counts["empty"] > 0
 
 
 def test_two_workers_give_the_same_bytes_as_one(island, tmp_path):
-    one, _ = island
-    two, _ = evolved(2, epoch=0, island=0)
+    one, *_ = island
+    two, *_ = evolved(2, epoch=0, island=0)
     tables.write(one.to_frame(), tables.EPOCH, tmp_path / "one")
     tables.write(two.to_frame(), tables.EPOCH, tmp_path / "two")
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
@@ -70,3 +74,60 @@ def test_a_solid_has_the_same_measures_whoever_bred_it(island):
     for each in island[0].elites[:3]:
         again = measure(Solid(each.id, each.voxels), SETTINGS)
         assert (again.complexity, again.difficulty) == (each.complexity, each.difficulty)
+
+
+def test_the_history_tells_every_step(island):
+    archive, counts, history = island
+    assert history.columns.tolist() == tables.HISTORY.names
+    assert history["step"].tolist() == [0, 1]
+    assert history["offspring"].sum() == counts.total()
+    assert history["evaluated"].sum() == counts["evaluated"]
+    last = history.iloc[-1]
+    assert last["elites"] == len(archive) == sum(last["cells"])
+    assert last["coverage"] == archive.coverage
+    assert last["qd_score"] == pytest.approx(archive.to_frame()["diversity"].sum())
+    assert np.isnan(history["qd_score"].iloc[0])
+
+
+def with_search(**search):
+    changed = SETTINGS.evolution.model_copy(update=search)
+    return SETTINGS.model_copy(update={"evolution": changed})
+
+
+def test_sparse_parents_are_those_with_empty_places_around_them(island):
+    elites = island[0].elites
+    corner = replace(elites[0], id="corner", complexity=5.0, difficulty=0.0005)
+    places = np.array([32, 32, 32, 32, 15])  # of 9 cells, the middle one full; of 4
+    middle = replace(elites[0], complexity=3.0, difficulty=0.002)
+    crowded = [replace(middle, id=str(number)) for number in range(4)]
+    odds = parent_odds([*crowded, corner], SETTINGS.space)
+    weights = places + LEAST
+    assert odds == pytest.approx(weights / weights.sum())
+
+
+def test_siblings_share_their_parents(island):
+    litter = breed(island[0].elites, with_search(siblings=3), 0, 0, 7)
+    for start in range(0, 12, 3):
+        assert len({each.parents for each in litter[start : start + 3]}) == 1
+    assert len({each.parents for each in litter}) > 1
+
+
+def test_restarts_have_no_parents(island):
+    parents = [each.parents for each in breed(island[0].elites, with_search(restart=1.0), 0, 0, 7)]
+    assert parents == [()] * 12
+
+
+def test_newcomers_to_full_cells_are_graded_again():
+    """Here all objects share one cell, which the first ones fill."""
+    one_cell = SETTINGS.space.model_copy(update={"cells": 1, "elites_per_cell": 1})
+    settings = with_search(regrade=20).model_copy(update={"space": one_cell})
+    archive = Archive(one_cell, settings.similarity)
+    first, _ = _evaluated(breed([], settings, 0, 0, 0), archive, settings, 0, UNBOUND, map)
+    archive.add(first)
+    second, _ = _evaluated(breed([], settings, 0, 0, 1), archive, settings, 0, UNBOUND, map)
+    for elites, again in ((first, False), (second, True)):
+        for elite in elites:
+            solid = Solid(elite.id, elite.voxels)
+            grade = regrade(solid, settings) if again else measure(solid, settings).difficulty
+            assert elite.difficulty == grade
+    assert len(second) > 3

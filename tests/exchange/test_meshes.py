@@ -5,14 +5,7 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError, UserError
-from egad.exchange.meshes import (
-    METRES,
-    mesh_files,
-    object_names,
-    read_mesh,
-    write_obj,
-    write_stl_mm,
-)
+from egad.exchange.meshes import METRES, read_mesh, write_obj, write_stl_mm
 
 BALL = trimesh.creation.icosphere(subdivisions=2, radius=0.05)
 
@@ -126,24 +119,3 @@ def test_materials_and_texture_coordinates_do_not_split_a_mesh(tmp_path):
 def test_a_missing_file_is_rejected(tmp_path):
     with pytest.raises(RejectedError, match="no such file"):
         read_mesh(tmp_path / "gone.obj", "m")
-
-
-def test_mesh_files_are_sorted_and_others_passed_over(tmp_path):
-    for name in ("b.STL", "a.obj", "notes.txt"):
-        (tmp_path / name).touch()
-    assert [path.name for path in mesh_files(tmp_path)] == ["a.obj", "b.STL"]
-
-
-def test_a_folder_without_meshes_says_what_is_allowed(tmp_path):
-    with pytest.raises(UserError, match=r"\.obj"):
-        mesh_files(tmp_path)
-    with pytest.raises(UserError, match="no such folder"):
-        mesh_files(tmp_path / "gone")
-
-
-def test_names_are_safe_and_unique(tmp_path):
-    files = [tmp_path / name for name in ("mug.obj", "mug.stl", "caf\xe9 au lait.obj", "..obj")]
-    names = list(object_names(files))
-    assert names[:3] == ["mug", "mug-2", "caf__au_lait"]
-    assert len(set(names)) == 4
-    assert all("/" not in name and not name.startswith(".") for name in names)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from scipy.stats import spearmanr
 
-from egad.exchange.meshes import mesh_files
+from egad.exchange.folders import mesh_files
 from egad.settings import Settings
 from egad.stage_settings import MeasureMeshes, select
 from egad.stages import measure

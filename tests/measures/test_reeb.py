@@ -57,11 +57,16 @@ def test_scan_agrees_with_the_published_program(shapes, published):
     assert np.abs(found - published).mean() <= 0.02
 
 
-def test_75_even_bases_are_nearly_as_good_as_all_vertices(shapes, graphs):
-    every = [reeb.extract(mesh, Similarity(base_count=10**6)) for mesh in shapes]
-    found, ideal = (similarity_matrix(some, 0.5)[PAIRS] for some in (graphs, every))
-    assert spearmanr(found, ideal)[0] >= 0.99
-    assert np.abs(found - ideal).mean() <= 0.011
+def test_a_few_even_bases_are_nearly_as_good_as_all_vertices(shapes):
+    def similarities(count):
+        graphs = [reeb.extract(mesh, Similarity(base_count=count)) for mesh in shapes]
+        return similarity_matrix(graphs, 0.5)[PAIRS]
+
+    ideal = similarities(10**6)
+    for count in (50, 75):
+        found = similarities(count)
+        assert spearmanr(found, ideal)[0] >= 0.99
+        assert np.abs(found - ideal).mean() <= 0.011
 
 
 def test_order_place_size_and_orientation_do_not_matter(shapes, graphs):

@@ -1,3 +1,4 @@
+import numpy as np
 import pytest
 
 from egad.report import summary
@@ -7,6 +8,17 @@ from egad.report.data import DatasetReport
 def test_published_coverage_is_of_places():
     theirs = summary.PUBLISHED.set_index("dataset").loc["EGAD, 2020"]
     assert theirs["coverage"] == pytest.approx(theirs["objects"] / 2500, abs=0.005)
+
+
+def test_the_table_for_a_terminal_has_ours_above_the_published(report):
+    comparison = report.comparison.assign(diversity_max=[0.3, np.nan])
+    head, egad, mine, published, *theirs = summary.comparison_text(comparison).splitlines()
+    assert head.split() == ["dataset", "objects", "coverage", "diversity:", "min", "max", "mean"]
+    assert egad.split() == ["egad", "40", "1.6", "%", "0.10", "0.30", "0.20"]
+    assert mine.split() == ["mine", "12", "0.5", "%", "0.12", "-", "0.21"]
+    assert published == "published"
+    assert theirs[1].split() == ["YCB", "78", "3", "%", "0.11", "0.65", "0.19"]
+    assert len({len(line) for line in (head, egad, mine, *theirs)}) == 1
 
 
 def test_grasp_numbers(grasps):

@@ -29,8 +29,9 @@ READ = select(SETTINGS, LocateMeshes)
 def home(tmp_path_factory):
     """A small archive and its meshes."""
     folder = tmp_path_factory.mktemp("located")
-    evolve.run(select(SETTINGS, Evolve), 0, 0, None, folder / "archive.parquet", 1)
-    materialise.run(folder / "archive.parquet", folder / "meshes", SETTINGS.shape)
+    archive, history = folder / "archive.parquet", folder / "history.parquet"
+    evolve.run(select(SETTINGS, Evolve), 0, 0, None, archive, history, 1)
+    materialise.run(archive, folder / "meshes", SETTINGS.shape)
     return folder
 
 

@@ -146,6 +146,24 @@ def test_a_configuration_of_ones_own_can_stand_alone(clean):
     assert set(planned) == {"postprocess", "collect", "compare", "report", "all"}
 
 
+@pytest.mark.parametrize(("name", "folder"), [("ycb", "ycb"), ("egad_train", "egad")])
+def test_datasets_of_others_are_compared_alone_or_beside_the_evolved_one(clean, name, folder):
+    mesh = clean.folder / "data" / folder / "A/google_16k/nontextured.ply"
+    mesh.parent.mkdir(parents=True)
+    mesh.touch()
+    (clean.folder / "data" / folder / "A00_0.obj").touch()
+    target, configs = "results/comparison.parquet", [f"config/datasets/{folder}.yaml"]
+    alone = clean.planned(target, "--replace-workflow-config", configs=configs)
+    assert set(alone) == {"postprocess", "collect", "compare"}
+    beside = clean.planned(target, configs=configs)
+    assert set(beside) == {"evolve", "merge", "archive", *alone}
+    everything = clean.planned("--replace-workflow-config", configs=configs)
+    assert set(everything) == AFTER_POSTPROCESS | {"postprocess"}
+    objects = f"results/{name}/objects.parquet"
+    said = clean.make("--dry-run", "--printshellcmds", objects, configs=configs)
+    assert ("--pattern '*/google_16k/nontextured.ply'" in said) == (name == "ycb")
+
+
 @pytest.mark.parametrize(
     "target",
     [

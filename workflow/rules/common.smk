@@ -11,6 +11,7 @@ from egad import stage_settings
 from egad.code_version import code_version
 from egad.config_check import check
 from egad.errors import UserError
+from egad.exchange.folders import EVERY_FILE, mesh_files
 from egad.measures.own import source_hash
 
 try:
@@ -95,12 +96,14 @@ def worker_memory(wildcards, threads):
 
 
 def raw_objects(wildcards):
-    """What the objects of a dataset are made from: its archive, or all files in its folder."""
+    """What the objects of a dataset are made from: its archive, or mesh files in its folder."""
     dataset = SETTINGS.datasets[wildcards.dataset]
     if dataset.source == "evolved":
         return [f"results/{wildcards.dataset}/archive.parquet"]
-    files = [path for path in Path(dataset.folder).glob("[!.]*") if path.is_file()]
-    return sorted(map(str, files)) or [dataset.folder]
+    try:
+        return list(map(str, mesh_files(Path(dataset.folder), dataset.pattern or EVERY_FILE)))
+    except UserError as error:
+        raise WorkflowError(f"The dataset {wildcards.dataset} cannot be used: {error}")
 
 
 def raw_options(wildcards, input):
@@ -108,7 +111,8 @@ def raw_options(wildcards, input):
     dataset = SETTINGS.datasets[wildcards.dataset]
     if dataset.source == "evolved":
         return ["--archive", str(input[0])]
-    return ["--folder", dataset.folder, "--units", dataset.units]
+    pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
+    return ["--folder", dataset.folder, "--units", dataset.units, *pattern]
 
 
 def of_datasets(datasets, files):
@@ -134,7 +138,8 @@ def published():
     ]
     return [
         "results/comparison.parquet",
-        *of_datasets(EVOLVED, ["archive.parquet"]),
+        "results/comparison.svg",
+        *of_datasets(EVOLVED, ["archive.parquet", "history.parquet"]),
         *of_datasets(SETTINGS.datasets, ["objects.parquet", "rejected.parquet", "meshes"]),
         *of_datasets(targets.datasets, of_target),
     ]

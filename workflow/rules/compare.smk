@@ -1,7 +1,7 @@
 """Compare: all datasets of the configuration side by side.
 
 Inputs: results/D/objects.parquet of every dataset.
-Outputs: results/comparison.parquet.
+Outputs: results/comparison.parquet, results/comparison.svg; the table also on the terminal.
 """
 
 
@@ -10,11 +10,12 @@ localrules:
 
 
 rule compare:
-    """Objects, coverage and diversity of each dataset."""
+    """Objects, coverage and diversity of each dataset, and where its objects lie."""
     input:
         of_datasets(SETTINGS.datasets, ["objects.parquet"]),
     output:
-        ensure("results/comparison.parquet", non_empty=True),
+        table=ensure("results/comparison.parquet", non_empty=True),
+        figure=ensure("results/comparison.svg", non_empty=True),
     log:
         "logs/compare.log",
     benchmark:
@@ -32,5 +33,5 @@ rule compare:
     message:
         "Comparing the datasets"
     shell:
-        "egad compare --settings {params.settings:q} --out {output:q} {params.named:q}"
-        " > {log:q} 2>&1"
+        "egad compare --settings {params.settings:q} --out {output.table:q}"
+        " --figure {output.figure:q} {params.named:q} 2> {log:q}"

@@ -1,7 +1,8 @@
 """Evolve: epochs of islands, merged.
 
 Inputs: the settings alone.
-Outputs: results/D/archive.parquet, the elites; results/D/epochs/, what one epoch hands to the next.
+Outputs: results/D/archive.parquet, the elites; history.parquet, the steps; epochs/, what one epoch
+hands to the next.
 Steps: every island breeds from the merged archive of the epoch before; the islands are merged; the
 archive of the last epoch is published. More epochs than before extend a finished run.
 """
@@ -9,6 +10,7 @@ archive of the last epoch is published. More epochs than before extend a finishe
 
 localrules:
     archive,
+    history,
 
 
 rule evolve:
@@ -17,8 +19,12 @@ rule evolve:
         base=previous_archive,
         regions=region_meshes(),
     output:
-        ensure(
+        archive=ensure(
             "results/{dataset}/epochs/epoch-{epoch}/island-{island}.parquet",
+            non_empty=True,
+        ),
+        history=ensure(
+            "results/{dataset}/epochs/epoch-{epoch}/history-{island}.parquet",
             non_empty=True,
         ),
     log:
@@ -42,8 +48,8 @@ rule evolve:
         "Evolving epoch {wildcards.epoch}, island {wildcards.island}"
     shell:
         "egad evolve --settings {params.settings:q} --epoch {wildcards.epoch}"
-        " --island {wildcards.island} {params.base:q} --jobs {threads} --out {output:q}"
-        " > {log:q} 2>&1"
+        " --island {wildcards.island} {params.base:q} --jobs {threads} --out {output.archive:q}"
+        " --history {output.history:q} > {log:q} 2>&1"
 
 
 rule merge:
@@ -100,3 +106,33 @@ rule archive:
         "Publishing the archive"
     shell:
         "egad archive {input:q} --out {output:q} > {log:q} 2>&1"
+
+
+rule history:
+    """All steps of all epochs and islands."""
+    input:
+        expand(
+            "results/{{dataset}}/epochs/epoch-{epoch}/history-{island}.parquet",
+            epoch=range(LAST_EPOCH + 1),
+            island=ISLANDS,
+        ),
+    output:
+        ensure("results/{dataset}/history.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/history.log",
+    benchmark:
+        "benchmarks/{dataset}/history.tsv"
+    wildcard_constraints:
+        dataset=EVOLVED_DATASET,
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        code=code_version("egad.stages.join"),
+    message:
+        "Joining the steps of {wildcards.dataset}"
+    shell:
+        "egad join --schema history --out {output:q} {input:q} > {log:q} 2>&1"

@@ -1,0 +1,86 @@
+"""What one evaluation of evolution costs, step by step, in CPU time on one core: `make bench`.
+
+The mean is over all offspring, those without a solid and those known already included. The archive
+is grown here for a few steps, or read from the epoch archive that `EGAD_ARCHIVE` names. Its
+diversities are computed first, as they are known but for the first steps of an epoch.
+"""
+
+import os
+import time
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from egad import tables
+from egad.evolution import archive, evaluation, island
+from egad.evolution.archive import Archive, elites_of
+from egad.measures import difficulty, neighbours, reeb
+from egad.settings import Settings
+from egad.shapes import cppn, surface, voxels
+from egad.stage_settings import Evolve, select
+
+STEPS = {
+    "reproduction": (island, "breed"),
+    "network query": (cppn, "query"),
+    "voxels": (voxels, "solid"),
+    "meshing": (surface, "marching_cubes"),
+    "smoothing and scaling": (evaluation, "surface"),
+    "grasp sampling": (difficulty, "sample"),
+    "grasp quality": (difficulty, "ferrari_canny"),
+    "rest of difficulty": (evaluation, "difficulty"),
+    "complexity": (evaluation, "complexity"),
+    "Reeb graph": (reeb, "extract"),
+    "neighbours": (neighbours.Neighbourhood, "nearest"),
+    "newcomers among the shapes": (neighbours.Neighbourhood, "add"),
+    "rest of insertion": (archive.Archive, "add"),
+}
+
+
+def settings(steps):
+    evolution = {"population": 100, "steps_per_epoch": steps}
+    return select(Settings.model_validate({"evolution": evolution}), Evolve)
+
+
+@pytest.fixture(scope="module")
+def elites():
+    path = os.environ.get("EGAD_ARCHIVE")
+    grown = Archive(settings(1).space, settings(1).similarity)
+    if path:
+        grown.add(elites_of(tables.read(Path(path), tables.EPOCH)))
+    else:
+        island.evolve(grown, settings(5), 0, 0)
+    return grown
+
+
+def timed(function, step, spent, running):
+    """A function that books its time, less that of other timed ones within it, under a step."""
+
+    def run(*arguments, **named):
+        start = time.process_time()
+        running.append(0.0)
+        result = function(*arguments, **named)
+        taken = time.process_time() - start
+        spent[step] += taken - running.pop()
+        if running:
+            running[-1] += taken
+        return result
+
+    return run
+
+
+def test_an_evaluation(elites, monkeypatch):
+    island.evolve(elites, settings(1), 1000, 0)  # compiles
+    elites.to_frame()
+    size, spent, running = len(elites), Counter(), []
+    for step, (owner, name) in STEPS.items():
+        monkeypatch.setattr(owner, name, timed(getattr(owner, name), step, spent, running))
+    start = time.process_time()
+    outcomes = island.evolve(elites, settings(4), 1001, 0)
+    total = time.process_time() - start
+    spent["the rest"] = total - sum(spent.values())
+    count = sum(outcomes.values())
+    print(f"\n{size} elites; of {count} offspring {dict(outcomes)}")
+    for step, seconds in spent.most_common():
+        print(f"{1000 * seconds / count:8.2f} ms  {step}")
+    print(f"{1000 * total / count:8.2f} ms  an evaluation")
