@@ -53,6 +53,7 @@ def main(published: Path) -> None:
     ours, theirs = qualities()
     off = np.abs(ours - theirs)[(ours > 0) & (theirs > 0)]
     print(f"{len(off)} qualities: largest difference {off.max():.1e}, median {np.median(off):.1e}")
+    print(f"difficulty, 100 grasps: standard deviation {spread():.2f} cells over ten seeds")
     scan, program = similarities()
     off = np.abs(scan - program).mean()
     print(f"{len(scan)} similarities (scan): {_rank(scan, program):.3f}, mean difference {off:.4f}")
@@ -103,6 +104,19 @@ def shapes() -> list[trimesh.Trimesh]:
             trimesh.Trimesh(data[name], data[name.replace("vertices", "faces")], process=False)
             for name in names
         ]
+
+
+def spread() -> float:
+    """Standard deviation over seeds of the difficulty by 100 grasps, mean of the shapes, cells."""
+    config = Settings()
+    low, high = config.space.difficulty_range
+    settings = select(config, Measuring)
+    solids = [repair(mesh).mesh for mesh in shapes()]
+    values = [
+        [difficulty(mesh, settings, 100, generator(seed, "spread"))[0] for seed in range(10)]
+        for mesh in solids
+    ]
+    return float(np.std(values, axis=1, ddof=1).mean() * config.space.cells / (high - low))
 
 
 def similarities() -> tuple[Floats, Floats]:

@@ -285,6 +285,18 @@ def write(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> None:
         pq.write_table(table, file, compression="zstd")
 
 
+def columns(path: Path) -> list[str]:
+    """Names of the columns of a table.
+
+    Raises:
+        TableError: The file is missing, is not Parquet, or is cut short.
+    """
+    try:
+        return list(pq.read_schema(path).names)
+    except (OSError, pa.ArrowException) as error:
+        raise TableError(f"{path}: not a readable Parquet file ({error})") from error
+
+
 def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
     """Read a table and check that it has the columns of its schema.
 

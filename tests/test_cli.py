@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+import trimesh
 
 from egad import tables
 from egad.cli.common import parse
@@ -150,7 +151,7 @@ def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_pat
         assert table.columns.tolist() == tables.MEASURED.names[1:]
         assert table.loc["cube", "complexity"] == 0
         assert table.loc["cube", "difficulty"] == pytest.approx(0.0025, abs=0.0003)
-        assert table.loc["cube", "grasps"] == 400
+        assert table.loc["cube", "grasps"] == 400  # as configured
         assert table.loc["broken", "reason"] == "no faces"
 
 
@@ -160,23 +161,80 @@ def test_measure_fails_if_no_mesh_can_be_used(folder):
     assert "none of the 1 meshes could be used" in result.stderr
 
 
+def test_measure_takes_grasps_and_a_configuration(folder, tmp_path):
+    config, out = tmp_path / "my.yaml", tmp_path / "table.csv"
+    config.write_text("space: {cells: 5}\ncomplexity: {bins: 64}\n")
+    given = ["--units", "cm", "--jobs", 1, "--out", out]
+    egad("measure", folder, *given, "--grasps", 30, "--config", config)
+    cube = pd.read_csv(out).set_index("name").loc["cube"]
+    assert cube["grasps"] == 30
+    assert cube["difficulty_cell"] == 2
+
+
+def test_a_file_named_twice_is_taken_once(folder):
+    result = egad("measure", folder, folder / "cube.obj", "--units", "cm", "--jobs", 1)
+    assert result.stdout.count("cube") == 1
+    assert "cube.obj is named twice" in result.stderr
+
+
+def test_the_table_is_written_even_if_nobody_reads_the_terminal(folder, tmp_path):
+    out = tmp_path / "table.csv"
+    code = "from egad.cli import main; main()"
+    command = [sys.executable, "-c", code, "measure", folder, "--units", "m", "--out", out]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
+        process.stdout.close()
+    assert len(pd.read_csv(out)) == 2
+
+
 def test_similarity_writes_a_square_matrix(folder, tmp_path):
+    trimesh.creation.torus(0.04, 0.01).export(folder / "torus.ply")
     (folder / "copy.obj").write_text(CUBE)
-    out = tmp_path / "matrix.csv"
-    egad("similarity", folder, "--units", "m", "--bases", "scan", "--jobs", 1, "--out", out)
-    matrix = pd.read_csv(out, index_col="name")
-    assert matrix.columns.tolist() == matrix.index.tolist() == ["broken", "copy", "cube"]
-    assert matrix.loc["copy", "cube"] == 1
-    assert matrix.loc["broken"].isna().all()
+    found = {}
+    for bases in ("even", "scan"):
+        out = tmp_path / f"{bases}.csv"
+        given = ["--units", "m", "--bases", bases, "--jobs", 1, "--out", out]
+        egad("similarity", folder, *given)
+        matrix = found[bases] = pd.read_csv(out, index_col="name")
+        assert matrix.columns.tolist() == matrix.index.tolist()
+        assert matrix.index.tolist() == ["broken", "copy", "cube", "torus"]
+        assert matrix.loc["copy", "cube"] == 1
+        assert matrix.loc["broken"].isna().all()
+    assert found["even"].loc["cube", "torus"] != found["scan"].loc["cube", "torus"]
+
+
+def test_locate_writes_a_page_and_a_table(folder, tmp_path):
+    """Among two objects, of which one is the mesh itself."""
+    dataset = tmp_path / "dataset"
+    (dataset / "meshes").mkdir(parents=True)
+    names = tables.OBJECTS.names
+    objects = pd.DataFrame(0, index=range(2), columns=names).assign(
+        id=["1", "2"], label=["A00_0", "B01_0"], complexity=[0.0, 2.0], difficulty=[0.003, 0.001]
+    )
+    tables.write(objects, tables.OBJECTS, dataset / "objects.parquet")
+    (dataset / "meshes" / "A00_0.obj").write_text(CUBE)
+    trimesh.creation.torus(0.04, 0.01).export(dataset / "meshes" / "B01_0.obj")
+    page, table = tmp_path / "page.html", tmp_path / "table.csv"
+    given = ["--units", "cm", "--in", dataset, "--jobs", 1, "--out", page, "--out", table]
+    result = egad("locate", folder, *given)
+    assert result.returncode == 0, result.stderr
+    assert "A00_0" in result.stdout
+    row = pd.read_csv(table).set_index("name").loc["cube"]
+    assert row["nearest"] == "A00_0 B01_0"
+    assert row["distances"].startswith("0.0 0.")
+    assert row["difficulty_percentile"] == 50
+    text = page.read_text()
+    assert "cube" in text
+    assert "broken" in text
 
 
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
         (["measure"], "--units"),
-        (["measure", "--units", "feet"], "allowed: m, cm, mm, inch"),
+        (["measure", "--units", "feet"], "not one of"),
         (["measure", "--units", "m", "--out", "table.xlsx"], "must end in .parquet or .csv"),
         (["measure", "--units", "m", "--out", "no/such/table.csv"], "there is no folder no/such"),
+        (["measure", "--units", "m", "--grasps", "-3"], "--grasps"),
         (["similarity", "--units", "m", "--bases", "odd"], "even or scan"),
         (["locate", "--units", "m"], "--in"),
         (["locate", "--units", "m", "--in", "nothing.parquet"], "no such file"),

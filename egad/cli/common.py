@@ -2,7 +2,7 @@
 
 import os
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, Literal, TypeVar
 
 import typer
 import yaml
@@ -25,7 +25,7 @@ Out = Annotated[Path, typer.Option(help="file to write")]
 OutFolder = Annotated[Path, typer.Option(help="folder to write")]
 Config = Annotated[Path | None, typer.Option(help="configuration file; else the defaults")]
 Meshes = Annotated[list[Path], typer.Argument(help="mesh files or folders of them")]
-Units = Annotated[str, typer.Option(help="unit of the meshes: m, mm, cm, inch")]
+Units = Annotated[Literal["m", "cm", "mm", "inch"], typer.Option(help="unit of the meshes")]
 Jobs = Annotated[int, typer.Option(min=1, help="processes")]
 M = TypeVar("M", bound=BaseModel)
 
@@ -60,7 +60,26 @@ def settings_in(config: Path | None) -> Settings:
 
 
 def files_in(paths: list[Path]) -> list[Path]:
-    """The files that are named, and those in the folders that are named."""
+    """The files that are named, and those in the folders that are named, each once."""
     from egad.exchange.folders import mesh_files
 
-    return [file for path in paths for file in (mesh_files(path) if path.is_dir() else [path])]
+    files: dict[Path, Path] = {}
+    for path in paths:
+        for file in mesh_files(path) if path.is_dir() else [path]:
+            if file.resolve() in files:
+                typer.echo(f"{file} is named twice and taken once", err=True)
+            files.setdefault(file.resolve(), file)
+    return list(files.values())
+
+
+def changed(settings: Settings, section: str, **values: object) -> Settings:
+    """The settings with other values in a section, but for those that are None.
+
+    Raises:
+        UserError: A value is not allowed.
+    """
+    from egad.config_check import check
+
+    given = {name: value for name, value in values.items() if value is not None}
+    whole = settings.model_dump(mode="json")
+    return check({**whole, section: {**whole[section], **given}}) if given else settings

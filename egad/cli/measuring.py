@@ -7,9 +7,19 @@ from typing import Annotated
 import pandas as pd
 import typer
 
-from egad.cli.common import CORES, TOOL, Config, Jobs, Meshes, Units, app, files_in, settings_in
+from egad.cli.common import (
+    CORES,
+    TOOL,
+    Config,
+    Jobs,
+    Meshes,
+    Units,
+    app,
+    changed,
+    files_in,
+    settings_in,
+)
 from egad.errors import UserError
-from egad.settings import Settings
 
 TableFile = Annotated[Path | None, typer.Option(help="table to write: .parquet or .csv")]
 Grasps = Annotated[
@@ -45,11 +55,12 @@ def measure(
     from egad.stages import measure as stage
 
     check_ending(out)
-    settings = select(_graded(settings_in(config), grasps), MeasureMeshes)
-    table = stage.run(settings, object_names(files_in(meshes)), units, jobs)
-    measured(table, axis_pair(settings.axes))
+    whole = changed(settings_in(config), "postprocess", grasps=grasps)
+    files = object_names(files_in(meshes))
+    table = stage.run(select(whole, MeasureMeshes), files, units, jobs)
     if out is not None:
         write_frame(table, tables.MEASURED, out)
+    measured(table, axis_pair(whole.axes))
     _complain(_reasons(table), len(table))
 
 
@@ -64,21 +75,17 @@ def similarity(
 ) -> None:
     """Compare any meshes with each other: 1 for the same shape, 0 for nothing in common."""
     from egad.cli.show import square
-    from egad.config_check import check
     from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_matrix
     from egad.stages import similarity as stage
 
     check_ending(out)
-    settings = settings_in(config)
-    if bases is not None:
-        changed = settings.model_dump(mode="json")
-        settings = check({**changed, "similarity": {**changed["similarity"], "bases": bases}})
+    whole = changed(settings_in(config), "similarity", bases=bases)
     files = object_names(files_in(meshes))
-    matrix, reasons = stage.run(settings.similarity, files, units, jobs)
-    square(matrix)
+    matrix, reasons = stage.run(whole.similarity, files, units, jobs)
     if out is not None:
         write_matrix(matrix, out)
+    square(matrix)
     _complain(reasons, len(files))
 
 
@@ -105,10 +112,10 @@ def locate(
 
     for path in out:
         check_ending(path, (".html", ".parquet", ".csv"))
-    settings = select(_graded(settings_in(config), grasps), LocateMeshes)
-    objects = stage.reference(among, settings.shape)
+    whole = changed(settings_in(config), "postprocess", grasps=grasps)
+    settings = select(whole, LocateMeshes)
+    objects = stage.reference(among, settings)
     table, shown = stage.run(settings, objects, object_names(files_in(meshes)), units, jobs)
-    located(table, axis_pair(settings.axes))
     for path in out:
         if path.suffix.lower() == ".html":
             reasons = _reasons(table)
@@ -116,15 +123,8 @@ def locate(
             write_text(path, text)
         else:
             write_frame(table, tables.LOCATED, path)
+    located(table, axis_pair(settings.axes))
     _complain(_reasons(table), len(table))
-
-
-def _graded(settings: Settings, grasps: int | None) -> Settings:
-    """The settings with another number of grasps."""
-    if grasps is None:
-        return settings
-    section = settings.postprocess.model_copy(update={"grasps": grasps})
-    return settings.model_copy(update={"postprocess": section})
 
 
 def _reasons(table: pd.DataFrame) -> dict[str, str]:

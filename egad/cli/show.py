@@ -10,7 +10,7 @@ from rich.table import Table
 from egad.measures.space import cell_name
 from egad.report.axes import AxisPair
 
-DASH = "\N{EN DASH}"
+DASH = "-"
 WIDE = 200  # columns of a table that goes into a file
 MOST = 12  # columns of a matrix that still can be read
 

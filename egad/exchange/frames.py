@@ -22,6 +22,8 @@ def check_ending(path: Path | None, endings: tuple[str, ...] = ENDINGS) -> None:
         return
     if path.suffix.lower() not in endings:
         raise UserError(f"--out {path}: the name must end in {' or '.join(endings)}")
+    if path.is_dir():
+        raise UserError(f"--out {path} is a folder; name a file")
     if not path.absolute().parent.is_dir():
         raise UserError(f"--out {path}: there is no folder {path.parent}")
 

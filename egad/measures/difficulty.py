@@ -68,7 +68,7 @@ def _qualities(
     rng: np.random.Generator,
 ) -> Floats:
     """Quality of each grasp by the metric of the settings."""
-    if settings.robust is None:
+    if settings.difficulty.metric == "plain" or settings.robust is None:
         rated: Floats = ferrari_canny(
             grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()
         )

@@ -125,6 +125,13 @@ class Neighbourhood:
         near = self._near[index][self._near[index] >= 0]
         return near, self._distances[index, near]
 
+    def nearest_to(self, graph: ReebGraph) -> tuple[Integers, Floats]:
+        """The nearest shapes to one that is not among them, as `nearest`."""
+        (index,) = self.add([graph])
+        near, distances = self.nearest(index)
+        self.remove(index)
+        return near, distances
+
     def diversity(self, index: int) -> float:
         """Mean distance of a shape to its nearest ones; 1 if there is no other.
 

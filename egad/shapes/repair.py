@@ -21,6 +21,7 @@ CRACK = 1e-4  # of the longest side: open edges that are this close belong toget
 LARGEST_HOLE = 0.1  # of the area of a shell; a larger one may be the mouth of a cup
 DEBRIS = 0.1  # of the area of all shells: open shells that together have less are dropped
 FLAT = 1e-6  # volume / longest side cubed: thinner than this bounds nothing
+THIN = f"no volume, or less than {FLAT:g} of the cube of its longest side"
 
 
 class Repaired(NamedTuple):
@@ -91,7 +92,7 @@ def _largest(solid: Solid) -> Solid:
     best = max(parts, key=lambda part: part.volume())
     low, high = np.reshape(best.bounding_box(), (2, 3))
     if not best.volume() > FLAT * float((high - low).max()) ** 3:
-        raise RejectedError("no volume")
+        raise RejectedError(THIN)
     return best
 
 

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad.errors import UserError
+
 Solid = NDArray[np.bool_]
 
 
@@ -51,12 +53,15 @@ def unpack(data: bytes, resolution: int) -> Solid:
     """The inverse of `pack`.
 
     Raises:
-        ValueError: The data has another size than the resolution asks for.
+        UserError: The data has another size than the resolution asks for.
     """
     count = resolution**3
     bits = np.frombuffer(data, dtype=np.uint8)
     if len(bits) != (count + 7) // 8:
-        raise ValueError(f"{len(bits)} bytes of voxels do not make {resolution}^3 voxels")
+        raise UserError(
+            f"{len(bits)} bytes of voxels do not make {resolution}^3 voxels: "
+            "the archive was made with another shape.resolution"
+        )
     return np.unpackbits(bits, count=count).astype(bool).reshape((resolution,) * 3)
 
 

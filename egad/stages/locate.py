@@ -41,38 +41,50 @@ class Reference:
     load: Mapping[str, Callable[[], trimesh.Trimesh]]
 
 
-def reference(path: Path, shape: Shape) -> Reference:
+def reference(path: Path, settings: LocateMeshes) -> Reference:
     """The objects of an archive, or of a folder of a dataset.
 
     Args:
         path: An `archive.parquet`, an `objects.parquet` with `meshes/` beside it, or the folder
             of these.
-        shape: The settings that an archive was evolved with.
+        settings: Those that the objects were made with.
 
     Raises:
-        UserError: There is neither.
+        UserError: There is neither, or it was made with another grid.
         TableError: The table is damaged.
     """
     if path.is_dir():
         path = path / "objects.parquet"
     if not path.is_file():
         raise UserError(f"--in {path}: no such file; name an archive or the folder of a dataset")
-    try:
-        objects = tables.read(path, tables.OBJECTS)
-    except tables.TableError:
-        archive = tables.read(path, tables.ARCHIVE)
-        return _of_archive(archive, shape)
-    meshes = path.parent / "meshes"
+    names = tables.columns(path)
+    if "voxels" in names:
+        found = _of_archive(tables.read(path, tables.ARCHIVE), settings.shape)
+    elif "watertight" in names:
+        found = _of_dataset(tables.read(path, tables.OBJECTS), path.parent / "meshes")
+    else:
+        raise UserError(f"--in {path}: neither an archive nor the objects of a dataset")
+    cells = found.objects[["complexity_cell", "difficulty_cell"]].to_numpy()
+    if len(cells) and cells.max() >= settings.space.cells:
+        raise UserError(
+            f"--in {path}: cells up to {cells.max()}, but the configuration has "
+            f"{settings.space.cells} along each axis; name the one of that dataset with --config"
+        )
+    return found
+
+
+def _of_dataset(objects: pd.DataFrame, meshes: Path) -> Reference:
+    files = {label: meshes / f"{label}.obj" for label in objects["label"]}
+    if missing := [file for file in files.values() if not file.is_file()]:
+        raise UserError(f"{missing[0]}: this mesh of the dataset is not there")
     return Reference(
-        objects,
-        {label: partial(read_mesh, meshes / f"{label}.obj", "m") for label in objects["label"]},
+        objects, {label: partial(read_mesh, file, "m") for label, file in files.items()}
     )
 
 
 def _of_archive(archive: pd.DataFrame, shape: Shape) -> Reference:
     ordered = archive.sort_values(["difficulty_cell", "complexity_cell", "slot"])
     names = labels(ordered["complexity_cell"], ordered["difficulty_cell"])
-
     solids = zip(names, ordered["voxels"], strict=True)
     return Reference(
         ordered.assign(label=names).reset_index(drop=True),
@@ -106,8 +118,9 @@ def run(
         mine = list(progress(mapper(work, files.items()), "measuring", len(files)))
         graphs = mapper(partial(_graph, settings=similarity), among.load.values())
         packed = list(progress(graphs, "Reeb graphs", len(among.load)))
-    near = _Nearest(settings, among.objects, [reeb.unpack(graph) for graph in packed])
-    rows = [_placed(item, near, among.objects) for item in mine]
+    hood = Neighbourhood(similarity.weight, settings.space.neighbours)
+    hood.add(reeb.unpack(graph) for graph in packed)  # indices are those of the rows
+    rows = [_placed(item, hood, among.objects) for item in mine]
     warn_of_units(pd.DataFrame([item.row for item in mine], columns=tables.MEASURED.names), units)
     return pd.DataFrame(rows, columns=tables.LOCATED.names), [
         _located(row, item, among) for row, item in zip(rows, mine, strict=True) if item.graph
@@ -125,7 +138,7 @@ class _Mine(NamedTuple):
 def _mine(item: tuple[str, Path], units: str, settings: LocateMeshes) -> _Mine:
     name, path = item
     try:
-        solid, row = measured(name, read_mesh(path, units), settings)
+        solid, row = measured(read_mesh(path, units), settings)
         graph = reeb.pack(reeb.extract(solid, settings.similarity))
     except RejectedError as reason:
         return _Mine({"name": name, "reason": str(reason)})
@@ -136,35 +149,20 @@ def _graph(load: Callable[[], trimesh.Trimesh], settings: Similarity) -> bytes:
     return reeb.pack(reeb.extract(load(), settings))
 
 
-class _Nearest:
-    """The nearest objects of a dataset to shapes that do not belong to it."""
-
-    def __init__(
-        self, settings: LocateMeshes, objects: pd.DataFrame, graphs: list[reeb.ReebGraph]
-    ) -> None:
-        self._hood = Neighbourhood(settings.similarity.weight, settings.space.neighbours)
-        indices = self._hood.add(graphs)
-        self._names = dict(zip(indices, objects["label"], strict=True))
-
-    def __call__(self, packed: bytes) -> tuple[list[str], list[float]]:
-        (index,) = self._hood.add([reeb.unpack(packed)])
-        near, distances = self._hood.nearest(index)
-        self._hood.remove(index)
-        return [self._names[each] for each in near], distances.tolist()
-
-
-def _placed(item: _Mine, near: _Nearest, objects: pd.DataFrame) -> dict[str, Any]:
+def _placed(item: _Mine, hood: Neighbourhood, objects: pd.DataFrame) -> dict[str, Any]:
     """A row of `egad.tables.LOCATED`."""
     if not item.graph:
         return item.row
-    names, distances = near(item.graph)
+    near, distances = hood.nearest_to(reeb.unpack(item.graph))
+    simpler = objects["complexity"] < item.row["complexity"]
+    easier = objects["difficulty"] > item.row["difficulty"]
     return {
         **item.row,
-        "complexity_percentile": 100 * (objects["complexity"] < item.row["complexity"]).mean(),
-        "difficulty_percentile": 100 * (objects["difficulty"] > item.row["difficulty"]).mean(),
-        "diversity": float(np.mean(distances)) if distances else 1.0,
-        "nearest": names,
-        "distances": distances,
+        "complexity_percentile": 100 * simpler.mean(),
+        "difficulty_percentile": 100 * easier.mean(),
+        "diversity": float(np.mean(distances)) if len(distances) else 1.0,
+        "nearest": objects["label"].iloc[near].tolist(),
+        "distances": distances.tolist(),
     }
 
 

@@ -12,10 +12,9 @@ import trimesh
 from egad import tables
 from egad.errors import RejectedError
 from egad.exchange.meshes import read_mesh
-from egad.measures.coordinates import coordinates
+from egad.measures.coordinates import graded
 from egad.measures.space import complexity_cells, difficulty_cells
 from egad.progress import progress
-from egad.seeds import generator
 from egad.shapes.solid import body
 from egad.stage_settings import MeasureMeshes
 from egad.workers import workers
@@ -48,7 +47,7 @@ def run(
 
 
 def measured(
-    name: str, mesh: trimesh.Trimesh, settings: MeasureMeshes
+    mesh: trimesh.Trimesh, settings: MeasureMeshes
 ) -> tuple[trimesh.Trimesh, dict[str, Any]]:
     """The repaired mesh and its row of `egad.tables.MEASURED`.
 
@@ -56,8 +55,7 @@ def measured(
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
     """
     solid, repaired, _ = body(mesh, settings.material, settings.postprocess)
-    rng = generator(settings.seed, "regrade", name)  # as postprocess: the same object, same value
-    place = coordinates(solid, settings, settings.postprocess.grasps, rng)
+    place = graded(solid, settings, settings.postprocess.grasps)
     return solid, {
         **place._asdict(),
         "complexity_cell": int(complexity_cells(place.complexity, settings.space)),
@@ -70,7 +68,7 @@ def measured(
 def _row(item: tuple[str, Path], units: str, settings: MeasureMeshes) -> dict[str, Any]:
     name, path = item
     try:
-        _, row = measured(name, read_mesh(path, units), settings)
+        _, row = measured(read_mesh(path, units), settings)
     except RejectedError as reason:
         return {"name": name, "reason": str(reason)}
     return {"name": name, **row, "reason": ""}

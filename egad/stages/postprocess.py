@@ -15,9 +15,8 @@ from egad.errors import RejectedError
 from egad.exchange.folders import EVERY_FILE, objects_in
 from egad.exchange.meshes import read_mesh
 from egad.measures import reeb
-from egad.measures.coordinates import coordinates
+from egad.measures.coordinates import graded
 from egad.progress import progress
-from egad.seeds import generator
 from egad.shapes.solid import body
 from egad.shapes.surface import packed_surface
 from egad.stage_settings import PostprocessSolids
@@ -85,8 +84,7 @@ def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
     """
     solid, repaired, mass = body(mesh, settings.material, settings.postprocess)
-    rng = generator(settings.seed, "regrade", object_id)
-    place = coordinates(solid, settings, settings.postprocess.grasps, rng)
+    place = graded(solid, settings, settings.postprocess.grasps)
     return {
         "id": object_id,
         **place._asdict(),

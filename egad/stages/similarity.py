@@ -1,6 +1,7 @@
 """similarity: how alike any meshes are."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -56,11 +57,12 @@ def _graph(path: Path, units: str, settings: Similarity) -> bytes | str:
 
 
 def graph_of(mesh: trimesh.Trimesh, settings: Similarity) -> reeb.ReebGraph:
-    """The Reeb graph of a mesh as it is, or of the repaired one if it is in several pieces.
+    """The Reeb graph of a mesh after repair, as datasets have it.
 
-    Repair orders vertices anew, and `scan` bases depend on that order.
+    With `scan` bases it is that of the mesh as it is, for they depend on the order of the vertices,
+    which repair changes; of the repaired mesh only if there is no other way.
     """
-    try:
-        return reeb.extract(mesh, settings)
-    except RejectedError:
-        return reeb.extract(repair(mesh).mesh, settings)
+    if settings.bases == "scan":
+        with suppress(RejectedError):
+            return reeb.extract(mesh, settings)
+    return reeb.extract(repair(mesh).mesh, settings)

@@ -17,7 +17,7 @@ from egad.evolution.evaluation import Solid, express, measure
 from egad.evolution.island import evolve
 from egad.evolution.reproduction import breed
 from egad.grasps.labels import label
-from egad.grasps.quality import ferrari_canny
+from egad.grasps.quality import ferrari_canny, wrenches
 from egad.measures import reeb
 from egad.measures.difficulty import difficulty
 from egad.measures.forest import Forest
@@ -166,14 +166,16 @@ def test_grasp_qualities():
 
 
 def test_hulls_of_scipy():
-    """What the same quality costs by a whole convex hull of the 20 wrenches."""
-    wrenches = np.random.default_rng(0).normal(size=(20, 20, 6))
+    """What the quality of the same grasps costs by a whole convex hull of their 20 wrenches."""
+    points, normals, axes = random_grasps(50)
+    friction, torsion = np.full(len(axes), 0.5), np.pi * 0.005**2 * 100
+    columns = wrenches(100 * points, normals, axes, friction, torsion, 8)
 
     def facets():
-        for some in wrenches:
+        for some in columns:
             (-ConvexHull(some).equations[:, -1]).min()
 
-    rate("quality by scipy's hull", "grasps", facets, len(wrenches))
+    rate("quality by scipy's hull", "grasps", facets, len(columns))
 
 
 def test_difficulty(meshes):

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from egad.errors import UserError
 from egad.shapes import voxels
 
 
@@ -61,7 +62,7 @@ def test_pack_round_trip(size):
 
 
 def test_unpack_refuses_another_resolution():
-    with pytest.raises(ValueError, match=r"25\^3"):
+    with pytest.raises(UserError, match=r"25\^3"):
         voxels.unpack(b"123", 25)
 
 

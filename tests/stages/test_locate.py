@@ -1,14 +1,18 @@
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import percentileofscore
 
 from egad import tables
 from egad.errors import UserError
 from egad.exchange.meshes import read_mesh, write_obj
 from egad.measures import reeb
 from egad.measures.similarity import similarity
-from egad.report.locations import page
-from egad.settings import Settings
+from egad.report.locations import location_map, page
+from egad.settings import Settings, Space
+from egad.shapes.repair import repair
 from egad.stage_settings import Evolve, LocateMeshes, select
 from egad.stages import evolve, locate, materialise
 
@@ -37,7 +41,7 @@ def home(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def among(home):
-    return locate.reference(home / "archive.parquet", SETTINGS.shape)
+    return locate.reference(home / "archive.parquet", READ)
 
 
 @pytest.fixture(scope="module")
@@ -52,34 +56,30 @@ def placed(among, files):
     return locate.run(READ, among, files, "m", 1)
 
 
-def test_an_object_of_the_archive_is_nearest_to_itself(home, placed):
+def test_an_object_of_the_archive_is_nearest_to_itself(among, placed):
     table, _ = placed
-    archive = tables.read(home / "archive.parquet", tables.ARCHIVE).set_index("id")
+    ids = dict(zip(among.objects["label"], among.objects["id"], strict=True))
     for row in table.head(3).to_dict("records"):
-        assert row["nearest"][0][:3] == _cell(archive.loc[row["name"]])
+        assert ids[row["nearest"][0]] == row["name"]
         assert row["distances"][0] < 0.02
         assert row["diversity"] == pytest.approx(np.mean(row["distances"]))
-
-
-def _cell(row):
-    return f"{chr(ord('A') + row['difficulty_cell'])}{row['complexity_cell']:02d}"
 
 
 def test_neighbours_equal_an_exhaustive_search(among, files, placed):
     table, _ = placed
     graphs = {name: reeb.extract(load(), READ.similarity) for name, load in among.load.items()}
-    row = table.iloc[0]
-    mine = reeb.extract(read_mesh(files[row["name"]], "m"), READ.similarity)
-    distances = {name: 1 - similarity(mine, graph, 0.5) for name, graph in graphs.items()}
-    nearest = sorted(distances, key=distances.__getitem__)[:3]
-    assert row["distances"] == pytest.approx([distances[name] for name in nearest], abs=0.02)
+    for row in table.head(3).to_dict("records"):
+        mine = reeb.extract(repair(read_mesh(files[row["name"]], "m")).mesh, READ.similarity)
+        distances = {name: 1 - similarity(mine, graph, 0.5) for name, graph in graphs.items()}
+        nearest = sorted(distances, key=distances.__getitem__)[:3]
+        assert row["nearest"] == nearest
+        assert row["distances"] == pytest.approx([distances[name] for name in nearest], abs=1e-9)
 
 
 def test_percentiles_count_what_is_simpler_and_easier(among, placed):
-    table, _ = placed
-    row, objects = table.iloc[1], among.objects
-    simpler = 100 * np.mean([value < row["complexity"] for value in objects["complexity"]])
-    easier = 100 * np.mean([value > row["difficulty"] for value in objects["difficulty"]])
+    row, objects = placed[0].iloc[1], among.objects
+    simpler = percentileofscore(objects["complexity"], row["complexity"], kind="strict")
+    easier = percentileofscore(-objects["difficulty"], -row["difficulty"], kind="strict")
     assert row["complexity_percentile"] == pytest.approx(simpler)
     assert row["difficulty_percentile"] == pytest.approx(easier)
 
@@ -101,9 +101,9 @@ def test_the_folder_of_a_dataset_does_as_well_as_an_archive(among, tmp_path):
     (tmp_path / "meshes").mkdir()
     frame = among.objects.reindex(columns=tables.OBJECTS.names).fillna(0)
     tables.write(frame, tables.OBJECTS, tmp_path / "objects.parquet")
-    label = frame["label"].iloc[0]
-    write_obj(among.load[label](), tmp_path / "meshes" / f"{label}.obj")
-    other = locate.reference(tmp_path, SETTINGS.shape)
+    for label, load in among.load.items():
+        write_obj(load(), tmp_path / "meshes" / f"{label}.obj")
+    other = locate.reference(tmp_path, READ)
     assert list(other.load) == list(among.load)
     assert np.allclose(other.load[label]().vertices, among.load[label]().vertices)
 
@@ -123,4 +123,40 @@ def test_the_page_shows_places_pictures_and_reasons(among, placed):
 
 def test_a_file_that_is_not_there_is_refused(tmp_path):
     with pytest.raises(UserError, match="name an archive"):
-        locate.reference(tmp_path / "nothing.parquet", SETTINGS.shape)
+        locate.reference(tmp_path / "nothing.parquet", READ)
+
+
+def test_what_does_not_fit_the_configuration_is_refused(home, tmp_path):
+    other = select(Settings.model_validate({"space": {"cells": 2}}), LocateMeshes)
+    with pytest.raises(UserError, match="2 along each axis; name the one of that dataset"):
+        locate.reference(home / "archive.parquet", other)
+    coarse = locate.reference(home / "archive.parquet", select(Settings(), LocateMeshes))
+    with pytest.raises(UserError, match=r"another shape\.resolution"):
+        next(iter(coarse.load.values()))()
+    tables.write(tables.empty(tables.REJECTED), tables.REJECTED, tmp_path / "rejected.parquet")
+    with pytest.raises(UserError, match="neither an archive nor the objects"):
+        locate.reference(tmp_path / "rejected.parquet", READ)
+
+
+def test_a_dataset_without_its_meshes_is_refused(among, tmp_path):
+    frame = among.objects.reindex(columns=tables.OBJECTS.names).fillna(0)
+    tables.write(frame, tables.OBJECTS, tmp_path / "objects.parquet")
+    with pytest.raises(UserError, match="is not there"):
+        locate.reference(tmp_path, READ)
+
+
+def test_marks_stand_at_their_cells():
+    """Complexity goes to the right, difficulty up; in SVG, y goes down."""
+    none = pd.DataFrame({"complexity_cell": [], "difficulty_cell": []}, dtype=int)
+    drawn = location_map(none, [(0, 0), (9, 0), (0, 9)], Space(cells=10))
+    (x0, y0), (x1, y1), (x2, y2) = _marks(drawn)
+    assert x1 > x0 + 100
+    assert y1 == y0
+    assert x2 == x0
+    assert y2 < y0 - 100
+
+
+def _marks(svg):
+    """Places of the round marks."""
+    uses = re.findall(r'<use [^>]*x="([\d.]+)" y="([\d.]+)" style="fill: #d55e00', svg)
+    return [(float(x), float(y)) for x, y in uses]
