@@ -56,7 +56,8 @@ INTRODUCTION = """# Results
 
 For a dataset `D`, a gripper `G` and a grasp detector `P`. Lengths are metres and masses kilograms
 unless a unit says otherwise. Cells count from 0 = simplest and 0 = easiest, while `difficulty`
-itself is a grasp quality: high for easy objects. Every table opens with
+itself is a grasp quality: high for easy objects. With measures of one's own (`axes` in the
+settings) `complexity` and `difficulty` hold those, and `grasps` is 0. Every table opens with
 `pandas.read_parquet`; columns carry their `unit` and `meaning` as Arrow field metadata.
 
 Folders `D/parts` and `D/epochs` hold what jobs hand to each other. They may be deleted once a run

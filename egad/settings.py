@@ -16,6 +16,9 @@ PositiveFraction = Annotated[float, Field(gt=0, le=1)]
 Length = Annotated[float, Field(gt=0, le=10)]
 Sigma = Annotated[float, Field(ge=0)]
 Range = tuple[float, float]
+FractionRange = tuple[Fraction, Fraction]
+Offset = Annotated[float, Field(ge=-0.5, le=0.5)]
+Axis = Literal["x", "y", "z"]
 Activation = Literal["sin", "sigmoid", "gaussian", "identity"]
 ScaleRule = Literal["paper", "egad-script", "exact"]
 
@@ -24,6 +27,13 @@ class Section(BaseModel):
     """A group of settings: immutable, and closed to keys that it does not know."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def _ascending(section: Section, *names: str) -> None:
+    for name in names:
+        low, high = getattr(section, name)
+        if not low < high:
+            raise ValueError(f"{name} must go from low to high, got {low} to {high}")
 
 
 class Dataset(Section):
@@ -143,6 +153,70 @@ class Shape(Section):
     longest_side: Length = Field(0.1, description="longest axis-aligned side of the mesh, metres")
 
 
+class Region(Section):
+    """A part of the cube that shapes grow in; the cube has sides of 1 and its middle at 0."""
+
+    kind: Literal["none", "box", "ellipsoid", "cylinder", "mesh"] = Field(
+        "none", description="its form; a sphere is an ellipsoid with equal sides, none: off"
+    )
+    size: tuple[PositiveFraction, PositiveFraction, PositiveFraction] = Field(
+        (1, 1, 1), description="its sides along x, y, z, as parts of the cube"
+    )
+    centre: tuple[Offset, Offset, Offset] = Field(
+        (0, 0, 0), description="its middle, as parts of the cube from the middle of that"
+    )
+    axis: Axis = Field("z", description="axis of a cylinder")
+    mesh: str = Field(
+        "", description="file of a mesh, scaled evenly to fit `size`; its inside counts"
+    )
+
+    @model_validator(mode="after")
+    def _a_mesh_has_a_file(self) -> Self:
+        if (self.kind == "mesh") != bool(self.mesh):
+            raise ValueError(
+                f"kind is {self.kind} and mesh is {self.mesh!r}; `kind: mesh` and a file belong "
+                "together"
+            )
+        return self
+
+
+class Envelope(Region):
+    """What shapes must stay in, but for their part."""
+
+
+class Part(Region):
+    """What every shape must contain, but for the hole. It may stick out of the envelope."""
+
+
+class Hole(Region):
+    """What must stay empty."""
+
+
+class Symmetry(Section):
+    """Symmetry that shapes must have. Mirrors hold for envelope, part and hole too."""
+
+    mirror: tuple[Axis, ...] = Field(
+        (), description="axes across which the two halves of a shape are mirror images"
+    )
+    fold: int = Field(1, ge=1, le=32, description="how often a shape repeats itself in a full turn")
+    axis: Axis = Field("z", description="axis of that turn")
+
+
+class Limits(Section):
+    """Shapes outside are rejected before they are measured."""
+
+    aspect_ratio: Range = Field(
+        (1, 64), description="longest by shortest side of the axis-aligned box, in voxels"
+    )
+    box_part: FractionRange = Field((0, 1), description="volume as part of that box")
+    cube_part: FractionRange = Field((0, 1), description="volume as part of the cube")
+
+    @model_validator(mode="after")
+    def _ranges_ascend(self) -> Self:
+        _ascending(self, "aspect_ratio", "box_part", "cube_part")
+        return self
+
+
 class Space(Section):
     """The two axes that objects are spread over, and the archive of their elites."""
 
@@ -158,10 +232,30 @@ class Space(Section):
 
     @model_validator(mode="after")
     def _ranges_ascend(self) -> Self:
-        for name in ("complexity_range", "difficulty_range"):
-            low, high = getattr(self, name)
-            if not low < high:
-                raise ValueError(f"{name} must go from low to high, got {low} to {high}")
+        _ascending(self, "complexity_range", "difficulty_range")
+        return self
+
+
+class Axes(Section):
+    """Measures of your own as the axes of the space, in the place of complexity or difficulty.
+
+    `FILE.py:FUNCTION` or `package.module:FUNCTION` names a function from a closed
+    `trimesh.Trimesh` in metres to a number.
+    """
+
+    complexity: str = Field("", description="in the place of complexity; empty: none")
+    difficulty: str = Field(
+        "", description="in the place of difficulty, high values in row A; empty: none"
+    )
+
+    @model_validator(mode="after")
+    def _functions_are_named(self) -> Self:
+        for key, text in self:
+            module, _, function = text.rpartition(":")
+            if text and not (module and function.isidentifier()):
+                raise ValueError(
+                    f"{key} is {text!r}; allowed: FILE.py:FUNCTION or package.module:FUNCTION"
+                )
         return self
 
 
@@ -356,7 +450,13 @@ class Settings(Section):
     evolution: Evolution = Evolution()
     neat: Neat = Neat()
     shape: Shape = Shape()
+    envelope: Envelope = Envelope()
+    part: Part = Part()
+    hole: Hole = Hole()
+    symmetry: Symmetry = Symmetry()
+    limits: Limits = Limits()
     space: Space = Space()
+    axes: Axes = Axes()
     complexity: Complexity = Complexity()
     difficulty: Difficulty = Difficulty()
     similarity: Similarity = Similarity()

@@ -9,13 +9,18 @@ from typing import TypeVar
 from pydantic import BaseModel, ConfigDict
 
 from egad.settings import (
+    Axes,
     Complexity,
     Difficulty,
+    Envelope,
     Evolution,
     GraspLabel,
     Gripper,
+    Hole,
+    Limits,
     Material,
     Neat,
+    Part,
     Postprocess,
     PrintExport,
     Quality,
@@ -27,6 +32,7 @@ from egad.settings import (
     Shape,
     Similarity,
     Space,
+    Symmetry,
     Trials,
 )
 
@@ -42,6 +48,7 @@ class Measuring(StageSettings):
 
     seed: int
     gripper: Gripper
+    axes: Axes
     complexity: Complexity
     difficulty: Difficulty
     similarity: Similarity
@@ -56,6 +63,11 @@ class Evolve(Measuring):
     evolution: Evolution
     neat: Neat
     shape: Shape
+    envelope: Envelope
+    part: Part
+    hole: Hole
+    symmetry: Symmetry
+    limits: Limits
     space: Space
 
 
@@ -141,6 +153,7 @@ class Compare(StageSettings):
     """Datasets side by side."""
 
     space: Space
+    axes: Axes
 
 
 S = TypeVar("S", bound=StageSettings)

@@ -46,6 +46,15 @@ def test_settings_cannot_be_changed():
         {"datasets": {"egad": {"source": "meshes", "folder": "x"}}},
         {"space": {"difficulty_range": [0.004, 0.0005]}},
         {"space": {"complexity_range": [1, 1]}},
+        {"limits": {"aspect_ratio": [3, 2]}},
+        {"limits": {"box_part": [0.2, 1.2]}},
+        {"envelope": {"kind": "mesh"}},
+        {"part": {"kind": "box", "mesh": "handle.stl"}},
+        {"hole": {"kind": "box", "size": [0, 1, 1]}},
+        {"hole": {"kind": "box", "centre": [0, 0.6, 0]}},
+        {"symmetry": {"mirror": ["w"]}},
+        {"axes": {"complexity": "measures.py"}},
+        {"axes": {"difficulty": "measures.py:two words"}},
     ],
 )
 def test_settings_that_contradict_each_other_are_refused(wrong):

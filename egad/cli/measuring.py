@@ -50,6 +50,7 @@ def measure(
     from egad.cli.show import measured
     from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_frame
+    from egad.report.axes import axis_pair
     from egad.stage_settings import MeasureMeshes, select
     from egad.stages import measure as stage
 
@@ -59,7 +60,7 @@ def measure(
     table = stage.run(select(whole, MeasureMeshes), files, units, jobs)
     if out is not None:
         write_frame(table, tables.MEASURED, out)
-    measured(table)
+    measured(table, axis_pair(whole.axes))
     _complain(_reasons(table), len(table))
 
 
@@ -104,6 +105,7 @@ def locate(
     from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_frame
     from egad.files import write_text
+    from egad.report.axes import axis_pair
     from egad.report.locations import page
     from egad.stage_settings import LocateMeshes, select
     from egad.stages import locate as stage
@@ -116,11 +118,12 @@ def locate(
     table, shown = stage.run(settings, objects, object_names(files_in(meshes)), units, jobs)
     for path in out:
         if path.suffix.lower() == ".html":
-            text = page(str(among), objects.objects, shown, _reasons(table), settings.space)
+            reasons = _reasons(table)
+            text = page(str(among), objects.objects, shown, reasons, settings.space, settings.axes)
             write_text(path, text)
         else:
             write_frame(table, tables.LOCATED, path)
-    located(table)
+    located(table, axis_pair(settings.axes))
     _complain(_reasons(table), len(table))
 
 

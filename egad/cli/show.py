@@ -8,28 +8,28 @@ from rich.console import Console
 from rich.table import Table
 
 from egad.measures.space import cell_name
+from egad.report.axes import AxisPair
 
 DASH = "-"
 WIDE = 200  # columns of a table that goes into a file
-QUALITY = "quality/1000"
 MOST = 12  # columns of a matrix that still can be read
 
 
-def measured(table: pd.DataFrame) -> None:
+def measured(table: pd.DataFrame, axes: AxisPair) -> None:
     """Print columns of `egad.tables.MEASURED`."""
     show(
-        ["name", "complexity", QUALITY, "cell", "grasps"],
-        [(*_place(row), number(row["grasps"], 0)) for row in _rows(table)],
+        ["name", *_titles(axes), "cell", "grasps"],
+        [(*_place(row, axes), number(row["grasps"], 0)) for row in _rows(table)],
     )
 
 
-def located(table: pd.DataFrame) -> None:
+def located(table: pd.DataFrame, axes: AxisPair) -> None:
     """Print columns of `egad.tables.LOCATED`."""
     show(
-        ["name", "complexity", QUALITY, "cell", "simpler %", "easier %", "diversity", "nearest"],
+        ["name", *_titles(axes), "cell", *_orders(axes), "diversity", "nearest"],
         [
             (
-                *_place(row),
+                *_place(row, axes),
                 number(row["complexity_percentile"], 0),
                 number(row["difficulty_percentile"], 0),
                 number(row["diversity"], 3),
@@ -72,9 +72,19 @@ def _rows(table: pd.DataFrame) -> list[pd.Series]:
     return [row for _, row in table.iterrows()]
 
 
-def _place(row: pd.Series) -> tuple[str, str, str, str]:
+def _titles(axes: AxisPair) -> list[str]:
+    return [axis.value + (f"/{axis.factor}" if axis.factor != 1 else "") for axis in axes]
+
+
+def _orders(axes: AxisPair) -> tuple[str, str]:
+    """What the objects before this one are, along both axes."""
+    words = {"simple": "simpler %", "low": "lower %", "easy": "easier %", "high": "higher %"}
+    return words[axes.across.start], words[axes.upwards.start]
+
+
+def _place(row: pd.Series, axes: AxisPair) -> tuple[str, str, str, str]:
     """Name, complexity, difficulty and cell of a row."""
     unknown = pd.isna(row["complexity_cell"])
     cell = DASH if unknown else cell_name(int(row["complexity_cell"]), int(row["difficulty_cell"]))
-    quality = number(1000 * row["difficulty"], 3)
+    quality = number(axes.upwards.factor * row["difficulty"], 3)
     return str(row["name"]), number(row["complexity"], 3), quality, cell

@@ -78,7 +78,8 @@ def collage(
     """Draw the objects of a dataset at their places in the space, as one PNG picture."""
     from egad.stages import collage as stage
 
-    stage.run(dataset, out, settings_in(config).space)
+    settings = settings_in(config)
+    stage.run(dataset, out, settings.space, settings.axes)
 
 
 @app.command(name="check-config", rich_help_panel=TOOL)

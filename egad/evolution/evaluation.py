@@ -7,7 +7,7 @@ from egad.measures import reeb
 from egad.measures.coordinates import coordinates
 from egad.measures.difficulty import difficulty
 from egad.seeds import generator
-from egad.shapes import cppn, voxels
+from egad.shapes import constraints, cppn, voxels
 from egad.shapes.genome import Row
 from egad.shapes.surface import packed_surface
 from egad.stage_settings import Evolve
@@ -30,11 +30,15 @@ class Measured:
     graph: reeb.ReebGraph
 
 
-def express(row: Row, settings: Evolve) -> Solid | None:
-    """The solid of a genome; None if nothing is solid."""
+def express(row: Row, settings: Evolve, rules: constraints.Rules) -> Solid | str:
+    """The solid of a genome, or the reason why it is none that is allowed."""
     shape = settings.shape
-    solid = voxels.solid(cppn.query(row, shape.resolution), shape.threshold)
-    return Solid(voxels.identity(solid), voxels.pack(solid)) if solid.any() else None
+    output = cppn.query(row, shape.resolution, rules.symmetry)
+    try:
+        solid = constraints.solid(output, shape.threshold, rules)
+    except RejectedError as error:
+        return str(error)
+    return Solid(voxels.identity(solid), voxels.pack(solid))
 
 
 def measure(solid: Solid, settings: Evolve) -> Measured | str:

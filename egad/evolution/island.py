@@ -11,9 +11,10 @@ import pandas as pd
 from egad import tables
 from egad.evolution.archive import Archive, Elite
 from egad.evolution.evaluation import Measured, Solid, express, measure, regrade
-from egad.evolution.history import EMPTY, EVALUATED, KNOWN, snapshot
+from egad.evolution.history import EVALUATED, KNOWN, snapshot
 from egad.evolution.reproduction import Offspring, breed
 from egad.progress import progress
+from egad.shapes.constraints import UNBOUND, Rules
 from egad.stage_settings import Evolve
 from egad.workers import Mapper
 
@@ -31,7 +32,12 @@ class Step(NamedTuple):
 
 
 def evolve(
-    archive: Archive, settings: Evolve, epoch: int, island: int, mapper: Mapper = map
+    archive: Archive,
+    settings: Evolve,
+    epoch: int,
+    island: int,
+    rules: Rules = UNBOUND,
+    mapper: Mapper = map,
 ) -> tuple[pd.DataFrame, Counter[str]]:
     """Run the steps of one epoch of one island on its archive.
 
@@ -40,6 +46,7 @@ def evolve(
         settings: Everything about breeding and measuring.
         epoch: Number of the epoch.
         island: Number of the island.
+        rules: What every shape must obey.
         mapper: An order-keeping `map`; where it runs does not change the result.
 
     Returns:
@@ -51,7 +58,7 @@ def evolve(
     for number in progress(range(steps), f"epoch {epoch}, island {island}", steps):
         step = Step(epoch, island, number)
         offspring = breed(archive.elites, settings, *step)
-        elites, outcomes = _evaluated(offspring, archive, settings, epoch, mapper)
+        elites, outcomes = _evaluated(offspring, archive, settings, epoch, rules, mapper)
         archive.add(elites)
         total += outcomes
         scored = number % SCORED == SCORED - 1 or number == steps - 1
@@ -62,13 +69,18 @@ def evolve(
 
 
 def _evaluated(
-    offspring: list[Offspring], archive: Archive, settings: Evolve, epoch: int, mapper: Mapper
+    offspring: list[Offspring],
+    archive: Archive,
+    settings: Evolve,
+    epoch: int,
+    rules: Rules,
+    mapper: Mapper,
 ) -> tuple[list[Elite], Counter[str]]:
     """The offspring that are new and can be measured, and what became of all."""
-    fresh, outcomes = _fresh(offspring, archive, settings, mapper)
+    fresh, outcomes = _fresh(offspring, archive, settings, rules, mapper)
     solids = [solid for _, solid in fresh]
     results = list(mapper(partial(measure, settings=settings), solids))
-    if settings.evolution.regrade:
+    if settings.evolution.regrade and not settings.axes.difficulty:
         results = _regraded(solids, results, archive, settings, mapper)
     elites = []
     for (each, solid), result in zip(fresh, results, strict=True):
@@ -76,20 +88,21 @@ def _evaluated(
             outcomes[EVALUATED] += 1
             elites.append(_elite(each, solid, result, epoch))
         else:
-            outcomes[result.partition(" (")[0]] += 1
+            outcomes[_kind(result)] += 1
     return elites, outcomes
 
 
 def _fresh(
-    offspring: list[Offspring], archive: Archive, settings: Evolve, mapper: Mapper
+    offspring: list[Offspring], archive: Archive, settings: Evolve, rules: Rules, mapper: Mapper
 ) -> tuple[list[tuple[Offspring, Solid]], Counter[str]]:
     """The offspring whose voxels are not known yet, and how many others there are."""
     outcomes: Counter[str] = Counter()
-    solids = mapper(partial(express, settings=settings), [each.genome for each in offspring])
+    work = partial(express, settings=settings, rules=rules)
+    solids = mapper(work, [each.genome for each in offspring])
     fresh: dict[str, tuple[Offspring, Solid]] = {}
     for each, solid in zip(offspring, solids, strict=True):
-        if solid is None:
-            outcomes[EMPTY] += 1
+        if isinstance(solid, str):
+            outcomes[_kind(solid)] += 1
         elif solid.id in archive or solid.id in fresh:
             outcomes[KNOWN] += 1
         else:
@@ -118,6 +131,11 @@ def _regraded(
         else:
             results[index] = grade
     return results
+
+
+def _kind(reason: str) -> str:
+    """A reason without its numbers."""
+    return reason.partition(" (")[0]
 
 
 def _elite(offspring: Offspring, solid: Solid, measured: Measured, epoch: int) -> Elite:

@@ -8,6 +8,7 @@ import trimesh
 
 from egad.measures.complexity import complexity
 from egad.measures.difficulty import difficulty
+from egad.measures.own import own_value
 from egad.seeds import generator
 from egad.stage_settings import Measuring
 
@@ -16,9 +17,9 @@ class Coordinates(NamedTuple):
     """The measures that span the space.
 
     Attributes:
-        complexity: Entropy of the angular deficits, bits.
-        difficulty: Percentile of grasp quality; high is easy.
-        grasps: How many grasps the percentile was taken from.
+        complexity: Entropy of the angular deficits, bits; or the user's own measure.
+        difficulty: Percentile of grasp quality; high is easy. Or the user's own measure.
+        grasps: How many grasps the percentile was taken from; 0 for a measure of the user.
     """
 
     complexity: float
@@ -39,9 +40,20 @@ def coordinates(
 
     Raises:
         RejectedError: The mesh cannot be measured, or has no grasp.
+        UserError: A measure of the user cannot be found.
     """
-    quality, found = difficulty(mesh, settings, grasps, rng)
-    return Coordinates(complexity(mesh, settings.complexity.bins), quality, found)
+    axes = settings.axes
+    quality, found = (
+        (own_value(axes.difficulty, mesh), 0)
+        if axes.difficulty
+        else difficulty(mesh, settings, grasps, rng)
+    )
+    across = (
+        own_value(axes.complexity, mesh)
+        if axes.complexity
+        else complexity(mesh, settings.complexity.bins)
+    )
+    return Coordinates(across, quality, found)
 
 
 def graded(mesh: trimesh.Trimesh, settings: Measuring, grasps: int) -> Coordinates:

@@ -8,16 +8,19 @@ import matplotlib
 import pandas as pd
 from PIL import Image, ImageDraw, ImageFont
 
+from egad.report.axes import USUAL, AxisPair
 from egad.settings import Space
 
 INK = (28, 36, 48)
 GROUND = (236, 238, 242)
-ACROSS = "shape complexity: simple \N{RIGHTWARDS ARROW} complex"
-UPWARDS = "grasp difficulty: easy \N{RIGHTWARDS ARROW} hard"
 
 
 def collage(
-    objects: pd.DataFrame, pictures: Mapping[str, bytes], space: Space, unit: int = 48
+    objects: pd.DataFrame,
+    pictures: Mapping[str, bytes],
+    space: Space,
+    unit: int = 48,
+    axes: AxisPair = USUAL,
 ) -> bytes:
     """Draw the most diverse object of every cell, complexity across and difficulty upwards.
 
@@ -27,6 +30,7 @@ def collage(
             one are left out.
         space: The cells.
         unit: Pixels a side of a cell.
+        axes: What is written along the axes.
 
     Returns:
         A PNG file.
@@ -40,9 +44,9 @@ def collage(
             (space.cells - 1 - int(item["difficulty_cell"])) * unit,
         )
         _paste(image, pictures[item["label"]], place, unit)
-    _write(image, ACROSS, (margin + side // 2, side + margin // 2), unit)
+    _write(image, axes.across.long_label, (margin + side // 2, side + margin // 2), unit)
     turned = image.transpose(Image.Transpose.ROTATE_270)
-    _write(turned, UPWARDS, (turned.width - side // 2, margin // 2), unit)
+    _write(turned, axes.upwards.long_label, (turned.width - side // 2, margin // 2), unit)
     buffer = io.BytesIO()
     turned.transpose(Image.Transpose.ROTATE_90).save(buffer, "png", optimize=True)
     return buffer.getvalue()

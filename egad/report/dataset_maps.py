@@ -15,6 +15,7 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from egad.measures.space import coverage
+from egad.report.axes import USUAL, AxisPair
 from egad.report.style import FAINT, drawn
 from egad.settings import Space
 
@@ -22,17 +23,18 @@ COLUMNS = 3
 SIDE = 2.6
 TICK = 6
 MAP = "viridis"
-ACROSS = "complexity: simple → complex"
-UPWARDS = "difficulty: easy → hard"
 CELL = ["complexity_cell", "difficulty_cell"]
 
 
-def dataset_maps(datasets: Mapping[str, pd.DataFrame], space: Space) -> str:
+def dataset_maps(
+    datasets: Mapping[str, pd.DataFrame], space: Space, names: AxisPair = USUAL
+) -> str:
     """How many objects of each dataset lie in each cell, simple to complex and easy to hard.
 
     Args:
         datasets: Columns of `egad.tables.OBJECTS`, by name.
         space: The cells.
+        names: What is written along the axes.
 
     Returns:
         SVG text.
@@ -52,8 +54,8 @@ def dataset_maps(datasets: Mapping[str, pd.DataFrame], space: Space) -> str:
             axes.tick_params(labelbottom=True)
         for axes in places[len(datasets) :]:
             axes.set_axis_off()
-        drawing.figure.supxlabel(ACROSS, size=10)
-        drawing.figure.supylabel(UPWARDS, size=10)
+        drawing.figure.supxlabel(names.across.label, size=10)
+        drawing.figure.supylabel(names.upwards.label, size=10)
         _colour_bar(drawing.figure, grid, most)
     return drawing.svg
 

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
+from egad.report.axes import USUAL, AxisPair
 from egad.report.style import FAINT, INK, LINES, SOFT, drawn, ink_on
 from egad.report.summary import PUBLISHED, outcome_counts
 from egad.trials.statistics import Rate, TrialGrid
@@ -29,7 +30,9 @@ DASH = "\N{EN DASH}"
 THOUSANDTHS = "\N{MULTIPLICATION SIGN} 10\N{SUPERSCRIPT THREE}"
 
 
-def trial_heat_map(grid: TrialGrid, rows: int, columns: int, present: set[str]) -> str:
+def trial_heat_map(
+    grid: TrialGrid, rows: int, columns: int, present: set[str], axis_names: AxisPair = USUAL
+) -> str:
     """Success rate of every object, with the rates of whole rows and columns beside it.
 
     Args:
@@ -37,6 +40,7 @@ def trial_heat_map(grid: TrialGrid, rows: int, columns: int, present: set[str]) 
         rows: Letters of the evaluation set; the easiest is drawn at the bottom.
         columns: Digits of the evaluation set.
         present: Labels of the objects in the set; all other places are drawn empty.
+        axis_names: What is written along the axes.
 
     Returns:
         SVG text.
@@ -52,7 +56,7 @@ def trial_heat_map(grid: TrialGrid, rows: int, columns: int, present: set[str]) 
         for column, rate in enumerate(grid.columns):
             _heat_cell(axes, column, -1 - GAP, rate, True)
         _heat_cell(axes, columns + GAP, -1 - GAP, grid.overall, True, 1.25)
-        _heat_axes(axes, rows, columns)
+        _heat_axes(axes, rows, columns, axis_names)
     return drawing.svg
 
 
@@ -80,7 +84,7 @@ def _heat_cell(
     axes.text(centre, y + 0.24, below, ha="center", va="center", color=ink, size=7)
 
 
-def _heat_axes(axes: Axes, rows: int, columns: int) -> None:
+def _heat_axes(axes: Axes, rows: int, columns: int, names: AxisPair) -> None:
     axes.set(xlim=(-0.02, columns + GAP + 1.27), ylim=(-1 - GAP - 0.02, rows + 0.02))
     axes.set_aspect("equal")
     axes.set_xticks(
@@ -92,8 +96,8 @@ def _heat_axes(axes: Axes, rows: int, columns: int) -> None:
     )
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
-    axes.set_xlabel("complexity: simple → complex")
-    axes.set_ylabel("difficulty: easy → hard")
+    axes.set_xlabel(names.across.label)
+    axes.set_ylabel(names.upwards.label)
 
 
 def outcome_bars(trials: Mapping[str, pd.DataFrame]) -> str:

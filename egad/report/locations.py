@@ -11,9 +11,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from egad.measures.space import cell_name
+from egad.report.axes import USUAL, AxisPair, axis_pair
 from egad.report.environment import environment
 from egad.report.maps import data_uri
 from egad.report.style import INK, drawn
+from egad.settings import Axes as Own
 from egad.settings import Space
 
 MARK = "#d55e00"
@@ -56,6 +58,7 @@ def page(
     located: Sequence[Located],
     reasons: Mapping[str, str],
     space: Space,
+    own: Own,
 ) -> str:
     """Show objects in the space of a dataset.
 
@@ -65,12 +68,14 @@ def page(
         located: What to show.
         reasons: Names of meshes that could not be used, and why.
         space: The cells.
+        own: The user's own measures that span them.
 
     Returns:
         An HTML page that needs no other file.
     """
     marks = [(each.row["complexity_cell"], each.row["difficulty_cell"]) for each in located]
-    chart = data_uri(location_map(objects, marks, space).encode(), "image/svg+xml")
+    axes = axis_pair(own)
+    chart = data_uri(location_map(objects, marks, space, axes).encode(), "image/svg+xml")
     return (
         environment()
         .get_template("locations.html.j2")
@@ -81,6 +86,8 @@ def page(
             reasons=reasons,
             chart=chart,
             space=space,
+            axes=axes,
+            own=own,
         )
     )
 
@@ -97,13 +104,16 @@ def _view(item: Located) -> dict[str, Any]:
     }
 
 
-def location_map(objects: pd.DataFrame, marks: Sequence[tuple[int, int]], space: Space) -> str:
+def location_map(
+    objects: pd.DataFrame, marks: Sequence[tuple[int, int]], space: Space, names: AxisPair = USUAL
+) -> str:
     """The filled cells of a dataset, with numbered marks on them.
 
     Args:
         objects: Columns complexity_cell and difficulty_cell.
         marks: Cells along complexity and along difficulty; numbered from 1.
         space: The cells.
+        names: What is written along the axes.
 
     Returns:
         SVG text.
@@ -120,8 +130,8 @@ def location_map(objects: pd.DataFrame, marks: Sequence[tuple[int, int]], space:
         step = range(0, space.cells, max(1, space.cells // 6))
         axes.set_xticks(list(step), [str(place) for place in step])
         axes.set_yticks(list(step), [letters[place] for place in step])
-        axes.set_xlabel("complexity: simple \N{RIGHTWARDS ARROW} complex")
-        axes.set_ylabel("difficulty: easy \N{RIGHTWARDS ARROW} hard")
+        axes.set_xlabel(names.across.label)
+        axes.set_ylabel(names.upwards.label)
         axes.spines[:].set_visible(True)
     return drawing.svg
 

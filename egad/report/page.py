@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from egad.report import figures, maps, summary
+from egad.report.axes import axis_pair
 from egad.report.data import DatasetReport, ReportData
 from egad.report.dataset_maps import dataset_maps
 from egad.report.environment import environment
@@ -57,6 +58,7 @@ def build(report: ReportData) -> str:
     Returns:
         The text of the page: the same for the same report. Pictures and figures are inline.
     """
+    axes = axis_pair(report.settings.axes)
     views = [_view(name, data, report.settings) for name, data in report.datasets.items()]
     objects = {name: data.objects for name, data in report.datasets.items()}
     return (
@@ -64,10 +66,11 @@ def build(report: ReportData) -> str:
         .get_template("page.html.j2")
         .render(
             settings=report.settings,
+            axes=axes,
             views=views,
             comparison=report.comparison.to_dict("records"),
             published=summary.PUBLISHED.to_dict("records"),
-            dataset_maps=_figure(dataset_maps(objects, report.settings.space)),
+            dataset_maps=_figure(dataset_maps(objects, report.settings.space, axes)),
             comparison_figure=_figure(figures.comparison_chart(report.comparison)),
             parameters=parameter_tables(report.settings),
             entries=entry_tables(report.settings),
@@ -104,7 +107,8 @@ def _trial_view(
     rows, columns = settings.select_eval.rows, settings.select_eval.columns
     grid = trial_grid(trials, rows, columns)
     chosen = trials if data.evalset is None else data.evalset
-    heat_map = figures.trial_heat_map(grid, rows, columns, set(chosen["label"]))
+    present, axes = set(chosen["label"]), axis_pair(settings.axes)
+    heat_map = figures.trial_heat_map(grid, rows, columns, present, axes)
     outcomes = summary.outcome_counts(trials)
     return TrialView(*key, grid.overall, len(grid.cells), outcomes, _figure(heat_map))
 

@@ -9,13 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
+from egad.settings import Symmetry
 from egad.shapes.genome import INPUTS, OUTPUT, connections
+from egad.shapes.symmetry import folded
 
 Field = NDArray[np.float32]
+NO_SYMMETRY = Symmetry()
 
 
 @lru_cache(maxsize=4)
-def grid_inputs(resolution: int) -> Field:
+def grid_inputs(resolution: int, symmetry: Symmetry = NO_SYMMETRY) -> Field:
     """The seven network inputs at every grid point.
 
     The coordinates x, y, z run over [-1, 1]; the others are distances from the axes and from the
@@ -26,6 +29,8 @@ def grid_inputs(resolution: int) -> Field:
     """
     line = np.linspace(-1, 1, resolution, dtype=np.float32)
     x, y, z = (axis.ravel() for axis in np.meshgrid(line, line, line, indexing="ij"))
+    if symmetry != NO_SYMMETRY:
+        x, y, z = folded(np.stack([x, y, z]), symmetry)
     xx, yy, zz = x * x, y * y, z * z
     inputs = np.stack(
         [x, y, z, np.sqrt(xx + yy), np.sqrt(xx + zz), np.sqrt(yy + zz), np.sqrt(xx + yy + zz)]
@@ -34,17 +39,18 @@ def grid_inputs(resolution: int) -> Field:
     return inputs
 
 
-def query(row: Mapping[str, Any], resolution: int) -> Field:
+def query(row: Mapping[str, Any], resolution: int, symmetry: Symmetry = NO_SYMMETRY) -> Field:
     """The output of a network at every grid point.
 
     Args:
         row: A genome as a row of `egad.tables.GENOME`.
         resolution: Points along each side.
+        symmetry: Points that are images of each other get the same output.
 
     Returns:
         (resolution, resolution, resolution) float32; NaN where the network overflows.
     """
-    inputs = grid_inputs(resolution)
+    inputs = grid_inputs(resolution, symmetry)
     values: dict[int, Field] = {-1 - index: inputs[index] for index in range(len(INPUTS))}
     incoming = _used_connections(row)
     biases = dict(zip(row["node_keys"], row["node_biases"], strict=True))

@@ -6,20 +6,22 @@ from egad import tables
 from egad.exchange.meshes import read_mesh
 from egad.files import replacing
 from egad.progress import progress
+from egad.report.axes import axis_pair
 from egad.report.collage import collage, most_diverse
 from egad.report.render import png_bytes, render
-from egad.settings import Space
+from egad.settings import Axes, Space
 
 SIZE = 96
 
 
-def run(dataset: Path, out: Path, space: Space) -> None:
+def run(dataset: Path, out: Path, space: Space, axes: Axes) -> None:
     """Draw the most diverse object of every cell.
 
     Args:
         dataset: Folder of a dataset, with `objects.parquet` and `meshes/`.
         out: PNG file.
         space: The cells.
+        axes: What spans them.
     """
     shown = most_diverse(tables.read(dataset / "objects.parquet", tables.OBJECTS))
     pictures = {
@@ -27,4 +29,4 @@ def run(dataset: Path, out: Path, space: Space) -> None:
         for label in progress(shown["label"], "drawing", len(shown))
     }
     with replacing(out) as temporary:
-        temporary.write_bytes(collage(shown, pictures, space))
+        temporary.write_bytes(collage(shown, pictures, space, axes=axis_pair(axes)))

@@ -8,6 +8,7 @@ import pandas as pd
 from egad import tables
 from egad.files import write_text
 from egad.measures.space import coverage, filled_cells
+from egad.report.axes import axis_pair
 from egad.report.dataset_maps import dataset_maps
 from egad.report.summary import comparison_text
 from egad.stage_settings import Compare
@@ -28,7 +29,7 @@ def run(settings: Compare, datasets: dict[str, Path], out: Path, figure: Path) -
     objects = {name: tables.read(path, tables.OBJECTS) for name, path in datasets.items()}
     comparison = pd.DataFrame([_row(name, each, settings) for name, each in objects.items()])
     tables.write(comparison, tables.COMPARISON, out)
-    write_text(figure, dataset_maps(objects, settings.space))
+    write_text(figure, dataset_maps(objects, settings.space, axis_pair(settings.axes)))
     return comparison_text(comparison)
 
 

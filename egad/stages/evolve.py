@@ -3,9 +3,16 @@
 import logging
 from pathlib import Path
 
+import trimesh
+
 from egad import tables
+from egad.errors import RejectedError, UserError
 from egad.evolution.archive import Archive, elites_of
 from egad.evolution.island import evolve
+from egad.exchange.meshes import read_mesh
+from egad.measures.own import check_measures
+from egad.shapes.constraints import rules_of
+from egad.shapes.repair import repair
 from egad.stage_settings import Evolve
 from egad.workers import workers
 
@@ -32,13 +39,27 @@ def run(
         history: Its steps, with the columns of `egad.tables.HISTORY`.
         worker_count: Processes; the result does not depend on it.
     """
+    check_measures(settings.axes)
+    rules = rules_of(settings, mesh_of)
     with workers(worker_count) as mapper:
         archive = Archive(settings.space, settings.similarity)
         if base is not None:
             archive.add(elites_of(tables.read(base, tables.EPOCH)))
-        steps, counts = evolve(archive, settings, epoch, island, mapper)
+        steps, counts = evolve(archive, settings, epoch, island, rules, mapper)
     tables.write(steps, tables.HISTORY, history)
     tables.write(archive.to_frame(), tables.EPOCH, out)
     log.info("%d elites, coverage %.3f", len(archive), archive.coverage)
     for outcome, count in sorted(counts.items()):
         log.info("%6d offspring: %s", count, outcome)
+
+
+def mesh_of(path: str) -> trimesh.Trimesh:
+    """The closed mesh in a file that a region names.
+
+    Raises:
+        UserError: The file cannot be used.
+    """
+    try:
+        return repair(read_mesh(Path(path), "m")).mesh
+    except RejectedError as reason:
+        raise UserError(f"the mesh {path} of a region cannot be used: {reason}") from reason

@@ -13,7 +13,7 @@ from scipy.spatial import ConvexHull
 
 from egad import tables
 from egad.evolution.archive import Archive
-from egad.evolution.evaluation import express, measure
+from egad.evolution.evaluation import Solid, express, measure
 from egad.evolution.island import evolve
 from egad.evolution.reproduction import breed
 from egad.grasps.labels import label
@@ -25,6 +25,7 @@ from egad.measures.neighbours import Neighbourhood
 from egad.measures.similarity import similarities, similarity_matrix
 from egad.settings import Settings
 from egad.shapes import cppn
+from egad.shapes.constraints import UNBOUND
 from egad.shapes.surface import packed_surface
 from egad.stage_settings import Evolve, GraspLabels, select
 
@@ -59,8 +60,8 @@ def offspring(elites):
 
 @pytest.fixture(scope="module")
 def solids(offspring):
-    found = [express(each.genome, EVOLVE) for each in offspring]
-    return list({solid.id: solid for solid in found if solid is not None}.values())
+    found = [express(each.genome, EVOLVE, UNBOUND) for each in offspring]
+    return list({solid.id: solid for solid in found if isinstance(solid, Solid)}.values())
 
 
 @pytest.fixture(scope="module")
@@ -77,8 +78,8 @@ def graphs(elites):
     found = {}
     for step in range(30):
         for child in breed(elites, EVOLVE, 2, 0, step):
-            solid = express(child.genome, EVOLVE)
-            if solid is not None and solid.id not in found:
+            solid = express(child.genome, EVOLVE, UNBOUND)
+            if isinstance(solid, Solid) and solid.id not in found:
                 mesh = packed_surface(solid.packed, EVOLVE.shape)
                 found[solid.id] = reeb.extract(mesh, SETTINGS.similarity)
     return list(found.values())

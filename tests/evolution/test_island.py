@@ -9,6 +9,7 @@ from egad.evolution.evaluation import Solid, measure, regrade
 from egad.evolution.island import _evaluated, evolve
 from egad.evolution.reproduction import LEAST, breed, parent_odds
 from egad.settings import Difficulty, Evolution, Settings, Shape, Similarity
+from egad.shapes.constraints import UNBOUND
 from egad.stage_settings import Evolve, select
 from egad.workers import workers
 
@@ -121,9 +122,9 @@ def test_newcomers_to_full_cells_are_graded_again():
     one_cell = SETTINGS.space.model_copy(update={"cells": 1, "elites_per_cell": 1})
     settings = with_search(regrade=20).model_copy(update={"space": one_cell})
     archive = Archive(one_cell, settings.similarity)
-    first, _ = _evaluated(breed([], settings, 0, 0, 0), archive, settings, 0, map)
+    first, _ = _evaluated(breed([], settings, 0, 0, 0), archive, settings, 0, UNBOUND, map)
     archive.add(first)
-    second, _ = _evaluated(breed([], settings, 0, 0, 1), archive, settings, 0, map)
+    second, _ = _evaluated(breed([], settings, 0, 0, 1), archive, settings, 0, UNBOUND, map)
     for elites, again in ((first, False), (second, True)):
         for elite in elites:
             solid = Solid(elite.id, elite.voxels)

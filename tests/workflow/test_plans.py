@@ -3,6 +3,7 @@
 import os
 
 import pytest
+import trimesh
 
 from egad.settings import Settings
 
@@ -50,6 +51,8 @@ def test_a_finished_run_has_nothing_to_do(finished):
         ({"shards": 3}, {"postprocess"} | AFTER_POSTPROCESS),
         ({"evolution": {"population": 11}}, EVERYTHING),
         ({"seed": 1}, EVERYTHING),
+        ({"envelope": {"kind": "box"}}, EVERYTHING),
+        ({"limits": {"aspect_ratio": [1, 5]}}, EVERYTHING),
         (
             {"grippers": {"egad_75mm": {"force": 71.0}}},
             {"rescale", "grasp_label", "simulated_trial"} | AFTER_RESCALE,
@@ -90,6 +93,36 @@ def test_a_touched_or_commented_module_re_runs_nothing(copy):
         path.write_text(f"# a comment\n{path.read_text()}\n\n")
         os.utime(path)
     assert copy.planned() == {}
+
+
+def test_an_edited_measure_or_mesh_of_ones_own_evolves_again(clean):
+    measure, mesh = clean.folder / "mine.py", clean.folder / "part.stl"
+    code = "def size(mesh): return mesh.volume\n"
+    measure.write_text(code)
+    trimesh.creation.box().export(mesh)
+    own = {
+        "axes": {"complexity": "mine.py:size"},
+        "part": {"kind": "mesh", "mesh": "part.stl", "size": [0.3, 0.3, 0.3]},
+        "schedule": {"islands": 1, "epochs": 1},
+    }
+    configs = ["config/test.yaml", clean.overlay("own.yaml", own)]
+    target = "results/egad/archive.parquet"
+    clean.make("--cores", 1, target, configs=configs)
+    assert clean.planned(target, configs=configs) == {}
+    measure.write_text(code.replace("volume", "area"))
+    assert clean.planned(target, configs=configs)["evolve"] == 1
+    measure.write_text(code)
+    assert clean.planned(target, configs=configs) == {}
+    trimesh.creation.icosphere().export(mesh)
+    assert clean.planned(target, configs=configs)["evolve"] == 1
+
+
+def test_a_measure_that_is_not_there_stops_the_run(clean):
+    own = clean.overlay("own.yaml", {"axes": {"difficulty": "nowhere.py:size"}})
+    status, said = clean.snakemake("--dry-run", "--cores", 1, configs=[own])
+    assert status != 0
+    assert "nowhere.py:size: there is no such file or module" in said
+    assert "Traceback" not in said
 
 
 def test_more_epochs_extend_a_finished_run(copy):

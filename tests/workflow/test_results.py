@@ -10,6 +10,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
@@ -282,3 +283,24 @@ def test_a_full_disk_leaves_no_half_table(finished, tmp_path):
         pd.read_parquet(out), pd.read_parquet(finished.results / "egad/archive.parquet")
     )
     assert not (tmp_path / ".archive.parquet.partial").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cells", [10, 26])
+def test_another_grid_and_axes_of_ones_own_go_all_the_way(clean, cells):
+    measures = "def area(mesh): return mesh.area\ndef volume(mesh): return mesh.volume\n"
+    (clean.folder / "mine.py").write_text(measures)
+    own = {
+        "space": {"cells": cells, "complexity_range": [0, 0.06], "difficulty_range": [0, 0.001]},
+        "axes": {"complexity": "mine.py:area", "difficulty": "mine.py:volume"},
+        "symmetry": {"mirror": ["y"]},
+    }
+    clean.make("--cores", 2, configs=["config/test.yaml", clean.overlay("own.yaml", own)])
+    objects = tables.read(clean.results / "egad/objects.parquet", tables.OBJECTS)
+    np.testing.assert_allclose(objects["complexity"], objects["area"], rtol=1e-9)
+    np.testing.assert_allclose(objects["difficulty"], objects["volume"], rtol=1e-6)
+    last = objects.loc[objects["volume"].idxmin(), "label"]
+    assert last[0] == chr(ord("A") + cells - 1)
+    report = (clean.results / "report.html").read_text()
+    assert "area: low → high" in report
+    assert "volume: high → low" in report

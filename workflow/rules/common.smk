@@ -12,9 +12,12 @@ from egad.code_version import code_version
 from egad.config_check import check
 from egad.errors import UserError
 from egad.exchange.folders import EVERY_FILE, mesh_files
+from egad.measures.own import source_hash
 
 try:
     SETTINGS = check(config)
+    # The user's own measures by their code, so that editing it re-runs what they measure.
+    MEASURES = [source_hash(measure) for _, measure in SETTINGS.axes if measure]
 except UserError as error:
     raise WorkflowError(f"The configuration cannot be used:\n{error}")
 
@@ -71,6 +74,12 @@ def previous_archive(wildcards):
     epoch = int(wildcards.epoch)
     previous = f"results/{wildcards.dataset}/epochs/epoch-{epoch - 1}/archive.parquet"
     return [previous] if epoch else []
+
+
+def region_meshes():
+    """The mesh files that the envelope, part and hole are read from."""
+    regions = [SETTINGS.envelope, SETTINGS.part, SETTINGS.hole]
+    return [region.mesh for region in regions if region.mesh]
 
 
 def side_by_side(wildcards):

@@ -17,6 +17,7 @@ rule evolve:
     """One epoch of one island."""
     input:
         base=previous_archive,
+        regions=region_meshes(),
     output:
         archive=ensure(
             "results/{dataset}/epochs/epoch-{epoch}/island-{island}.parquet",
@@ -41,6 +42,7 @@ rule evolve:
     params:
         settings=settings_of("Evolve"),
         base=each("--base", "base"),
+        measures=MEASURES,
         code=code_version("egad.stages.evolve"),
     message:
         "Evolving epoch {wildcards.epoch}, island {wildcards.island}"

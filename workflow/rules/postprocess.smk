@@ -26,6 +26,7 @@ rule postprocess:
     params:
         settings=settings_of("PostprocessSolids"),
         objects=raw_options,
+        measures=MEASURES,
         shards=len(SHARDS),
         code=code_version("egad.stages.postprocess"),
     message:

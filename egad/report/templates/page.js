@@ -13,7 +13,7 @@ function fixed(value, digits) {
   return value === null ? "unknown" : value.toFixed(digits);
 }
 
-function objectCard([label, id, complexity, difficulty, diversity], picture) {
+function objectCard([label, id, complexity, difficulty, diversity], picture, data) {
   const card = make("div", "", picture ? "object" : "object plain");
   if (picture) {
     const image = make("img");
@@ -24,8 +24,8 @@ function objectCard([label, id, complexity, difficulty, diversity], picture) {
   const facts = make("dl");
   facts.append(make("b", label));
   for (const line of [
-    "complexity " + fixed(complexity, 2) + " bit",
-    "quality " + fixed(difficulty, 5),
+    data.across + " " + fixed(complexity, 2) + data.unit,
+    data.upwards + " " + fixed(difficulty, 5),
     "diversity " + fixed(diversity, 3),
   ]) facts.append(make("div", line));
   facts.append(make("div", id, "id"));
@@ -53,7 +53,7 @@ function startMap(figure) {
     panel.replaceChildren(make("h4", "Cell " + name));
     items.forEach((item, rank) => {
       const stored = item[5] && "data:image/png;base64," + item[5];
-      panel.append(objectCard(item, rank === 0 && drawn ? drawn.getAttribute("href") : stored));
+      panel.append(objectCard(item, rank === 0 && drawn ? drawn.getAttribute("href") : stored, data));
     });
     if (more) panel.append(make("p", "and " + more + " more", "soft"));
   }

@@ -1,0 +1,64 @@
+"""What the axes of the space are called."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from egad.measures.own import own_name
+from egad.settings import Axes
+
+ARROW = "\N{RIGHTWARDS ARROW}"
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis of the space in words.
+
+    Attributes:
+        name: What it is called in full.
+        short: The same among others.
+        start: What the first cell holds.
+        end: What the last cell holds.
+        value: What its number is called.
+        unit: Unit of the number with a space before it, or empty.
+        factor: Where space is short, the number is shown times this.
+    """
+
+    name: str
+    short: str
+    start: str
+    end: str
+    value: str
+    unit: str = ""
+    factor: int = 1
+
+    @property
+    def label(self) -> str:
+        """The text along an axis."""
+        return f"{self.short}: {self.start} {ARROW} {self.end}"
+
+    @property
+    def long_label(self) -> str:
+        """The same in full."""
+        return f"{self.name}: {self.start} {ARROW} {self.end}"
+
+
+class AxisPair(NamedTuple):
+    """The axes of a map."""
+
+    across: Axis
+    upwards: Axis
+
+
+COMPLEXITY = Axis("shape complexity", "complexity", "simple", "complex", "complexity", " bit")
+DIFFICULTY = Axis("grasp difficulty", "difficulty", "easy", "hard", "quality", factor=1000)
+USUAL = AxisPair(COMPLEXITY, DIFFICULTY)
+
+
+def axis_pair(axes: Axes) -> AxisPair:
+    """The axes that a configuration asks for; high values of difficulty come first."""
+    own = {key: own_name(measure) for key, measure in axes}
+    across, upwards = own["complexity"], own["difficulty"]
+    return AxisPair(
+        Axis(across, across, "low", "high", across) if across else COMPLEXITY,
+        Axis(upwards, upwards, "high", "low", upwards) if upwards else DIFFICULTY,
+    )

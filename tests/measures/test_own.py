@@ -1,0 +1,105 @@
+import pytest
+import trimesh
+
+from egad.errors import RejectedError, UserError
+from egad.measures.coordinates import coordinates
+from egad.measures.own import check_measures, own_name, own_value, source_hash
+from egad.seeds import generator
+from egad.settings import Axes, Settings
+from egad.stage_settings import Measuring, select
+
+CODE = """
+def longest(mesh): return mesh.extents.max()
+def spoils(mesh):
+    mesh.vertices *= 0
+    return mesh.extents.max()
+def wide_open(mesh): return 1 / 0
+def unknown(mesh): return float("nan")
+def endless(mesh): return float("inf")
+def nothing(mesh): return None
+number = 3
+"""
+BOX = trimesh.creation.box((0.1, 0.06, 0.04))
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(CODE)
+    return path
+
+
+def placed(axes):
+    settings = select(Settings(axes=axes), Measuring)
+    return coordinates(BOX, settings, 20, generator(0, "test"))
+
+
+def test_the_value_is_that_of_the_function(file):
+    assert own_value(f"{file}:longest", BOX) == pytest.approx(0.1)
+
+
+def test_a_function_cannot_spoil_the_mesh(file):
+    own_value(f"{file}:spoils", BOX)
+    assert BOX.extents.max() == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("wide_open", r"wide open failed \(ZeroDivisionError: division by zero\)"),
+        ("unknown", r"unknown is not a finite number \(nan\)"),
+        ("endless", r"endless is not a finite number \(inf\)"),
+        ("nothing", r"nothing failed \(TypeError: "),
+    ],
+)
+def test_what_is_no_number_rejects_the_object(file, name, reason):
+    with pytest.raises(RejectedError, match=reason):
+        own_value(f"{file}:{name}", BOX)
+
+
+@pytest.mark.parametrize(
+    ("measure", "words"),
+    [
+        ("nowhere.py:longest", "no such file or module"),
+        ("no.such.package:longest", "no such file or module"),
+        ("{file}:missing", "no function missing"),
+        ("{file}:number", "no function number"),
+    ],
+)
+def test_a_measure_that_is_not_there_is_the_users_mistake(file, measure, words):
+    with pytest.raises(UserError, match=words):
+        check_measures(Axes(complexity=measure.format(file=file)))
+
+
+def test_a_file_that_cannot_be_run_is_the_users_mistake(tmp_path):
+    (tmp_path / "broken.py").write_text("def f(:")
+    with pytest.raises(UserError, match="SyntaxError"):
+        check_measures(Axes(difficulty=f"{tmp_path}/broken.py:f"))
+
+
+def test_own_measures_take_the_place_of_the_coordinates(file):
+    usual = placed(Axes())
+    across = placed(Axes(complexity=f"{file}:longest"))
+    assert across.complexity == pytest.approx(0.1)
+    assert (across.difficulty, across.grasps) == (usual.difficulty, usual.grasps)
+    upwards = placed(Axes(difficulty=f"{file}:longest"))
+    assert (upwards.complexity, upwards.grasps) == (usual.complexity, 0)
+    assert upwards.difficulty == pytest.approx(0.1)
+
+
+def test_a_changed_file_has_another_fingerprint(file):
+    before = source_hash(f"{file}:longest")
+    assert source_hash(f"{file}:longest") == before
+    file.write_text(CODE.replace("max", "min", 1))
+    assert source_hash(f"{file}:longest") != before
+
+
+def test_a_module_that_is_installed_will_do():
+    measure = "egad.measures.complexity:complexity"
+    assert own_value(measure, BOX) == pytest.approx(placed(Axes()).complexity)
+    assert len(source_hash(measure)) == 16
+
+
+def test_the_name_is_the_function_in_words():
+    assert own_name("some/file.py:wall_thickness") == "wall thickness"
+    assert own_name("") == ""

@@ -1,0 +1,77 @@
+import dataclasses
+
+import pandas as pd
+import pytest
+
+from egad.cli.show import measured
+from egad.measures.space import complexity_cells, difficulty_cells, labels
+from egad.report.axes import USUAL, axis_pair
+from egad.report.collage import collage
+from egad.report.figures import trial_heat_map
+from egad.report.locations import location_map
+from egad.report.page import build
+from egad.settings import Axes, Space
+from egad.trials.statistics import trial_grid
+
+OWN = Axes(complexity="a.py:wall_thickness", difficulty="b.c:slenderness")
+
+
+def test_the_usual_axes_are_those_of_the_paper():
+    assert axis_pair(Axes()) == USUAL
+    assert USUAL.across.long_label == "shape complexity: simple → complex"
+    assert USUAL.upwards.long_label == "grasp difficulty: easy → hard"
+
+
+def test_an_own_measure_gives_its_name_and_the_other_axis_stays():
+    across, upwards = axis_pair(OWN)
+    assert across.label == "wall thickness: low → high"
+    assert upwards.label == "slenderness: high → low"
+    assert (upwards.factor, across.unit) == (1, "")
+    assert axis_pair(Axes(complexity="a.py:f")).upwards == USUAL.upwards
+
+
+@pytest.fixture(params=[10, 26])
+def own_report(report, request):
+    """The report of a run with measures and cells of one's own."""
+    space = Space(cells=request.param, complexity_range=(-2, 9), difficulty_range=(0, 0.01))
+    settings = report.settings.model_copy(update={"axes": OWN, "space": space})
+
+    def placed(data):
+        objects = data.objects.assign(
+            complexity_cell=complexity_cells(data.objects["complexity"], space),
+            difficulty_cell=difficulty_cells(data.objects["difficulty"], space),
+        )
+        names = labels(objects["complexity_cell"], objects["difficulty_cell"])
+        return dataclasses.replace(data, objects=objects.assign(label=names))
+
+    datasets = {name: placed(data) for name, data in report.datasets.items()}
+    return dataclasses.replace(report, settings=settings, datasets=datasets)
+
+
+def test_the_report_names_own_axes_and_has_all_cells(own_report):
+    page = build(own_report)
+    assert "wall thickness: low → high (-2.0 to 9.0)" in page
+    assert "slenderness: high → low (0.01 to 0.0)" in page
+    assert "simple → complex" not in page
+    assert "easy → hard" not in page
+    last = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"[own_report.settings.space.cells - 1]
+    assert f'text-anchor="end">{last}</text>' in page
+
+
+def test_pictures_show_the_names(objects, pictures, trials):
+    own = axis_pair(OWN)
+    space = Space(cells=26)
+    assert collage(objects, pictures, space) != collage(objects, pictures, space, axes=own)
+    assert location_map(objects, [], space) != location_map(objects, [], space, own)
+    grid = trial_grid(trials, 7, 7)
+    assert trial_heat_map(grid, 7, 7, set()) != trial_heat_map(grid, 7, 7, set(), own)
+
+
+def test_tables_on_the_terminal_name_them(capsys):
+    row = {"name": "a", "complexity": 1.5, "difficulty": 0.25, "grasps": 0}
+    table = pd.DataFrame([row | {"complexity_cell": 3, "difficulty_cell": 25}])
+    measured(table, axis_pair(OWN))
+    said = capsys.readouterr().out
+    assert "wall thickness  slenderness" in said
+    assert "0.250" in said
+    assert "Z03" in said
