@@ -291,7 +291,7 @@ def test_another_grid_and_axes_of_ones_own_go_all_the_way(clean, cells):
     measures = "def area(mesh): return mesh.area\ndef volume(mesh): return mesh.volume\n"
     (clean.folder / "mine.py").write_text(measures)
     own = {
-        "space": {"cells": cells, "complexity_range": [0, 0.06], "difficulty_range": [0, 0.001]},
+        "space": {"cells": cells, "complexity_range": [0, 0.06], "difficulty_range": [0.0001, 0.001]},
         "axes": {"complexity": "mine.py:area", "difficulty": "mine.py:volume"},
         "symmetry": {"mirror": ["y"]},
     }
