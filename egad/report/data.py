@@ -22,6 +22,7 @@ class DatasetReport:
         scales: Columns of `egad.tables.SCALES`, by gripper.
         manifests: Columns of `egad.tables.MANIFEST`, by gripper.
         trials: Columns of `egad.tables.TRIALS`, by gripper and policy.
+        history: Columns of `egad.tables.HISTORY`; only of a dataset evolved here.
     """
 
     objects: pd.DataFrame
@@ -33,6 +34,7 @@ class DatasetReport:
     scales: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     manifests: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     trials: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
+    history: pd.DataFrame | None = None
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from egad.report.axes import axis_pair
 from egad.report.data import DatasetReport, ReportData
 from egad.report.dataset_maps import dataset_maps
 from egad.report.environment import environment
+from egad.report.filling import filling_curves, filling_film
 from egad.report.parameters import entry_tables, parameter_tables
 from egad.settings import Settings
 from egad.trials.statistics import Rate, trial_grid
@@ -45,6 +46,8 @@ class DatasetView:
     scales: list[summary.Row]
     trials: list[TrialView]
     outcome_figure: str
+    curves: str
+    film: str
     rejections: list[summary.Row]
     rejected: Sequence[Mapping[Any, Any]]
 
@@ -84,6 +87,7 @@ def _view(name: str, data: DatasetReport, settings: Settings) -> DatasetView:
     trials = {key: table for key, table in data.trials.items() if len(table)}
     bars = {f"{gripper}, {policy}": table for (gripper, policy), table in trials.items()}
     grippers = list(dict.fromkeys([*data.scales, *data.manifests]))
+    history = data.history
     return DatasetView(
         name=name,
         source=settings.datasets[name].source,
@@ -96,6 +100,10 @@ def _view(name: str, data: DatasetReport, settings: Settings) -> DatasetView:
         scales=[summary.scale_numbers(gripper, data) for gripper in grippers],
         trials=[_trial_view(key, table, data, settings) for key, table in trials.items()],
         outcome_figure=_figure(figures.outcome_bars(bars)) if bars else "",
+        curves=_figure(filling_curves({name: history})) if history is not None else "",
+        film=maps.data_uri(filling_film(history, settings.space), "image/gif")
+        if history is not None
+        else "",
         rejections=summary.rejection_counts(data.rejected),
         rejected=data.rejected.sort_values(["stage", "id"]).to_dict("records"),
     )

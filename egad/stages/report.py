@@ -53,12 +53,14 @@ def run(settings: Settings, results: Path, out: Path) -> None:
 def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
     """What was made for a dataset; only targets are taken beyond their objects."""
     objects = tables.read(folder / "objects.parquet", tables.OBJECTS)
+    evolved = settings.datasets[name].source == "evolved"
+    history = tables.read(folder / "history.parquet", tables.HISTORY) if evolved else None
     rejected = _rejected(
         folder, settings.targets.grippers if name in settings.targets.datasets else []
     )
     pictures = _pictures(folder / "meshes", objects["label"].tolist(), THUMBNAIL)
     if name not in settings.targets.datasets:
-        return DatasetReport(objects, rejected, pictures)
+        return DatasetReport(objects, rejected, pictures, history=history)
     evalset = tables.read(folder / "eval49.parquet", tables.EVAL49)
     portraits = _pictures(folder / "meshes", evalset["object_label"].tolist(), PORTRAIT)
     grippers = settings.targets.grippers
@@ -66,6 +68,7 @@ def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
         objects,
         rejected,
         pictures,
+        history=history,
         evalset=evalset,
         evalset_pictures=dict(zip(evalset["label"], portraits.values(), strict=True)),
         grasps=_each(grippers, folder / "grasps", "{}.parquet", tables.GRASPS),

@@ -93,6 +93,14 @@ def trials() -> pd.DataFrame:
 
 
 @pytest.fixture(scope="session")
+def history(settings: Settings) -> pd.DataFrame:
+    """Three steps of ten offspring that fill one cell after another."""
+    cells = [bytes([1] * step + [0] * (settings.space.cells**2 - step)) for step in (1, 2, 3)]
+    frame = pd.DataFrame({"step": range(3), "offspring": 10, "cells": cells})
+    return filled(frame.assign(coverage=0.1, filled_cells=0.1, qd_score=1.0), tables.HISTORY)
+
+
+@pytest.fixture(scope="session")
 def grasps(objects: pd.DataFrame) -> pd.DataFrame:
     random = np.random.default_rng(3)
     names = np.repeat(objects["label"].to_numpy(), 10)
@@ -109,7 +117,7 @@ def grasps(objects: pd.DataFrame) -> pd.DataFrame:
 
 
 @pytest.fixture(scope="session")
-def report(settings, objects, pictures, evalset, grasps, trials) -> ReportData:
+def report(settings, objects, pictures, evalset, grasps, trials, history) -> ReportData:
     rejected = pd.DataFrame(
         {
             "id": ["<script>alert(1)</script>", "b", "c"],
@@ -131,6 +139,7 @@ def report(settings, objects, pictures, evalset, grasps, trials) -> ReportData:
         scales={"egad_75mm": filled(scales, tables.SCALES)},
         manifests={"egad_75mm": filled(manifest, tables.MANIFEST)},
         trials={("egad_75mm", "antipodal-depth"): trials},
+        history=history,
     )
     compared = DatasetReport(made_objects(settings, 12, 2), tables.empty(tables.REJECTED))
     comparison = pd.DataFrame(

@@ -42,7 +42,7 @@ def own_report(report, request):
             difficulty_cell=difficulty_cells(data.objects["difficulty"], space),
         )
         names = labels(objects["complexity_cell"], objects["difficulty_cell"])
-        return dataclasses.replace(data, objects=objects.assign(label=names))
+        return dataclasses.replace(data, objects=objects.assign(label=names), history=None)
 
     datasets = {name: placed(data) for name, data in report.datasets.items()}
     return dataclasses.replace(report, settings=settings, datasets=datasets)

@@ -13,7 +13,7 @@ AFTER_SELECTION = {"print_export", "simulated_trial"} | AFTER_TRIALS
 AFTER_RESCALE = {"grasp_label", "print_export", "simulated_trial"} | AFTER_GRASPS | AFTER_TRIALS
 AFTER_COLLECT = {"compare", "rescale", "select_eval"} | AFTER_RESCALE | AFTER_SELECTION
 AFTER_POSTPROCESS = {"collect"} | AFTER_COLLECT
-EVERYTHING = {"evolve", "merge", "archive", "postprocess"} | AFTER_POSTPROCESS
+EVERYTHING = {"evolve", "merge", "archive", "history", "postprocess"} | AFTER_POSTPROCESS
 
 
 @pytest.mark.parametrize("entry", ["Snakefile", "workflow/Snakefile"])
@@ -129,12 +129,13 @@ def test_more_epochs_extend_a_finished_run(copy):
     longer = copy.overlay("longer.yaml", {"schedule": {"epochs": 4}})
     planned = copy.planned(configs=["config/test.yaml", longer])
     assert (planned["evolve"], planned["merge"], planned["archive"]) == (4, 2, 1)
+    assert planned["history"] == 1
 
 
 def test_fewer_epochs_need_no_evolution(copy):
     shorter = copy.overlay("shorter.yaml", {"schedule": {"epochs": 1}})
     planned = copy.planned(configs=["config/test.yaml", shorter])
-    assert set(planned) == {"archive", "postprocess"} | AFTER_POSTPROCESS
+    assert set(planned) == {"archive", "history", "postprocess"} | AFTER_POSTPROCESS
 
 
 def test_a_configuration_of_ones_own_can_stand_alone(clean):
@@ -156,7 +157,7 @@ def test_datasets_of_others_are_compared_alone_or_beside_the_evolved_one(clean, 
     alone = clean.planned(target, "--replace-workflow-config", configs=configs)
     assert set(alone) == {"postprocess", "collect", "compare"}
     beside = clean.planned(target, configs=configs)
-    assert set(beside) == {"evolve", "merge", "archive", *alone}
+    assert set(beside) == {"evolve", "merge", "archive", "history", *alone}
     everything = clean.planned("--replace-workflow-config", configs=configs)
     assert set(everything) == AFTER_POSTPROCESS | {"postprocess"}
     objects = f"results/{name}/objects.parquet"

@@ -24,6 +24,7 @@ SHARDS = EPOCHS = ISLANDS = 2
 PUBLISHED = {
     "comparison.parquet": tables.COMPARISON,
     "egad/archive.parquet": tables.ARCHIVE,
+    "egad/history.parquet": tables.HISTORY,
     "egad/objects.parquet": tables.OBJECTS,
     "egad/rejected.parquet": tables.REJECTED,
     "egad/eval49.parquet": tables.EVAL49,
@@ -35,9 +36,15 @@ PUBLISHED = {
     f"egad/trials/{GRIPPER}/{POLICY}.parquet": tables.TRIALS,
 }
 EPOCH_TABLES = {
-    f"egad/epochs/epoch-{epoch}/{name}.parquet": tables.EPOCH
+    f"egad/epochs/epoch-{epoch}/{name}.parquet": schema
     for epoch in range(EPOCHS)
-    for name in ("archive", "island-0", "island-1")
+    for name, schema in {
+        "archive": tables.EPOCH,
+        "island-0": tables.EPOCH,
+        "island-1": tables.EPOCH,
+        "history-0": tables.HISTORY,
+        "history-1": tables.HISTORY,
+    }.items()
 }
 PARTS = {
     f"egad/parts/{name}-{shard}.parquet": schema
@@ -63,7 +70,8 @@ def load(finished):
 def test_every_table_is_there_with_columns_units_and_meanings(finished, tmp_path, path):
     tables.write(tables.empty(TABLES[path]), TABLES[path], tmp_path / "empty.parquet")
     expected = pq.read_schema(tmp_path / "empty.parquet")
-    assert pq.read_schema(finished.results / path).equals(expected, check_metadata=True)
+    found = pq.read_schema(finished.results / path).remove_metadata()  # of the whole: the notes
+    assert found.equals(expected, check_metadata=True)
     assert expected.names == TABLES[path].names
 
 
@@ -71,6 +79,14 @@ def test_there_are_no_other_tables_and_no_temporary_files(finished):
     made = {str(path.relative_to(finished.results)) for path in finished.results.rglob("*.parquet")}
     assert made == set(TABLES)
     assert not list(finished.results.rglob("*.partial"))
+
+
+def test_the_history_tells_of_every_step_and_ends_with_the_archive(load):
+    history = load("egad/history.parquet")
+    steps = [(e, i, s) for e in range(EPOCHS) for i in (0, 1) for s in (0, 1)]
+    assert list(zip(history["epoch"], history["island"], history["step"], strict=True)) == steps
+    assert (history["offspring"] == 10).all()
+    assert history["elites"].iloc[-1] <= len(load("egad/archive.parquet"))
 
 
 def test_every_elite_is_an_object_or_was_rejected(load):
@@ -291,7 +307,11 @@ def test_another_grid_and_axes_of_ones_own_go_all_the_way(clean, cells):
     measures = "def area(mesh): return mesh.area\ndef volume(mesh): return mesh.volume\n"
     (clean.folder / "mine.py").write_text(measures)
     own = {
-        "space": {"cells": cells, "complexity_range": [0, 0.06], "difficulty_range": [0.0001, 0.001]},
+        "space": {
+            "cells": cells,
+            "complexity_range": [0, 0.06],
+            "difficulty_range": [0.0001, 0.001],
+        },
         "axes": {"complexity": "mine.py:area", "difficulty": "mine.py:volume"},
         "symmetry": {"mirror": ["y"]},
     }
