@@ -13,7 +13,7 @@ AFTER_SELECTION = {"print_export", "simulated_trial"} | AFTER_TRIALS
 AFTER_RESCALE = {"grasp_label", "print_export", "simulated_trial"} | AFTER_GRASPS | AFTER_TRIALS
 AFTER_COLLECT = {"compare", "rescale", "select_eval"} | AFTER_RESCALE | AFTER_SELECTION
 AFTER_POSTPROCESS = {"collect"} | AFTER_COLLECT
-EVERYTHING = {"evolve", "merge", "archive", "postprocess"} | AFTER_POSTPROCESS
+EVERYTHING = {"evolve", "merge", "archive", "history", "postprocess"} | AFTER_POSTPROCESS
 
 
 @pytest.mark.parametrize("entry", ["Snakefile", "workflow/Snakefile"])
@@ -134,7 +134,7 @@ def test_more_epochs_extend_a_finished_run(copy):
 def test_fewer_epochs_need_no_evolution(copy):
     shorter = copy.overlay("shorter.yaml", {"schedule": {"epochs": 1}})
     planned = copy.planned(configs=["config/test.yaml", shorter])
-    assert set(planned) == {"archive", "postprocess"} | AFTER_POSTPROCESS
+    assert set(planned) == {"archive", "history", "postprocess"} | AFTER_POSTPROCESS
 
 
 def test_a_configuration_of_ones_own_can_stand_alone(clean):

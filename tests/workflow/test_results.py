@@ -24,6 +24,7 @@ SHARDS = EPOCHS = ISLANDS = 2
 PUBLISHED = {
     "comparison.parquet": tables.COMPARISON,
     "egad/archive.parquet": tables.ARCHIVE,
+    "egad/history.parquet": tables.HISTORY,
     "egad/objects.parquet": tables.OBJECTS,
     "egad/rejected.parquet": tables.REJECTED,
     "egad/eval49.parquet": tables.EVAL49,
@@ -50,7 +51,12 @@ PARTS = {
         f"trials-{GRIPPER}-{POLICY}": tables.TRIALS,
     }.items()
 }
-TABLES = PUBLISHED | EPOCH_TABLES | PARTS
+HISTORIES = {
+    f"egad/epochs/epoch-{epoch}/history-{island}.parquet": tables.HISTORY
+    for epoch in range(EPOCHS)
+    for island in range(ISLANDS)
+}
+TABLES = PUBLISHED | EPOCH_TABLES | HISTORIES | PARTS
 
 
 @pytest.fixture
@@ -291,7 +297,11 @@ def test_another_grid_and_axes_of_ones_own_go_all_the_way(clean, cells):
     measures = "def area(mesh): return mesh.area\ndef volume(mesh): return mesh.volume\n"
     (clean.folder / "mine.py").write_text(measures)
     own = {
-        "space": {"cells": cells, "complexity_range": [0, 0.06], "difficulty_range": [0.0001, 0.001]},
+        "space": {
+            "cells": cells,
+            "complexity_range": [0, 0.06],
+            "difficulty_range": [0.0001, 0.001],
+        },
         "axes": {"complexity": "mine.py:area", "difficulty": "mine.py:volume"},
         "symmetry": {"mirror": ["y"]},
     }
