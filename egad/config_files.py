@@ -52,6 +52,14 @@ folder data/egad. Then
 measures this dataset alone. Without `--replace-workflow-config` it is laid over config/config.yaml
 and compared with the evolved dataset; without a file named, the targets below are made.
 """
+RELEASED_TEXT = """
+The released objects: the whole pipeline from the archive that egad ships, without evolving.
+`snakemake --cores 2 --configfile config/released.yaml` lays this over config/config.yaml.
+"""
+RELEASED: Values = {
+    "shards": 32,
+    "datasets": {"egad": {"source": "archive", "archive": "released"}},
+}
 PAPER: Values = {
     "shards": 32,
     "schedule": {"islands": 1, "epochs": 20},
@@ -110,6 +118,7 @@ def files() -> dict[Path, str]:
     documents = {
         "config/config.yaml": (DEFAULT_TEXT, defaults()),
         "config/paper.yaml": (PAPER_TEXT, PAPER),
+        "config/released.yaml": (RELEASED_TEXT, RELEASED),
         "config/test.yaml": (TEST_TEXT, TEST),
         "config/datasets/ycb.yaml": (YCB_TEXT, YCB),
         "config/datasets/egad.yaml": (EGAD_TEXT, EGAD),

@@ -37,16 +37,19 @@ def _ascending(section: Section, *names: str) -> None:
 
 
 class Dataset(Section):
-    """A set of objects: evolved here, or a folder of meshes that somebody else made."""
+    """A set of objects: evolved here, from an archive, or meshes that somebody else made."""
 
-    source: Literal["evolved", "meshes"] = Field(
-        description="`evolved` by this pipeline, or `meshes` read from a folder"
+    source: Literal["evolved", "archive", "meshes"] = Field(
+        description="`evolved` by this pipeline, from an `archive` that was evolved before, or "
+        "`meshes` read from a folder"
+    )
+    archive: str | None = Field(
+        None, description="file of the archive, or `released`: the one shipped (source: archive)"
     )
     folder: str | None = Field(None, description="folder of the meshes (source: meshes)")
     units: Literal["m", "mm", "cm", "inch"] | None = Field(
         None, description="unit of the coordinates in these meshes (source: meshes)"
     )
-
     pattern: str | None = Field(
         None,
         description="glob of the mesh files, relative to the folder; what its wildcards match "
@@ -54,12 +57,15 @@ class Dataset(Section):
     )
 
     @model_validator(mode="after")
-    def _folder_units_and_pattern_belong_to_meshes(self) -> Self:
-        if self.source == "meshes" and (self.folder is None or self.units is None):
-            raise ValueError("a dataset of meshes needs both `folder` and `units`")
-        keys = (self.folder, self.units, self.pattern)
-        if self.source == "evolved" and any(key is not None for key in keys):
-            raise ValueError("an evolved dataset takes no `folder`, `units` or `pattern`")
+    def _keys_belong_to_the_source(self) -> Self:
+        needed = {"evolved": (), "archive": ("archive",), "meshes": ("folder", "units")}
+        allowed = {**needed, "meshes": ("folder", "units", "pattern")}
+        given = [name for name, value in self if name != "source" and value is not None]
+        if any(name not in given for name in needed[self.source]):
+            keys = " and ".join(f"`{name}`" for name in needed[self.source])
+            raise ValueError(f"a dataset with source `{self.source}` needs {keys}")
+        if extra := [name for name in given if name not in allowed[self.source]]:
+            raise ValueError(f"a dataset with source `{self.source}` takes no `{extra[0]}`")
         return self
 
 
@@ -343,7 +349,7 @@ class Material(Section):
 class Postprocess(Section):
     """Repair, and difficulty graded again without the luck of selection."""
 
-    grasps: int = Field(400, ge=1, description="grasps that an object is graded by")
+    grasps: int = Field(1000, ge=1, description="grasps that an object is graded by")
     min_volume: float = Field(1e-9, ge=0, description="objects smaller than this are rejected, m3")
 
 

@@ -4,6 +4,8 @@
 renamed, so a file that exists is complete.
 """
 
+import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,8 @@ _STRING, _INT, _FLOAT, _BOOL, _BINARY = (
     pa.bool_(),
     pa.large_binary(),
 )
+
+_NOTES = "egad"
 
 
 class TableError(ValueError):
@@ -276,11 +280,21 @@ def empty(schema: pa.Schema) -> pd.DataFrame:
     return frame
 
 
-def write(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> None:
-    """Write a table atomically: exactly the columns of its schema, in that order."""
+def write(
+    frame: pd.DataFrame, schema: pa.Schema, path: Path, notes: Mapping[str, Any] | None = None
+) -> None:
+    """Write a table atomically: exactly the columns of its schema, in that order.
+
+    Args:
+        frame: The rows.
+        schema: The columns.
+        path: The file.
+        notes: Kept in the file beside the rows; see `notes`.
+    """
     columns = frame[schema.names] if len(frame) else empty(schema)
     table = pa.Table.from_pandas(columns, schema=schema, preserve_index=False)
-    table = table.replace_schema_metadata(None)
+    kept = {_NOTES: json.dumps(notes, sort_keys=True)} if notes else None
+    table = table.replace_schema_metadata(kept)
     with replacing(path) as temporary, temporary.open("wb") as file:
         pq.write_table(table, file, compression="zstd")
 
@@ -291,10 +305,25 @@ def columns(path: Path) -> list[str]:
     Raises:
         TableError: The file is missing, is not Parquet, or is cut short.
     """
+    return list(_schema(path).names)
+
+
+def _schema(path: Path) -> pa.Schema:
     try:
-        return list(pq.read_schema(path).names)
+        return pq.read_schema(path)
     except (OSError, pa.ArrowException) as error:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error
+
+
+def notes(path: Path) -> dict[str, Any]:
+    """What was kept in a file beside its rows; nothing if it has no such notes.
+
+    Raises:
+        TableError: The file is missing, is not Parquet, or is cut short.
+    """
+    kept = (_schema(path).metadata or {}).get(_NOTES.encode())
+    found: dict[str, Any] = json.loads(kept) if kept else {}
+    return found
 
 
 def read(path: Path, schema: pa.Schema) -> pd.DataFrame:

@@ -151,7 +151,7 @@ def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_pat
         assert table.columns.tolist() == tables.MEASURED.names[1:]
         assert table.loc["cube", "complexity"] == 0
         assert table.loc["cube", "difficulty"] == pytest.approx(0.0025, abs=0.0003)
-        assert table.loc["cube", "grasps"] == 400  # as configured
+        assert table.loc["cube", "grasps"] == 1000  # as configured
         assert table.loc["broken", "reason"] == "no faces"
 
 

@@ -29,7 +29,8 @@ Bases = Annotated[
     str | None, typer.Option(help="even, or scan: as the original program; else the configuration")
 ]
 Among = Annotated[
-    Path, typer.Option("--in", help="archive.parquet, or the folder of a dataset: results/egad")
+    Path,
+    typer.Option("--in", help="archive.parquet, released, or folder of a dataset"),
 ]
 PageFile = Annotated[
     list[Path], typer.Option(help="file to write: .html, .parquet or .csv; may be repeated")
@@ -102,6 +103,7 @@ def locate(
     """Show where any meshes lie in the space of a dataset, and the objects most like them."""
     from egad import tables
     from egad.cli.show import located
+    from egad.data import named
     from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_frame
     from egad.files import write_text
@@ -114,7 +116,7 @@ def locate(
         check_ending(path, (".html", ".parquet", ".csv"))
     whole = changed(settings_in(config), "postprocess", grasps=grasps)
     settings = select(whole, LocateMeshes)
-    objects = stage.reference(among, settings)
+    objects = stage.reference(named(among), settings)
     table, shown = stage.run(settings, objects, object_names(files_in(meshes)), units, jobs)
     for path in out:
         if path.suffix.lower() == ".html":

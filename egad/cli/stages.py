@@ -78,7 +78,7 @@ def postprocess(
 @app.command(rich_help_panel=STAGE)
 def collect(
     settings: SettingsText,
-    source: Annotated[str, typer.Option(help="evolved or meshes")],
+    source: Annotated[str, typer.Option(help="evolved, archive or meshes")],
     solids: Annotated[list[Path], typer.Option(help="shards of postprocess")],
     rejects: Annotated[list[Path], typer.Option(help="rejected objects of the shards")],
     out: Out,
@@ -90,7 +90,7 @@ def collect(
     from egad.stages import collect as stage
 
     parsed = parse(Collect, settings)
-    stage.run(parsed, source == "evolved", solids, rejects, out, rejected, meshes)
+    stage.run(parsed, source != "meshes", solids, rejects, out, rejected, meshes)
 
 
 @app.command(name="grasp-label", rich_help_panel=STAGE)

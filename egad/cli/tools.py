@@ -23,6 +23,8 @@ from egad.cli.common import (
 from egad.errors import UserError
 from egad.settings import Settings
 
+ArchiveFile = Annotated[Path, typer.Argument(help="archive.parquet, or: released")]
+
 
 @app.command(rich_help_panel=TOOL)
 def rescale(
@@ -61,11 +63,13 @@ def rescale(
 
 
 @app.command(rich_help_panel=TOOL)
-def materialise(archive: Path, out: OutFolder, config: Config = None) -> None:
+def materialise(archive: ArchiveFile, out: OutFolder, config: Config = None) -> None:
     """Write the meshes of an archive as ID.obj, in metres, as they came out of evolution."""
+    from egad.data import named
     from egad.stages import materialise as stage
 
     _spare(out)
+    archive = named(archive)
     typer.echo(f"{stage.run(archive, out, settings_in(config).shape)} meshes in {out}")
 
 

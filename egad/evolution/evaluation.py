@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from egad.errors import RejectedError
 from egad.measures import reeb
 from egad.measures.coordinates import coordinates
-from egad.measures.difficulty import difficulty
 from egad.seeds import generator
 from egad.shapes import constraints, cppn, voxels
 from egad.shapes.genome import Row
@@ -62,7 +61,6 @@ def regrade(solid: Solid, settings: Evolve) -> float | str:
     mesh = packed_surface(solid.packed, settings.shape)
     rng = generator(settings.seed, "newcomer", solid.id)
     try:
-        quality, _ = difficulty(mesh, settings, settings.evolution.regrade, rng)
+        return coordinates(mesh, settings, settings.evolution.regrade, rng).difficulty
     except RejectedError as error:
         return str(error)
-    return quality

@@ -9,6 +9,7 @@ from egad import tables
 from egad.errors import RejectedError, UserError
 from egad.evolution.archive import Archive, elites_of
 from egad.evolution.island import evolve
+from egad.evolution.provenance import check_provenance, provenance
 from egad.exchange.meshes import read_mesh
 from egad.measures.own import check_measures
 from egad.shapes.constraints import rules_of
@@ -44,10 +45,11 @@ def run(
     with workers(worker_count) as mapper:
         archive = Archive(settings.space, settings.similarity)
         if base is not None:
+            check_provenance(base, settings)
             archive.add(elites_of(tables.read(base, tables.EPOCH)))
         steps, counts = evolve(archive, settings, epoch, island, rules, mapper)
     tables.write(steps, tables.HISTORY, history)
-    tables.write(archive.to_frame(), tables.EPOCH, out)
+    tables.write(archive.to_frame(), tables.EPOCH, out, provenance(settings))
     log.info("%d elites, coverage %.3f", len(archive), archive.coverage)
     for outcome, count in sorted(counts.items()):
         log.info("%6d offspring: %s", count, outcome)

@@ -12,6 +12,7 @@ import trimesh
 
 from egad import tables
 from egad.errors import RejectedError, UserError
+from egad.evolution.provenance import check_provenance
 from egad.exchange.meshes import read_mesh
 from egad.measures import reeb
 from egad.measures.neighbours import Neighbourhood
@@ -59,6 +60,7 @@ def reference(path: Path, settings: LocateMeshes) -> Reference:
         raise UserError(f"--in {path}: no such file; name an archive or the folder of a dataset")
     names = tables.columns(path)
     if "voxels" in names:
+        check_provenance(path, settings, ("shape",))
         found = _of_archive(tables.read(path, tables.ARCHIVE), settings.shape)
     elif "watertight" in names:
         found = _of_dataset(tables.read(path, tables.OBJECTS), path.parent / "meshes")

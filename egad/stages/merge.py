@@ -11,9 +11,10 @@ def run(settings: Merge, islands: list[Path], out: Path) -> None:
     """Merge the archives of all islands (columns of `egad.tables.EPOCH`)."""
     frames = [tables.read(path, tables.EPOCH) for path in islands]
     merged = merge(frames, settings.space, settings.similarity) if len(frames) > 1 else frames[0]
-    tables.write(merged, tables.EPOCH, out)
+    tables.write(merged, tables.EPOCH, out, tables.notes(islands[0]))
 
 
 def publish(epoch_archive: Path, out: Path) -> None:
     """Write the archive of the last epoch without its internal columns."""
-    tables.write(tables.read(epoch_archive, tables.ARCHIVE), tables.ARCHIVE, out)
+    archive = tables.read(epoch_archive, tables.ARCHIVE)
+    tables.write(archive, tables.ARCHIVE, out, tables.notes(epoch_archive))

@@ -12,6 +12,7 @@ import trimesh
 
 from egad import tables
 from egad.errors import RejectedError
+from egad.evolution.provenance import check_provenance
 from egad.exchange.folders import EVERY_FILE, objects_in
 from egad.exchange.meshes import read_mesh
 from egad.measures import reeb
@@ -55,6 +56,7 @@ def from_archive(
     path: Path, settings: PostprocessSolids, shard: int, shards: int
 ) -> tuple[Sources, pd.Series]:
     """The evolved objects of a shard, and the difficulties that they were selected by."""
+    check_provenance(path, settings, ("shape",))
     archive = tables.read(path, tables.ARCHIVE).set_index("id")
     sources: Sources = {
         str(object_id): partial(packed_surface, packed, settings.shape)

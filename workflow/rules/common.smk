@@ -10,6 +10,7 @@ from snakemake.exceptions import WorkflowError
 from egad import stage_settings
 from egad.code_version import code_version
 from egad.config_check import check
+from egad.data import released
 from egad.errors import UserError
 from egad.exchange.folders import EVERY_FILE, mesh_files
 from egad.measures.own import source_hash
@@ -30,7 +31,13 @@ SHARDS = range(SETTINGS.shards)
 ISLANDS = range(SETTINGS.schedule.islands)
 LAST_EPOCH = SETTINGS.schedule.epochs - 1
 EVOLVED = [name for name, dataset in SETTINGS.datasets.items() if dataset.source == "evolved"]
+GIVEN = {
+    name: str(released() if dataset.archive == "released" else dataset.archive)
+    for name, dataset in SETTINGS.datasets.items()
+    if dataset.source == "archive"
+}
 EVOLVED_DATASET = "|".join(EVOLVED) or "(?!)"  # patterns; the latter fits no name
+GIVEN_DATASET = "|".join(GIVEN) or "(?!)"
 ENVIRONMENT = "../../envs/egad.yaml"
 
 
@@ -98,7 +105,7 @@ def worker_memory(wildcards, threads):
 def raw_objects(wildcards):
     """What the objects of a dataset are made from: its archive, or mesh files in its folder."""
     dataset = SETTINGS.datasets[wildcards.dataset]
-    if dataset.source == "evolved":
+    if dataset.source != "meshes":
         return [f"results/{wildcards.dataset}/archive.parquet"]
     try:
         return list(map(str, mesh_files(Path(dataset.folder), dataset.pattern or EVERY_FILE)))
@@ -109,7 +116,7 @@ def raw_objects(wildcards):
 def raw_options(wildcards, input):
     """The options of postprocess that say what the objects are made from."""
     dataset = SETTINGS.datasets[wildcards.dataset]
-    if dataset.source == "evolved":
+    if dataset.source != "meshes":
         return ["--archive", str(input[0])]
     pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
     return ["--folder", dataset.folder, "--units", dataset.units, *pattern]
@@ -139,7 +146,8 @@ def published():
     return [
         "results/comparison.parquet",
         "results/comparison.svg",
-        *of_datasets(EVOLVED, ["archive.parquet", "history.parquet"]),
+        *of_datasets([*EVOLVED, *GIVEN], ["archive.parquet"]),
+        *of_datasets(EVOLVED, ["history.parquet"]),
         *of_datasets(SETTINGS.datasets, ["objects.parquet", "rejected.parquet", "meshes"]),
         *of_datasets(targets.datasets, of_target),
     ]

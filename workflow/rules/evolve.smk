@@ -10,6 +10,7 @@ archive of the last epoch is published. More epochs than before extend a finishe
 
 localrules:
     archive,
+    given_archive,
     history,
 
 
@@ -104,6 +105,32 @@ rule archive:
         code=code_version("egad.stages.merge"),
     message:
         "Publishing the archive"
+    shell:
+        "egad archive {input:q} --out {output:q} > {log:q} 2>&1"
+
+
+rule given_archive:
+    """The archive that a dataset starts from, in its place."""
+    input:
+        lambda wildcards: GIVEN[wildcards.dataset],
+    output:
+        ensure("results/{dataset}/archive.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/archive.log",
+    benchmark:
+        "benchmarks/{dataset}/archive.tsv"
+    wildcard_constraints:
+        dataset=GIVEN_DATASET,
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        code=code_version("egad.stages.merge"),
+    message:
+        "Taking the archive of {wildcards.dataset}"
     shell:
         "egad archive {input:q} --out {output:q} > {log:q} 2>&1"
 
