@@ -57,7 +57,12 @@ PARTS = {
         f"trials-{GRIPPER}-{POLICY}": tables.TRIALS,
     }.items()
 }
-TABLES = PUBLISHED | EPOCH_TABLES | PARTS
+HISTORIES = {
+    f"egad/epochs/epoch-{epoch}/history-{island}.parquet": tables.HISTORY
+    for epoch in range(EPOCHS)
+    for island in range(ISLANDS)
+}
+TABLES = PUBLISHED | EPOCH_TABLES | HISTORIES | PARTS
 
 
 @pytest.fixture
