@@ -127,12 +127,12 @@ def test_a_file_that_is_not_there_is_refused(tmp_path):
 
 
 def test_what_does_not_fit_the_configuration_is_refused(home, tmp_path):
-    other = select(Settings.model_validate({"space": {"cells": 2}}), LocateMeshes)
+    coarse = {"space": {"cells": 2}, "shape": {"resolution": 16}}
+    other = select(Settings.model_validate(coarse), LocateMeshes)
     with pytest.raises(UserError, match="2 along each axis; name the one of that dataset"):
         locate.reference(home / "archive.parquet", other)
-    coarse = locate.reference(home / "archive.parquet", select(Settings(), LocateMeshes))
-    with pytest.raises(UserError, match=r"another shape\.resolution"):
-        next(iter(coarse.load.values()))()
+    with pytest.raises(UserError, match=r"shape\.resolution: 16 in the archive, 25"):
+        locate.reference(home / "archive.parquet", select(Settings(), LocateMeshes))
     tables.write(tables.empty(tables.REJECTED), tables.REJECTED, tmp_path / "rejected.parquet")
     with pytest.raises(UserError, match="neither an archive nor the objects"):
         locate.reference(tmp_path / "rejected.parquet", READ)
