@@ -86,6 +86,21 @@ def collage(
     stage.run(dataset, out, settings.space, settings.axes)
 
 
+@app.command(rich_help_panel=TOOL)
+def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
+    """Draw how many elites each cell of an archive holds, as SVG."""
+    from egad import tables
+    from egad.data import named
+    from egad.files import write_text
+    from egad.report.axes import axis_pair
+    from egad.report.dataset_maps import dataset_maps
+
+    settings = settings_in(config)
+    objects = tables.read(named(archive), tables.ARCHIVE)
+    maps = dataset_maps({archive.stem: objects}, settings.space, axis_pair(settings.axes))
+    write_text(out, maps)
+
+
 @app.command(name="check-config", rich_help_panel=TOOL)
 def check_config(files: list[Path]) -> None:
     """Check configuration files and list every problem."""

@@ -46,6 +46,7 @@ class DatasetView:
     scales: list[summary.Row]
     trials: list[TrialView]
     outcome_figure: str
+    regrading: summary.Row | None
     curves: str
     film: str
     rejections: list[summary.Row]
@@ -100,6 +101,7 @@ def _view(name: str, data: DatasetReport, settings: Settings) -> DatasetView:
         scales=[summary.scale_numbers(gripper, data) for gripper in grippers],
         trials=[_trial_view(key, table, data, settings) for key, table in trials.items()],
         outcome_figure=_figure(figures.outcome_bars(bars)) if bars else "",
+        regrading=summary.regrading(data.objects, settings.space),
         curves=_figure(filling_curves({name: history})) if history is not None else "",
         film=maps.data_uri(filling_film(history, settings.space), "image/gif")
         if history is not None

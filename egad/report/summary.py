@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from egad.measures.space import coverage, filled_cells
+from egad.measures.space import coverage, difficulty_cells, filled_cells
 from egad.report.data import DatasetReport
 from egad.settings import Space
 
@@ -67,6 +67,33 @@ def space_numbers(objects: pd.DataFrame, space: Space) -> Row:
         "high": diversity.max(),
         "complexity": (objects["complexity"].min(), objects["complexity"].max()),
         "difficulty": (objects["difficulty"].min(), objects["difficulty"].max()),
+    }
+
+
+def regrading(objects: pd.DataFrame, space: Space) -> Row | None:
+    """How the objects of an archive moved when they were graded again.
+
+    Args:
+        objects: Columns of `egad.tables.OBJECTS`.
+        space: The cells.
+
+    Returns:
+        Parts of the objects that stayed in their cell, moved by one and by more, the mean move
+        towards hard in cells, and the coverage before and after; None if no object was selected
+        by a difficulty.
+    """
+    graded = objects.dropna(subset=["archive_difficulty"])
+    if graded.empty:
+        return None
+    before = difficulty_cells(graded["archive_difficulty"], space)
+    moves = graded["difficulty_cell"].to_numpy() - before
+    return {
+        "stayed": float((moves == 0).mean()),
+        "by_one": float((abs(moves) == 1).mean()),
+        "by_more": float((abs(moves) > 1).mean()),
+        "mean": float(moves.mean()),
+        "before": coverage(graded.assign(difficulty_cell=before), space),
+        "after": coverage(graded, space),
     }
 
 

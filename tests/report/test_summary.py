@@ -1,8 +1,10 @@
 import numpy as np
+import pandas as pd
 import pytest
 
 from egad.report import summary
 from egad.report.data import DatasetReport
+from egad.settings import Space
 
 
 def test_published_coverage_is_of_places():
@@ -48,3 +50,20 @@ def test_rejections_and_outcomes_are_ordered_by_frequency(report, trials):
         "slipped": 5,
     }
     assert next(iter(summary.outcome_counts(trials))) == "success"
+
+
+def test_regrading_counts_moves_and_coverage():
+    """Four objects selected for one cell; three lie in others, two of these in the next."""
+    space = Space(cells=7, difficulty_range=(0, 0.007), elites_per_cell=4)
+    objects = pd.DataFrame(
+        {
+            "archive_difficulty": [0.0055] * 4 + [np.nan],
+            "complexity_cell": [2] * 5,
+            "difficulty_cell": [1, 2, 2, 4, 0],
+        }
+    )
+    found = summary.regrading(objects, space)
+    assert (found["stayed"], found["by_one"], found["by_more"]) == (0.25, 0.5, 0.25)
+    assert found["mean"] == 1.25
+    assert found["before"] == found["after"] == 4 / 196
+    assert summary.regrading(objects.tail(1), space) is None
