@@ -15,25 +15,26 @@ import pytest
 from egad import tables
 from egad.evolution import archive, evaluation, island
 from egad.evolution.archive import Archive, elites_of
-from egad.measures import difficulty, neighbours, reeb
+from egad.measures import coordinates, difficulty, neighbours, reeb
 from egad.settings import Settings
-from egad.shapes import cppn, surface, voxels
+from egad.shapes import constraints, cppn, surface
 from egad.stage_settings import Evolve, select
 
 STEPS = {
     "reproduction": (island, "breed"),
     "network query": (cppn, "query"),
-    "voxels": (voxels, "solid"),
+    "voxels": (constraints, "solid"),
     "meshing": (surface, "marching_cubes"),
-    "smoothing and scaling": (evaluation, "surface"),
+    "smoothing and scaling": (evaluation, "packed_surface"),
     "grasp sampling": (difficulty, "sample"),
     "grasp quality": (difficulty, "ferrari_canny"),
-    "rest of difficulty": (evaluation, "difficulty"),
-    "complexity": (evaluation, "complexity"),
+    "rest of difficulty": (coordinates, "difficulty"),
+    "complexity": (coordinates, "complexity"),
     "Reeb graph": (reeb, "extract"),
     "neighbours": (neighbours.Neighbourhood, "nearest"),
     "newcomers among the shapes": (neighbours.Neighbourhood, "add"),
     "rest of insertion": (archive.Archive, "add"),
+    "history": (island, "snapshot"),
 }
 
 
@@ -76,7 +77,7 @@ def test_an_evaluation(elites, monkeypatch):
     for step, (owner, name) in STEPS.items():
         monkeypatch.setattr(owner, name, timed(getattr(owner, name), step, spent, running))
     start = time.process_time()
-    outcomes = island.evolve(elites, settings(4), 1001, 0)
+    _, outcomes = island.evolve(elites, settings(4), 1001, 0)
     total = time.process_time() - start
     spent["the rest"] = total - sum(spent.values())
     count = sum(outcomes.values())

@@ -1,0 +1,40 @@
+"""The curves of docs/search.md: `python docs/search.py NAME=history.parquet ...`."""
+
+import sys
+from pathlib import Path
+
+import pandas as pd
+
+from egad import tables
+from egad.files import write_text
+from egad.report.filling import evaluations, filling_curves
+
+HERE = Path(__file__).parent
+SHOWN = (2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000)
+
+
+def main(runs: dict[str, Path]) -> None:
+    """Write the figure beside this file and print the table."""
+    histories = {name: tables.read(path, tables.HISTORY) for name, path in runs.items()}
+    write_text(HERE / "search.svg", filling_curves(histories))
+    print(f"| {'evaluations':>12} | " + " | ".join(f"{name:>22}" for name in histories) + " |")
+    steps = {name: evaluations(history) for name, history in histories.items()}
+    for count in SHOWN:
+        row = [after(each, count) for each in steps.values()]
+        if any(row):
+            print(f"| {count:>12,} | " + " | ".join(f"{text:>22}" for text in row) + " |")
+
+
+def after(steps: pd.DataFrame, count: int) -> str:
+    """Coverage, filled cells and QD-score after so many evaluations; empty if there were fewer."""
+    if steps["offspring"].iloc[-1] < count:
+        return ""
+    so_far = steps[steps["offspring"] <= count]
+    scores = so_far["qd_score"].dropna()
+    last = so_far.iloc[-1]
+    score = f"{scores.iloc[-1]:.0f}" if len(scores) else "-"
+    return f"{last['coverage']:.3f} {last['filled_cells']:.3f} {score}"
+
+
+if __name__ == "__main__":
+    main({name: Path(path) for name, _, path in (each.partition("=") for each in sys.argv[1:])})
