@@ -220,6 +220,8 @@ class Limits(Section):
     @model_validator(mode="after")
     def _ranges_ascend(self) -> Self:
         _ascending(self, "aspect_ratio", "box_part", "cube_part")
+        if self.aspect_ratio[1] < 1:
+            raise ValueError("aspect_ratio must reach 1 at least: no box is shorter than itself")
         return self
 
 
@@ -231,7 +233,7 @@ class Space(Section):
         (0.0005, 0.004), description="grasp qualities that the cells span: high is easy"
     )
     cells: int = Field(25, ge=1, le=26, description="cells along each axis")
-    elites_per_cell: int = Field(4, ge=1, description="most objects kept in a cell")
+    elites_per_cell: int = Field(4, ge=1, le=255, description="most objects kept in a cell")
     neighbours: int = Field(
         10, ge=1, description="diversity is the mean distance to this many nearest objects"
     )

@@ -66,11 +66,14 @@ def rescale(
 def materialise(archive: ArchiveFile, out: OutFolder, config: Config = None) -> None:
     """Write the meshes of an archive as ID.obj, in metres, as they came out of evolution."""
     from egad.data import named
+    from egad.evolution.provenance import check_provenance
+    from egad.stage_settings import LocateMeshes, select
     from egad.stages import materialise as stage
 
     _spare(out)
-    archive = named(archive)
-    typer.echo(f"{stage.run(archive, out, settings_in(config).shape)} meshes in {out}")
+    archive, settings = named(archive), settings_in(config)
+    check_provenance(archive, select(settings, LocateMeshes), ("shape",))
+    typer.echo(f"{stage.run(archive, out, settings.shape)} meshes in {out}")
 
 
 @app.command(rich_help_panel=TOOL)
@@ -91,11 +94,14 @@ def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
     """Draw how many elites each cell of an archive holds, as SVG."""
     from egad import tables
     from egad.data import named
+    from egad.evolution.provenance import check_provenance
     from egad.files import write_text
     from egad.report.axes import axis_pair
     from egad.report.dataset_maps import dataset_maps
+    from egad.stage_settings import LocateMeshes, select
 
     settings = settings_in(config)
+    check_provenance(named(archive), select(settings, LocateMeshes), ("space",))
     objects = tables.read(named(archive), tables.ARCHIVE)
     maps = dataset_maps({archive.stem: objects}, settings.space, axis_pair(settings.axes))
     write_text(out, maps)

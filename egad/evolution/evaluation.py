@@ -44,7 +44,7 @@ def measure(solid: Solid, settings: Evolve) -> Measured | str:
     """The measures of a solid, or the reason why it has none.
 
     The grasps are drawn from a generator named after the solid, so equal solids have equal
-    measures wherever and whenever they are found.
+    measures wherever and whenever they are found, but for newcomers that are graded again.
     """
     mesh = packed_surface(solid.packed, settings.shape)
     rng = generator(settings.seed, "difficulty", solid.id)
@@ -57,7 +57,7 @@ def measure(solid: Solid, settings: Evolve) -> Measured | str:
 
 
 def regrade(solid: Solid, settings: Evolve) -> float | str:
-    """The difficulty of a solid by more and other grasps, or the reason why it has none."""
+    """The difficulty of a solid by other grasps, or the reason why it has none."""
     mesh = packed_surface(solid.packed, settings.shape)
     rng = generator(settings.seed, "newcomer", solid.id)
     try:

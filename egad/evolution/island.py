@@ -80,7 +80,7 @@ def _evaluated(
     fresh, outcomes = _fresh(offspring, archive, settings, rules, mapper)
     solids = [solid for _, solid in fresh]
     results = list(mapper(partial(measure, settings=settings), solids))
-    if settings.evolution.regrade and not settings.axes.difficulty:
+    if settings.evolution.regrade:
         results = _regraded(solids, results, archive, settings, mapper)
     elites = []
     for (each, solid), result in zip(fresh, results, strict=True):

@@ -6,7 +6,8 @@ from typing import Any
 
 from egad import tables
 from egad.errors import UserError
-from egad.stage_settings import StageSettings
+from egad.measures.own import source_hash
+from egad.stage_settings import Evolve, Measuring, StageSettings
 
 SECTIONS = (
     "seed",
@@ -21,49 +22,59 @@ SECTIONS = (
     "shape",
     "space",
 )
+MEASURING = ("gripper", "axes", "source", "difficulty", "sampling", "quality", "robust")
 
 
-def provenance(settings: StageSettings, sections: Collection[str] = SECTIONS) -> dict[str, Any]:
-    """The settings that the measures in an archive depend on."""
-    return settings.model_dump(mode="json", include=set(sections))
+def provenance(settings: StageSettings) -> dict[str, Any]:
+    """What the measures in an archive depend on: settings, and the user's own measures."""
+    notes: dict[str, Any] = settings.model_dump(mode="json", include=set(SECTIONS))
+    if isinstance(settings, Measuring):
+        notes["source"] = {axis: source_hash(name) for axis, name in settings.axes if name}
+    if isinstance(settings, Evolve):
+        notes["evolution"] = {"regrade": settings.evolution.regrade}
+    return notes
 
 
-def check_provenance(
-    path: Path, settings: StageSettings, sections: Collection[str] = SECTIONS
-) -> None:
-    """Make sure that an archive was made with the settings that are to be used with it.
+def differences(
+    path: Path, settings: StageSettings, sections: Collection[str] | None = None
+) -> list[str]:
+    """What an archive was made with that is different in a configuration, a line each.
 
-    Archives that do not say what they were made with are taken as they are.
+    What either does not say is left out: archives of other programs, or of an older version.
 
     Args:
         path: The archive.
         settings: Those to be used.
-        sections: What must be equal.
+        sections: What must be equal; everything if None.
 
     Raises:
-        UserError: Some are not; the message names both values.
         TableError: The file is damaged.
     """
-    theirs = tables.notes(path)
-    if not theirs:
-        return
-    ours = provenance(settings, sections)
-    there, here = (
-        dict(_flat({name: each.get(name) for name in sections})) for each in (theirs, ours)
-    )
-    different = [
-        f"  {key}: {there.get(key)} in the archive, {here.get(key)} in the configuration"
-        for key in sorted(there.keys() | here.keys())
-        if there.get(key) != here.get(key)
+    theirs, ours = dict(_flat(tables.notes(path))), dict(_flat(provenance(settings)))
+    return [
+        f"  {key}: {theirs[key]} in the archive, {ours[key]} in the configuration"
+        for key in sorted(theirs.keys() & ours.keys())
+        if theirs[key] != ours[key] and (sections is None or key.split(".")[0] in sections)
     ]
-    if different:
+
+
+def check_provenance(
+    path: Path, settings: StageSettings, sections: Collection[str] | None = None
+) -> None:
+    """Make sure that an archive was made with the settings that are to be used with it.
+
+    Raises:
+        UserError: It was not; the message names both values of each difference.
+        TableError: The file is damaged.
+    """
+    if different := differences(path, settings, sections):
         raise UserError("\n".join([f"{path} was made with other settings:", *different]))
 
 
 def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Values of nested tables by their dotted names."""
     for name, value in values.items():
-        if isinstance(value, Mapping):
+        if isinstance(value, Mapping) and value:
             yield from _flat(value, f"{prefix}{name}.")
         else:
             yield f"{prefix}{name}", value

@@ -4,6 +4,7 @@ import hashlib
 import importlib
 import importlib.util
 import math
+import sys
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -34,7 +35,7 @@ def own_value(measure: str, mesh: trimesh.Trimesh) -> float:
         given = function(mesh.copy())
         value = float(given)
     except Exception as error:
-        raise RejectedError(f"{name} failed ({type(error).__name__}: {error})") from error
+        raise RejectedError(f"{name} failed: {type(error).__name__}: {error}") from error
     if not math.isfinite(value):
         raise RejectedError(f"{name} is not a finite number ({value})")
     return value
@@ -98,9 +99,10 @@ def _installed(module: str) -> Path | None:
 def _loaded(module: str, path: Path) -> ModuleType:
     if not module.endswith(".py"):
         return importlib.import_module(module)
-    spec = importlib.util.spec_from_file_location(path.stem, path)
+    spec = importlib.util.spec_from_file_location(f"egad_axis_{path.stem}", path)
     if spec is None or spec.loader is None:
         raise ImportError(f"{path} is not Python")
     loaded = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = loaded  # dataclasses look for it
     spec.loader.exec_module(loaded)
     return loaded

@@ -60,7 +60,7 @@ def unpack(data: bytes, resolution: int) -> Solid:
     if len(bits) != (count + 7) // 8:
         raise UserError(
             f"{len(bits)} bytes of voxels do not make {resolution}^3 voxels: "
-            "the archive was made with another shape.resolution"
+            "they come from another shape.resolution"
         )
     return np.unpackbits(bits, count=count).astype(bool).reshape((resolution,) * 3)
 

@@ -48,6 +48,9 @@ def run(
             check_provenance(base, settings)
             archive.add(elites_of(tables.read(base, tables.EPOCH)))
         steps, counts = evolve(archive, settings, epoch, island, rules, mapper)
+    if not len(archive):
+        most = "; ".join(f"{reason} ({count})" for reason, count in counts.most_common(3))
+        raise UserError(f"none of {counts.total()} offspring could be kept: {most}")
     tables.write(steps, tables.HISTORY, history)
     tables.write(archive.to_frame(), tables.EPOCH, out, provenance(settings))
     log.info("%d elites, coverage %.3f", len(archive), archive.coverage)
@@ -59,9 +62,13 @@ def mesh_of(path: str) -> trimesh.Trimesh:
     """The closed mesh in a file that a region names.
 
     Raises:
-        UserError: The file cannot be used.
+        UserError: The file cannot be used, or holds several bodies.
     """
     try:
-        return repair(read_mesh(Path(path), "m")).mesh
+        mesh = read_mesh(Path(path), "m")
+        closed = repair(mesh).mesh
     except RejectedError as reason:
         raise UserError(f"the mesh {path} of a region cannot be used: {reason}") from reason
+    if mesh.body_count > 1:
+        raise UserError(f"the mesh {path} of a region has {mesh.body_count} parts; one is allowed")
+    return closed

@@ -12,7 +12,7 @@ import trimesh
 
 from egad import tables
 from egad.errors import RejectedError
-from egad.evolution.provenance import check_provenance
+from egad.evolution.provenance import MEASURING, check_provenance, differences
 from egad.exchange.folders import EVERY_FILE, objects_in
 from egad.exchange.meshes import read_mesh
 from egad.measures import reeb
@@ -55,7 +55,13 @@ def run(
 def from_archive(
     path: Path, settings: PostprocessSolids, shard: int, shards: int
 ) -> tuple[Sources, pd.Series]:
-    """The evolved objects of a shard, and the difficulties that they were selected by."""
+    """The evolved objects of a shard, and the difficulties that they were selected by.
+
+    The latter are left out if they were measured otherwise than is to be done now.
+
+    Raises:
+        UserError: The archive was made with other shapes.
+    """
     check_provenance(path, settings, ("shape",))
     archive = tables.read(path, tables.ARCHIVE).set_index("id")
     sources: Sources = {
@@ -63,6 +69,9 @@ def from_archive(
         for object_id, packed in archive["voxels"].items()
         if in_shard(str(object_id), shard, shards)
     }
+    if other := differences(path, settings, MEASURING):
+        log.info("\n".join(["Not compared with the difficulties in the archive:", *other]))
+        return sources, pd.Series(dtype=float)
     return sources, archive["difficulty"]
 
 

@@ -157,15 +157,3 @@ def test_slippery_fingers_make_the_same_shape_harder():
     )
     hard = coordinates(mesh, slippery, 30, generator(0, "x")).difficulty
     assert hard < coordinates(mesh, sticky, 30, generator(0, "x")).difficulty
-
-
-def test_a_measure_of_ones_own_is_not_graded_by_grasps_again():
-    config = configured("measures")
-    evolution = config.evolution.model_copy(update={"regrade": 20})
-    space = config.space.model_copy(update={"cells": 1, "elites_per_cell": 1})
-    settings = select(config, Evolve).model_copy(update={"evolution": evolution, "space": space})
-    archive = Archive(settings.space, settings.similarity)
-    evolve(archive, settings, 0, 0)
-    for each in archive.elites:
-        mesh = packed_surface(each.voxels, config.shape)
-        assert each.difficulty == own_value(config.axes.difficulty, mesh)

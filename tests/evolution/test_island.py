@@ -1,6 +1,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from egad import tables
@@ -44,8 +45,9 @@ def test_every_offspring_is_accounted_for(island):
 
 
 def test_two_workers_give_the_same_bytes_as_one(island, tmp_path):
-    one, *_ = island
-    two, *_ = evolved(2, epoch=0, island=0)
+    one, _, first = island
+    two, _, second = evolved(2, epoch=0, island=0)
+    pd.testing.assert_frame_equal(first, second)
     tables.write(one.to_frame(), tables.EPOCH, tmp_path / "one")
     tables.write(two.to_frame(), tables.EPOCH, tmp_path / "two")
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()

@@ -157,7 +157,7 @@ def test_datasets_of_others_are_compared_alone_or_beside_the_evolved_one(clean, 
     alone = clean.planned(target, "--replace-workflow-config", configs=configs)
     assert set(alone) == {"postprocess", "collect", "compare"}
     beside = clean.planned(target, configs=configs)
-    assert set(beside) == {"evolve", "merge", "archive", "history", *alone}
+    assert set(beside) == {"evolve", "merge", "archive", *alone}
     everything = clean.planned("--replace-workflow-config", configs=configs)
     assert set(everything) == AFTER_POSTPROCESS | {"postprocess"}
     objects = f"results/{name}/objects.parquet"

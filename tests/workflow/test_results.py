@@ -57,12 +57,7 @@ PARTS = {
         f"trials-{GRIPPER}-{POLICY}": tables.TRIALS,
     }.items()
 }
-HISTORIES = {
-    f"egad/epochs/epoch-{epoch}/history-{island}.parquet": tables.HISTORY
-    for epoch in range(EPOCHS)
-    for island in range(ISLANDS)
-}
-TABLES = PUBLISHED | EPOCH_TABLES | HISTORIES | PARTS
+TABLES = PUBLISHED | EPOCH_TABLES | PARTS
 
 
 @pytest.fixture
@@ -329,3 +324,26 @@ def test_another_grid_and_axes_of_ones_own_go_all_the_way(clean, cells):
     report = (clean.results / "report.html").read_text()
     assert "area: low → high" in report
     assert "volume: high → low" in report
+
+
+def test_an_archive_is_a_dataset(copy):
+    """The archive of a run as the start of another one: the same objects under the same labels."""
+    given = {"source": "archive", "archive": "results/egad/archive.parquet"}
+    again = copy.overlay("again.yaml", {"datasets": {"again": given}})
+    copy.make("--cores", 2, "results/again/objects.parquet", configs=["config/test.yaml", again])
+    ours, theirs = (
+        tables.read(copy.results / name / "objects.parquet", tables.OBJECTS)
+        for name in ("again", "egad")
+    )
+    pd.testing.assert_frame_equal(ours, theirs)
+
+
+def test_a_foreign_file_is_no_archive(copy):
+    given = {"source": "archive", "archive": "results/comparison.parquet"}
+    wrong = copy.overlay("wrong.yaml", {"datasets": {"wrong": given}})
+    target = "results/wrong/objects.parquet"
+    status, _ = copy.snakemake("--cores", 1, target, configs=["config/test.yaml", wrong])
+    assert status != 0
+    log = (copy.folder / "logs/wrong/archive.log").read_text()
+    assert "comparison.parquet: columns are missing: id, node_keys" in log
+    assert "Traceback" not in log

@@ -37,7 +37,7 @@ GIVEN = {
     if dataset.source == "archive"
 }
 EVOLVED_DATASET = "|".join(EVOLVED) or "(?!)"  # patterns; the latter fits no name
-GIVEN_DATASET = "|".join(GIVEN) or "(?!)"
+ARCHIVED_DATASET = "|".join([*EVOLVED, *GIVEN]) or "(?!)"
 ENVIRONMENT = "../../envs/egad.yaml"
 
 
@@ -81,6 +81,12 @@ def previous_archive(wildcards):
     epoch = int(wildcards.epoch)
     previous = f"results/{wildcards.dataset}/epochs/epoch-{epoch - 1}/archive.parquet"
     return [previous] if epoch else []
+
+
+def final_archive(wildcards):
+    """The archive of the last epoch, or the one that a dataset starts from."""
+    last = f"results/{wildcards.dataset}/epochs/epoch-{LAST_EPOCH}/archive.parquet"
+    return GIVEN.get(wildcards.dataset, last)
 
 
 def region_meshes():

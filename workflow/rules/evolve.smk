@@ -4,13 +4,12 @@ Inputs: the settings alone.
 Outputs: results/D/archive.parquet, the elites; history.parquet, the steps; epochs/, what one epoch
 hands to the next.
 Steps: every island breeds from the merged archive of the epoch before; the islands are merged; the
-archive of the last epoch is published. More epochs than before extend a finished run.
+archive of the last epoch, or the one that a dataset starts from, is published. More epochs than before extend a finished run.
 """
 
 
 localrules:
     archive,
-    given_archive,
     history,
 
 
@@ -84,9 +83,9 @@ rule merge:
 
 
 rule archive:
-    """The archive of the last epoch, for people."""
+    """The archive that the objects are made from, for people."""
     input:
-        f"results/{{dataset}}/epochs/epoch-{LAST_EPOCH}/archive.parquet",
+        final_archive,
     output:
         ensure("results/{dataset}/archive.parquet", non_empty=True),
     log:
@@ -94,7 +93,7 @@ rule archive:
     benchmark:
         "benchmarks/{dataset}/archive.tsv"
     wildcard_constraints:
-        dataset=EVOLVED_DATASET,
+        dataset=ARCHIVED_DATASET,
     conda:
         ENVIRONMENT
     threads: 1
@@ -105,32 +104,6 @@ rule archive:
         code=code_version("egad.stages.merge"),
     message:
         "Publishing the archive"
-    shell:
-        "egad archive {input:q} --out {output:q} > {log:q} 2>&1"
-
-
-rule given_archive:
-    """The archive that a dataset starts from, in its place."""
-    input:
-        lambda wildcards: GIVEN[wildcards.dataset],
-    output:
-        ensure("results/{dataset}/archive.parquet", non_empty=True),
-    log:
-        "logs/{dataset}/archive.log",
-    benchmark:
-        "benchmarks/{dataset}/archive.tsv"
-    wildcard_constraints:
-        dataset=GIVEN_DATASET,
-    conda:
-        ENVIRONMENT
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=10,
-    params:
-        code=code_version("egad.stages.merge"),
-    message:
-        "Taking the archive of {wildcards.dataset}"
     shell:
         "egad archive {input:q} --out {output:q} > {log:q} 2>&1"
 
