@@ -94,7 +94,7 @@ class Schedule(Section):
 
 
 class Evolution(Section):
-    """Breeding: MAP-Elites over CPPN genomes (the paper's Table II)."""
+    """Breeding: MAP-Elites over CPPN genomes; config/paper.yaml has the paper's values."""
 
     steps_per_epoch: int = Field(20, ge=1, description="steps of an island in one epoch")
     population: int = Field(100, ge=1, description="children an island evaluates in one step")
