@@ -6,12 +6,14 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from egad.report.style import LINES, drawn
 from egad.settings import Space
 
+THIN = "\N{NARROW NO-BREAK SPACE}"
 FRAMES, UNIT, LAST = 60, 12, 2500  # pictures, pixels a cell, milliseconds of the last picture
 GROUND, INK = (246, 247, 249), (28, 36, 48)
 EMPTY, FULL = np.array([255, 255, 255]), np.array([11, 92, 173])
@@ -64,7 +66,8 @@ def _finish(axes: Axes, title: str, *, share: bool) -> None:
     axes.set(xlabel="evaluations", title=title, xlim=(0, None))
     axes.set_ylim(0, 1 if share else None)
     axes.title.set_fontsize(10)
-    axes.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g} k" if value else "0")
+    axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}".replace(",", THIN))
     if share:
         axes.yaxis.set_major_formatter(lambda value, _: f"{value:.0%}")
     axes.grid(axis="y")
