@@ -1,0 +1,90 @@
+"""The archive that is shipped: whole, and what the code makes of it."""
+
+import numpy as np
+import pytest
+
+from egad import tables
+from egad.data import named, released
+from egad.evolution.evaluation import Solid, express, measure
+from egad.evolution.provenance import check_provenance
+from egad.measures import reeb
+from egad.measures.neighbours import diversities
+from egad.measures.space import complexity_cells, difficulty_cells, labels
+from egad.settings import Settings
+from egad.shapes import voxels
+from egad.shapes.constraints import UNBOUND
+from egad.shapes.surface import packed_surface
+from egad.stage_settings import Evolve, select
+from egad.workers import workers
+
+SETTINGS = Settings()
+EVOLVE = select(SETTINGS, Evolve)
+
+
+@pytest.fixture(scope="module")
+def archive():
+    return tables.read(released(), tables.ARCHIVE)
+
+
+def sample(archive, count):
+    return archive.iloc[np.linspace(0, len(archive) - 1, count).astype(int)].to_dict("records")
+
+
+def test_its_name_is_released(tmp_path):
+    assert named("released") == released()
+    assert named(tmp_path / "other.parquet") == tmp_path / "other.parquet"
+
+
+def test_it_was_made_with_the_measures_of_the_defaults():
+    assert tables.notes(released())
+    check_provenance(released(), EVOLVE)
+
+
+def test_cells_slots_and_ids_follow_from_the_rest(archive):
+    space = SETTINGS.space
+    assert (complexity_cells(archive["complexity"], space) == archive["complexity_cell"]).all()
+    assert (difficulty_cells(archive["difficulty"], space) == archive["difficulty_cell"]).all()
+    assert archive.groupby(["complexity_cell", "difficulty_cell"]).size().max() <= 4
+    assert archive["id"].is_unique
+    assert len(set(labels(archive["complexity_cell"], archive["difficulty_cell"]))) == len(archive)
+    for row in sample(archive, 50):
+        assert voxels.identity(voxels.unpack(row["voxels"], 25)) == row["id"]
+
+
+def check_measures(rows):
+    for row in rows:
+        found = measure(Solid(row["id"], row["voxels"]), EVOLVE)
+        assert found.complexity == pytest.approx(row["complexity"], abs=1e-9)
+        assert found.difficulty == pytest.approx(row["difficulty"], rel=1e-6)
+
+
+def test_its_measures_are_what_the_code_computes(archive):
+    check_measures(sample(archive, 40))
+
+
+@pytest.mark.slow
+def test_all_its_measures_are_what_the_code_computes(archive):
+    check_measures(archive.to_dict("records"))
+
+
+@pytest.mark.slow
+def test_its_diversities_are_what_the_code_computes(archive):
+    with workers(2) as mapper:
+        packed = mapper(_graph, archive["voxels"])
+        graphs = [reeb.unpack(graph) for graph in packed]
+    found = diversities(graphs, SETTINGS.similarity.weight, SETTINGS.space.neighbours)
+    assert found == pytest.approx(archive["diversity"].to_numpy(), abs=1e-6)
+
+
+def _graph(packed):
+    return reeb.pack(reeb.extract(packed_surface(packed, SETTINGS.shape), SETTINGS.similarity))
+
+
+def test_genomes_express_the_voxels(archive):
+    """But for voxels at the threshold, where the last bit of a sine decides."""
+    rows = sample(archive, 60)
+    found = [
+        express({name: row[name] for name in tables.GENOME.names}, EVOLVE, UNBOUND) for row in rows
+    ]
+    same = [solid.id == row["id"] for solid, row in zip(found, rows, strict=True)]
+    assert np.mean(same) >= 0.9
