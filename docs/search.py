@@ -10,19 +10,24 @@ from egad.files import write_text
 from egad.report.filling import evaluations, filling_curves
 
 HERE = Path(__file__).parent
+DRAWN = 20_000  # evaluations: all of a long run would leave no room for the others
 SHOWN = (2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000)
 
 
 def main(runs: dict[str, Path]) -> None:
     """Write the figure beside this file and print the table."""
     histories = {name: tables.read(path, tables.HISTORY) for name, path in runs.items()}
-    write_text(HERE / "search.svg", filling_curves(histories))
-    print(f"| {'evaluations':>12} | " + " | ".join(f"{name:>22}" for name in histories) + " |")
+    starts = {
+        name: history[history["offspring"].cumsum() <= DRAWN] for name, history in histories.items()
+    }
+    write_text(HERE / "search.svg", filling_curves(starts))
+    print("| evaluations | " + " | ".join(histories) + " |")
+    print("| --- " * (len(histories) + 1) + "|")
     steps = {name: evaluations(history) for name, history in histories.items()}
     for count in SHOWN:
         row = [after(each, count) for each in steps.values()]
         if any(row):
-            print(f"| {count:>12,} | " + " | ".join(f"{text:>22}" for text in row) + " |")
+            print(f"| {count:,} | " + " | ".join(row) + " |")
 
 
 def after(steps: pd.DataFrame, count: int) -> str:

@@ -90,7 +90,7 @@ class Schedule(Section):
     islands: int = Field(
         1, ge=1, le=1024, description="archives that evolve apart within an epoch, then merge"
     )
-    epochs: int = Field(5, ge=1, le=200, description="rounds of evolving apart and merging")
+    epochs: int = Field(3, ge=1, le=200, description="rounds of evolving apart and merging")
 
 
 class Evolution(Section):

@@ -13,8 +13,9 @@ from egad.errors import RejectedError, UserError
 
 Floats = NDArray[np.float64]
 
-TURNS = 400  # orientations tried; they lie some 10 degrees apart, as the box has 24 of its own
-STARTS = 2  # the best of them that are turned further
+TURNS = 800  # orientations tried; they lie some 8 degrees apart, as the box has 24 of its own
+STARTS = 3  # the best of them that are turned further
+FEW = 0  # digits of the angles of faces that trimesh tells apart: few of a smooth hull are enough
 TILT = 0.05  # radians: first step of that
 
 
@@ -36,7 +37,7 @@ def box_sides(mesh: trimesh.Trimesh) -> Floats:
     turns = _even_turns(TURNS)
     seen = (points @ turns.reshape(-1, 3).T).reshape(len(points), TURNS, 3)
     best = np.argsort(np.ptp(seen, axis=0).prod(axis=1), kind="stable")[:STARTS]
-    to_box, _ = trimesh.bounds.oriented_bounds(hull)
+    to_box, _ = trimesh.bounds.oriented_bounds(hull, angle_digits=FEW)
     starts = [np.asarray(to_box)[:3, :3], *turns[best]]
     boxes = [_turned_to_minimum(points @ start.T) for start in starts]
     return np.sort(min(boxes, key=np.prod))
