@@ -12,10 +12,11 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
-from egad import tables
 from egad.exchange.meshes import read_mesh
 from egad.files import replacing
 from egad.report.render import png_bytes, render
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent
@@ -27,7 +28,7 @@ def main() -> None:
     """Run the examples and write a picture of each beside this file."""
     for config in sorted(EXAMPLES.glob("*.yaml")):
         dataset = made(config)
-        objects = tables.read(dataset / "objects.parquet", tables.OBJECTS)
+        objects = parquet.read(dataset / "objects.parquet", OBJECTS)
         labels = spread(objects, SHOWN)
         picture = strip([dataset / "meshes" / f"{label}.obj" for label in labels])
         with replacing(HERE / f"custom-{config.stem}.png") as temporary:

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from egad import tables
 from egad.files import write_text
 from egad.report.filling import evaluations, filling_curves
+from egad.tables import parquet
+from egad.tables.evolution import HISTORY
 
 HERE = Path(__file__).parent
 DRAWN = 20_000  # evaluations: all of a long run would leave no room for the others
@@ -16,7 +17,7 @@ SHOWN = (2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000)
 
 def main(runs: dict[str, Path]) -> None:
     """Write the figure beside this file and print the table."""
-    histories = {name: tables.read(path, tables.HISTORY) for name, path in runs.items()}
+    histories = {name: parquet.read(path, HISTORY) for name, path in runs.items()}
     starts = {
         name: history[history["offspring"].cumsum() <= DRAWN] for name, history in histories.items()
     }

@@ -45,12 +45,12 @@ def code_version(module: str, package: Path = PACKAGE) -> str:
 
 def imported(module: str, package: Path = PACKAGE) -> set[str]:
     """The module itself and all modules of the package that it imports, at any depth."""
-    excluded = {package.name, *(f"{package.name}.{name}" for name in EXCLUDED)}
+    excluded = {f"{package.name}.{name}" for name in EXCLUDED}
     found: set[str] = set()
     waiting = list(_with_parents(module))
     while waiting:
         name = waiting.pop()
-        if name not in found | excluded:
+        if name not in found | {package.name} and excluded.isdisjoint(_with_parents(name)):
             found.add(name)
             waiting.extend(_read(package, name)[1])
     return found

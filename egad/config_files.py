@@ -22,7 +22,7 @@ Values = Mapping[str, Any]
 
 DEFAULT_TEXT = """
 All settings with their defaults: a quick run. Every line says what it means and what is allowed.
-Generated from egad/settings.py. Change values here, or better: put just what you want otherwise
+Generated from egad/settings/. Change values here, or better: put just what you want otherwise
 into a file of your own and say `snakemake --cores 2 --configfile FILE`. It is laid over this one:
 tables of names (datasets, grippers) grow by its entries, lists and values are replaced. With
 `--replace-workflow-config` it stands alone, and what it does not name has its default.

@@ -9,8 +9,11 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from egad import tables
 from egad.files import write_text
+from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
+from egad.tables.evolution import ARCHIVE, HISTORY
+from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
 
 PAGE = Path("results/README.md")
 
@@ -26,29 +29,29 @@ class Artefact:
 
 ARTEFACTS = [
     Artefact("report.html", "Everything at a glance, in one file that opens offline."),
-    Artefact("comparison.parquet", "The datasets side by side.", tables.COMPARISON),
+    Artefact("comparison.parquet", "The datasets side by side.", COMPARISON),
     Artefact("comparison.svg", "A small map of each dataset: objects a cell, all on one scale."),
-    Artefact("D/archive.parquet", "The elites of evolution, one a row.", tables.ARCHIVE),
-    Artefact("D/history.parquet", "How the archive filled, a row a step.", tables.HISTORY),
-    Artefact("D/objects.parquet", "The repaired and measured objects.", tables.OBJECTS),
-    Artefact("D/rejected.parquet", "What was left out, and why.", tables.REJECTED),
+    Artefact("D/archive.parquet", "The elites of evolution, one a row.", ARCHIVE),
+    Artefact("D/history.parquet", "How the archive filled, a row a step.", HISTORY),
+    Artefact("D/objects.parquet", "The repaired and measured objects.", OBJECTS),
+    Artefact("D/rejected.parquet", "What was left out, and why.", REJECTED),
     Artefact("D/meshes/LABEL.obj", "The meshes of these objects, in metres."),
     Artefact("D/rescaled/G/LABEL.obj", "The meshes scaled to gripper G, in metres."),
-    Artefact("D/rescaled/G/scales.parquet", "How each was scaled.", tables.SCALES),
+    Artefact("D/rescaled/G/scales.parquet", "How each was scaled.", SCALES),
     Artefact(
         "D/grasps/G.parquet",
         "Labelled grasps for gripper G, in the frame of `D/rescaled/G/LABEL.obj`. "
         "`G.rejected.parquet` beside it names the objects without any.",
-        tables.GRASPS,
+        GRASPS,
     ),
-    Artefact("D/eval49.parquet", "The evaluation set.", tables.EVAL49),
+    Artefact("D/eval49.parquet", "The evaluation set.", EVAL49),
     Artefact("D/print/G/LABEL.stl", "The evaluation set for gripper G, in millimetres."),
     Artefact("D/print/G/plate-N.3mf", "Print plates with one named object each, in millimetres."),
-    Artefact("D/print/G/manifest.parquet", "What is on which plate.", tables.MANIFEST),
+    Artefact("D/print/G/manifest.parquet", "What is on which plate.", MANIFEST),
     Artefact(
         "D/trials/G/P.parquet",
         "Simulated trials of detector P with gripper G, one attempt a row.",
-        tables.TRIALS,
+        TRIALS,
     ),
 ]
 

@@ -7,10 +7,12 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad import tables
 from egad.cli.common import parse
 from egad.settings import Settings
 from egad.stage_settings import Merge, select
+from egad.tables import parquet
+from egad.tables.grasping import SCALES
+from egad.tables.objects import MEASURED, OBJECTS, REJECTED
 
 
 def egad(*arguments):
@@ -99,9 +101,9 @@ def test_rescale_scales_the_good_and_names_the_bad(tmp_path):
     for _ in range(2):  # a second time over its own output
         result = egad("rescale", tmp_path / "in", "--opening", "0.05", "--out", tmp_path / "out")
         assert result.returncode == 0, result.stderr
-    scales = tables.read(tmp_path / "out" / "scales.parquet", tables.SCALES)
+    scales = parquet.read(tmp_path / "out" / "scales.parquet", SCALES)
     assert scales["factor"].tolist() == pytest.approx([0.04])
-    rejected = tables.read(tmp_path / "out" / "rejected.parquet", tables.REJECTED)
+    rejected = parquet.read(tmp_path / "out" / "rejected.parquet", REJECTED)
     assert rejected["id"].tolist() == ["list"]
 
 
@@ -148,7 +150,7 @@ def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_pat
         assert "broken: no faces" in result.stderr
         assert "1 of 2 meshes could not be used" in result.stderr
         table = read(out).set_index("name")
-        assert table.columns.tolist() == tables.MEASURED.names[1:]
+        assert table.columns.tolist() == MEASURED.names[1:]
         assert table.loc["cube", "complexity"] == 0
         assert table.loc["cube", "difficulty"] == pytest.approx(0.0025, abs=0.0003)
         assert table.loc["cube", "grasps"] == 1000  # as configured
@@ -206,11 +208,11 @@ def test_locate_writes_a_page_and_a_table(folder, tmp_path):
     """Among two objects, of which one is the mesh itself."""
     dataset = tmp_path / "dataset"
     (dataset / "meshes").mkdir(parents=True)
-    names = tables.OBJECTS.names
+    names = OBJECTS.names
     objects = pd.DataFrame(0, index=range(2), columns=names).assign(
         id=["1", "2"], label=["A00_0", "B01_0"], complexity=[0.0, 2.0], difficulty=[0.003, 0.001]
     )
-    tables.write(objects, tables.OBJECTS, dataset / "objects.parquet")
+    parquet.write(objects, OBJECTS, dataset / "objects.parquet")
     (dataset / "meshes" / "A00_0.obj").write_text(CUBE)
     trimesh.creation.torus(0.04, 0.01).export(dataset / "meshes" / "B01_0.obj")
     page, table = tmp_path / "page.html", tmp_path / "table.csv"

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from egad import tables
 from egad.data import named, released
 from egad.evolution.evaluation import Solid, express, measure
 from egad.evolution.provenance import check_provenance
@@ -15,6 +14,8 @@ from egad.shapes import voxels
 from egad.shapes.constraints import UNBOUND
 from egad.shapes.surface import packed_surface
 from egad.stage_settings import Evolve, select
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE, GENOME
 from egad.workers import workers
 
 SETTINGS = Settings()
@@ -23,7 +24,7 @@ EVOLVE = select(SETTINGS, Evolve)
 
 @pytest.fixture(scope="module")
 def archive():
-    return tables.read(released(), tables.ARCHIVE)
+    return parquet.read(released(), ARCHIVE)
 
 
 def sample(archive, count):
@@ -36,7 +37,7 @@ def test_its_name_is_released(tmp_path):
 
 
 def test_it_was_made_with_the_measures_of_the_defaults():
-    assert tables.notes(released())
+    assert parquet.notes(released())
     check_provenance(released(), EVOLVE)
 
 
@@ -83,8 +84,6 @@ def _graph(packed):
 def test_genomes_express_the_voxels(archive):
     """But for voxels at the threshold, where the last bit of a sine decides."""
     rows = sample(archive, 60)
-    found = [
-        express({name: row[name] for name in tables.GENOME.names}, EVOLVE, UNBOUND) for row in rows
-    ]
+    found = [express({name: row[name] for name in GENOME.names}, EVOLVE, UNBOUND) for row in rows]
     same = [solid.id == row["id"] for solid, row in zip(found, rows, strict=True)]
     assert np.mean(same) >= 0.9

@@ -6,7 +6,7 @@ import sys
 from egad.cli import measuring, stages, tools
 from egad.cli.common import app
 from egad.errors import RejectedError, UserError
-from egad.tables import TableError
+from egad.tables.parquet import TableError
 
 __all__ = ["main", "measuring", "stages", "tools"]
 

@@ -47,20 +47,20 @@ def measure(
     jobs: Jobs = CORES,
 ) -> None:
     """Measure complexity and difficulty of any meshes, and name their cells."""
-    from egad import tables
     from egad.cli.show import measured
     from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_frame
     from egad.report.axes import axis_pair
     from egad.stage_settings import MeasureMeshes, select
     from egad.stages import measure as stage
+    from egad.tables.objects import MEASURED
 
     check_ending(out)
     whole = changed(settings_in(config), "postprocess", grasps=grasps)
     files = object_names(files_in(meshes))
     table = stage.run(select(whole, MeasureMeshes), files, units, jobs)
     if out is not None:
-        write_frame(table, tables.MEASURED, out)
+        write_frame(table, MEASURED, out)
     measured(table, axis_pair(whole.axes))
     _complain(_reasons(table), len(table))
 
@@ -101,7 +101,6 @@ def locate(
     jobs: Jobs = CORES,
 ) -> None:
     """Show where any meshes lie in the space of a dataset, and the objects most like them."""
-    from egad import tables
     from egad.cli.show import located
     from egad.data import named
     from egad.exchange.folders import object_names
@@ -111,6 +110,7 @@ def locate(
     from egad.report.locations import page
     from egad.stage_settings import LocateMeshes, select
     from egad.stages import locate as stage
+    from egad.tables.objects import LOCATED
 
     for path in out:
         check_ending(path, (".html", ".parquet", ".csv"))
@@ -124,7 +124,7 @@ def locate(
             text = page(str(among), objects.objects, shown, reasons, settings.space, settings.axes)
             write_text(path, text)
         else:
-            write_frame(table, tables.LOCATED, path)
+            write_frame(table, LOCATED, path)
     located(table, axis_pair(settings.axes))
     _complain(_reasons(table), len(table))
 

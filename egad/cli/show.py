@@ -16,7 +16,7 @@ MOST = 12  # columns of a matrix that still can be read
 
 
 def measured(table: pd.DataFrame, axes: AxisPair) -> None:
-    """Print columns of `egad.tables.MEASURED`."""
+    """Print columns of `tables.objects.MEASURED`."""
     show(
         ["name", *_titles(axes), "cell", "grasps"],
         [(*_place(row, axes), number(row["grasps"], 0)) for row in _rows(table)],
@@ -24,7 +24,7 @@ def measured(table: pd.DataFrame, axes: AxisPair) -> None:
 
 
 def located(table: pd.DataFrame, axes: AxisPair) -> None:
-    """Print columns of `egad.tables.LOCATED`."""
+    """Print columns of `tables.objects.LOCATED`."""
     show(
         ["name", *_titles(axes), "cell", *_orders(axes), "diversity", "nearest"],
         [

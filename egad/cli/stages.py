@@ -113,14 +113,14 @@ def grasp_label(
 
 @app.command(rich_help_panel=STAGE)
 def join(
-    schema: Annotated[str, typer.Option(help="grasps, trials, history or rejected")],
     parts: list[Path],
+    by: Annotated[list[str], typer.Option(help="column to sort by; may be repeated")],
     out: Out,
 ) -> None:
     """Join the tables of all shards into one."""
     from egad.stages import join as stage
 
-    stage.run(schema, parts, out)
+    stage.run(parts, by, out)
 
 
 @app.command(name="select-eval", rich_help_panel=STAGE)

@@ -92,17 +92,18 @@ def collage(
 @app.command(rich_help_panel=TOOL)
 def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
     """Draw how many elites each cell of an archive holds, as SVG."""
-    from egad import tables
     from egad.data import named
     from egad.evolution.provenance import check_provenance
     from egad.files import write_text
     from egad.report.axes import axis_pair
     from egad.report.dataset_maps import dataset_maps
     from egad.stage_settings import LocateMeshes, select
+    from egad.tables import parquet
+    from egad.tables.evolution import ARCHIVE
 
     settings = settings_in(config)
     check_provenance(named(archive), select(settings, LocateMeshes), ("space",))
-    objects = tables.read(named(archive), tables.ARCHIVE)
+    objects = parquet.read(named(archive), ARCHIVE)
     maps = dataset_maps({archive.stem: objects}, settings.space, axis_pair(settings.axes))
     write_text(out, maps)
 

@@ -10,9 +10,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad import tables
 from egad.measures.space import complexity_cells, difficulty_cells
 from egad.settings import SelectEval, Space
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49
 
 Indices = NDArray[np.int64]
 Distances = NDArray[np.float64]
@@ -31,17 +32,17 @@ def select(
     another of its cell makes it larger. The best of several random starts is taken.
 
     Args:
-        objects: Columns of `egad.tables.OBJECTS`.
+        objects: Columns of `tables.objects.OBJECTS`.
         distances: (n, n) distances of the objects.
         settings: Rows, columns, restarts.
         space: Ranges of the grid.
         rng: For the random starts.
 
     Returns:
-        Columns of `egad.tables.EVAL49`, sorted by label.
+        Columns of `tables.evaluation.EVAL49`, sorted by label.
     """
     if len(objects) == 0:
-        return tables.empty(tables.EVAL49)
+        return parquet.empty(EVAL49)
     rows, columns = _coarse_cells(objects, settings, space)
     candidates = candidates_by_cell(objects, settings, space)
     starts = (random_choice(candidates, rng) for _ in range(settings.restarts))
@@ -137,5 +138,5 @@ def _frame(
         row=rows,
         column=columns,
         nearest=nearest,
-    )[tables.EVAL49.names]
+    )[EVAL49.names]
     return table.sort_values("label", ignore_index=True)

@@ -11,12 +11,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad import tables
 from egad.measures import reeb
 from egad.measures.neighbours import Neighbourhood
 from egad.measures.space import complexity_cells, difficulty_cells
 from egad.settings import Similarity, Space
 from egad.shapes.genome import Row
+from egad.tables import parquet
+from egad.tables.evolution import EPOCH, GENOME
 
 Cell = tuple[int, int]
 
@@ -119,7 +120,7 @@ class Archive:
         return self._neighbourhood.diversity(index)
 
     def to_frame(self) -> pd.DataFrame:
-        """The archive as a table with the columns of `egad.tables.EPOCH`.
+        """The archive as a table with the columns of `tables.evolution.EPOCH`.
 
         Rows are sorted by cell, then slot; slot 0 is the most diverse of its cell.
         """
@@ -142,7 +143,7 @@ class Archive:
                 }
             )
         if not rows:
-            return tables.empty(tables.EPOCH)
+            return parquet.empty(EPOCH)
         cell = ["difficulty_cell", "complexity_cell"]
         frame = pd.DataFrame(rows).sort_values(
             [*cell, "diversity", "id"], ascending=[True, True, False, True], ignore_index=True
@@ -151,11 +152,11 @@ class Archive:
 
 
 def elites_of(frame: pd.DataFrame) -> list[Elite]:
-    """The elites of a table with the columns of `egad.tables.EPOCH`, in its order."""
+    """The elites of a table with the columns of `tables.evolution.EPOCH`, in its order."""
     return [
         Elite(
             id=row["id"],
-            genome={name: row[name] for name in tables.GENOME.names},
+            genome={name: row[name] for name in GENOME.names},
             voxels=row["voxels"],
             complexity=row["complexity"],
             difficulty=row["difficulty"],
@@ -163,7 +164,7 @@ def elites_of(frame: pd.DataFrame) -> list[Elite]:
             parents=tuple(row["parents"]),
             epoch=row["epoch"],
         )
-        for row in tables.records(frame)
+        for row in parquet.records(frame)
     ]
 
 
@@ -171,7 +172,7 @@ def merge(frames: Iterable[pd.DataFrame], space: Space, similarity: Similarity) 
     """Insert the survivors of all islands into one archive.
 
     Args:
-        frames: Tables with the columns of `egad.tables.EPOCH`, in the order of the islands.
+        frames: Tables with the columns of `tables.evolution.EPOCH`, in the order of the islands.
         space: Cells and their limit.
         similarity: How diversity is measured.
 

@@ -12,7 +12,7 @@ EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
 
 
 def snapshot(archive: Archive, outcomes: Counter[str], scored: bool) -> dict[str, Any]:
-    """What a step did: columns of `egad.tables.HISTORY` but for the names of the step.
+    """What a step did: columns of `tables.evolution.HISTORY` but for the names of the step.
 
     Args:
         archive: After the step.

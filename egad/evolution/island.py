@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from egad import tables
 from egad.evolution.archive import Archive, Elite
 from egad.evolution.evaluation import Measured, Solid, express, measure, regrade
 from egad.evolution.history import EVALUATED, KNOWN, snapshot
@@ -16,6 +15,7 @@ from egad.evolution.reproduction import Offspring, breed
 from egad.progress import progress
 from egad.shapes.constraints import UNBOUND, Rules
 from egad.stage_settings import Evolve
+from egad.tables.evolution import HISTORY
 from egad.workers import Mapper
 
 log = logging.getLogger(__name__)
@@ -50,7 +50,7 @@ def evolve(
         mapper: An order-keeping `map`; where it runs does not change the result.
 
     Returns:
-        The steps, with the columns of `egad.tables.HISTORY`; and how many offspring were
+        The steps, with the columns of `tables.evolution.HISTORY`; and how many offspring were
         evaluated, empty, known already, or rejected for which reason.
     """
     rows, total = [], Counter[str]()
@@ -65,7 +65,7 @@ def evolve(
         rows.append({**step._asdict(), **snapshot(archive, outcomes, scored)})
         if scored:
             log.info(LINE, rows[-1])
-    return pd.DataFrame(rows, columns=tables.HISTORY.names), total
+    return pd.DataFrame(rows, columns=HISTORY.names), total
 
 
 def _evaluated(

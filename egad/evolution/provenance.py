@@ -4,10 +4,10 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from egad import tables
 from egad.errors import UserError
 from egad.measures.own import source_hash
 from egad.stage_settings import Evolve, Measuring, StageSettings
+from egad.tables import parquet
 
 SECTIONS = (
     "seed",
@@ -50,7 +50,7 @@ def differences(
     Raises:
         TableError: The file is damaged.
     """
-    theirs, ours = dict(_flat(tables.notes(path))), dict(_flat(provenance(settings)))
+    theirs, ours = dict(_flat(parquet.notes(path))), dict(_flat(provenance(settings)))
     return [
         f"  {key}: {theirs[key]} in the archive, {ours[key]} in the configuration"
         for key in sorted(theirs.keys() & ours.keys())

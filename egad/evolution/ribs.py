@@ -10,7 +10,7 @@ def ribs_frame(archive: pd.DataFrame, space: Space) -> pd.DataFrame:
     """The elites with the columns of a pyribs `ArchiveDataFrame`.
 
     Args:
-        archive: Columns of `egad.tables.ARCHIVE`.
+        archive: Columns of `tables.evolution.ARCHIVE`.
         space: Its cells.
 
     Returns:

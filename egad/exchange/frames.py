@@ -5,9 +5,9 @@ from pathlib import Path
 import pandas as pd
 import pyarrow as pa
 
-from egad import tables
 from egad.errors import UserError
 from egad.files import replacing
+from egad.tables import parquet
 
 ENDINGS = (".parquet", ".csv")
 
@@ -35,7 +35,7 @@ def write_frame(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> None:
     """
     whole = frame.reindex(columns=schema.names)
     if path.suffix.lower() == ".parquet":
-        tables.write(whole, schema, path)
+        parquet.write(whole, schema, path)
         return
     for field in schema:
         if pa.types.is_list(field.type):

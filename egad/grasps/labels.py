@@ -27,7 +27,7 @@ def label(
         rng: Where chance comes from.
 
     Returns:
-        A row a grasp, with the columns of `egad.tables.GRASPS` but for `id` and `label`, in the
+        A row a grasp, with the columns of `tables.grasping.GRASPS` but for `id` and `label`, in the
         frame of the mesh.
 
     Raises:

@@ -25,7 +25,7 @@ def collage(
     """Draw the most diverse object of every cell, complexity across and difficulty upwards.
 
     Args:
-        objects: Columns of `egad.tables.OBJECTS`.
+        objects: Columns of `tables.objects.OBJECTS`.
         pictures: PNG of each object by its label, with a transparent ground; objects without
             one are left out.
         space: The cells.

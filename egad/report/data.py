@@ -13,16 +13,16 @@ class DatasetReport:
     """Everything known about one dataset. What was not made for it is absent.
 
     Attributes:
-        objects: Columns of `egad.tables.OBJECTS`.
-        rejected: Columns of `egad.tables.REJECTED`.
+        objects: Columns of `tables.objects.OBJECTS`.
+        rejected: Columns of `tables.objects.REJECTED`.
         pictures: PNG of each object, by its label; objects without one are shown without.
-        evalset: Columns of `egad.tables.EVAL49`.
+        evalset: Columns of `tables.evaluation.EVAL49`.
         evalset_pictures: Larger PNGs, by the label in the evaluation set; optional.
-        grasps: Columns of `egad.tables.GRASPS`, by gripper.
-        scales: Columns of `egad.tables.SCALES`, by gripper.
-        manifests: Columns of `egad.tables.MANIFEST`, by gripper.
-        trials: Columns of `egad.tables.TRIALS`, by gripper and policy.
-        history: Columns of `egad.tables.HISTORY`; only of a dataset evolved here.
+        grasps: Columns of `tables.grasping.GRASPS`, by gripper.
+        scales: Columns of `tables.grasping.SCALES`, by gripper.
+        manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
+        trials: Columns of `tables.evaluation.TRIALS`, by gripper and policy.
+        history: Columns of `tables.evolution.HISTORY`; only of a dataset evolved here.
     """
 
     objects: pd.DataFrame
@@ -43,7 +43,7 @@ class ReportData:
 
     Attributes:
         settings: The resolved configuration.
-        comparison: Columns of `egad.tables.COMPARISON`.
+        comparison: Columns of `tables.objects.COMPARISON`.
         datasets: Reports by name of the dataset.
         versions: Version of each program that took part.
     """

@@ -32,7 +32,7 @@ def dataset_maps(
     """How many objects of each dataset lie in each cell, simple to complex and easy to hard.
 
     Args:
-        datasets: Columns of `egad.tables.OBJECTS`, by name.
+        datasets: Columns of `tables.objects.OBJECTS`, by name.
         space: The cells.
         names: What is written along the axes.
 

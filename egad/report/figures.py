@@ -104,7 +104,7 @@ def outcome_bars(trials: Mapping[str, pd.DataFrame]) -> str:
     """Outcomes of the attempts, one bar a table.
 
     Args:
-        trials: Tables with the columns of `egad.tables.TRIALS`, by the name of the bar.
+        trials: Tables with the columns of `tables.evaluation.TRIALS`, by the name of the bar.
 
     Returns:
         SVG text.
@@ -142,7 +142,7 @@ def grasp_distributions(grasps: Mapping[str, pd.DataFrame]) -> str:
     """Histograms of plain and robust grasp quality, one line a gripper.
 
     Args:
-        grasps: Tables with the columns of `egad.tables.GRASPS`, by gripper.
+        grasps: Tables with the columns of `tables.grasping.GRASPS`, by gripper.
 
     Returns:
         SVG text.
@@ -183,7 +183,7 @@ def comparison_chart(comparison: pd.DataFrame) -> str:
     """Places filled and span of diversity of datasets, with the published ones below.
 
     Args:
-        comparison: Columns of `egad.tables.COMPARISON`.
+        comparison: Columns of `tables.objects.COMPARISON`.
 
     Returns:
         SVG text.

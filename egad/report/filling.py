@@ -23,8 +23,8 @@ def evaluations(history: pd.DataFrame) -> pd.DataFrame:
     """The steps in the order in which they were made, with the offspring so far.
 
     Args:
-        history: Columns of `egad.tables.HISTORY`. Islands breed side by side: a row of the result
-            is a step of all of them, and tells of the island that filled most.
+        history: Columns of `tables.evolution.HISTORY`. Islands breed side by side: a row of the
+            result is a step of all of them, and tells of the island that filled most.
 
     Returns:
         Columns offspring (so far), coverage, filled_cells, qd_score and cells.
@@ -41,7 +41,7 @@ def filling_curves(histories: Mapping[str, pd.DataFrame]) -> str:
     """Coverage, filled cells and QD-score over evaluations.
 
     Args:
-        histories: Tables with the columns of `egad.tables.HISTORY`, by the name of the run.
+        histories: Tables with the columns of `tables.evolution.HISTORY`, by the name of the run.
 
     Returns:
         SVG text.
@@ -77,7 +77,7 @@ def filling_film(history: pd.DataFrame, space: Space) -> bytes:
     """The map while it filled: the darker, the more elites a cell holds.
 
     Args:
-        history: Columns of `egad.tables.HISTORY`.
+        history: Columns of `tables.evolution.HISTORY`.
         space: The cells.
 
     Returns:

@@ -42,7 +42,7 @@ class Located:
     """An object and its place.
 
     Attributes:
-        row: Columns of `egad.tables.LOCATED`.
+        row: Columns of `tables.objects.LOCATED`.
         picture: PNG.
         neighbours: The objects most like it, the nearest first.
     """

@@ -34,7 +34,7 @@ def comparison_text(comparison: pd.DataFrame) -> str:
     """The table of datasets for a terminal, with the published ones beneath (EGAD, Table III).
 
     Args:
-        comparison: Columns of `egad.tables.COMPARISON`.
+        comparison: Columns of `tables.objects.COMPARISON`.
     """
     titles = ("objects", "coverage", "diversity: min", "max", "mean")
     ours = [_comparison_line(row, 1) for row in comparison.to_dict("records")]
@@ -74,7 +74,7 @@ def regrading(objects: pd.DataFrame, space: Space) -> Row | None:
     """How the objects of an archive moved when they were graded again.
 
     Args:
-        objects: Columns of `egad.tables.OBJECTS`.
+        objects: Columns of `tables.objects.OBJECTS`.
         space: The cells.
 
     Returns:

@@ -43,7 +43,7 @@ def query(row: Mapping[str, Any], resolution: int, symmetry: Symmetry = NO_SYMME
     """The output of a network at every grid point.
 
     Args:
-        row: A genome as a row of `egad.tables.GENOME`.
+        row: A genome as a row of `tables.evolution.GENOME`.
         resolution: Points along each side.
         symmetry: Points that are images of each other get the same output.
 

@@ -155,7 +155,7 @@ def _seeded(seed: int) -> Iterator[None]:
 
 
 def to_row(genome: Genome) -> Row:
-    """The columns of `egad.tables.GENOME`, genes sorted by key."""
+    """The columns of `tables.evolution.GENOME`, genes sorted by key."""
     nodes = [genome.nodes[key] for key in sorted(genome.nodes)]
     connections = [genome.connections[key] for key in sorted(genome.connections)]
     return {

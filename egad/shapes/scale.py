@@ -114,7 +114,7 @@ def rescale(
         side_fraction: Part of the opening that the rule aims at.
 
     Returns:
-        The scaled mesh, and a row of `egad.tables.SCALES` without the label.
+        The scaled mesh, and a row of `tables.grasping.SCALES` without the label.
 
     Raises:
         RejectedError: The object is flat.

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from egad import tables
 from egad.exchange.meshes import read_mesh
 from egad.files import replacing
 from egad.progress import progress
@@ -10,6 +9,8 @@ from egad.report.axes import axis_pair
 from egad.report.collage import collage, most_diverse
 from egad.report.render import png_bytes, render
 from egad.settings import Axes, Space
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS
 
 SIZE = 96
 
@@ -23,7 +24,7 @@ def run(dataset: Path, out: Path, space: Space, axes: Axes) -> None:
         space: The cells.
         axes: What spans them.
     """
-    shown = most_diverse(tables.read(dataset / "objects.parquet", tables.OBJECTS))
+    shown = most_diverse(parquet.read(dataset / "objects.parquet", OBJECTS))
     pictures = {
         label: png_bytes(render(read_mesh(dataset / "meshes" / f"{label}.obj", "m"), SIZE))
         for label in progress(shown["label"], "drawing", len(shown))

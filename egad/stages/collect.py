@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import trimesh
 
-from egad import tables
 from egad.exchange.meshes import write_obj
 from egad.files import replacing
 from egad.measures import reeb
@@ -15,6 +14,8 @@ from egad.measures.neighbours import diversities
 from egad.measures.space import complexity_cells, difficulty_cells, labels
 from egad.stage_settings import Collect
 from egad.stages.shards import join
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
 
 log = logging.getLogger(__name__)
 
@@ -33,20 +34,20 @@ def run(
     Args:
         settings: What this stage reads.
         evolved: Whether labels are built from cells, or are the names that the meshes had.
-        solids: The shards, with the columns of `egad.tables.SOLIDS`.
+        solids: The shards, with the columns of `tables.objects.SOLIDS`.
         rejects: The rejected objects of the shards.
-        objects: The table of the dataset, with the columns of `egad.tables.OBJECTS`.
+        objects: The table of the dataset, with the columns of `tables.objects.OBJECTS`.
         rejected: The table of all rejected objects.
         meshes: Folder of `LABEL.obj`, in metres.
     """
-    frame = arrange(join(solids, tables.SOLIDS, ["id"]), settings, evolved)
+    frame = arrange(join(solids, SOLIDS, ["id"]), settings, evolved)
     with replacing(meshes) as folder:
         folder.mkdir()
         columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
         for label, vertices, faces in columns:
             write_obj(mesh_of(vertices, faces), folder / f"{label}.obj")
-    tables.write(join(rejects, tables.REJECTED, ["id", "stage"]), tables.REJECTED, rejected)
-    tables.write(frame, tables.OBJECTS, objects)
+    parquet.write(join(rejects, REJECTED, ["id", "stage"]), REJECTED, rejected)
+    parquet.write(frame, OBJECTS, objects)
     log.info("%d objects", len(frame))
 
 
@@ -70,5 +71,5 @@ def arrange(frame: pd.DataFrame, settings: Collect, evolved: bool) -> pd.DataFra
 
 
 def mesh_of(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
-    """The mesh of the flat arrays of a row of `egad.tables.SOLIDS`."""
+    """The mesh of the flat arrays of a row of `tables.objects.SOLIDS`."""
     return trimesh.Trimesh(vertices.reshape(-1, 3), faces.reshape(-1, 3), process=False)

@@ -5,13 +5,14 @@ from typing import Any
 
 import pandas as pd
 
-from egad import tables
 from egad.files import write_text
 from egad.measures.space import coverage, filled_cells
 from egad.report.axes import axis_pair
 from egad.report.dataset_maps import dataset_maps
 from egad.report.summary import comparison_text
 from egad.stage_settings import Compare
+from egad.tables import parquet
+from egad.tables.objects import COMPARISON, OBJECTS
 
 
 def run(settings: Compare, datasets: dict[str, Path], out: Path, figure: Path) -> str:
@@ -19,16 +20,16 @@ def run(settings: Compare, datasets: dict[str, Path], out: Path, figure: Path) -
 
     Args:
         settings: What this stage reads.
-        datasets: Tables with the columns of `egad.tables.OBJECTS`, by name.
-        out: Table with the columns of `egad.tables.COMPARISON`.
+        datasets: Tables with the columns of `tables.objects.OBJECTS`, by name.
+        out: Table with the columns of `tables.objects.COMPARISON`.
         figure: SVG file with a map of each dataset.
 
     Returns:
         The table for a terminal, with the published numbers beneath.
     """
-    objects = {name: tables.read(path, tables.OBJECTS) for name, path in datasets.items()}
+    objects = {name: parquet.read(path, OBJECTS) for name, path in datasets.items()}
     comparison = pd.DataFrame([_row(name, each, settings) for name, each in objects.items()])
-    tables.write(comparison, tables.COMPARISON, out)
+    parquet.write(comparison, COMPARISON, out)
     write_text(figure, dataset_maps(objects, settings.space, axis_pair(settings.axes)))
     return comparison_text(comparison)
 

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import trimesh
 
-from egad import tables
 from egad.errors import RejectedError, UserError
 from egad.evolution.archive import Archive, elites_of
 from egad.evolution.island import evolve
@@ -15,6 +14,8 @@ from egad.measures.own import check_measures
 from egad.shapes.constraints import rules_of
 from egad.shapes.repair import repair
 from egad.stage_settings import Evolve
+from egad.tables import parquet
+from egad.tables.evolution import EPOCH, HISTORY
 from egad.workers import workers
 
 log = logging.getLogger(__name__)
@@ -36,8 +37,8 @@ def run(
         epoch: Number of the epoch.
         island: Number of the island.
         base: Merged archive of the epoch before; None to start from random genomes.
-        out: The island's archive, with the columns of `egad.tables.EPOCH`.
-        history: Its steps, with the columns of `egad.tables.HISTORY`.
+        out: The island's archive, with the columns of `tables.evolution.EPOCH`.
+        history: Its steps, with the columns of `tables.evolution.HISTORY`.
         worker_count: Processes; the result does not depend on it.
     """
     check_measures(settings.axes)
@@ -46,13 +47,13 @@ def run(
         archive = Archive(settings.space, settings.similarity)
         if base is not None:
             check_provenance(base, settings)
-            archive.add(elites_of(tables.read(base, tables.EPOCH)))
+            archive.add(elites_of(parquet.read(base, EPOCH)))
         steps, counts = evolve(archive, settings, epoch, island, rules, mapper)
     if not len(archive):
         most = "; ".join(f"{reason} ({count})" for reason, count in counts.most_common(3))
         raise UserError(f"none of {counts.total()} offspring could be kept: {most}")
-    tables.write(steps, tables.HISTORY, history)
-    tables.write(archive.to_frame(), tables.EPOCH, out, provenance(settings))
+    parquet.write(steps, HISTORY, history)
+    parquet.write(archive.to_frame(), EPOCH, out, provenance(settings))
     log.info("%d elites, coverage %.3f", len(archive), archive.coverage)
     for outcome, count in sorted(counts.items()):
         log.info("%6d offspring: %s", count, outcome)

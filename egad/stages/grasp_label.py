@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from egad import tables
 from egad.errors import RejectedError
 from egad.exchange.meshes import read_mesh
 from egad.grasps.labels import label
@@ -13,6 +12,9 @@ from egad.progress import progress
 from egad.seeds import generator
 from egad.stage_settings import GraspLabels
 from egad.stages.shards import rejection, rows_in_shard
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS
+from egad.tables.objects import OBJECTS, REJECTED
 
 log = logging.getLogger(__name__)
 
@@ -29,13 +31,13 @@ def run(
 
     Args:
         settings: What this stage reads.
-        objects: Table with the columns of `egad.tables.OBJECTS`.
+        objects: Table with the columns of `tables.objects.OBJECTS`.
         meshes: Folder of the scaled meshes; grasps are in the frame of these.
         shard: Number of the shard, and of how many.
-        out: Table with the columns of `egad.tables.GRASPS`.
+        out: Table with the columns of `tables.grasping.GRASPS`.
         rejected: Table of the objects that have no grasp.
     """
-    frame = tables.read(objects, tables.OBJECTS)
+    frame = parquet.read(objects, OBJECTS)
     frame = rows_in_shard(frame, *shard)
     labelled, left_out = [], []
     names = zip(frame["id"], frame["label"], strict=True)
@@ -48,7 +50,7 @@ def run(
             left_out.append(rejection(object_id, "grasp-label", reason))
         else:
             labelled.append(grasps.assign(id=object_id, label=object_label))
-    table = pd.concat(labelled) if labelled else tables.empty(tables.GRASPS)
-    tables.write(table, tables.GRASPS, out)
-    tables.write(pd.DataFrame(left_out), tables.REJECTED, rejected)
+    table = pd.concat(labelled) if labelled else parquet.empty(GRASPS)
+    parquet.write(table, GRASPS, out)
+    parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
     log.info("%d grasps, %d objects without any", len(table), len(left_out))

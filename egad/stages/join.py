@@ -2,21 +2,17 @@
 
 from pathlib import Path
 
-from egad import tables
-from egad.errors import UserError
 from egad.stages.shards import join
-
-ORDERS = {
-    "grasps": (tables.GRASPS, ["label", "grasp"]),
-    "trials": (tables.TRIALS, ["label", "attempt"]),
-    "history": (tables.HISTORY, ["epoch", "island", "step"]),
-    "rejected": (tables.REJECTED, ["id", "stage"]),
-}
+from egad.tables import parquet
 
 
-def run(schema: str, parts: list[Path], out: Path) -> None:
-    """Join tables of one schema, sorted so that the number of shards leaves no trace."""
-    if schema not in ORDERS:
-        raise UserError(f"--schema is {schema!r}; allowed: {', '.join(ORDERS)}")
-    columns, order = ORDERS[schema]
-    tables.write(join(parts, columns, order), columns, out)
+def run(parts: list[Path], order: list[str], out: Path) -> None:
+    """Join tables that have the same columns.
+
+    Args:
+        parts: At least one table.
+        order: Columns to sort by, so that the number of shards leaves no trace.
+        out: The joined table.
+    """
+    schema = parquet.schema_of(parts[0]).remove_metadata()
+    parquet.write(join(parts, schema, order), schema, out)

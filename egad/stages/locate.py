@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 import trimesh
 
-from egad import tables
 from egad.errors import RejectedError, UserError
 from egad.evolution.provenance import check_provenance
 from egad.exchange.meshes import read_mesh
@@ -24,6 +23,9 @@ from egad.settings import Shape, Similarity
 from egad.shapes.surface import packed_surface
 from egad.stage_settings import LocateMeshes
 from egad.stages.measure import measured, warn_of_units
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
+from egad.tables.objects import LOCATED, MEASURED, OBJECTS
 from egad.workers import workers
 
 PORTRAIT, THUMBNAIL = 192, 96
@@ -58,12 +60,12 @@ def reference(path: Path, settings: LocateMeshes) -> Reference:
         path = path / "objects.parquet"
     if not path.is_file():
         raise UserError(f"--in {path}: no such file; name an archive or the folder of a dataset")
-    names = tables.columns(path)
+    names = parquet.columns(path)
     if "voxels" in names:
         check_provenance(path, settings, ("shape",))
-        found = _of_archive(tables.read(path, tables.ARCHIVE), settings.shape)
+        found = _of_archive(parquet.read(path, ARCHIVE), settings.shape)
     elif "watertight" in names:
-        found = _of_dataset(tables.read(path, tables.OBJECTS), path.parent / "meshes")
+        found = _of_dataset(parquet.read(path, OBJECTS), path.parent / "meshes")
     else:
         raise UserError(f"--in {path}: neither an archive nor the objects of a dataset")
     cells = found.objects[["complexity_cell", "difficulty_cell"]].to_numpy()
@@ -111,7 +113,7 @@ def run(
         worker_count: Processes; the result does not depend on it.
 
     Returns:
-        Columns of `egad.tables.LOCATED`, a row a mesh in the order given; and what a page shows
+        Columns of `tables.objects.LOCATED`, a row a mesh in the order given; and what a page shows
         of those that could be used.
     """
     similarity = settings.similarity
@@ -123,8 +125,8 @@ def run(
     hood = Neighbourhood(similarity.weight, settings.space.neighbours)
     hood.add(reeb.unpack(graph) for graph in packed)  # indices are those of the rows
     rows = [_placed(item, hood, among.objects) for item in mine]
-    warn_of_units(pd.DataFrame([item.row for item in mine], columns=tables.MEASURED.names), units)
-    return pd.DataFrame(rows, columns=tables.LOCATED.names), [
+    warn_of_units(pd.DataFrame([item.row for item in mine], columns=MEASURED.names), units)
+    return pd.DataFrame(rows, columns=LOCATED.names), [
         _located(row, item, among) for row, item in zip(rows, mine, strict=True) if item.graph
     ]
 
@@ -152,7 +154,7 @@ def _graph(load: Callable[[], trimesh.Trimesh], settings: Similarity) -> bytes:
 
 
 def _placed(item: _Mine, hood: Neighbourhood, objects: pd.DataFrame) -> dict[str, Any]:
-    """A row of `egad.tables.LOCATED`."""
+    """A row of `tables.objects.LOCATED`."""
     if not item.graph:
         return item.row
     near, distances = hood.nearest_to(reeb.unpack(item.graph))

@@ -2,26 +2,27 @@
 
 from pathlib import Path
 
-from egad import tables
 from egad.exchange.meshes import write_obj
 from egad.files import replacing
 from egad.progress import progress
 from egad.settings import Shape
 from egad.shapes.surface import packed_surface
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
 
 
 def run(archive: Path, out: Path, shape: Shape) -> int:
     """Write every object of an archive as `ID.obj`, in metres, as evolution measured it.
 
     Args:
-        archive: Table with the columns of `egad.tables.ARCHIVE`.
+        archive: Table with the columns of `tables.evolution.ARCHIVE`.
         out: Folder to make.
         shape: The settings that the archive was evolved with.
 
     Returns:
         How many meshes were written.
     """
-    frame = tables.read(archive, tables.ARCHIVE)
+    frame = parquet.read(archive, ARCHIVE)
     objects = zip(frame["id"], frame["voxels"], strict=True)
     with replacing(out) as folder:
         folder.mkdir()

@@ -9,7 +9,6 @@ from typing import Any
 import pandas as pd
 import trimesh
 
-from egad import tables
 from egad.errors import RejectedError
 from egad.exchange.meshes import read_mesh
 from egad.measures.coordinates import graded
@@ -17,6 +16,7 @@ from egad.measures.space import complexity_cells, difficulty_cells
 from egad.progress import progress
 from egad.shapes.solid import body
 from egad.stage_settings import MeasureMeshes
+from egad.tables.objects import MEASURED
 from egad.workers import workers
 
 log = logging.getLogger(__name__)
@@ -35,13 +35,13 @@ def run(
         worker_count: Processes; the result does not depend on it.
 
     Returns:
-        Columns of `egad.tables.MEASURED`: a row a mesh, in the order given. The measures of one
+        Columns of `tables.objects.MEASURED`: a row a mesh, in the order given. The measures of one
         that could not be used are missing, and `reason` says why.
     """
     work = partial(_row, units=units, settings=settings)
     with workers(min(worker_count, len(files))) as mapper:
         rows = list(progress(mapper(work, files.items()), "measuring", len(files)))
-    table = pd.DataFrame(rows, columns=tables.MEASURED.names)
+    table = pd.DataFrame(rows, columns=MEASURED.names)
     warn_of_units(table, units)
     return table
 
@@ -49,7 +49,7 @@ def run(
 def measured(
     mesh: trimesh.Trimesh, settings: MeasureMeshes
 ) -> tuple[trimesh.Trimesh, dict[str, Any]]:
-    """The repaired mesh and its row of `egad.tables.MEASURED`.
+    """The repaired mesh and its row of `tables.objects.MEASURED`.
 
     Raises:
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.

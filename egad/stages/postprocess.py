@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 import trimesh
 
-from egad import tables
 from egad.errors import RejectedError
 from egad.evolution.provenance import MEASURING, check_provenance, differences
 from egad.exchange.folders import EVERY_FILE, objects_in
@@ -22,6 +21,9 @@ from egad.shapes.solid import body
 from egad.shapes.surface import packed_surface
 from egad.stage_settings import PostprocessSolids
 from egad.stages.shards import in_shard, rejection
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
+from egad.tables.objects import REJECTED, SOLIDS
 
 log = logging.getLogger(__name__)
 Sources = dict[str, Callable[[], trimesh.Trimesh]]
@@ -36,7 +38,7 @@ def run(
         settings: What this stage reads.
         sources: For each id, how to get its mesh.
         known: Difficulty by id that evolution selected the objects by; empty for other meshes.
-        out: Table with the columns of `egad.tables.SOLIDS`.
+        out: Table with the columns of `tables.objects.SOLIDS`.
         rejected: Table of the objects that could not be used, with the reasons.
     """
     rows, left_out = [], []
@@ -48,8 +50,8 @@ def run(
         else:
             rows.append(row | {"archive_difficulty": known.get(object_id, np.nan)})
     log.info("%d objects, %d rejected", len(rows), len(left_out))
-    tables.write(pd.DataFrame(rows), tables.SOLIDS, out)
-    tables.write(pd.DataFrame(left_out), tables.REJECTED, rejected)
+    parquet.write(pd.DataFrame(rows), SOLIDS, out)
+    parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
 
 
 def from_archive(
@@ -63,7 +65,7 @@ def from_archive(
         UserError: The archive was made with other shapes.
     """
     check_provenance(path, settings, ("shape",))
-    archive = tables.read(path, tables.ARCHIVE).set_index("id")
+    archive = parquet.read(path, ARCHIVE).set_index("id")
     sources: Sources = {
         str(object_id): partial(packed_surface, packed, settings.shape)
         for object_id, packed in archive["voxels"].items()
@@ -89,7 +91,7 @@ def from_folder(
 
 
 def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids) -> dict[str, Any]:
-    """The row of `egad.tables.SOLIDS` of one object.
+    """The row of `tables.objects.SOLIDS` of one object.
 
     Raises:
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.

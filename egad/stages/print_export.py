@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from egad import tables
 from egad.evalset.printing import PrintItem, plan_prints
 from egad.exchange.meshes import read_mesh, write_stl_mm
 from egad.exchange.threemf import Placed, write_3mf
 from egad.files import replacing
 from egad.stage_settings import PrintFiles
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49, MANIFEST
+from egad.tables.grasping import SCALES
 
 log = logging.getLogger(__name__)
 
@@ -21,13 +23,13 @@ def run(settings: PrintFiles, evaluation: Path, meshes: Path, scales: Path, out:
 
     Args:
         settings: Bed and gap.
-        evaluation: Table with the columns of `egad.tables.EVAL49`.
+        evaluation: Table with the columns of `tables.evaluation.EVAL49`.
         meshes: Folder of the meshes, scaled to the gripper.
-        scales: Table with the columns of `egad.tables.SCALES`.
+        scales: Table with the columns of `tables.grasping.SCALES`.
         out: Folder for `LABEL.stl`, `plate-N.3mf` and `manifest.parquet`.
     """
-    chosen = tables.records(tables.read(evaluation, tables.EVAL49))
-    factors = tables.read(scales, tables.SCALES).set_index("label")["factor"]
+    chosen = parquet.records(parquet.read(evaluation, EVAL49))
+    factors = parquet.read(scales, SCALES).set_index("label")["factor"]
     solids = {row["label"]: read_mesh(meshes / f"{row['object_label']}.obj", "m") for row in chosen}
     items = plan_prints(solids, settings.print_export.bed, settings.print_export.gap)
     rows = [
@@ -40,7 +42,7 @@ def run(settings: PrintFiles, evaluation: Path, meshes: Path, scales: Path, out:
             write_stl_mm(item.mesh, folder / f"{label}.stl")
         for plate in sorted({item.plate for item in items.values() if item.plate is not None}):
             _write_plate(plate, items, folder / f"plate-{plate}.3mf")
-        tables.write(pd.DataFrame(rows), tables.MANIFEST, folder / "manifest.parquet")
+        parquet.write(pd.DataFrame(rows), MANIFEST, folder / "manifest.parquet")
     log.info("%d objects", len(items))
 
 

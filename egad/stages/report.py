@@ -7,7 +7,6 @@ from pathlib import Path
 import pandas as pd
 import pyarrow as pa
 
-from egad import tables
 from egad.exchange.meshes import read_mesh
 from egad.files import write_text
 from egad.progress import progress
@@ -15,6 +14,11 @@ from egad.report.data import DatasetReport, ReportData
 from egad.report.page import build
 from egad.report.render import png_bytes, render
 from egad.settings import Settings
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
+from egad.tables.evolution import HISTORY
+from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
 
 PACKAGES = [
     "egad",
@@ -43,7 +47,7 @@ def run(settings: Settings, results: Path, out: Path) -> None:
     """
     data = ReportData(
         settings=settings,
-        comparison=tables.read(results / "comparison.parquet", tables.COMPARISON),
+        comparison=parquet.read(results / "comparison.parquet", COMPARISON),
         datasets={name: _dataset(settings, name, results / name) for name in settings.datasets},
         versions={"python": platform.python_version()} | {name: version(name) for name in PACKAGES},
     )
@@ -52,16 +56,16 @@ def run(settings: Settings, results: Path, out: Path) -> None:
 
 def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
     """What was made for a dataset; only targets are taken beyond their objects."""
-    objects = tables.read(folder / "objects.parquet", tables.OBJECTS)
+    objects = parquet.read(folder / "objects.parquet", OBJECTS)
     evolved = settings.datasets[name].source == "evolved"
-    history = tables.read(folder / "history.parquet", tables.HISTORY) if evolved else None
+    history = parquet.read(folder / "history.parquet", HISTORY) if evolved else None
     rejected = _rejected(
         folder, settings.targets.grippers if name in settings.targets.datasets else []
     )
     pictures = _pictures(folder / "meshes", objects["label"].tolist(), THUMBNAIL)
     if name not in settings.targets.datasets:
         return DatasetReport(objects, rejected, pictures, history=history)
-    evalset = tables.read(folder / "eval49.parquet", tables.EVAL49)
+    evalset = parquet.read(folder / "eval49.parquet", EVAL49)
     portraits = _pictures(folder / "meshes", evalset["object_label"].tolist(), PORTRAIT)
     grippers = settings.targets.grippers
     return DatasetReport(
@@ -71,12 +75,12 @@ def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
         history=history,
         evalset=evalset,
         evalset_pictures=dict(zip(evalset["label"], portraits.values(), strict=True)),
-        grasps=_each(grippers, folder / "grasps", "{}.parquet", tables.GRASPS),
-        scales=_each(grippers, folder / "rescaled", "{}/scales.parquet", tables.SCALES),
-        manifests=_each(grippers, folder / "print", "{}/manifest.parquet", tables.MANIFEST),
+        grasps=_each(grippers, folder / "grasps", "{}.parquet", GRASPS),
+        scales=_each(grippers, folder / "rescaled", "{}/scales.parquet", SCALES),
+        manifests=_each(grippers, folder / "print", "{}/manifest.parquet", MANIFEST),
         trials={
-            (gripper, policy): tables.read(
-                folder / "trials" / gripper / f"{policy}.parquet", tables.TRIALS
+            (gripper, policy): parquet.read(
+                folder / "trials" / gripper / f"{policy}.parquet", TRIALS
             )
             for gripper in grippers
             for policy in settings.targets.policies
@@ -86,10 +90,10 @@ def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
 
 def _rejected(folder: Path, grippers: list[str]) -> pd.DataFrame:
     """What was left out of a dataset, and of what was made of it for grippers."""
-    frames = [tables.read(folder / "rejected.parquet", tables.REJECTED)]
+    frames = [parquet.read(folder / "rejected.parquet", REJECTED)]
     for gripper in grippers:
         for path in (f"rescaled/{gripper}/rejected.parquet", f"grasps/{gripper}.rejected.parquet"):
-            left_out = tables.read(folder / path, tables.REJECTED)
+            left_out = parquet.read(folder / path, REJECTED)
             frames.append(left_out.assign(stage=left_out["stage"] + f" {gripper}"))
     return pd.concat(frames, ignore_index=True)
 
@@ -105,4 +109,4 @@ def _each(
     grippers: list[str], folder: Path, pattern: str, schema: pa.Schema
 ) -> dict[str, pd.DataFrame]:
     """One table a gripper."""
-    return {gripper: tables.read(folder / pattern.format(gripper), schema) for gripper in grippers}
+    return {gripper: parquet.read(folder / pattern.format(gripper), schema) for gripper in grippers}

@@ -8,7 +8,6 @@ from typing import Any
 import pandas as pd
 import trimesh
 
-from egad import tables
 from egad.errors import RejectedError
 from egad.exchange.folders import object_names
 from egad.exchange.meshes import read_mesh, write_obj, write_stl_mm
@@ -17,6 +16,9 @@ from egad.progress import progress
 from egad.shapes.scale import rescale
 from egad.stage_settings import RescaleMeshes
 from egad.stages.shards import rejection
+from egad.tables import parquet
+from egad.tables.grasping import SCALES
+from egad.tables.objects import REJECTED
 from egad.workers import workers
 
 log = logging.getLogger(__name__)
@@ -57,8 +59,8 @@ def run(
                 mesh, row = result
                 WRITERS[ending](mesh, folder / f"{name}.{ending}")
                 scales.append({"label": name, **row})
-        tables.write(pd.DataFrame(scales), tables.SCALES, folder / "scales.parquet")
-        tables.write(pd.DataFrame(left_out), tables.REJECTED, folder / "rejected.parquet")
+        parquet.write(pd.DataFrame(scales), SCALES, folder / "scales.parquet")
+        parquet.write(pd.DataFrame(left_out), REJECTED, folder / "rejected.parquet")
     rule = settings.rescale.rule
     log.info("%d meshes scaled by rule %s, %d rejected", len(scales), rule, len(left_out))
     return len(left_out)

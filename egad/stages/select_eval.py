@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad import tables
 from egad.evalset.selection import (
     best_of_random,
     candidates_by_cell,
@@ -20,6 +19,9 @@ from egad.measures.similarity import similarity_matrix
 from egad.seeds import generator
 from egad.stage_settings import EvalSelection
 from egad.stages.shards import join
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49
+from egad.tables.objects import OBJECTS, SOLIDS
 
 log = logging.getLogger(__name__)
 
@@ -29,17 +31,17 @@ def run(settings: EvalSelection, objects: Path, solids: list[Path], out: Path) -
 
     Args:
         settings: What this stage reads.
-        objects: Table with the columns of `egad.tables.OBJECTS`.
+        objects: Table with the columns of `tables.objects.OBJECTS`.
         solids: The shards of the dataset, for the Reeb graphs.
-        out: Table with the columns of `egad.tables.EVAL49`.
+        out: Table with the columns of `tables.evaluation.EVAL49`.
     """
-    frame = tables.read(objects, tables.OBJECTS)
-    packed = join(solids, tables.SOLIDS, ["id"]).set_index("id")["graph"]
+    frame = parquet.read(objects, OBJECTS)
+    packed = join(solids, SOLIDS, ["id"]).set_index("id")["graph"]
     graphs = [reeb.unpack(packed[object_id]) for object_id in frame["id"]]
     distances = 1 - similarity_matrix(graphs, settings.similarity.weight)
     rng = generator(settings.seed, "select-eval")
     chosen = select(frame, distances, settings.select_eval, settings.space, rng)
-    tables.write(chosen, tables.EVAL49, out)
+    parquet.write(chosen, EVAL49, out)
     _log_distances(frame, chosen, distances, settings)
     if empty := empty_cells(chosen, settings.select_eval):
         log.info("%d cells that no object lies in: %s", len(empty), " ".join(empty))

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 
-from egad import tables
+from egad.tables import parquet
 
 
 def in_shard(object_id: str, shard: int, shards: int) -> bool:
@@ -24,13 +24,13 @@ def rows_in_shard(frame: pd.DataFrame, shard: int, shards: int) -> pd.DataFrame:
 
 def join(parts: list[Path], schema: pa.Schema, order: list[str]) -> pd.DataFrame:
     """The rows of all shards as one table, sorted so that the number of shards leaves no trace."""
-    frames = [tables.read(part, schema) for part in parts]
+    frames = [parquet.read(part, schema) for part in parts]
     filled = [frame for frame in frames if len(frame)]
     if not filled:
-        return tables.empty(schema)
+        return parquet.empty(schema)
     return pd.concat(filled).sort_values(order, ignore_index=True)
 
 
 def rejection(object_id: str, stage: str, reason: object) -> dict[str, str]:
-    """A row of `egad.tables.REJECTED`."""
+    """A row of `tables.objects.REJECTED`."""
     return {"id": object_id, "stage": stage, "reason": str(reason)}

@@ -9,11 +9,11 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
-from egad import tables
 from egad.errors import RejectedError
 from egad.seeds import entropy
 from egad.settings import Gripper, Trials
 from egad.stage_settings import SimulatedTrials
+from egad.tables.evaluation import TRIALS
 from egad.trials.camera import Eye, Intrinsics, View, above
 from egad.trials.grasp import Grasp
 from egad.trials.hand import Hand, Stance
@@ -159,8 +159,8 @@ def run(
         settings: Gripper, material and trials.
 
     Returns:
-        One row an attempt, columns of `egad.tables.TRIALS`. An object without convex parts has
-        failed attempts only.
+        One row an attempt, columns of `tables.evaluation.TRIALS`. An object without convex parts
+        has failed attempts only.
 
     Raises:
         UserError: There is no such detector.
@@ -184,7 +184,7 @@ def run(
         known | {"attempt": number, "seed": f"{seed:032x}"} | _columns(attempt)
         for number, (seed, attempt) in enumerate(zip(seeds, attempts, strict=True))
     ]
-    return pd.DataFrame(rows, columns=tables.TRIALS.names)
+    return pd.DataFrame(rows, columns=TRIALS.names)
 
 
 def _columns(attempt: Attempt) -> dict[str, Any]:

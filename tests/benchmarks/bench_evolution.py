@@ -12,13 +12,14 @@ from pathlib import Path
 
 import pytest
 
-from egad import tables
 from egad.evolution import archive, evaluation, island
 from egad.evolution.archive import Archive, elites_of
 from egad.measures import coordinates, difficulty, neighbours, reeb
 from egad.settings import Settings
 from egad.shapes import constraints, cppn, surface
 from egad.stage_settings import Evolve, select
+from egad.tables import parquet
+from egad.tables.evolution import EPOCH
 
 STEPS = {
     "reproduction": (island, "breed"),
@@ -48,7 +49,7 @@ def elites():
     path = os.environ.get("EGAD_ARCHIVE")
     grown = Archive(settings(1).space, settings(1).similarity)
     if path:
-        grown.add(elites_of(tables.read(Path(path), tables.EPOCH)))
+        grown.add(elites_of(parquet.read(Path(path), EPOCH)))
     else:
         island.evolve(grown, settings(5), 0, 0)
     return grown

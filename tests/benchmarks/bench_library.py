@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from egad import tables
 from egad.evolution.archive import Archive
 from egad.evolution.evaluation import Solid, express, measure
 from egad.evolution.island import evolve
@@ -28,6 +27,8 @@ from egad.shapes import cppn
 from egad.shapes.constraints import UNBOUND
 from egad.shapes.surface import packed_surface
 from egad.stage_settings import Evolve, GraspLabels, select
+from egad.tables import parquet
+from egad.tables.evolution import EPOCH
 
 SETTINGS = Settings()
 EVOLVE = select(SETTINGS, Evolve)
@@ -73,7 +74,7 @@ def meshes(solids):
 def graphs(elites):
     """Reeb graphs: of the epoch archive that EGAD_ARCHIVE names, else of some offspring."""
     if "EGAD_ARCHIVE" in os.environ:
-        packed = tables.read(Path(os.environ["EGAD_ARCHIVE"]), tables.EPOCH)["graph"]
+        packed = parquet.read(Path(os.environ["EGAD_ARCHIVE"]), EPOCH)["graph"]
         return [reeb.unpack(data) for data in packed]
     found = {}
     for step in range(30):

@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad import tables
 from egad.evalset.selection import (
     best_of_random,
     candidates_by_cell,
@@ -16,6 +15,9 @@ from egad.evalset.selection import (
     total,
 )
 from egad.settings import SelectEval, Space
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49
+from egad.tables.objects import OBJECTS
 
 SPACE = Space()
 GRID = SelectEval(rows=2, columns=2, restarts=8)
@@ -71,7 +73,7 @@ def test_labels_rows_and_columns_follow_the_cells():
     assert list(chosen["label"]) == ["A0", "A1", "B0", "B1"]
     assert (chosen[chosen["row"] == 0]["difficulty"] == 0.003).all()  # easy
     assert (chosen[chosen["column"] == 1]["complexity"] == 4.0).all()
-    assert list(chosen.columns) == tables.EVAL49.names
+    assert list(chosen.columns) == EVAL49.names
 
 
 def test_cells_without_objects_stay_empty_and_are_named():
@@ -92,7 +94,7 @@ def test_a_single_object_has_no_nearest():
 
 
 def test_an_empty_dataset_gives_an_empty_set():
-    chosen = chosen_by(tables.empty(tables.OBJECTS), np.zeros((0, 0)))
+    chosen = chosen_by(parquet.empty(OBJECTS), np.zeros((0, 0)))
     assert len(chosen) == 0
     assert empty_cells(chosen, GRID) == ["A0", "A1", "B0", "B1"]
 

@@ -3,15 +3,16 @@ import itertools
 import numpy as np
 import pytest
 
-from egad import tables
 from egad.evolution.archive import Archive, Elite, elites_of, merge
 from egad.measures import reeb
 from egad.measures.similarity import similarity
 from egad.settings import Similarity, Space
+from egad.tables import parquet
+from egad.tables.evolution import EPOCH, GENOME
 
 SIMILARITY = Similarity(vertices=200, ranges=16, base_count=10)
 SPACE = Space(cells=2, elites_per_cell=2, neighbours=3)
-GENOME = {name: [] for name in tables.GENOME.names}
+GENOME = {name: [] for name in GENOME.names}
 
 
 def elite(mesh, number, cell=(0, 0)):
@@ -84,10 +85,10 @@ def test_known_objects_are_passed_over(elites):
 def test_table_round_trip_gives_the_same_table(elites, tmp_path):
     archive = Archive(SPACE, SIMILARITY)
     archive.add(elites)
-    tables.write(archive.to_frame(), tables.EPOCH, tmp_path / "one")
+    parquet.write(archive.to_frame(), EPOCH, tmp_path / "one")
     again = Archive(SPACE, SIMILARITY)
-    again.add(elites_of(tables.read(tmp_path / "one", tables.EPOCH)))
-    tables.write(again.to_frame(), tables.EPOCH, tmp_path / "two")
+    again.add(elites_of(parquet.read(tmp_path / "one", EPOCH)))
+    parquet.write(again.to_frame(), EPOCH, tmp_path / "two")
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
 
 
@@ -101,7 +102,7 @@ def test_slots_count_within_a_cell_from_the_most_diverse(elites):
 
 def test_an_empty_archive_has_an_empty_table():
     frame = Archive(SPACE, SIMILARITY).to_frame()
-    assert list(frame.columns) == tables.EPOCH.names
+    assert list(frame.columns) == EPOCH.names
     assert len(frame) == 0
 
 

@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad import tables
 from egad.evolution.archive import Archive
 from egad.evolution.evaluation import Solid, measure, regrade
 from egad.evolution.island import _evaluated, evolve
@@ -12,6 +11,8 @@ from egad.evolution.reproduction import LEAST, breed, parent_odds
 from egad.settings import Difficulty, Evolution, Settings, Shape, Similarity
 from egad.shapes.constraints import UNBOUND
 from egad.stage_settings import Evolve, select
+from egad.tables import parquet
+from egad.tables.evolution import EPOCH, HISTORY
 from egad.workers import workers
 
 SETTINGS = select(
@@ -48,8 +49,8 @@ def test_two_workers_give_the_same_bytes_as_one(island, tmp_path):
     one, _, first = island
     two, _, second = evolved(2, epoch=0, island=0)
     pd.testing.assert_frame_equal(first, second)
-    tables.write(one.to_frame(), tables.EPOCH, tmp_path / "one")
-    tables.write(two.to_frame(), tables.EPOCH, tmp_path / "two")
+    parquet.write(one.to_frame(), EPOCH, tmp_path / "one")
+    parquet.write(two.to_frame(), EPOCH, tmp_path / "two")
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
 
 
@@ -80,7 +81,7 @@ def test_a_solid_has_the_same_measures_whoever_bred_it(island):
 
 def test_the_history_tells_every_step(island):
     archive, counts, history = island
-    assert history.columns.tolist() == tables.HISTORY.names
+    assert history.columns.tolist() == HISTORY.names
     assert history["step"].tolist() == [0, 1]
     assert history["offspring"].sum() == counts.total()
     assert history["evaluated"].sum() == counts["evaluated"]

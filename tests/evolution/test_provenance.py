@@ -1,13 +1,14 @@
 import pytest
 import trimesh
 
-from egad import tables
 from egad.errors import UserError
 from egad.evolution.provenance import check_provenance, provenance
 from egad.settings import Settings
 from egad.stage_settings import Evolve, LocateMeshes, Merge, PostprocessSolids, select
 from egad.stages import evolve, merge
 from egad.stages.postprocess import from_archive
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE, EPOCH
 
 
 def settings(**changes):
@@ -17,7 +18,7 @@ def settings(**changes):
 @pytest.fixture
 def archive(tmp_path):
     path = tmp_path / "archive.parquet"
-    tables.write(tables.empty(tables.EPOCH), tables.EPOCH, path, provenance(settings()))
+    parquet.write(parquet.empty(EPOCH), EPOCH, path, provenance(settings()))
     return path
 
 
@@ -36,7 +37,7 @@ def test_an_edited_measure_of_ones_own_is_another_one(tmp_path):
     source.write_text("def area(mesh): return mesh.area\n")
     own = settings(axes={"complexity": f"{source}:area"})
     path = tmp_path / "archive.parquet"
-    tables.write(tables.empty(tables.EPOCH), tables.EPOCH, path, provenance(own))
+    parquet.write(parquet.empty(EPOCH), EPOCH, path, provenance(own))
     check_provenance(path, own)
     source.write_text("def area(mesh): return 2 * mesh.area\n")
     with pytest.raises(UserError, match=r"source\.complexity"):
@@ -47,7 +48,7 @@ def test_a_setting_that_the_archive_does_not_know_is_passed_over(tmp_path):
     notes = provenance(settings())
     del notes["shape"]["smoothing_beta"]
     path = tmp_path / "old.parquet"
-    tables.write(tables.empty(tables.EPOCH), tables.EPOCH, path, notes)
+    parquet.write(parquet.empty(EPOCH), EPOCH, path, notes)
     check_provenance(path, settings(shape={"smoothing_beta": 0.5}))
 
 
@@ -78,7 +79,7 @@ def test_only_what_is_asked_for_counts(archive):
 
 def test_an_archive_without_notes_is_taken_as_it_is(tmp_path):
     path = tmp_path / "foreign.parquet"
-    tables.write(tables.empty(tables.EPOCH), tables.EPOCH, path)
+    parquet.write(parquet.empty(EPOCH), EPOCH, path)
     check_provenance(path, settings(quality={"friction": 0.8}))
 
 
@@ -86,7 +87,7 @@ def test_notes_travel_from_epoch_to_archive(archive, tmp_path):
     merged, published = tmp_path / "merged.parquet", tmp_path / "published.parquet"
     merge.run(select(Settings(), Merge), [archive], merged)
     merge.publish(merged, published)
-    assert tables.notes(published) == tables.notes(archive) == provenance(settings())
+    assert parquet.notes(published) == parquet.notes(archive) == provenance(settings())
 
 
 def test_evolution_refuses_to_go_on_from_a_foreign_archive(archive, tmp_path):
@@ -99,7 +100,7 @@ def test_evolution_refuses_to_go_on_from_a_foreign_archive(archive, tmp_path):
 def test_difficulties_by_another_gripper_are_not_compared(tmp_path):
     """The objects are taken, what they were selected by is not."""
     path = tmp_path / "archive.parquet"
-    tables.write(tables.empty(tables.ARCHIVE), tables.ARCHIVE, path, provenance(settings()))
+    parquet.write(parquet.empty(ARCHIVE), ARCHIVE, path, provenance(settings()))
     for gripper, count in (("yumi", 0), ("panda", 0)):
         config = Settings.model_validate({"difficulty": {"gripper": gripper}})
         read = select(config, PostprocessSolids)

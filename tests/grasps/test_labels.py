@@ -2,11 +2,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad import tables
 from egad.errors import RejectedError
 from egad.grasps.labels import label
 from egad.settings import GraspLabel, Settings
 from egad.stage_settings import GraspLabels, select
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS
 
 SETTINGS = select(Settings(), GraspLabels, gripper="yumi").model_copy(
     update={"grasp_label": GraspLabel(grasps=40)}
@@ -24,12 +25,12 @@ def vectors(frame, name):
 
 def test_columns_are_those_of_the_table(tmp_path):
     frame = labels()
-    expected = [name for name in tables.GRASPS.names if name not in ("id", "label")]
+    expected = [name for name in GRASPS.names if name not in ("id", "label")]
     assert list(frame.columns) == expected
     assert frame["grasp"].tolist() == list(range(40))
     path = tmp_path / "grasps.parquet"
-    tables.write(frame.assign(id="a", label="A00_0"), tables.GRASPS, path)
-    assert len(tables.read(path, tables.GRASPS)) == 40
+    parquet.write(frame.assign(id="a", label="A00_0"), GRASPS, path)
+    assert len(parquet.read(path, GRASPS)) == 40
 
 
 def test_columns_agree_with_each_other():

@@ -5,11 +5,15 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad import tables
 from egad.measures.space import complexity_cells, difficulty_cells, labels
 from egad.report.data import DatasetReport, ReportData
 from egad.report.render import png_bytes, render
 from egad.settings import Dataset, Settings
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
+from egad.tables.evolution import HISTORY
+from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.objects import OBJECTS, REJECTED
 
 
 @pytest.fixture(scope="session")
@@ -48,7 +52,7 @@ def made_objects(settings: Settings, count: int, seed: int) -> pd.DataFrame:
         }
     )
     frame["label"] = labels(frame["complexity_cell"], frame["difficulty_cell"])
-    return filled(frame, tables.OBJECTS)
+    return filled(frame, OBJECTS)
 
 
 @pytest.fixture(scope="session")
@@ -74,7 +78,7 @@ def evalset(objects: pd.DataFrame) -> pd.DataFrame:
     chosen = objects.iloc[[3, 7, 20]].rename(columns={"label": "object_label"})
     return filled(
         chosen.assign(label=["A0", "C4", "G6"], row=[0, 2, 6], column=[0, 4, 6], nearest=0.2),
-        tables.EVAL49,
+        EVAL49,
     )
 
 
@@ -89,7 +93,7 @@ def trials() -> pd.DataFrame:
             "outcome": ["success"] * 15 + ["slipped"] * 5 + ["missed"] * 12 + ["no_grasp"] * 8,
         }
     )
-    return filled(frame, tables.TRIALS)
+    return filled(frame, TRIALS)
 
 
 @pytest.fixture(scope="session")
@@ -97,7 +101,7 @@ def history(settings: Settings) -> pd.DataFrame:
     """Three steps of ten offspring that fill one cell after another."""
     cells = [bytes([1] * step + [0] * (settings.space.cells**2 - step)) for step in (1, 2, 3)]
     frame = pd.DataFrame({"step": range(3), "offspring": 10, "cells": cells})
-    return filled(frame.assign(coverage=0.1, filled_cells=0.1, qd_score=1.0), tables.HISTORY)
+    return filled(frame.assign(coverage=0.1, filled_cells=0.1, qd_score=1.0), HISTORY)
 
 
 @pytest.fixture(scope="session")
@@ -113,7 +117,7 @@ def grasps(objects: pd.DataFrame) -> pd.DataFrame:
             "collision_free": np.arange(len(names)) % 4 == 0,
         }
     )
-    return filled(frame, tables.GRASPS)
+    return filled(frame, GRASPS)
 
 
 @pytest.fixture(scope="session")
@@ -136,12 +140,12 @@ def report(settings, objects, pictures, evalset, grasps, trials, history) -> Rep
         pictures,
         evalset,
         grasps={"egad_75mm": grasps, "yumi": grasps.head(100)},
-        scales={"egad_75mm": filled(scales, tables.SCALES)},
-        manifests={"egad_75mm": filled(manifest, tables.MANIFEST)},
+        scales={"egad_75mm": filled(scales, SCALES)},
+        manifests={"egad_75mm": filled(manifest, MANIFEST)},
         trials={("egad_75mm", "antipodal-depth"): trials},
         history=history,
     )
-    compared = DatasetReport(made_objects(settings, 12, 2), tables.empty(tables.REJECTED))
+    compared = DatasetReport(made_objects(settings, 12, 2), parquet.empty(REJECTED))
     comparison = pd.DataFrame(
         {
             "dataset": ["egad", "mine"],

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad import tables
 from egad.report import figures, style
+from egad.tables.evaluation import TRIALS
 from egad.trials.statistics import trial_grid
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -66,7 +66,7 @@ def test_outcome_bars_name_what_happened(trials):
 
 
 def test_every_outcome_of_the_schema_has_its_own_colour():
-    meaning = tables.TRIALS.field("outcome").metadata[b"meaning"].decode()
+    meaning = TRIALS.field("outcome").metadata[b"meaning"].decode()
     assert set(figures.OUTCOMES) == set(meaning.replace(" or ", ", ").split(", "))
     assert len(set(figures.OUTCOMES.values())) == len(figures.OUTCOMES)
 

@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from egad import tables
 from egad.report.filling import evaluations, filling_curves, filling_film
 from egad.settings import Space
+from egad.tables.evolution import HISTORY
 
 SPACE = Space(cells=5, elites_per_cell=2)
 
@@ -36,7 +36,7 @@ def history():
     """Two epochs of two islands and two steps."""
     places = [(e, i, s) for e in (0, 1) for i in (0, 1) for s in (0, 1)]
     rows = [step(e, i, s, 1 + 4 * e + 2 * s + i) for e, i, s in places]
-    return pd.DataFrame(rows)[tables.HISTORY.names]
+    return pd.DataFrame(rows)[HISTORY.names]
 
 
 def test_steps_of_islands_count_together_and_the_fullest_is_shown(history):

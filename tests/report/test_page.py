@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad import tables
 from egad.report.page import DatasetReport, ReportData, build
 from egad.report.render import png_bytes, render
 from egad.settings import Settings
+from egad.tables import parquet
+from egad.tables.evaluation import TRIALS
+from egad.tables.grasping import GRASPS
+from egad.tables.objects import OBJECTS, REJECTED
 
 VOID = {"meta", "img", "br", "stop", "rect", "image", "link", "input", "hr"}
 
@@ -176,9 +179,9 @@ def test_a_compared_dataset_has_a_map_and_no_more(report):
 
 
 def test_datasets_without_objects_or_diversity(report):
-    none = DatasetReport(tables.empty(tables.OBJECTS), tables.empty(tables.REJECTED))
+    none = DatasetReport(parquet.empty(OBJECTS), parquet.empty(REJECTED))
     lonely = report.datasets["mine"].objects.head(1).assign(diversity=np.nan)
-    alone = DatasetReport(lonely, tables.empty(tables.REJECTED))
+    alone = DatasetReport(lonely, parquet.empty(REJECTED))
     page = Page(build(replace(report, datasets={"egad": none, "mine": alone})))
     assert "The dataset egad holds no objects" in page.words()
     assert page.classes["cell"] == 1
@@ -189,10 +192,10 @@ def test_tables_without_rows_count_as_absent(report, evalset):
     data = replace(
         report.datasets["egad"],
         evalset=evalset.head(0),
-        grasps={"yumi": tables.empty(tables.GRASPS)},
+        grasps={"yumi": parquet.empty(GRASPS)},
         scales={},
         manifests={},
-        trials={("yumi", "antipodal-depth"): tables.empty(tables.TRIALS)},
+        trials={("yumi", "antipodal-depth"): parquet.empty(TRIALS)},
     )
     page = Page(build(replace(report, datasets={"egad": data})))
     assert not {"evaluation", "grasps", "trials"} & set(page.ids)

@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from egad import tables
 from egad.settings import Neat
 from egad.shapes import cppn, genome
+from egad.tables.evolution import GENOME
 
 ACTIVATIONS = {
     "sin": math.sin,
@@ -56,7 +56,7 @@ def test_equals_the_query_of_one_point_at_a_time(seed):
 
 
 def test_a_genome_without_connections_is_constant():
-    row = {name: [] for name in tables.GENOME.names}
+    row = {name: [] for name in GENOME.names}
     row |= {"node_keys": [0], "node_biases": [0.7], "node_activations": ["identity"]}
     assert np.all(cppn.query(row, 4) == np.float32(0.7))
 

@@ -5,7 +5,6 @@ import pandas as pd
 import pytest
 from scipy.stats import percentileofscore
 
-from egad import tables
 from egad.errors import UserError
 from egad.exchange.meshes import read_mesh, write_obj
 from egad.measures import reeb
@@ -15,6 +14,8 @@ from egad.settings import Settings, Space
 from egad.shapes.repair import repair
 from egad.stage_settings import Evolve, LocateMeshes, select
 from egad.stages import evolve, locate, materialise
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS, REJECTED
 
 SETTINGS = Settings.model_validate(
     {
@@ -99,8 +100,8 @@ def test_workers_leave_no_trace(among, files, placed):
 
 def test_the_folder_of_a_dataset_does_as_well_as_an_archive(among, tmp_path):
     (tmp_path / "meshes").mkdir()
-    frame = among.objects.reindex(columns=tables.OBJECTS.names).fillna(0)
-    tables.write(frame, tables.OBJECTS, tmp_path / "objects.parquet")
+    frame = among.objects.reindex(columns=OBJECTS.names).fillna(0)
+    parquet.write(frame, OBJECTS, tmp_path / "objects.parquet")
     for label, load in among.load.items():
         write_obj(load(), tmp_path / "meshes" / f"{label}.obj")
     other = locate.reference(tmp_path, READ)
@@ -133,14 +134,14 @@ def test_what_does_not_fit_the_configuration_is_refused(home, tmp_path):
         locate.reference(home / "archive.parquet", other)
     with pytest.raises(UserError, match=r"shape\.resolution: 16 in the archive, 25"):
         locate.reference(home / "archive.parquet", select(Settings(), LocateMeshes))
-    tables.write(tables.empty(tables.REJECTED), tables.REJECTED, tmp_path / "rejected.parquet")
+    parquet.write(parquet.empty(REJECTED), REJECTED, tmp_path / "rejected.parquet")
     with pytest.raises(UserError, match="neither an archive nor the objects"):
         locate.reference(tmp_path / "rejected.parquet", READ)
 
 
 def test_a_dataset_without_its_meshes_is_refused(among, tmp_path):
-    frame = among.objects.reindex(columns=tables.OBJECTS.names).fillna(0)
-    tables.write(frame, tables.OBJECTS, tmp_path / "objects.parquet")
+    frame = among.objects.reindex(columns=OBJECTS.names).fillna(0)
+    parquet.write(frame, OBJECTS, tmp_path / "objects.parquet")
     with pytest.raises(UserError, match="is not there"):
         locate.reference(tmp_path, READ)
 

@@ -3,13 +3,13 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad import tables
 from egad.exchange.meshes import read_mesh, write_obj
 from egad.settings import Settings
 from egad.shapes.surface import surface
 from egad.stage_settings import MeasureMeshes, PostprocessSolids, select
 from egad.stages import measure
 from egad.stages.postprocess import solid_row
+from egad.tables.objects import MEASURED
 
 DEFAULTS = Settings()
 SETTINGS = select(DEFAULTS, MeasureMeshes)
@@ -96,7 +96,7 @@ def table(bad):
 
 def test_every_mesh_has_a_row_in_the_order_given(bad, table):
     assert list(table.index) == list(bad)
-    assert list(table.reset_index().columns) == tables.MEASURED.names
+    assert list(table.reset_index().columns) == MEASURED.names
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,9 @@
 import pandas as pd
 
-from egad import tables
+from egad.stages.join import run as join_files
 from egad.stages.shards import in_shard, join, rejection, rows_in_shard
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS, REJECTED
 
 IDS = [f"object-{number}" for number in range(200)]
 
@@ -25,24 +27,32 @@ def test_the_number_of_shards_leaves_no_trace(tmp_path):
         for shard in range(shards):
             part = pd.DataFrame([row for row in rows if in_shard(row["id"], shard, shards)])
             paths.append(tmp_path / f"{shards}-{shard}.parquet")
-            tables.write(part, tables.REJECTED, paths[-1])
-        return join(paths, tables.REJECTED, ["id"])
+            parquet.write(part, REJECTED, paths[-1])
+        return join(paths, REJECTED, ["id"])
 
     assert joined(3).equals(joined(7))
     assert len(joined(3)) == 200
 
 
 def test_nothing_but_empty_shards_gives_an_empty_table(tmp_path):
-    tables.write(tables.empty(tables.REJECTED), tables.REJECTED, tmp_path / "a")
-    assert len(join([tmp_path / "a"], tables.REJECTED, ["id"])) == 0
+    parquet.write(parquet.empty(REJECTED), REJECTED, tmp_path / "a")
+    assert len(join([tmp_path / "a"], REJECTED, ["id"])) == 0
 
 
 def test_rows_of_an_empty_table_keep_its_columns():
-    rows = rows_in_shard(tables.empty(tables.OBJECTS), 0, 2)
-    assert list(rows.columns) == tables.OBJECTS.names
+    rows = rows_in_shard(parquet.empty(OBJECTS), 0, 2)
+    assert list(rows.columns) == OBJECTS.names
 
 
 def test_rows_of_all_shards_are_the_table():
     frame = pd.DataFrame({"id": IDS})
     rows = pd.concat([rows_in_shard(frame, shard, 3) for shard in range(3)])
     assert sorted(rows["id"]) == sorted(IDS)
+
+
+def test_a_joined_file_keeps_the_meanings_of_its_columns(tmp_path):
+    rows = pd.DataFrame([rejection(each, "postprocess", "empty") for each in ("b", "a")])
+    parquet.write(rows, REJECTED, tmp_path / "part")
+    join_files([tmp_path / "part"], ["id"], tmp_path / "whole")
+    assert parquet.schema_of(tmp_path / "whole").equals(REJECTED, check_metadata=True)
+    assert list(parquet.read(tmp_path / "whole", REJECTED)["id"]) == ["a", "b"]

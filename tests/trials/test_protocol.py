@@ -5,10 +5,11 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad import tables
 from egad.errors import UserError
 from egad.settings import GRIPPERS, Gripper, Material, Trials
 from egad.stage_settings import SimulatedTrials
+from egad.tables import parquet
+from egad.tables.evaluation import TRIALS
 from egad.trials.camera import View
 from egad.trials.grasp import Grasp
 from egad.trials.model import build
@@ -74,8 +75,8 @@ def test_an_object_far_wider_than_the_opening_is_never_held() -> None:
 def test_the_table_is_complete(tmp_path_factory: pytest.TempPathFactory) -> None:
     trials = tried(CUBE)
     path = tmp_path_factory.mktemp("trials") / "trials.parquet"
-    tables.write(trials, tables.TRIALS, path)
-    pd.testing.assert_frame_equal(tables.read(path, tables.TRIALS), trials, check_dtype=False)
+    parquet.write(trials, TRIALS, path)
+    pd.testing.assert_frame_equal(parquet.read(path, TRIALS), trials, check_dtype=False)
     assert trials["attempt"].tolist() == list(range(6))
     assert trials["seed"].str.fullmatch("[0-9a-f]{32}").all()
     assert trials["seed"].is_unique

@@ -76,7 +76,9 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(copy, settings, rules)
         ("egad/evolution/reproduction.py", EVERYTHING),
         ("egad/report/page.py", {"report", "all"}),
         ("egad/cli/stages.py", set()),
-        ("egad/settings.py", set()),
+        ("egad/settings/measures.py", set()),
+        ("egad/tables/evolution.py", EVERYTHING),
+        ("egad/tables/evaluation.py", {"select_eval"} | AFTER_SELECTION),
     ],
 )
 def test_an_edited_module_re_runs_its_stages(copy, module, rules):
@@ -88,7 +90,7 @@ def test_an_edited_module_re_runs_its_stages(copy, module, rules):
 
 def test_a_touched_or_commented_module_re_runs_nothing(copy):
     copy.take_library()
-    for module in ("egad/tables.py", "egad/seeds.py", "egad/evolution/island.py"):
+    for module in ("egad/tables/objects.py", "egad/seeds.py", "egad/evolution/island.py"):
         path = copy.folder / module
         path.write_text(f"# a comment\n{path.read_text()}\n\n")
         os.utime(path)

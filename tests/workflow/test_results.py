@@ -16,45 +16,49 @@ import pyarrow.parquet as pq
 import pytest
 import trimesh
 
-from egad import tables
 from egad.settings import Settings
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
+from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY
+from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.objects import COMPARISON, OBJECTS, REJECTED, SOLIDS
 
 GRIPPER, POLICY = "egad_75mm", "antipodal-depth"
 SHARDS = EPOCHS = ISLANDS = 2
 PUBLISHED = {
-    "comparison.parquet": tables.COMPARISON,
-    "egad/archive.parquet": tables.ARCHIVE,
-    "egad/history.parquet": tables.HISTORY,
-    "egad/objects.parquet": tables.OBJECTS,
-    "egad/rejected.parquet": tables.REJECTED,
-    "egad/eval49.parquet": tables.EVAL49,
-    f"egad/grasps/{GRIPPER}.parquet": tables.GRASPS,
-    f"egad/grasps/{GRIPPER}.rejected.parquet": tables.REJECTED,
-    f"egad/rescaled/{GRIPPER}/scales.parquet": tables.SCALES,
-    f"egad/rescaled/{GRIPPER}/rejected.parquet": tables.REJECTED,
-    f"egad/print/{GRIPPER}/manifest.parquet": tables.MANIFEST,
-    f"egad/trials/{GRIPPER}/{POLICY}.parquet": tables.TRIALS,
+    "comparison.parquet": COMPARISON,
+    "egad/archive.parquet": ARCHIVE,
+    "egad/history.parquet": HISTORY,
+    "egad/objects.parquet": OBJECTS,
+    "egad/rejected.parquet": REJECTED,
+    "egad/eval49.parquet": EVAL49,
+    f"egad/grasps/{GRIPPER}.parquet": GRASPS,
+    f"egad/grasps/{GRIPPER}.rejected.parquet": REJECTED,
+    f"egad/rescaled/{GRIPPER}/scales.parquet": SCALES,
+    f"egad/rescaled/{GRIPPER}/rejected.parquet": REJECTED,
+    f"egad/print/{GRIPPER}/manifest.parquet": MANIFEST,
+    f"egad/trials/{GRIPPER}/{POLICY}.parquet": TRIALS,
 }
 EPOCH_TABLES = {
     f"egad/epochs/epoch-{epoch}/{name}.parquet": schema
     for epoch in range(EPOCHS)
     for name, schema in {
-        "archive": tables.EPOCH,
-        "island-0": tables.EPOCH,
-        "island-1": tables.EPOCH,
-        "history-0": tables.HISTORY,
-        "history-1": tables.HISTORY,
+        "archive": EPOCH,
+        "island-0": EPOCH,
+        "island-1": EPOCH,
+        "history-0": HISTORY,
+        "history-1": HISTORY,
     }.items()
 }
 PARTS = {
     f"egad/parts/{name}-{shard}.parquet": schema
     for shard in range(SHARDS)
     for name, schema in {
-        "solids": tables.SOLIDS,
-        "rejected": tables.REJECTED,
-        f"grasps-{GRIPPER}": tables.GRASPS,
-        f"ungraspable-{GRIPPER}": tables.REJECTED,
-        f"trials-{GRIPPER}-{POLICY}": tables.TRIALS,
+        "solids": SOLIDS,
+        "rejected": REJECTED,
+        f"grasps-{GRIPPER}": GRASPS,
+        f"ungraspable-{GRIPPER}": REJECTED,
+        f"trials-{GRIPPER}-{POLICY}": TRIALS,
     }.items()
 }
 TABLES = PUBLISHED | EPOCH_TABLES | PARTS
@@ -63,12 +67,12 @@ TABLES = PUBLISHED | EPOCH_TABLES | PARTS
 @pytest.fixture
 def load(finished):
     """A published table of the finished run, by its path within results."""
-    return lambda path: tables.read(finished.results / path, TABLES[path])
+    return lambda path: parquet.read(finished.results / path, TABLES[path])
 
 
 @pytest.mark.parametrize("path", TABLES)
 def test_every_table_is_there_with_columns_units_and_meanings(finished, tmp_path, path):
-    tables.write(tables.empty(TABLES[path]), TABLES[path], tmp_path / "empty.parquet")
+    parquet.write(parquet.empty(TABLES[path]), TABLES[path], tmp_path / "empty.parquet")
     expected = pq.read_schema(tmp_path / "empty.parquet")
     found = pq.read_schema(finished.results / path).remove_metadata()  # of the whole: the notes
     assert found.equals(expected, check_metadata=True)
@@ -216,7 +220,7 @@ def test_every_gripper_is_a_target(copy):
     targets = {name: f"results/egad/rescaled/{name}/scales.parquet" for name in Settings().grippers}
     copy.make("--cores", 2, *targets.values())
     for name, gripper in Settings().grippers.items():
-        scales = tables.read(copy.folder / targets[name], tables.SCALES)
+        scales = parquet.read(copy.folder / targets[name], SCALES)
         assert set(scales["opening"]) == {gripper.opening}
         assert len(scales) == len(list((copy.results / "egad/meshes").glob("*.obj")))
 
@@ -227,7 +231,7 @@ def test_more_epochs_keep_the_archives_of_the_earlier_ones(copy):
     copy.make("--cores", 2, "results/egad/archive.parquet", configs=["config/test.yaml", longer])
     after = copy.bytes()
     assert all(after[path] == before[path] for path in EPOCH_TABLES)
-    archive = tables.read(copy.results / "egad/archive.parquet", tables.ARCHIVE)
+    archive = parquet.read(copy.results / "egad/archive.parquet", ARCHIVE)
     assert archive["epoch"].max() <= 2
     assert after["egad/epochs/epoch-2/archive.parquet"] != b""
 
@@ -254,11 +258,11 @@ def own_meshes(clean):
 def test_a_folder_of_meshes_is_a_dataset_and_bad_ones_are_named(own_meshes):
     checkout, configs = own_meshes
     checkout.make("--cores", 2, "results/own/objects.parquet", configs=configs)
-    objects = tables.read(checkout.results / "own/objects.parquet", tables.OBJECTS)
+    objects = parquet.read(checkout.results / "own/objects.parquet", OBJECTS)
     objects = objects.set_index("label")
     assert {"ball", "box"} <= set(objects.index) <= {"ball", "box", "open"}
     assert objects.loc["box", "volume"] == pytest.approx(24e-6, rel=1e-6)
-    rejected = tables.read(checkout.results / "own/rejected.parquet", tables.REJECTED)
+    rejected = parquet.read(checkout.results / "own/rejected.parquet", REJECTED)
     reasons = rejected.set_index("id")["reason"]
     assert {"notes", "empty", "nan", "cut"} <= set(reasons.index)
     assert set(reasons.index) | set(objects.index) == {
@@ -316,7 +320,7 @@ def test_another_grid_and_axes_of_ones_own_go_all_the_way(clean, cells):
         "symmetry": {"mirror": ["y"]},
     }
     clean.make("--cores", 2, configs=["config/test.yaml", clean.overlay("own.yaml", own)])
-    objects = tables.read(clean.results / "egad/objects.parquet", tables.OBJECTS)
+    objects = parquet.read(clean.results / "egad/objects.parquet", OBJECTS)
     np.testing.assert_allclose(objects["complexity"], objects["area"], rtol=1e-9)
     np.testing.assert_allclose(objects["difficulty"], objects["volume"], rtol=1e-6)
     last = objects.loc[objects["volume"].idxmin(), "label"]
@@ -332,8 +336,7 @@ def test_an_archive_is_a_dataset(copy):
     again = copy.overlay("again.yaml", {"datasets": {"again": given}})
     copy.make("--cores", 2, "results/again/objects.parquet", configs=["config/test.yaml", again])
     ours, theirs = (
-        tables.read(copy.results / name / "objects.parquet", tables.OBJECTS)
-        for name in ("again", "egad")
+        parquet.read(copy.results / name / "objects.parquet", OBJECTS) for name in ("again", "egad")
     )
     pd.testing.assert_frame_equal(ours, theirs)
 

@@ -135,4 +135,4 @@ rule history:
     message:
         "Joining the steps of {wildcards.dataset}"
     shell:
-        "egad join --schema history --out {output:q} {input:q} > {log:q} 2>&1"
+        "egad join --by epoch --by island --by step --out {output:q} {input:q} > {log:q} 2>&1"

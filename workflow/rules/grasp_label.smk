@@ -66,7 +66,7 @@ rule join_grasps:
     message:
         "Joining the grasps of {wildcards.gripper} on {wildcards.dataset}"
     shell:
-        "egad join --schema grasps --out {output:q} {input:q} > {log:q} 2>&1"
+        "egad join --by label --by grasp --out {output:q} {input:q} > {log:q} 2>&1"
 
 
 rule join_ungraspable:
@@ -90,4 +90,4 @@ rule join_ungraspable:
     message:
         "Joining the objects of {wildcards.dataset} without grasps of {wildcards.gripper}"
     shell:
-        "egad join --schema rejected --out {output:q} {input:q} > {log:q} 2>&1"
+        "egad join --by id --by stage --out {output:q} {input:q} > {log:q} 2>&1"

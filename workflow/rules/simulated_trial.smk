@@ -64,4 +64,4 @@ rule join_trials:
     message:
         "Joining the trials of {wildcards.policy} with {wildcards.gripper} on {wildcards.dataset}"
     shell:
-        "egad join --schema trials --out {output:q} {input:q} > {log:q} 2>&1"
+        "egad join --by label --by attempt --out {output:q} {input:q} > {log:q} 2>&1"

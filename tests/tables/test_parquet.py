@@ -1,8 +1,9 @@
 import pandas as pd
 import pytest
 
-from egad import tables
-from egad.tables import TableError
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS, REJECTED
+from egad.tables.parquet import TableError
 
 ROW = {"id": "a", "stage": "postprocess", "reason": "no volume"}
 
@@ -10,17 +11,17 @@ ROW = {"id": "a", "stage": "postprocess", "reason": "no volume"}
 def test_round_trip_keeps_values_metadata_and_bytes(tmp_path):
     frame = pd.DataFrame([ROW, ROW | {"id": "b"}])
     for name in ("one", "two"):
-        tables.write(frame.sample(frac=1, axis=1), tables.REJECTED, tmp_path / name)
-    assert tables.read(tmp_path / "one", tables.REJECTED).equals(frame)
+        parquet.write(frame.sample(frac=1, axis=1), REJECTED, tmp_path / name)
+    assert parquet.read(tmp_path / "one", REJECTED).equals(frame)
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
-    stored = tables.pq.read_schema(tmp_path / "one")
+    stored = parquet.pq.read_schema(tmp_path / "one")
     assert stored.field("reason").metadata[b"meaning"] == b"why"
 
 
 def test_an_empty_table_keeps_its_columns(tmp_path):
-    tables.write(pd.DataFrame([]), tables.OBJECTS, tmp_path / "objects")
-    frame = tables.read(tmp_path / "objects", tables.OBJECTS)
-    assert list(frame.columns) == tables.OBJECTS.names
+    parquet.write(pd.DataFrame([]), OBJECTS, tmp_path / "objects")
+    frame = parquet.read(tmp_path / "objects", OBJECTS)
+    assert list(frame.columns) == OBJECTS.names
     assert len(frame) == 0
 
 
@@ -29,25 +30,25 @@ def test_a_damaged_file_is_named(tmp_path, content):
     path = tmp_path / "damaged.parquet"
     path.write_bytes(content)
     with pytest.raises(TableError, match=r"damaged\.parquet"):
-        tables.read(path, tables.REJECTED)
+        parquet.read(path, REJECTED)
 
 
 def test_a_truncated_file_is_refused(tmp_path):
     path = tmp_path / "table.parquet"
-    tables.write(pd.DataFrame([ROW] * 1000), tables.REJECTED, path)
+    parquet.write(pd.DataFrame([ROW] * 1000), REJECTED, path)
     path.write_bytes(path.read_bytes()[:-20])
     with pytest.raises(TableError, match="not a readable Parquet file"):
-        tables.read(path, tables.REJECTED)
+        parquet.read(path, REJECTED)
 
 
 def test_missing_columns_are_named(tmp_path):
     path = tmp_path / "table.parquet"
-    tables.write(pd.DataFrame([ROW]), tables.REJECTED, path)
+    parquet.write(pd.DataFrame([ROW]), REJECTED, path)
     with pytest.raises(TableError, match="complexity"):
-        tables.read(path, tables.OBJECTS)
+        parquet.read(path, OBJECTS)
 
 
 def test_a_missing_column_does_not_leave_a_file(tmp_path):
     with pytest.raises(KeyError):
-        tables.write(pd.DataFrame([{"id": "a"}]), tables.REJECTED, tmp_path / "table")
+        parquet.write(pd.DataFrame([{"id": "a"}]), REJECTED, tmp_path / "table")
     assert not (tmp_path / "table").exists()

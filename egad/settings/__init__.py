@@ -1,0 +1,55 @@
+"""Every setting of the pipeline, as pydantic models.
+
+The models are the only source of names, defaults, bounds and meanings. `egad.config_files`
+generates `config/*.yaml` and the JSON schema from them, and turns validation errors into sentences.
+Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles degrees.
+"""
+
+from egad.settings.base import Axis, Name, Range, ScaleRule, Section
+from egad.settings.datasets import Dataset, Targets
+from egad.settings.evolution import Evolution, Neat, Schedule
+from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling
+from egad.settings.grippers import GRIPPERS, Gripper
+from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
+from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
+from egad.settings.shapes import Envelope, Hole, Limits, Part, Region, Shape, Symmetry
+from egad.settings.trials import Trials
+from egad.settings.whole import Settings
+
+__all__ = [
+    "GRIPPERS",
+    "Axes",
+    "Axis",
+    "Complexity",
+    "Dataset",
+    "Difficulty",
+    "Envelope",
+    "Evolution",
+    "GraspLabel",
+    "Gripper",
+    "Hole",
+    "Limits",
+    "Material",
+    "Name",
+    "Neat",
+    "Part",
+    "Postprocess",
+    "PrintExport",
+    "Quality",
+    "Range",
+    "Region",
+    "Rescale",
+    "Robust",
+    "Sampling",
+    "ScaleRule",
+    "Schedule",
+    "Section",
+    "SelectEval",
+    "Settings",
+    "Shape",
+    "Similarity",
+    "Space",
+    "Symmetry",
+    "Targets",
+    "Trials",
+]

@@ -1,0 +1,46 @@
+"""What is made of the objects: repair, scaling, the evaluation set, prints."""
+
+from pydantic import Field
+
+from egad.settings.base import Length, PositiveFraction, ScaleRule, Section
+
+
+class Material(Section):
+    """What the objects are made of."""
+
+    density: float = Field(400.0, gt=0, description="kg/m3; printed PLA at 20 % infill: 350-450")
+
+
+class Postprocess(Section):
+    """Repair, and difficulty graded again without the luck of selection."""
+
+    grasps: int = Field(1000, ge=1, description="grasps that an object is graded by")
+    min_volume: float = Field(1e-9, ge=0, description="objects smaller than this are rejected, m3")
+
+
+class Rescale(Section):
+    """Scaling to a gripper."""
+
+    rule: ScaleRule = Field(
+        "paper",
+        description="paper: smallest side at most the fraction; egad-script: longest side = "
+        "opening, then as paper; exact: smallest side = the fraction",
+    )
+    side_fraction: PositiveFraction = Field(
+        0.8, description="part of the opening that the rule aims at"
+    )
+
+
+class SelectEval(Section):
+    """The evaluation set: one object a cell of a coarse grid, chosen to look least alike."""
+
+    rows: int = Field(7, ge=1, le=26, description="rows = letters = difficulty")
+    columns: int = Field(7, ge=1, le=10, description="columns = digits = complexity")
+    restarts: int = Field(20, ge=1, description="random starts of the local search")
+
+
+class PrintExport(Section):
+    """Files for 3D printers."""
+
+    bed: tuple[Length, Length] = Field((0.22, 0.22), description="print bed, metres")
+    gap: float = Field(0.005, ge=0, description="free space between objects on a plate, metres")

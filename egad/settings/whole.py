@@ -1,0 +1,78 @@
+"""The whole configuration, one section after the other."""
+
+from collections.abc import Mapping
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from egad.settings.base import Name, Section
+from egad.settings.datasets import Dataset, Targets
+from egad.settings.evolution import Evolution, Neat, Schedule
+from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling
+from egad.settings.grippers import GRIPPERS, Gripper
+from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
+from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
+from egad.settings.shapes import Envelope, Hole, Limits, Part, Shape, Symmetry
+from egad.settings.trials import Trials
+
+
+class Settings(Section):
+    """The whole configuration."""
+
+    seed: int = Field(0, ge=0, lt=2**32, description="every random draw follows from this number")
+    shards: int = Field(
+        8, ge=1, le=1024, description="jobs a dataset is cut into; does not change any result"
+    )
+    datasets: dict[Name, Dataset] = Field(
+        {"egad": Dataset(source="evolved")}, min_length=1, description="all datasets, by name"
+    )
+    targets: Targets = Targets()
+    schedule: Schedule = Schedule()
+    evolution: Evolution = Evolution()
+    neat: Neat = Neat()
+    shape: Shape = Shape()
+    envelope: Envelope = Envelope()
+    part: Part = Part()
+    hole: Hole = Hole()
+    symmetry: Symmetry = Symmetry()
+    limits: Limits = Limits()
+    space: Space = Space()
+    axes: Axes = Axes()
+    complexity: Complexity = Complexity()
+    difficulty: Difficulty = Difficulty()
+    similarity: Similarity = Similarity()
+    sampling: Sampling = Sampling()
+    quality: Quality = Quality()
+    robust: Robust = Robust()
+    material: Material = Material()
+    postprocess: Postprocess = Postprocess()
+    grasp_label: GraspLabel = GraspLabel()
+    rescale: Rescale = Rescale()
+    select_eval: SelectEval = SelectEval()
+    print_export: PrintExport = PrintExport()
+    trials: Trials = Trials()
+    grippers: dict[Name, Gripper] = Field(
+        GRIPPERS, min_length=1, description="all grippers, by name"
+    )
+
+    @model_validator(mode="after")
+    def _names_refer_to_something(self) -> Self:
+        problems = [
+            *_unknown("targets.datasets", self.targets.datasets, self.datasets),
+            *_unknown("targets.grippers", self.targets.grippers, self.grippers),
+            *_unknown("difficulty.gripper", [self.difficulty.gripper], self.grippers),
+        ]
+        evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]
+        if len(evolved) > 1:
+            problems.append(f"datasets: at most one can be evolved, got {', '.join(evolved)}")
+        if problems:
+            raise ValueError("\n".join(problems))
+        return self
+
+
+def _unknown(key: str, used: list[str], table: Mapping[str, Section]) -> list[str]:
+    return [
+        f"{key}: {name!r} is not defined; known: {', '.join(sorted(table))}"
+        for name in used
+        if name not in table
+    ]

@@ -1,0 +1,1 @@
+"""The Arrow schema of every Parquet artefact: columns, units and meanings."""

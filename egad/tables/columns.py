@@ -1,0 +1,34 @@
+"""What the schemas are made of: types, and the columns that several tables have."""
+
+import pyarrow as pa
+
+STRING, INT, FLOAT, BOOL, BINARY = (
+    pa.string(),
+    pa.int32(),
+    pa.float64(),
+    pa.bool_(),
+    pa.large_binary(),
+)
+
+
+def column(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
+    """A column with its meaning, and its unit if it has one."""
+    return pa.field(name, kind, metadata={"meaning": meaning, "unit": unit})
+
+
+def vector(
+    name: str, meaning: str, unit: str = "", parts: str | tuple[str, ...] = "xyz"
+) -> list[pa.Field]:
+    """A column for each part of a vector: NAME_PART."""
+    return [column(f"{name}_{part}", FLOAT, f"{meaning}, {part}", unit) for part in parts]
+
+
+ID = column("id", STRING, "name of the object within its dataset, never reused for another shape")
+LABEL = column("label", STRING, "name for people and files: difficulty letter, complexity, index")
+COMPLEXITY = column("complexity", FLOAT, "entropy of the angular deficits", "bit")
+DIFFICULTY = column("difficulty", FLOAT, "percentile of grasp quality: high is easy")
+CELLS = [
+    column("complexity_cell", INT, "cell along complexity, 0 = simplest"),
+    column("difficulty_cell", INT, "cell along difficulty, 0 = easiest"),
+]
+DIVERSITY = column("diversity", FLOAT, "mean distance to the nearest objects of the dataset")

@@ -1,0 +1,66 @@
+"""Tables of the evaluation set: its objects, their print files, their trials."""
+
+import pyarrow as pa
+
+from egad.tables.columns import (
+    BOOL,
+    CELLS,
+    COMPLEXITY,
+    DIFFICULTY,
+    FLOAT,
+    ID,
+    INT,
+    STRING,
+    column,
+    vector,
+)
+
+EVAL49 = pa.schema(
+    [
+        column("label", STRING, "name in the evaluation set, A0 = easiest and simplest"),
+        ID,
+        column("object_label", STRING, "label of the object in its dataset"),
+        column("row", INT, "row of the coarse grid, 0 = easiest"),
+        column("column", INT, "column of the coarse grid, 0 = simplest"),
+        COMPLEXITY,
+        DIFFICULTY,
+        *CELLS,
+        column("nearest", FLOAT, "distance to the nearest other object of the set"),
+    ]
+)
+
+MANIFEST = pa.schema(
+    [
+        column("label", STRING, "name in the evaluation set"),
+        ID,
+        column("file", STRING, "STL file, coordinates in millimetres"),
+        column("plate", INT, "number of the 3MF plate; null if it does not fit the bed"),
+        *vector("place", "lowest corner on the plate", "mm", "xy"),
+        *vector("extents", "sides of the axis-aligned box as printed", "mm"),
+        column("volume", FLOAT, "volume of the solid", "mm3"),
+        column("factor", FLOAT, "scaled size / size in meshes/"),
+        column("note", STRING, "what to know before printing; empty if nothing"),
+    ]
+)
+
+TRIALS = pa.schema(
+    [
+        column("label", STRING, "name in the evaluation set"),
+        ID,
+        column("attempt", INT, "number of the attempt"),
+        column("seed", pa.string(), "seed of the attempt (hexadecimal)"),
+        column("success", BOOL, "whether the object was still held at the end"),
+        column(
+            "outcome",
+            STRING,
+            "success, no_grasp, collided, missed, slipped, dropped or failed",
+        ),
+        *vector("grasp", "grasp centre chosen by the detector, world frame", "m"),
+        column("angle", FLOAT, "angle of the closing axis about the vertical", "rad"),
+        column("width", FLOAT, "opening that the detector asked for", "m"),
+        column("quality", FLOAT, "quality that the detector gave"),
+        column("lifted", FLOAT, "height gained by the object at the end", "m"),
+        column("parts", INT, "convex parts of the simulated object"),
+        column("volume_error", FLOAT, "volume of the parts / volume of the object - 1"),
+    ]
+)

@@ -1,0 +1,63 @@
+"""Tables of evolution: genomes, archives, and the steps of a run."""
+
+import pyarrow as pa
+
+from egad.tables.columns import (
+    BINARY,
+    BOOL,
+    CELLS,
+    COMPLEXITY,
+    DIFFICULTY,
+    DIVERSITY,
+    FLOAT,
+    ID,
+    INT,
+    STRING,
+    column,
+)
+
+GENOME = pa.schema(
+    [
+        column("node_keys", pa.list_(pa.int64()), "nodes; 0 is the output, -1..-7 are inputs"),
+        column("node_biases", pa.list_(FLOAT), "bias of each node"),
+        column("node_activations", pa.list_(STRING), "activation function of each node"),
+        column("connection_sources", pa.list_(pa.int64()), "node that each connection leaves"),
+        column("connection_targets", pa.list_(pa.int64()), "node that each connection enters"),
+        column("connection_weights", pa.list_(FLOAT), "weight of each connection"),
+        column("connection_enabled", pa.list_(BOOL), "whether each connection is in use"),
+    ]
+)
+
+ARCHIVE = pa.schema(
+    [
+        ID,
+        *GENOME,
+        column("voxels", BINARY, "solid voxels, x slowest and z fastest, one bit each"),
+        COMPLEXITY,
+        DIFFICULTY,
+        DIVERSITY,
+        *CELLS,
+        column("slot", INT, "index within the cell, 0 = most diverse"),
+        column("parents", pa.list_(STRING), "ids of the parents; none for a random genome"),
+        column("epoch", INT, "epoch that the object was born in"),
+    ]
+)
+
+EPOCH = pa.schema([*ARCHIVE, column("graph", BINARY, "packed Reeb graph of the object")])
+
+HISTORY = pa.schema(
+    [
+        column("epoch", INT, "number of the epoch"),
+        column("island", INT, "number of the island"),
+        column("step", INT, "number of the step in its epoch"),
+        column("offspring", INT, "offspring of this step"),
+        column("evaluated", INT, "of these, measured and offered to the archive"),
+        column("empty", INT, "of these, without any solid voxel"),
+        column("known", INT, "of these, with the voxels of another"),
+        column("elites", INT, "objects in the archive of the island after the step"),
+        column("coverage", FLOAT, "part of the places that they fill"),
+        column("filled_cells", FLOAT, "part of the cells that hold at least one"),
+        column("qd_score", FLOAT, "sum of their diversities; of every tenth step"),
+        column("cells", BINARY, "how many each cell holds, one byte each, by rows of difficulty"),
+    ]
+)

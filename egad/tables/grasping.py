@@ -1,0 +1,37 @@
+"""Tables of a gripper: labelled grasps, and the scales of the objects."""
+
+import pyarrow as pa
+
+from egad.tables.columns import BOOL, FLOAT, ID, INT, LABEL, STRING, column, vector
+
+GRASPS = pa.schema(
+    [
+        ID,
+        LABEL,
+        column("grasp", INT, "number of the grasp on its object"),
+        *vector("center", "midpoint of the contacts", "m"),
+        *vector("axis", "unit vector from the first contact to the second"),
+        *vector("approach", "unit vector along which the hand moves towards the object"),
+        column("width", FLOAT, "distance of the contacts", "m"),
+        *vector("contact0", "first contact", "m"),
+        *vector("contact1", "second contact", "m"),
+        *vector("normal0", "outward unit normal at the first contact"),
+        *vector("normal1", "outward unit normal at the second contact"),
+        column("quality", FLOAT, "Ferrari-Canny quality"),
+        column("robust_quality", FLOAT, "mean quality over disturbed copies"),
+        column("robust_quality_std", FLOAT, "standard deviation over disturbed copies"),
+        column("held", FLOAT, "fraction of the disturbed copies with positive quality"),
+        column("collision_free", BOOL, "whether the hand fits at the grasp along the approach"),
+    ]
+)
+
+SCALES = pa.schema(
+    [
+        LABEL,
+        column("rule", STRING, "scale rule"),
+        column("opening", FLOAT, "opening of the gripper", "m"),
+        column("factor", FLOAT, "scaled size / size before"),
+        *vector("before", "sides of the minimum-volume box before, ascending", "m", "123"),
+        *vector("after", "sides of the minimum-volume box after, ascending", "m", "123"),
+    ]
+)

@@ -1,0 +1,105 @@
+"""Tables of objects: what they are, where they lie in the space, which were left out."""
+
+import pyarrow as pa
+
+from egad.tables.columns import (
+    BINARY,
+    BOOL,
+    CELLS,
+    COMPLEXITY,
+    DIFFICULTY,
+    DIVERSITY,
+    FLOAT,
+    ID,
+    INT,
+    LABEL,
+    STRING,
+    column,
+    vector,
+)
+
+SOLIDS = pa.schema(
+    [
+        ID,
+        COMPLEXITY,
+        DIFFICULTY,
+        column("grasps", INT, "grasps that the difficulty was computed from"),
+        column("archive_difficulty", FLOAT, "difficulty that evolution selected it by"),
+        column("volume", FLOAT, "volume", "m3"),
+        column("area", FLOAT, "surface area", "m2"),
+        column("watertight", BOOL, "whether every edge has exactly two faces"),
+        column("repaired", BOOL, "whether repair changed the mesh beyond merging vertices"),
+        *vector("extents", "sides of the axis-aligned box", "m"),
+        *vector("com", "centre of mass", "m"),
+        column("mass", FLOAT, "mass at the configured density", "kg"),
+        *vector(
+            "inertia",
+            "moment of inertia about the centre of mass",
+            "kg m2",
+            ("xx", "yy", "zz", "xy", "xz", "yz"),
+        ),
+        column("vertices", pa.list_(FLOAT), "vertex coordinates, flat", "m"),
+        column("faces", pa.list_(INT), "vertex indices of the triangles, flat"),
+        column("graph", BINARY, "packed Reeb graph of the object"),
+    ]
+)
+
+_INTERNAL = {"vertices", "faces", "graph"}
+OBJECTS = pa.schema(
+    [
+        ID,
+        LABEL,
+        *[field for field in SOLIDS if field.name not in _INTERNAL | {"id"}],
+        *CELLS,
+        DIVERSITY,
+    ]
+)
+
+REJECTED = pa.schema(
+    [
+        column("id", STRING, "object or file that was left out"),
+        column("stage", STRING, "stage that left it out"),
+        column("reason", STRING, "why"),
+    ]
+)
+
+_REASON = column("reason", STRING, "why it could not be measured; empty if it was")
+MEASURED = pa.schema(
+    [
+        column("name", STRING, "name of the mesh file"),
+        COMPLEXITY,
+        DIFFICULTY,
+        *CELLS,
+        column("grasps", INT, "grasps that the difficulty was computed from"),
+        column("longest_side", FLOAT, "longest side of the axis-aligned box", "m"),
+        column("repaired", BOOL, "whether repair changed the mesh beyond merging vertices"),
+        _REASON,
+    ]
+)
+
+LOCATED = pa.schema(
+    [
+        column("name", STRING, "name of the mesh file"),
+        COMPLEXITY,
+        DIFFICULTY,
+        *CELLS,
+        column("complexity_percentile", FLOAT, "part of the objects that are simpler", "%"),
+        column("difficulty_percentile", FLOAT, "part of the objects that are easier", "%"),
+        column("diversity", FLOAT, "mean distance to the nearest objects"),
+        column("nearest", pa.list_(STRING), "the nearest objects, the nearest first"),
+        column("distances", pa.list_(FLOAT), "distances to them"),
+        _REASON,
+    ]
+)
+
+COMPARISON = pa.schema(
+    [
+        column("dataset", STRING, "name of the dataset"),
+        column("objects", INT, "objects in it"),
+        column("coverage", FLOAT, "part of the places filled, as many a cell as it keeps elites"),
+        column("filled_cells", FLOAT, "part of the cells that hold at least one object"),
+        column("diversity_min", FLOAT, "diversity of the least diverse object"),
+        column("diversity_max", FLOAT, "diversity of the most diverse object"),
+        column("diversity_mean", FLOAT, "mean diversity"),
+    ]
+)

@@ -1,0 +1,100 @@
+"""Reading and writing of Parquet tables: the only way in and out.
+
+A table is written under a temporary name and then renamed, so a file that exists is complete.
+"""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from egad.files import replacing
+
+_NOTES = "egad"
+
+
+class TableError(ValueError):
+    """A Parquet file is missing, damaged, or does not have the columns of its schema."""
+
+
+def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
+    """The rows of a table, each as a dictionary by column."""
+    return [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
+
+
+def empty(schema: pa.Schema) -> pd.DataFrame:
+    """A table with the columns of a schema and no rows."""
+    frame: pd.DataFrame = schema.empty_table().to_pandas()
+    return frame
+
+
+def write(
+    frame: pd.DataFrame, schema: pa.Schema, path: Path, notes: Mapping[str, Any] | None = None
+) -> None:
+    """Write a table atomically: exactly the columns of its schema, in that order.
+
+    Args:
+        frame: The rows.
+        schema: The columns.
+        path: The file.
+        notes: Kept in the file beside the rows; see `notes`.
+    """
+    columns = frame[schema.names] if len(frame) else empty(schema)
+    table = pa.Table.from_pandas(columns, schema=schema, preserve_index=False)
+    kept = {_NOTES: json.dumps(notes, sort_keys=True)} if notes else None
+    table = table.replace_schema_metadata(kept)
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        pq.write_table(table, file, compression="zstd")
+
+
+def columns(path: Path) -> list[str]:
+    """Names of the columns of a table.
+
+    Raises:
+        TableError: The file is missing, is not Parquet, or is cut short.
+    """
+    return list(schema_of(path).names)
+
+
+def schema_of(path: Path) -> pa.Schema:
+    """The columns of a table.
+
+    Raises:
+        TableError: The file is missing, is not Parquet, or is cut short.
+    """
+    try:
+        return pq.read_schema(path)
+    except (OSError, pa.ArrowException) as error:
+        raise TableError(f"{path}: not a readable Parquet file ({error})") from error
+
+
+def notes(path: Path) -> dict[str, Any]:
+    """What was kept in a file beside its rows; nothing if it has no such notes.
+
+    Raises:
+        TableError: The file is missing, is not Parquet, or is cut short.
+    """
+    kept = (schema_of(path).metadata or {}).get(_NOTES.encode())
+    found: dict[str, Any] = json.loads(kept) if kept else {}
+    return found
+
+
+def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
+    """Read a table and check that it has the columns of its schema.
+
+    Raises:
+        TableError: The file is missing, is not Parquet, is cut short, or has other columns.
+    """
+    try:
+        table = pq.read_table(path)
+    except (OSError, pa.ArrowException) as error:
+        raise TableError(f"{path}: not a readable Parquet file ({error})") from error
+    missing = [name for name in schema.names if name not in table.column_names]
+    if missing:
+        raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
+    frame: pd.DataFrame = table.select(schema.names).to_pandas()
+    return frame
