@@ -3,15 +3,18 @@
 import sys
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from egad.files import write_text
 from egad.report.filling import evaluations, filling_curves
+from egad.settings import Space
 from egad.tables import parquet
 from egad.tables.evolution import HISTORY
 
 HERE = Path(__file__).parent
 DRAWN = 20_000  # evaluations: all of a long run would leave no room for the others
+ELITES = Space().elites_per_cell
 SHOWN = (2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000)
 
 
@@ -29,6 +32,19 @@ def main(runs: dict[str, Path]) -> None:
         row = [after(each, count) for each in steps.values()]
         if any(row):
             print(f"| {count:,} | " + " | ".join(row) + " |")
+    reach({name: each["cells"] for name, each in steps.items()})
+
+
+def reach(cells: dict[str, pd.Series]) -> None:
+    """Print how much each run fills of the cells that any run has ever reached."""
+    most = {
+        name: np.stack([np.frombuffer(each, np.uint8) for each in cells[name]]) for name in cells
+    }
+    ever = np.any([counts.any(axis=0) for counts in most.values()], axis=0)
+    print(f"\ncells that a run has reached: {ever.sum()} of {len(ever)}")
+    for name, counts in most.items():
+        elites = counts[-1].sum() / ELITES
+        print(f"{name}: {elites / ever.sum():.3f} of their places, {elites / len(ever):.3f} of all")
 
 
 def after(steps: pd.DataFrame, count: int) -> str:

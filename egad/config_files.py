@@ -31,6 +31,10 @@ PAPER_TEXT = """
 The parameters of the paper's Table II: 2000 steps of 100 children on one archive.
 `snakemake --cores 8 --configfile config/paper.yaml` lays them over config/config.yaml.
 """
+FULL_TEXT = """
+As many evaluations as the paper, with parents drawn where there is room: how the archive that egad
+ships was made. `snakemake --cores 2 --configfile config/full.yaml` lays it over config/config.yaml.
+"""
 TEST_TEXT = """
 Everything in under a minute, to see that it works: the objects are few and coarsely measured.
 `snakemake --cores 2 --configfile config/test.yaml` lays this over config/config.yaml.
@@ -84,6 +88,7 @@ PAPER: Values = {
     "complexity": {"bins": 512},
     "difficulty": {"metric": "plain", "grasps": 100, "percentile": 75.0},
 }
+FULL: Values = {**PAPER, "evolution": {**PAPER["evolution"], "parents": "sparse"}}
 TEST: Values = {
     "shards": 2,
     "schedule": {"islands": 2, "epochs": 2},
@@ -118,6 +123,7 @@ def files() -> dict[Path, str]:
     documents = {
         "config/config.yaml": (DEFAULT_TEXT, defaults()),
         "config/paper.yaml": (PAPER_TEXT, PAPER),
+        "config/full.yaml": (FULL_TEXT, FULL),
         "config/released.yaml": (RELEASED_TEXT, RELEASED),
         "config/test.yaml": (TEST_TEXT, TEST),
         "config/datasets/ycb.yaml": (YCB_TEXT, YCB),

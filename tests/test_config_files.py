@@ -12,7 +12,7 @@ from egad.settings import Settings
 
 ROOT = Path(__file__).parents[1]
 DATASETS = ["datasets/ycb.yaml", "datasets/egad.yaml"]
-FILES = ["config.yaml", "paper.yaml", "test.yaml", *DATASETS]
+FILES = ["config.yaml", "paper.yaml", "full.yaml", "test.yaml", *DATASETS]
 
 
 def load(name):
@@ -100,6 +100,13 @@ def test_paper_is_table_two():
     assert paper.evolution.crossover_probability == 0.5
     assert (paper.complexity.bins, paper.difficulty.grasps) == (512, 100)
     assert paper.shape.resolution == 25
+
+
+def test_full_is_the_paper_with_another_way_to_draw_parents():
+    paper, full = load("paper.yaml"), load("full.yaml")
+    assert full["evolution"].pop("parents") == "sparse"
+    assert paper["evolution"].pop("parents") == "uniform"
+    assert full == paper
 
 
 def test_paper_states_every_parameter_of_table_two_itself():
