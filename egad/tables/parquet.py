@@ -4,7 +4,7 @@ A table is written under a temporary name and then renamed, so a file that exist
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -98,3 +98,19 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
         raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
     frame: pd.DataFrame = table.select(schema.names).to_pandas()
     return frame
+
+
+def batches(path: Path, names: list[str], rows: int = 8192) -> Iterator[pd.DataFrame]:
+    """Read some columns of a table, so many rows at a time.
+
+    Raises:
+        TableError: The file is missing, is not Parquet, is cut short, or lacks a column.
+    """
+    if missing := [name for name in names if name not in columns(path)]:
+        raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
+    try:
+        with pq.ParquetFile(path) as file:
+            for batch in file.iter_batches(rows, columns=names):
+                yield batch.to_pandas()
+    except (OSError, pa.ArrowException) as error:
+        raise TableError(f"{path}: not a readable Parquet file ({error})") from error
