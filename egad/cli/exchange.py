@@ -54,6 +54,7 @@ def _dexnet(
 ) -> None:
     """Join the parts that are given; without any, make one first."""
     from egad.stages import dexnet as stage
+    from egad.stages import dexnet_objects
 
     name = dataset.resolve().name
     if out.is_dir():
@@ -64,7 +65,7 @@ def _dexnet(
     whole = out.with_name(f".{out.name}.objects")
     objects, meshes = dataset / "objects.parquet", dataset / "rescaled" / gripper
     try:
-        stage.run_objects(_chosen(DexNetObjects, None, config), objects, meshes, (0, 1), whole)
+        dexnet_objects.run(_chosen(DexNetObjects, None, config), objects, meshes, (0, 1), whole)
         stage.run(settings, name, gripper, [whole], grasps, out)
     finally:
         whole.unlink(missing_ok=True)

@@ -163,9 +163,9 @@ def dexnet_objects(
 ) -> None:
     """Write the objects of a shard for a Dex-Net database: distance fields, stable poses."""
     from egad.stage_settings import DexNetObjects
-    from egad.stages import dexnet as stage
+    from egad.stages import dexnet_objects as stage
 
-    stage.run_objects(parse(DexNetObjects, settings), objects, meshes, (shard, shards), out)
+    stage.run(parse(DexNetObjects, settings), objects, meshes, (shard, shards), out)
 
 
 @app.command(rich_help_panel=STAGE)

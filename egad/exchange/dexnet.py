@@ -19,6 +19,7 @@ from egad.shapes.poses import StablePose
 
 Floats = NDArray[np.float64]
 UNTIMED = "01-01-1980-00h-00m-00s"  # same input, same bytes
+MEASURES = ("complexity", "difficulty", "complexity_cell", "difficulty_cell", "diversity")
 GRASP_TYPE, FRAME = "ParallelJawPtGrasp3D", "object"
 _TEXT = h5py.string_dtype()  # Dex-Net compares strings, and would get bytes from a fixed length
 

@@ -1,30 +1,21 @@
-"""dexnet: a Dex-Net database of a dataset, with the labelled grasps of a gripper."""
+"""dexnet: the Dex-Net database of a dataset, with the labelled grasps of a gripper."""
 
 import logging
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from egad.errors import RejectedError, UserError
-from egad.exchange.dexnet import Solid, add_dataset, add_grasps, add_object
+from egad.errors import UserError
+from egad.exchange.dexnet import MEASURES, add_dataset, add_grasps
 from egad.exchange.grasps import by_object, vectors
 from egad.exchange.hdf5 import check_key, reading, writing
-from egad.exchange.meshes import read_mesh
 from egad.grasps.poses import dexnet_configurations
 from egad.progress import progress
-from egad.shapes.field import distance_field
-from egad.shapes.mass import mass_properties
-from egad.shapes.poses import stable_poses
-from egad.stage_settings import DexNetDatabase, DexNetObjects
-from egad.stages.shards import rows_in_shard
-from egad.tables import parquet
+from egad.stage_settings import DexNetDatabase
 from egad.tables.objects import OBJECTS
 
 log = logging.getLogger(__name__)
-MEASURES = ("complexity", "difficulty", "complexity_cell", "difficulty_cell", "diversity")
 METRICS = {
     "ferrari_canny": "quality",
     "robust_ferrari_canny": "robust_quality",
@@ -35,45 +26,6 @@ COLUMNS = [
     *(f"{name}_{part}" for name in ("center", "axis", "approach") for part in "xyz"),
     *METRICS.values(),
 ]
-
-
-def run_objects(
-    settings: DexNetObjects, objects: Path, meshes: Path, shard: tuple[int, int], out: Path
-) -> None:
-    """Write the objects of a shard: meshes, distance fields, stable poses, masses and measures.
-
-    Args:
-        settings: What this stage reads.
-        objects: Table with the columns of `tables.objects.OBJECTS`.
-        meshes: Folder of the scaled meshes.
-        shard: Number of the shard, and of how many.
-        out: HDF5 file with a group an object in its group `objects`.
-    """
-    rows = parquet.records(rows_in_shard(parquet.read(objects, OBJECTS), *shard))
-    with writing(out) as file:
-        group = file.create_group("objects")
-        for row in progress(rows, "computing distance fields", len(rows)):
-            key = check_key(row["label"])
-            try:
-                solid = _solid(settings, row, meshes / f"{key}.obj")
-            except RejectedError as reason:
-                log.warning("%s is left out: %s", key, reason)
-            else:
-                add_object(group, key, solid)
-
-
-def _solid(settings: DexNetObjects, row: Mapping[str, Any], path: Path) -> Solid:
-    mesh = read_mesh(path, "m")
-    mass = mass_properties(mesh, settings.material.density)
-    wanted = settings.dexnet
-    return Solid(
-        mesh=mesh,
-        mass=mass.mass,
-        field=distance_field(mesh, wanted.field_size, wanted.field_padding),
-        poses=stable_poses(mesh, mass.com, wanted.pose_probability),
-        name=row["id"],
-        measures={name: float(row[name]) for name in MEASURES},
-    )
 
 
 def run(
@@ -90,7 +42,7 @@ def run(
         settings: What this stage reads.
         dataset: Name of the dataset.
         gripper: Name of the gripper.
-        parts: The objects, as `run_objects` writes them.
+        parts: The objects, as `stages.dexnet_objects` writes them.
         grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
         out: The database. Objects without grasps are in it, too.
     """
