@@ -3,17 +3,16 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from egad.exchange.grasps import poses_of
-from egad.exchange.hdf5 import add_array, writing
+from egad.exchange.hdf5 import add_array, add_group, writing
 from egad.grasps.poses import panda_poses
 
 Floats = NDArray[np.float64]
-SUCCESS = "grasps/qualities/egad/success"
-SIMULATED = "grasps/qualities/flex/object_in_gripper"
 QUALITIES = ("quality", "robust_quality", "robust_quality_std", "held", "collision_free")
 COLUMNS = [
     *(f"{name}_{part}" for name in ("center", "axis", "approach") for part in "xyz"),
@@ -75,20 +74,25 @@ def write_acronym(path: Path, body: Body, jaws: Jaws, grasps: pd.DataFrame, held
         held: Part of the disturbed copies that must hold the object.
     """
     with writing(path) as file:
-        for name, value in vars(body).items():
-            file[f"object/{name}"] = value
-        file["object/density"] = body.mass / body.volume
-        file["gripper/type"] = jaws.name
-        file["gripper/configuration"] = np.full(2, jaws.opening / 2)
-        add_array(file, "grasps/transforms", panda_poses(poses_of(grasps), jaws.fingertip))
-        add_array(file, "grasps/widths", grasps["width"])
-        for name in QUALITIES:
-            values = grasps[name].to_numpy()
-            kept = values.astype(np.int64) if values.dtype == bool else values
-            add_array(file, f"grasps/qualities/egad/{name}", kept)
-        success = grasps["collision_free"] & (grasps["held"] >= held)
-        add_array(file, SUCCESS, success.to_numpy(dtype=np.int64))
-        file[SUCCESS].attrs["meaning"] = (
-            f"not simulated: 1 if the hand fits and at least {held} of the disturbed copies hold"
-        )
-        file[SIMULATED] = file[SUCCESS]
+        for name, value in (vars(body) | {"density": body.mass / body.volume}).items():
+            add_group(file, "object")[name] = value
+        hand = add_group(file, "gripper")
+        hand["type"] = jaws.name
+        hand["configuration"] = np.full(2, jaws.opening / 2)
+        _add_grasps(file, jaws, grasps, held)
+
+
+def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, held: float) -> None:
+    group = add_group(file, "grasps")
+    add_array(group, "transforms", panda_poses(poses_of(grasps), jaws.fingertip))
+    add_array(group, "widths", grasps["width"])
+    own = add_group(group, "qualities/egad")
+    for name in QUALITIES:
+        values = grasps[name].to_numpy()
+        add_array(own, name, values.astype(np.int64) if values.dtype == bool else values)
+    success = grasps["collision_free"] & (grasps["held"] >= held)
+    add_array(own, "success", success.to_numpy(dtype=np.int64))
+    own["success"].attrs["meaning"] = (
+        f"not simulated: 1 if the hand fits and at least {held} of the disturbed copies hold"
+    )
+    add_group(group, "qualities/flex")["object_in_gripper"] = own["success"]

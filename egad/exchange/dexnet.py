@@ -13,7 +13,7 @@ import trimesh
 from h5py import h5a, h5g, h5p, h5s, h5t
 from numpy.typing import NDArray
 
-from egad.exchange.hdf5 import add_array
+from egad.exchange.hdf5 import add_array, add_group
 from egad.shapes.field import DistanceField
 from egad.shapes.poses import StablePose
 
@@ -63,12 +63,12 @@ def add_dataset(
         The group for the objects.
     """
     file.attrs["time_created"] = UNTIMED
-    group = file.create_group(f"datasets/{dataset}")
+    group = add_group(file, f"datasets/{dataset}")
     for name, parameters in metrics.items():
-        _add_parameters(group.create_group(f"metrics/{name}"), parameters)
+        _add_parameters(add_group(group, f"metrics/{name}"), parameters)
     for name, meaning in metadata.items():
         _add_parameters(
-            group.create_group(f"metadata/{name}"), {"type": "float", "description": meaning}
+            add_group(group, f"metadata/{name}"), {"type": "float", "description": meaning}
         )
     return group.create_group("objects")
 
@@ -118,7 +118,7 @@ def add_grasps(
         configurations: (n, 10), see `egad.grasps.poses.dexnet_configurations`.
         metrics: (n,) values of each metric.
     """
-    group = parent.create_group(f"grasps/{gripper}")
+    group = add_group(parent, f"grasps/{gripper}")
     group.attrs["num_grasps"] = len(configurations)
     untimed = h5p.create(h5p.GROUP_CREATE)
     untimed.set_obj_track_times(False)

@@ -69,8 +69,16 @@ def check_key(name: str) -> str:
     )
 
 
+def add_group(parent: h5py.Group, path: str) -> h5py.Group:
+    """Add a group, one step after the other: those that HDF5 makes on its way hold the time."""
+    group = parent
+    for name in path.split("/"):
+        group = group.require_group(name)
+    return group
+
+
 def add_array(group: h5py.Group, name: str, values: ArrayLike) -> None:
-    """Add an array, compressed, in one chunk with a checksum. Empty ones are not compressed."""
+    """Add an array, compressed, in one chunk with a checksum; as it is if it is empty."""
     array = np.asarray(values)
     if array.size == 0:
         group.create_dataset(name, data=array)
@@ -78,6 +86,24 @@ def add_array(group: h5py.Group, name: str, values: ArrayLike) -> None:
     group.create_dataset(
         name, data=array, chunks=array.shape, compression="gzip", shuffle=True, fletcher32=True
     )
+
+
+def copy_group(source: h5py.Group, target: h5py.Group) -> None:
+    """Copy all that is in a group, as if it were made anew; arrays stay compressed.
+
+    HDF5's own copy takes over how the file of the source happened to be filled.
+    """
+    for name, value in source.attrs.items():
+        target.attrs[name] = value
+    for name, item in source.items():
+        if isinstance(item, h5py.Group):
+            copy_group(item, target.create_group(name))
+        elif item.chunks is None:
+            target.create_dataset(name, data=item[()])
+        else:
+            copied = target.create_dataset_like(name, item)
+            mask, chunk = item.id.read_direct_chunk((0,) * item.ndim)
+            copied.id.write_direct_chunk((0,) * item.ndim, chunk, mask)
 
 
 def _first_line(error: Exception) -> str:

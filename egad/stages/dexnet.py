@@ -9,7 +9,7 @@ import pandas as pd
 from egad.errors import UserError
 from egad.exchange.dexnet import MEASURES, add_dataset, add_grasps
 from egad.exchange.grasps import by_object, vectors
-from egad.exchange.hdf5 import check_key, reading, writing
+from egad.exchange.hdf5 import check_key, copy_group, reading, writing
 from egad.grasps.poses import dexnet_configurations
 from egad.progress import progress
 from egad.stage_settings import DexNetDatabase
@@ -53,7 +53,7 @@ def run(
         objects = add_dataset(file, check_key(dataset), metrics(settings), _meanings())
         for key in progress(sorted(homes), "writing grasps", len(homes)):
             with reading(homes[key]) as part:
-                part.copy(f"objects/{key}", objects)
+                copy_group(part["objects"][key], objects.create_group(key))
             configurations, values = _grasps(settings, rows if label == key else None)
             add_grasps(objects[key], check_key(gripper), configurations, values)
             if label == key:

@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 from egad.files import replacing
 
 _NOTES = "egad"
+BATCH = 8192  # rows that are in memory at a time where a table is streamed
 
 
 class TableError(ValueError):
@@ -100,8 +101,8 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
     return frame
 
 
-def batches(path: Path, names: list[str], rows: int = 8192) -> Iterator[pd.DataFrame]:
-    """Read some columns of a table, so many rows at a time.
+def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
+    """Read some columns of a table, `BATCH` rows at a time.
 
     Raises:
         TableError: The file is missing, is not Parquet, is cut short, or lacks a column.
@@ -110,7 +111,7 @@ def batches(path: Path, names: list[str], rows: int = 8192) -> Iterator[pd.DataF
         raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
     try:
         with pq.ParquetFile(path) as file:
-            for batch in file.iter_batches(rows, columns=names):
+            for batch in file.iter_batches(BATCH, columns=names):
                 yield batch.to_pandas()
     except (OSError, pa.ArrowException) as error:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error

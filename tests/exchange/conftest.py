@@ -14,18 +14,31 @@ from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 
 GRIPPER = "yumi"
-SETTINGS = Settings.model_validate({"grasp_label": {"grasps": 20}, "robust": {"samples": 3}})
 
 
-def object_row(label, mesh):
+@pytest.fixture(scope="session")
+def settings():
+    return Settings.model_validate({"grasp_label": {"grasps": 20}, "robust": {"samples": 3}})
+
+
+def object_row(label, mesh, density):
     """A row of OBJECTS with true mass properties and made-up measures."""
-    mass = mass_properties(mesh, SETTINGS.material.density)
+    mass = mass_properties(mesh, density)
     parts = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
     return {
         **dict.fromkeys(OBJECTS.names, 0),
-        **{"id": f"id-{label}", "label": label, "watertight": True, "repaired": False},
-        **{"complexity": 1.5, "difficulty": 0.002, "complexity_cell": 3, "difficulty_cell": 14},
-        **{"diversity": 0.25, "mass": mass.mass, "volume": mass.volume, "area": mass.area},
+        "id": f"id-{label}",
+        "label": label,
+        "watertight": True,
+        "repaired": False,
+        "complexity": 1.5,
+        "difficulty": 0.002,
+        "complexity_cell": 3,
+        "difficulty_cell": 14,
+        "diversity": 0.25,
+        "mass": mass.mass,
+        "volume": mass.volume,
+        "area": mass.area,
         **{f"com_{part}": value for part, value in zip("xyz", mass.com, strict=True)},
         **{f"inertia_{part}": mass.inertia[place] for part, place in parts.items()},
     }
@@ -44,20 +57,21 @@ def meshes():
 
 
 @pytest.fixture(scope="session")
-def dataset(meshes, tmp_path_factory):
+def dataset(meshes, settings, tmp_path_factory):
     """The folder of the dataset."""
     folder = tmp_path_factory.mktemp("exchange") / "tiny"
     for label, mesh in meshes.items():
         write_obj(mesh, folder / "meshes" / f"{label}.obj")
-    rows = pd.DataFrame([object_row(label, mesh) for label, mesh in meshes.items()])
+    density = settings.material.density
+    rows = pd.DataFrame([object_row(*each, density) for each in meshes.items()])
     parquet.write(rows, OBJECTS, folder / "objects.parquet")
     scaled, grasps = folder / "rescaled" / GRIPPER, folder / "grasps"
-    rule = select(SETTINGS, RescaleMeshes, GRIPPER)
+    rule = select(settings, RescaleMeshes, GRIPPER)
     rule = rule.model_copy(update={"rescale": rule.rescale.model_copy(update={"side_fraction": 1})})
     rescale.run(rule, sorted((folder / "meshes").glob("*.obj")), "m", scaled)
     wide = trimesh.creation.box((0.2, 0.2, 0.2))
     write_obj(wide, scaled / "C02_0.obj")
-    wanted = select(SETTINGS, GraspLabels, GRIPPER)
+    wanted = select(settings, GraspLabels, GRIPPER)
     tables = grasps / f"{GRIPPER}.parquet", grasps / f"{GRIPPER}.rejected.parquet"
     grasp_label.run(wanted, folder / "objects.parquet", scaled, (0, 1), *tables)
     return folder
