@@ -44,6 +44,16 @@ ARTEFACTS = [
         "`G.rejected.parquet` beside it names the objects without any.",
         GRASPS,
     ),
+    Artefact(
+        "D/exchange/G.hdf5",
+        "The objects and these grasps as a Dex-Net database, if `targets.exports` asks for "
+        "`dexnet`. See `docs/exchange.md`.",
+    ),
+    Artefact(
+        "D/exchange/G-acronym/LABEL.h5",
+        "These grasps as ACRONYM files, if `targets.exports` asks for `acronym`; the root of their "
+        "meshes is `D`. See `docs/exchange.md`.",
+    ),
     Artefact("D/eval49.parquet", "The evaluation set.", EVAL49),
     Artefact("D/print/G/LABEL.stl", "The evaluation set for gripper G, in millimetres."),
     Artefact("D/print/G/plate-N.3mf", "Print plates with one named object each, in millimetres."),

@@ -9,8 +9,10 @@ from typing import TypeVar
 from pydantic import BaseModel, ConfigDict
 
 from egad.settings import (
+    Acronym,
     Axes,
     Complexity,
+    DexNet,
     Difficulty,
     Envelope,
     Evolution,
@@ -138,6 +140,29 @@ class PrintFiles(StageSettings):
     """Files for printers."""
 
     print_export: PrintExport
+
+
+class DexNetObjects(StageSettings):
+    """Objects of a Dex-Net database: distance fields, stable poses, masses."""
+
+    material: Material
+    dexnet: DexNet
+
+
+class DexNetDatabase(StageSettings):
+    """A Dex-Net database: the grasps, and how they were rated."""
+
+    gripper: Gripper
+    quality: Quality
+    robust: Robust
+
+
+class AcronymFiles(StageSettings):
+    """ACRONYM files."""
+
+    gripper: Gripper
+    quality: Quality
+    acronym: Acronym
 
 
 class SimulatedTrials(StageSettings):

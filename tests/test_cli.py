@@ -247,3 +247,18 @@ def test_tools_say_what_is_allowed(folder, arguments, sentence):
     assert result.returncode != 0
     assert sentence in result.stderr
     assert "Traceback" not in result.stderr
+
+
+def test_export_says_what_is_allowed(tmp_path):
+    (tmp_path / "grasps").mkdir()
+    given = ["export", tmp_path, "--out", tmp_path / "out", "--gripper", "hand", "--format"]
+    assert "neither a table of grasps nor a dataset" in egad(*given, "dexnet").stderr
+    (tmp_path / "grasps" / "yumi.parquet").touch()
+    assert "no grasps of gripper 'hand'; there are yumi" in egad(*given, "acronym").stderr
+    (tmp_path / "grasps" / "hand.parquet").touch()
+    unknown = egad(*given, "dexnet")
+    assert "gripper 'hand' is not in the configuration" in unknown.stderr
+    refused = egad(*given, "step")
+    assert refused.returncode != 0
+    assert "dexnet" in refused.stderr
+    assert "Traceback" not in unknown.stderr + refused.stderr

@@ -152,6 +152,22 @@ def print_export(
     stage.run(parse(PrintFiles, settings), evaluation, meshes, scales, out)
 
 
+@app.command(name="dexnet-objects", rich_help_panel=STAGE)
+def dexnet_objects(
+    settings: SettingsText,
+    shard: Shard,
+    shards: Shards,
+    objects: Annotated[Path, typer.Option(help="objects of the dataset")],
+    meshes: Annotated[Path, typer.Option(help="folder of the scaled meshes")],
+    out: Out,
+) -> None:
+    """Write the objects of a shard for a Dex-Net database: distance fields, stable poses."""
+    from egad.stage_settings import DexNetObjects
+    from egad.stages import dexnet_objects as stage
+
+    stage.run(parse(DexNetObjects, settings), objects, meshes, (shard, shards), out)
+
+
 @app.command(rich_help_panel=STAGE)
 def simulate(
     settings: SettingsText,

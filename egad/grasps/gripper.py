@@ -69,7 +69,7 @@ def boxes(gripper: Gripper, retreat: float = 0.0) -> Floats:
     """
     inner = gripper.opening / 2 + CLEARANCE
     outer = inner + gripper.finger_thickness
-    tip = min(gripper.finger_width, gripper.finger_length) / 2
+    tip = fingertip(gripper)
     base = tip - gripper.finger_length
     side = gripper.finger_width / 2
     half = np.array(gripper.palm) / 2
@@ -80,6 +80,11 @@ def boxes(gripper: Gripper, retreat: float = 0.0) -> Floats:
             [[-half[0], -half[1], base - gripper.palm[2] - retreat], [half[0], half[1], base]],
         ]
     )
+
+
+def fingertip(gripper: Gripper) -> float:
+    """How far the fingers reach beyond the contacts, metres."""
+    return min(gripper.finger_width, gripper.finger_length) / 2
 
 
 def first_approaches(axes: Floats) -> Floats:

@@ -8,6 +8,7 @@ Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles de
 from egad.settings.base import Axis, Name, Range, ScaleRule, Section
 from egad.settings.datasets import Dataset, Targets
 from egad.settings.evolution import Evolution, Neat, Schedule
+from egad.settings.exchange import Acronym, DexNet
 from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
@@ -18,10 +19,12 @@ from egad.settings.whole import Settings
 
 __all__ = [
     "GRIPPERS",
+    "Acronym",
     "Axes",
     "Axis",
     "Complexity",
     "Dataset",
+    "DexNet",
     "Difficulty",
     "Envelope",
     "Evolution",

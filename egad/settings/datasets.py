@@ -53,3 +53,6 @@ class Targets(Section):
     policies: list[Literal["antipodal-depth"]] = Field(
         ["antipodal-depth"], min_length=1, description="grasp detectors to try in simulation"
     )
+    exports: list[Literal["dexnet", "acronym"]] = Field(
+        [], description="formats of other programs to write the labelled grasps in, too"
+    )

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from egad.settings.base import Name, Section
 from egad.settings.datasets import Dataset, Targets
 from egad.settings.evolution import Evolution, Neat, Schedule
+from egad.settings.exchange import Acronym, DexNet
 from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
@@ -50,6 +51,8 @@ class Settings(Section):
     rescale: Rescale = Rescale()
     select_eval: SelectEval = SelectEval()
     print_export: PrintExport = PrintExport()
+    dexnet: DexNet = DexNet()
+    acronym: Acronym = Acronym()
     trials: Trials = Trials()
     grippers: dict[Name, Gripper] = Field(
         GRIPPERS, min_length=1, description="all grippers, by name"

@@ -4,7 +4,7 @@ A table is written under a temporary name and then renamed, so a file that exist
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 from egad.files import replacing
 
 _NOTES = "egad"
+BATCH = 8192  # rows that are in memory at a time where a table is streamed
 
 
 class TableError(ValueError):
@@ -98,3 +99,19 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
         raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
     frame: pd.DataFrame = table.select(schema.names).to_pandas()
     return frame
+
+
+def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
+    """Read some columns of a table, `BATCH` rows at a time.
+
+    Raises:
+        TableError: The file is missing, is not Parquet, is cut short, or lacks a column.
+    """
+    if missing := [name for name in names if name not in columns(path)]:
+        raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
+    try:
+        with pq.ParquetFile(path) as file:
+            for batch in file.iter_batches(BATCH, columns=names):
+                yield batch.to_pandas()
+    except (OSError, pa.ArrowException) as error:
+        raise TableError(f"{path}: not a readable Parquet file ({error})") from error

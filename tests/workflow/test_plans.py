@@ -127,6 +127,25 @@ def test_a_measure_that_is_not_there_stops_the_run(clean):
     assert "Traceback" not in said
 
 
+def test_exports_are_made_if_they_are_asked_for(copy):
+    wanted = copy.overlay("exports.yaml", {"targets": {"exports": ["dexnet", "acronym"]}})
+    configs = ["config/test.yaml", wanted]
+    planned = copy.planned(configs=configs)
+    assert planned == {"dexnet_objects": 2, "dexnet": 1, "acronym": 1, "report": 1, "all": 1}
+    copy.make("--cores", 2, configs=configs)
+    assert copy.planned(configs=configs) == {}
+    assert (copy.results / "egad/exchange/egad_75mm.hdf5").stat().st_size > 10_000
+    labels = {path.stem for path in (copy.results / "egad/exchange/egad_75mm-acronym").glob("*.h5")}
+    assert labels <= {path.stem for path in (copy.results / "egad/meshes").glob("*.obj")}
+    assert labels
+    for setting, rules in (
+        ({"dexnet": {"field_size": 24}}, {"dexnet_objects", "dexnet"}),
+        ({"acronym": {"held": 0.9}}, {"acronym"}),
+    ):
+        changed = copy.overlay("changed.yaml", setting)
+        assert set(copy.planned(configs=[*configs, changed])) == rules | {"report", "all"}
+
+
 def test_more_epochs_extend_a_finished_run(copy):
     longer = copy.overlay("longer.yaml", {"schedule": {"epochs": 4}})
     planned = copy.planned(configs=["config/test.yaml", longer])

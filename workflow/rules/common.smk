@@ -157,3 +157,11 @@ def published():
         *of_datasets(SETTINGS.datasets, ["objects.parquet", "rejected.parquet", "meshes"]),
         *of_datasets(targets.datasets, of_target),
     ]
+
+
+def exported():
+    """The labelled grasps in the formats of other programs that are asked for."""
+    targets = SETTINGS.targets
+    files = {"dexnet": "exchange/{gripper}.hdf5", "acronym": "exchange/{gripper}-acronym"}
+    wanted = [files[name] for name in targets.exports]
+    return of_datasets(targets.datasets, expand(wanted, gripper=targets.grippers))

@@ -1,0 +1,94 @@
+"""Exports of labelled grasps in the formats of other programs."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import typer
+
+from egad.cli.common import TOOL, Config, Out, app, parse, settings_in
+from egad.errors import UserError
+from egad.stage_settings import AcronymFiles, DexNetDatabase, DexNetObjects, StageSettings, select
+
+S = TypeVar("S", bound=StageSettings)
+Dataset = Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")]
+Parts = Annotated[list[Path], typer.Option("--part", help="objects of a shard (dexnet)")]
+
+
+class Format(StrEnum):
+    """The formats."""
+
+    DEXNET = "dexnet"
+    ACRONYM = "acronym"
+
+
+@app.command(rich_help_panel=TOOL)
+def export(
+    dataset: Dataset,
+    gripper: Annotated[str, typer.Option(help="name of the gripper")],
+    out: Out,
+    ending: Annotated[Format, typer.Option("--format", help="whose format")],
+    config: Config = None,
+    settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
+    part: Parts = [],  # noqa: B006 (typer copies it)
+) -> None:
+    """Write labelled grasps as a Dex-Net database, or as a folder of ACRONYM files."""
+    from egad.exchange.grasps import grasp_table
+
+    grasps = grasp_table(dataset, gripper)
+    if ending is Format.DEXNET:
+        chosen = _chosen(DexNetDatabase, settings, config, gripper)
+        _dexnet(chosen, dataset, gripper, part, config, grasps, out)
+    else:
+        _acronym(_chosen(AcronymFiles, settings, config, gripper), dataset, gripper, grasps, out)
+
+
+def _dexnet(
+    settings: DexNetDatabase,
+    dataset: Path,
+    gripper: str,
+    parts: list[Path],
+    config: Path | None,
+    grasps: Path,
+    out: Path,
+) -> None:
+    """Join the parts that are given; without any, make one first."""
+    from egad.stages import dexnet as stage
+    from egad.stages import dexnet_objects
+
+    name = dataset.resolve().name
+    if out.is_dir():
+        raise UserError(f"--out {out} is a folder; name a file")
+    if parts:
+        stage.run(settings, name, gripper, parts, grasps, out)
+        return
+    whole = out.with_name(f".{out.name}.objects")
+    objects, meshes = dataset / "objects.parquet", dataset / "rescaled" / gripper
+    try:
+        dexnet_objects.run(_chosen(DexNetObjects, None, config), objects, meshes, (0, 1), whole)
+        stage.run(settings, name, gripper, [whole], grasps, out)
+    finally:
+        whole.unlink(missing_ok=True)
+
+
+def _acronym(settings: AcronymFiles, dataset: Path, gripper: str, grasps: Path, out: Path) -> None:
+    from egad.stages import acronym as stage
+
+    foreign = [file for file in out.iterdir() if file.suffix != ".h5"] if out.is_dir() else []
+    if out.is_file() or foreign:
+        raise UserError(f"--out {out} holds files that would be lost; name a folder of its own")
+    scales = dataset / "rescaled" / gripper / "scales.parquet"
+    stage.run(settings, gripper, dataset / "objects.parquet", scales, grasps, out)
+
+
+def _chosen(stage: type[S], text: str | None, config: Path | None, gripper: str | None = None) -> S:
+    """The settings of a stage: those handed over, or the part of a configuration."""
+    if text is not None:
+        return parse(stage, text)
+    whole = settings_in(config)
+    if gripper is not None and gripper not in whole.grippers:
+        raise UserError(
+            f"gripper {gripper!r} is not in the configuration (--config); "
+            f"known: {', '.join(whole.grippers)}"
+        )
+    return select(whole, stage, gripper)

@@ -1,0 +1,98 @@
+"""ACRONYM files: one HDF5 file an object, with the grasps of a gripper."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from egad.exchange.grasps import poses_of
+from egad.exchange.hdf5 import add_array, add_group, writing
+from egad.grasps.poses import panda_poses
+
+Floats = NDArray[np.float64]
+QUALITIES = ("quality", "robust_quality", "robust_quality_std", "held", "collision_free")
+COLUMNS = [
+    *(f"{name}_{part}" for name in ("center", "axis", "approach") for part in "xyz"),
+    "width",
+    *QUALITIES,
+]
+
+
+@dataclass(frozen=True)
+class Body:
+    """The object of a file, scaled: metres, kilograms, in the frame of its mesh.
+
+    Attributes:
+        file: The unscaled mesh, relative to the root of the meshes.
+        scale: Factor to scale it by.
+        volume: m3.
+        mass: kg.
+        com: (3,) centre of mass.
+        inertia: (3, 3) about the centre of mass.
+        friction: Coulomb coefficient that the grasps were rated with.
+    """
+
+    file: str
+    scale: float
+    volume: float
+    mass: float
+    com: Floats
+    inertia: Floats
+    friction: float
+
+
+@dataclass(frozen=True)
+class Jaws:
+    """The hand of a file.
+
+    Attributes:
+        name: Of the gripper.
+        opening: Widest, metres.
+        fingertip: How far the fingers reach beyond the contacts, metres.
+    """
+
+    name: str
+    opening: float
+    fingertip: float
+
+
+def write_acronym(path: Path, body: Body, jaws: Jaws, grasps: pd.DataFrame, held: float) -> None:
+    """Write the file of an object.
+
+    ACRONYM's label `flex/object_in_gripper` tells what became of a grasp in simulation. Nothing is
+    simulated here. As its readers need that label, it is a link to our own `egad/success`, which
+    says in its attribute what it means.
+
+    Args:
+        path: A name that ends in `.h5`.
+        body: The object.
+        jaws: The hand.
+        grasps: A row a grasp, with `COLUMNS`.
+        held: Part of the disturbed copies that must hold the object.
+    """
+    with writing(path) as file:
+        for name, value in (vars(body) | {"density": body.mass / body.volume}).items():
+            add_group(file, "object")[name] = value
+        hand = add_group(file, "gripper")
+        hand["type"] = jaws.name
+        hand["configuration"] = np.full(2, jaws.opening / 2)
+        _add_grasps(file, jaws, grasps, held)
+
+
+def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, held: float) -> None:
+    group = add_group(file, "grasps")
+    add_array(group, "transforms", panda_poses(poses_of(grasps), jaws.fingertip))
+    add_array(group, "widths", grasps["width"])
+    own = add_group(group, "qualities/egad")
+    for name in QUALITIES:
+        values = grasps[name].to_numpy()
+        add_array(own, name, values.astype(np.int64) if values.dtype == bool else values)
+    success = grasps["collision_free"] & (grasps["held"] >= held)
+    add_array(own, "success", success.to_numpy(dtype=np.int64))
+    own["success"].attrs["meaning"] = (
+        f"not simulated: 1 if the hand fits and at least {held} of the disturbed copies hold"
+    )
+    add_group(group, "qualities/flex")["object_in_gripper"] = own["success"]

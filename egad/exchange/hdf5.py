@@ -1,0 +1,110 @@
+"""HDF5 files: the same bytes every time, never half written, and errors in sentences."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike
+
+from egad.errors import UserError
+from egad.files import replacing
+
+# Compact groups and attributes, which every HDF5 library since 2008 reads.
+VERSION = ("v108", "v108")
+_KEY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
+_SYSTEM_REASON = re.compile(r"write failed.*error message = '([^']*)'", re.DOTALL)
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[h5py.File]:
+    """A new file, which gets its name only once it is complete.
+
+    Raises:
+        UserError: It cannot be written, for instance because the disk is full.
+    """
+    try:
+        with replacing(path) as temporary, h5py.File(temporary, "w", libver=VERSION) as file:
+            yield file
+    except Exception as error:
+        reason = _SYSTEM_REASON.search(str(error))
+        if reason is None:
+            raise
+        raise UserError(f"{path} cannot be written: {reason[1]}") from error
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[h5py.File]:
+    """A file to read.
+
+    Raises:
+        UserError: It is missing, is not HDF5, or is cut short or damaged.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except (OSError, RuntimeError, KeyError) as error:
+        if _SYSTEM_REASON.search(str(error)):
+            raise  # of another file, that is written meanwhile
+        raise UserError(
+            f"{path}: cut short or damaged ({_first_line(error)}); delete it and make it again"
+            if path.is_file()
+            else f"{path}: there is no such file"
+        ) from error
+
+
+def check_key(name: str) -> str:
+    """A name that may stand for an object in HDF5 files and in the names of files.
+
+    Raises:
+        UserError: It holds other characters than letters, digits, `_`, `-` and `.`.
+    """
+    if _KEY.fullmatch(name):
+        return name
+    raise UserError(
+        f"object {name!r} cannot be exported under this name; allowed are the letters a-z and A-Z, "
+        "digits, `_`, `-` and `.`, the last two not at the start"
+    )
+
+
+def add_group(parent: h5py.Group, path: str) -> h5py.Group:
+    """Add a group, one step after the other: those that HDF5 makes on its way hold the time."""
+    group = parent
+    for name in path.split("/"):
+        group = group.require_group(name)
+    return group
+
+
+def add_array(group: h5py.Group, name: str, values: ArrayLike) -> None:
+    """Add an array, compressed, in one chunk with a checksum; as it is if it is empty."""
+    array = np.asarray(values)
+    if array.size == 0:
+        group.create_dataset(name, data=array)
+        return
+    group.create_dataset(
+        name, data=array, chunks=array.shape, compression="gzip", shuffle=True, fletcher32=True
+    )
+
+
+def copy_group(source: h5py.Group, target: h5py.Group) -> None:
+    """Copy all that is in a group, as if it were made anew; arrays stay compressed.
+
+    HDF5's own copy takes over how the file of the source happened to be filled.
+    """
+    for name, value in source.attrs.items():
+        target.attrs[name] = value
+    for name, item in source.items():
+        if isinstance(item, h5py.Group):
+            copy_group(item, target.create_group(name))
+        elif item.chunks is None:
+            target.create_dataset(name, data=item[()])
+        else:
+            copied = target.create_dataset_like(name, item)
+            mask, chunk = item.id.read_direct_chunk((0,) * item.ndim)
+            copied.id.write_direct_chunk((0,) * item.ndim, chunk, mask)
+
+
+def _first_line(error: Exception) -> str:
+    return str(error.args[0] if error.args else error).partition("\n")[0]

@@ -1,0 +1,82 @@
+"""Poses of the hand at a grasp, in the frames of different programs.
+
+A grasp has a centre, a closing axis and an approach (see `egad.grasps.gripper`). All poses map
+from the frame of the hand to that of the object.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+# From the origin of ACRONYM's hand, the flange of a Franka Panda, to its fingertips, metres.
+PANDA_REACH = 0.11217
+
+
+def hand_poses(centers: Floats, axes: Floats, approaches: Floats) -> Floats:
+    """Poses in our own frame: (n, 4, 4).
+
+    The origin lies midway between the contacts, x is the closing axis, z the approach, and
+    y = z cross x.
+
+    Args:
+        centers: (n, 3) metres.
+        axes: (n, 3) unit closing axes.
+        approaches: (n, 3) unit vectors at right angles to the axes.
+    """
+    poses = np.tile(np.eye(4), (len(centers), 1, 1))
+    poses[:, :3, 0] = axes
+    poses[:, :3, 1] = np.cross(approaches, axes)
+    poses[:, :3, 2] = approaches
+    poses[:, :3, 3] = centers
+    return poses
+
+
+def panda_poses(poses: Floats, fingertip: float) -> Floats:
+    """Poses of ACRONYM's hand that put its fingertips where ours are: (n, 4, 4).
+
+    Its axes are ours; its origin lies `PANDA_REACH` behind the fingertips.
+
+    Args:
+        poses: (n, 4, 4) in our own frame.
+        fingertip: How far our fingers reach beyond the contacts, metres.
+    """
+    moved = poses.copy()
+    moved[:, :3, 3] -= (PANDA_REACH - fingertip) * poses[:, :3, 2]
+    return moved
+
+
+def dexnet_frames(axes: Floats) -> Floats:
+    """Rotations of Dex-Net's grasp frame at approach angle 0: (n, 3, 3).
+
+    Its y is the closing axis, its x the approach: horizontal, and along the object's x where the
+    closing axis is vertical.
+    """
+    forward = np.column_stack([axes[:, 1], -axes[:, 0], np.zeros(len(axes))])
+    length = np.linalg.norm(forward, axis=1, keepdims=True)
+    forward = np.where(length > 0, forward / np.where(length > 0, length, 1), [1.0, 0.0, 0.0])
+    return np.stack([forward, axes, np.cross(forward, axes)], axis=2)
+
+
+def dexnet_angles(axes: Floats, approaches: Floats) -> Floats:
+    """Dex-Net's approach angles, radians, (n,).
+
+    By an angle `a` the approach is `cos(a) x + sin(a) z` of the frame at angle 0.
+    """
+    frames = dexnet_frames(axes)
+    along = np.einsum("nk,nk->n", frames[:, :, 0], approaches)
+    aside = np.einsum("nk,nk->n", frames[:, :, 2], approaches)
+    return np.asarray(np.arctan2(aside, along))
+
+
+def dexnet_configurations(
+    centers: Floats, axes: Floats, approaches: Floats, opening: float
+) -> Floats:
+    """The ten numbers of Dex-Net's parallel-jaw grasps: (n, 10).
+
+    Centre, closing axis, widest opening, approach angle, width of the jaws (points: 0) and least
+    opening (0).
+    """
+    rest = np.zeros((len(centers), 4))
+    rest[:, 0] = opening
+    rest[:, 1] = dexnet_angles(axes, approaches)
+    return np.hstack([centers, axes, rest])

@@ -1,0 +1,86 @@
+"""A small dataset on disk: three objects scaled to a gripper, two of them with grasps."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+
+from egad.exchange.meshes import write_obj
+from egad.settings import Settings
+from egad.shapes.mass import mass_properties
+from egad.stage_settings import GraspLabels, RescaleMeshes, select
+from egad.stages import grasp_label, rescale
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS
+
+GRIPPER = "yumi"
+
+
+@pytest.fixture(scope="session")
+def settings():
+    return Settings.model_validate({"grasp_label": {"grasps": 20}, "robust": {"samples": 3}})
+
+
+def object_row(label, mesh, density):
+    """A row of OBJECTS with true mass properties and made-up measures."""
+    mass = mass_properties(mesh, density)
+    parts = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+    return {
+        **dict.fromkeys(OBJECTS.names, 0),
+        "id": f"id-{label}",
+        "label": label,
+        "watertight": True,
+        "repaired": False,
+        "complexity": 1.5,
+        "difficulty": 0.002,
+        "complexity_cell": 3,
+        "difficulty_cell": 14,
+        "diversity": 0.25,
+        "mass": mass.mass,
+        "volume": mass.volume,
+        "area": mass.area,
+        **{f"com_{part}": value for part, value in zip("xyz", mass.com, strict=True)},
+        **{f"inertia_{part}": mass.inertia[place] for part, place in parts.items()},
+    }
+
+
+@pytest.fixture(scope="session")
+def meshes():
+    """The objects before they are scaled; the last is too wide for any grasp."""
+    bar = trimesh.creation.box((0.03, 0.05, 0.08))
+    bar.apply_translation((0.01, 0.02, 0.03))
+    return {
+        "A00_0": bar,
+        "B01_0": trimesh.creation.icosphere(subdivisions=3, radius=0.018),
+        "C02_0": trimesh.creation.box((0.2, 0.2, 0.2)),
+    }
+
+
+@pytest.fixture(scope="session")
+def dataset(meshes, settings, tmp_path_factory):
+    """The folder of the dataset."""
+    folder = tmp_path_factory.mktemp("exchange") / "tiny"
+    for label, mesh in meshes.items():
+        write_obj(mesh, folder / "meshes" / f"{label}.obj")
+    density = settings.material.density
+    rows = pd.DataFrame([object_row(*each, density) for each in meshes.items()])
+    parquet.write(rows, OBJECTS, folder / "objects.parquet")
+    scaled, grasps = folder / "rescaled" / GRIPPER, folder / "grasps"
+    rule = select(settings, RescaleMeshes, GRIPPER)
+    rule = rule.model_copy(update={"rescale": rule.rescale.model_copy(update={"side_fraction": 1})})
+    rescale.run(rule, sorted((folder / "meshes").glob("*.obj")), "m", scaled)
+    wide = trimesh.creation.box((0.2, 0.2, 0.2))
+    write_obj(wide, scaled / "C02_0.obj")
+    wanted = select(settings, GraspLabels, GRIPPER)
+    tables = grasps / f"{GRIPPER}.parquet", grasps / f"{GRIPPER}.rejected.parquet"
+    grasp_label.run(wanted, folder / "objects.parquet", scaled, (0, 1), *tables)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def labelled(dataset):
+    """The table of its grasps."""
+    frame = pd.read_parquet(dataset / "grasps" / f"{GRIPPER}.parquet")
+    assert set(frame["label"]) == {"A00_0", "B01_0"}
+    assert np.all(frame["grasp"] >= 0)
+    return frame

@@ -1,0 +1,228 @@
+"""The database is read the way Dex-Net's own classes read it, by a reader of our own."""
+
+import itertools
+import time
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+from autolab_core import RigidTransform
+
+from egad.errors import UserError
+from egad.exchange.dexnet import add_dataset, add_grasps
+from egad.exchange.hdf5 import writing
+from egad.exchange.meshes import read_mesh
+from egad.stage_settings import DexNetDatabase, DexNetObjects, select
+from egad.stages import dexnet, dexnet_objects
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS
+
+GRIPPER = "yumi"
+
+
+def export(settings, dataset, folder, shards):
+    """Write the database of a dataset, cut into shards."""
+    parts = [folder / f"part-{shards}-{shard}.hdf5" for shard in range(shards)]
+    objects, scaled = dataset / "objects.parquet", dataset / "rescaled" / GRIPPER
+    for shard, part in enumerate(parts):
+        wanted = select(settings, DexNetObjects)
+        dexnet_objects.run(wanted, objects, scaled, (shard, shards), part)
+    return joined(settings, dataset, parts, folder / f"database-{shards}.hdf5")
+
+
+def joined(settings, dataset, parts, out):
+    wanted, grasps = (
+        select(settings, DexNetDatabase, GRIPPER),
+        dataset / "grasps" / f"{GRIPPER}.parquet",
+    )
+    dexnet.run(wanted, "tiny", GRIPPER, parts, grasps, out)
+    return out
+
+
+@pytest.fixture(scope="module")
+def database(dataset, tmp_path_factory, settings):
+    return export(settings, dataset, tmp_path_factory.mktemp("dexnet"), 1)
+
+
+@pytest.fixture
+def objects(database):
+    with h5py.File(database) as file:
+        yield file["datasets"]["tiny"]["objects"]
+
+
+def read_grasps(group):
+    """(id, configuration, metrics) of each grasp; of another type or incomplete raises."""
+    found = []
+    for number in range(group.attrs["num_grasps"]):
+        grasp = group[f"grasp_{number}"]
+        assert grasp.attrs["type"] == "ParallelJawPtGrasp3D"  # a str, not bytes
+        assert grasp.attrs["frame"] == "object"
+        assert grasp.attrs["id"] == number
+        configuration = grasp.attrs["configuration"]
+        assert (configuration.shape, configuration.dtype) == ((10,), np.float64)
+        assert np.linalg.norm(configuration[3:6]) == pytest.approx(1, abs=1e-5)
+        found.append((grasp.attrs["id"], configuration, dict(grasp["metrics"].attrs)))
+    return found
+
+
+def read_field(group):
+    """Values, origin and spacing, as a reader that looks for the surface wants them."""
+    data = np.array(group["data"])
+    assert data.ndim == 3
+    assert np.isscalar(group.attrs["resolution"])
+    assert (np.abs(data) < group.attrs["resolution"] * np.sqrt(2) / 2).any()
+    return data, group.attrs["origin"], group.attrs["resolution"]
+
+
+def test_all_objects_are_there(objects, dataset, settings):
+    assert list(objects) == ["A00_0", "B01_0", "C02_0"]
+    for key, group in objects.items():
+        mesh = read_mesh(dataset / "rescaled" / GRIPPER / f"{key}.obj", "m")
+        assert (group["mesh"]["vertices"][()] == mesh.vertices).all()
+        assert (group["mesh"]["triangles"][()] == mesh.faces).all()
+        assert group["mesh"]["vertices"].dtype == np.float64
+        assert group.attrs["mass"] == pytest.approx(mesh.volume * settings.material.density)
+        assert group.attrs["id"] == f"id-{key}"
+
+
+def test_measures_are_attributes_and_metadata(objects):
+    described = objects.parent["metadata"]
+    expected = {
+        "complexity": 1.5,
+        "difficulty": 0.002,
+        "diversity": 0.25,
+        "complexity_cell": 3.0,
+        "difficulty_cell": 14.0,
+    }
+    assert set(described) == set(expected)
+    for name, value in expected.items():
+        assert described[name].attrs["type"] == "float"
+        assert isinstance(described[name].attrs["description"], str)
+        for group in objects.values():
+            for place in (group, group["mesh"]["metadata"]):
+                assert place.attrs[name] == value
+                assert place.attrs[name].dtype == np.float64
+
+
+def test_grasps_are_those_of_the_table(objects, labelled):
+    for key in ("A00_0", "B01_0"):
+        rows = labelled[labelled["label"] == key].reset_index(drop=True)
+        found = read_grasps(objects[key]["grasps"][GRIPPER])
+        assert len(found) == len(rows) > 5
+        for (_, configuration, metrics), row in zip(found, rows.itertuples(), strict=True):
+            assert configuration[:3] == pytest.approx([row.center_x, row.center_y, row.center_z])
+            assert configuration[3:6] == pytest.approx([row.axis_x, row.axis_y, row.axis_z])
+            assert configuration[6] == 0.05
+            assert metrics["ferrari_canny"] == row.quality
+            assert metrics["robust_ferrari_canny"] == row.robust_quality
+            assert (metrics["held"], metrics["collision_free"]) == (row.held, row.collision_free)
+            assert {value.dtype for value in metrics.values()} == {np.dtype(np.float64)}
+
+
+def test_an_object_without_grasps_has_none(objects):
+    assert read_grasps(objects["C02_0"]["grasps"][GRIPPER]) == []
+
+
+def test_contacts_lie_on_the_surface_of_the_field(objects, labelled):
+    data, origin, resolution = read_field(objects["B01_0"]["sdf"])
+    rows = labelled[labelled["label"] == "B01_0"]
+    for name in ("contact0", "contact1"):
+        contacts = rows[[f"{name}_{part}" for part in "xyz"]].to_numpy()
+        nearest = np.round((contacts - origin) / resolution).astype(int)
+        assert np.abs(data[tuple(nearest.T)]).max() < resolution * np.sqrt(3) / 2
+    centers = rows[["center_x", "center_y", "center_z"]].to_numpy()
+    nearest = np.round((centers - origin) / resolution).astype(int)
+    assert data[tuple(nearest.T)].max() < 0
+
+
+def test_fields_are_compressed_floats(objects, settings):
+    for group in objects.values():
+        data = group["sdf"]["data"]
+        assert (data.dtype, data.compression) == (np.float32, "gzip")
+        assert data.shape == (settings.dexnet.field_size,) * 3
+        read_field(group["sdf"])
+
+
+def test_stable_poses_turn_the_object_onto_the_table(objects):
+    for group in objects.values():
+        poses = group["stable_poses"]
+        count = poses.attrs["num_stable_poses"]
+        chances = [poses[f"pose_{number}"].attrs["p"] for number in range(count)]
+        assert sum(chances) <= 1 + 1e-9
+        for number in range(count):
+            pose = poses[f"pose_{number}"]
+            rotation, point = pose.attrs["r"], pose.attrs["x0"]
+            table = RigidTransform(rotation, -rotation @ point, "obj", "table")
+            placed = table.rotation @ group["mesh"]["vertices"][()].T + table.translation[:, None]
+            assert placed[2].min() == pytest.approx(0, abs=1e-9)
+
+
+def test_metrics_say_how_they_are_computed(objects):
+    metrics = objects.parent["metrics"]
+    assert set(metrics) == {"ferrari_canny", "robust_ferrari_canny", "held", "collision_free"}
+    assert metrics["ferrari_canny"].attrs["torque_scaling"] == 100
+    robust = metrics["robust_ferrari_canny"]
+    assert (robust.attrs["torque_scaling"], robust.attrs["num_quality_samples"]) == (1000, 3)
+    assert robust["obj_uncertainty"].attrs["sigma_obj_com"] == 0.01
+    assert isinstance(robust.attrs["quality_method"], str)
+    assert isinstance(objects.file.attrs["time_created"], str)
+
+
+def test_neither_shards_nor_time_leave_a_trace(dataset, database, tmp_path, settings):
+    time.sleep(1.1)
+    assert export(settings, dataset, tmp_path, 3).read_bytes() == database.read_bytes()
+
+
+def test_a_damaged_part_is_named(dataset, tmp_path, settings):
+    export(settings, dataset, tmp_path, 2)
+    parts = [tmp_path / f"part-2-{shard}.hdf5" for shard in range(2)]
+    for part, cut in itertools.product(parts, (0, 1, 2000)):
+        whole = part.read_bytes()
+        part.write_bytes(whole[: len(whole) - cut] if cut else b"")
+        with pytest.raises(UserError, match=f"{part.name}: cut short or damaged"):
+            joined(settings, dataset, parts, tmp_path / "out.hdf5")
+        part.write_bytes(whole)
+    assert not (tmp_path / "out.hdf5").exists()
+
+
+def test_grasps_of_an_object_that_is_not_there_are_refused(dataset, tmp_path, settings):
+    export(settings, dataset, tmp_path, 2)
+    parts = [tmp_path / f"part-2-{shard}.hdf5" for shard in range(2)]
+    fuller = max(parts, key=lambda part: part.stat().st_size)
+    with pytest.raises(UserError, match="is none of those that were written"):
+        joined(settings, dataset, [part for part in parts if part != fuller], tmp_path / "out.hdf5")
+
+
+def test_an_object_with_an_illegal_name_is_refused(dataset, tmp_path, settings):
+    rows = pd.read_parquet(dataset / "objects.parquet").assign(label="a/b")
+    parquet.write(rows, OBJECTS, tmp_path / "objects.parquet")
+    with pytest.raises(UserError, match="'a/b' cannot be exported"):
+        dexnet_objects.run(
+            select(settings, DexNetObjects),
+            tmp_path / "objects.parquet",
+            dataset,
+            (0, 1),
+            tmp_path / "a",
+        )
+
+
+def test_a_grasp_takes_less_than_a_kilobyte(tmp_path):
+    rng = np.random.default_rng(0)
+    metrics = {name: rng.random(500) for name in dexnet.METRICS}
+    with writing(tmp_path / "a.hdf5") as file:
+        place = add_dataset(file, "d", {}, {}).create_group("a")
+        add_grasps(place, "egad_75mm", rng.random((500, 10)), metrics)
+    assert (tmp_path / "a.hdf5").stat().st_size / 500 < 950
+
+
+def test_an_unreadable_mesh_is_left_out(dataset, tmp_path, caplog, settings):
+    trimesh.creation.box((0.04, 0.04, 0.04)).export(tmp_path / "A00_0.obj")
+    (tmp_path / "B01_0.obj").write_text("v 0 0")
+    wanted = select(settings, DexNetObjects)
+    out = tmp_path / "part.hdf5"
+    dexnet_objects.run(wanted, dataset / "objects.parquet", tmp_path, (0, 1), out)
+    with h5py.File(out) as file:
+        assert list(file["objects"]) == ["A00_0"]
+    assert "C02_0 is left out: no such file" in caplog.text

@@ -1,0 +1,89 @@
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+from autolab_core import RigidTransform
+
+import egad
+from egad.errors import UserError
+from egad.exchange.grasps import by_object, vectors
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS
+from egad.tables.parquet import TableError
+
+
+def test_grasps_load_from_a_folder_and_from_a_file(dataset, labelled):
+    for place in (
+        (dataset, "yumi"),
+        (dataset / "grasps" / "yumi.parquet",),
+        (str(dataset), "yumi"),
+    ):
+        frame, poses = egad.load_grasps(*place)
+        pd.testing.assert_frame_equal(frame, labelled)
+        assert poses.shape == (len(frame), 4, 4)
+
+
+def test_contacts_lie_on_the_x_axis_of_the_hand(dataset):
+    frame, poses = egad.load_grasps(dataset, "yumi")
+    sides = frame["width"].to_numpy() / 2
+    for side, name in ((-sides, "contact0"), (sides, "contact1")):
+        local = np.column_stack([side, 0 * side, 0 * side, 0 * side + 1])
+        placed = np.einsum("nij,nj->ni", poses, local)[:, :3]
+        assert placed == pytest.approx(vectors(frame, name), abs=1e-9)
+    for pose in poses:
+        RigidTransform(pose[:3, :3], pose[:3, 3])  # raises for anything but a rotation
+
+
+def test_a_gripper_that_is_not_there_is_named(dataset, tmp_path):
+    with pytest.raises(UserError, match="no grasps of gripper 'pinda'; there are yumi"):
+        egad.load_grasps(dataset, "pinda")
+    with pytest.raises(UserError, match="name a gripper; there are yumi"):
+        egad.load_grasps(dataset)
+    with pytest.raises(UserError, match="neither a table of grasps nor a dataset"):
+        egad.load_grasps(tmp_path, "yumi")
+
+
+def test_a_table_cut_short_is_a_sentence(dataset, tmp_path):
+    whole = (dataset / "grasps" / "yumi.parquet").read_bytes()
+    (tmp_path / "cut.parquet").write_bytes(whole[:-100])
+    with pytest.raises(TableError, match="not a readable Parquet file"):
+        egad.load_grasps(tmp_path / "cut.parquet")
+
+
+def test_importing_egad_is_light():
+    code = "import sys, egad; print([n for n in ('numpy', 'pandas', 'h5py') if n in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "[]"
+    with pytest.raises(AttributeError, match="load_grips"):
+        egad.load_grips  # noqa: B018
+
+
+def table(labels, tmp_path):
+    frame = pd.DataFrame({name: [None] * len(labels) for name in GRASPS.names})
+    frame["label"], frame["grasp"] = labels, range(len(labels))
+    parquet.write(frame, GRASPS, tmp_path / "t.parquet")
+    return tmp_path / "t.parquet"
+
+
+def test_objects_come_one_after_the_other_across_batches(tmp_path, monkeypatch):
+    labels = [f"{number:03d}" for number in np.repeat(range(40), 7)]
+    path = table(labels, tmp_path)
+    monkeypatch.setattr(parquet, "BATCH", 10)
+    found = list(by_object(path, ["grasp"]))
+    assert [label for label, _ in found] == sorted(set(labels))
+    assert [rows["grasp"].tolist() for _, rows in found] == [
+        list(range(7 * number, 7 * number + 7)) for number in range(40)
+    ]
+
+
+def test_no_grasps_are_no_objects(tmp_path):
+    assert list(by_object(table([], tmp_path), ["grasp"])) == []
+
+
+def test_rows_in_disorder_are_refused(tmp_path):
+    with pytest.raises(UserError, match="sorted by label, but b is before a"):
+        list(by_object(table(["b", "a", "b"], tmp_path), ["grasp"]))
+    with pytest.raises(TableError, match="columns are missing: weight"):
+        list(by_object(table(["a"], tmp_path), ["weight"]))

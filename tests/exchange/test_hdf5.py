@@ -1,0 +1,116 @@
+import resource
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+
+from egad.errors import UserError
+from egad.exchange.folders import objects_in
+from egad.exchange.hdf5 import add_array, add_group, check_key, copy_group, reading, writing
+
+
+def test_arrays_come_back_as_they_were(tmp_path):
+    arrays = {"a": np.arange(12.0).reshape(3, 4), "b": np.empty((0, 3)), "c": np.array([True])}
+    with writing(tmp_path / "a.h5") as file:
+        for name, values in arrays.items():
+            add_array(file, name, values)
+    with reading(tmp_path / "a.h5") as file:
+        for name, values in arrays.items():
+            assert (file[name][()] == values).all()
+            assert file[name].dtype == values.dtype
+
+
+def test_a_copied_group_is_the_same(tmp_path):
+    with writing(tmp_path / "a.h5") as file, writing(tmp_path / "b.h5") as other:
+        source = add_group(file, "x/y")
+        source.attrs.update({"text": "Größe", "number": 1.5, "row": np.arange(3)})
+        add_array(source, "data", np.arange(24.0).reshape(2, 3, 4))
+        add_array(source, "none", np.empty((0, 3)))
+        copy_group(file, other)
+        copied = other["x/y"]
+        assert (copied["data"][()] == source["data"][()]).all()
+        assert (copied["data"].compression, copied["data"].shuffle) == ("gzip", True)
+        assert copied["none"].shape == (0, 3)
+        assert (copied.attrs["text"], copied.attrs["number"]) == ("Größe", 1.5)
+        assert copied.attrs["row"].tolist() == [0, 1, 2]
+
+
+def test_a_file_cut_short_or_damaged_is_one_sentence(tmp_path):
+    path = tmp_path / "part.h5"
+    with writing(path) as file:
+        add_array(file.create_group("objects"), "data", np.random.default_rng(0).random(10_000))
+    whole = path.read_bytes()
+    middle = len(whole) // 2
+    damaged = whole[:middle] + bytes(100) + whole[middle + 100 :]
+    for content in (whole[:-1], whole[:middle], b"", b"PAR1", damaged):
+        path.write_bytes(content)
+        sentence = pytest.raises(UserError, match=r"part\.h5: cut short or damaged .* make")
+        with sentence, reading(path) as file:
+            file["objects/data"][()]
+    with pytest.raises(UserError, match="there is no such file"), reading(tmp_path / "other.h5"):
+        pass
+
+
+FILL = """
+import sys, resource, numpy as np
+from pathlib import Path
+from egad.errors import UserError
+from egad.exchange.dexnet import add_dataset, add_grasps
+from egad.exchange.hdf5 import writing
+resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, resource.RLIM_INFINITY))
+try:
+    with writing(Path(sys.argv[1])) as file:
+        objects = add_dataset(file, "d", {}, {})
+        for number in range(int(sys.argv[2])):
+            place = objects.create_group(str(number))
+            add_grasps(place, "g", np.random.rand(50, 10), {"q": np.random.rand(50)})
+except UserError as error:
+    sys.exit(f"egad: {error}")
+"""
+
+
+@pytest.mark.skipif(not hasattr(resource, "RLIMIT_FSIZE"), reason="needs a limit of file sizes")
+@pytest.mark.parametrize("objects", [4, 40, 400])
+def test_a_disk_that_fills_up_is_one_sentence_and_leaves_no_half_file(tmp_path, objects):
+    path = tmp_path / "out.hdf5"
+    path.write_text("from before")
+    done = subprocess.run(
+        [sys.executable, "-c", FILL, path, str(objects)],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 1, done.stderr
+    assert done.stderr.strip() == f"egad: {path} cannot be written: File too large"
+    assert path.read_text() == "from before"
+
+
+def test_other_errors_go_through_and_leave_no_file(tmp_path):
+    with pytest.raises(ZeroDivisionError), writing(tmp_path / "a.h5"):
+        raise ZeroDivisionError
+    assert not (tmp_path / "a.h5").exists()
+
+
+@pytest.mark.parametrize("name", ["a/b", "größe", "", ".", "..", "-x", "a b", "a\n", "a\0"])
+def test_names_that_are_not_legal_everywhere_are_refused(name):
+    with pytest.raises(UserError, match="cannot be exported under this name"):
+        check_key(name)
+
+
+def test_names_of_the_objects_of_any_folder_are_legal(tmp_path):
+    for name in ("größe/äther", "a b/c", "-x/.y", "日本/語"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / f"{name} 1.obj").touch()
+    names = objects_in(tmp_path, "*/*")
+    assert len(names) == 3  # hidden files are none
+    assert [check_key(name) for name in names] == list(names)
+
+
+def test_the_file_opens_in_every_library_since_2008(tmp_path):
+    with writing(tmp_path / "a.h5") as file:
+        file.create_group("a")
+    assert (tmp_path / "a.h5").read_bytes()[8] == 2  # version of the superblock
+    with h5py.File(tmp_path / "a.h5", libver=("earliest", "v108")) as file:
+        assert "a" in file
