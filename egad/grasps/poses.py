@@ -7,6 +7,8 @@ from the frame of the hand to that of the object.
 import numpy as np
 from numpy.typing import NDArray
 
+from egad.grasps.sampler import approach_directions
+
 Floats = NDArray[np.float64]
 # From the origin of ACRONYM's hand, the flange of a Franka Panda, to its fingertips, metres.
 PANDA_REACH = 0.11217
@@ -51,9 +53,7 @@ def dexnet_frames(axes: Floats) -> Floats:
     Its y is the closing axis, its x the approach: horizontal, and along the object's x where the
     closing axis is vertical.
     """
-    forward = np.column_stack([axes[:, 1], -axes[:, 0], np.zeros(len(axes))])
-    length = np.linalg.norm(forward, axis=1, keepdims=True)
-    forward = np.where(length > 0, forward / np.where(length > 0, length, 1), [1.0, 0.0, 0.0])
+    forward = approach_directions(axes)
     return np.stack([forward, axes, np.cross(forward, axes)], axis=2)
 
 
