@@ -31,6 +31,7 @@ from egad.settings import (
     Settings,
     Shape,
     Similarity,
+    SizeEffect,
     Space,
     Symmetry,
     Trials,
@@ -123,6 +124,16 @@ class GraspLabels(StageSettings):
     sampling: Sampling
     quality: Quality
     robust: Robust
+
+
+class SizeCurves(StageSettings):
+    """Grasp quality over the size of objects."""
+
+    seed: int
+    gripper: Gripper
+    size_effect: SizeEffect
+    sampling: Sampling
+    quality: Quality
 
 
 class EvalSelection(StageSettings):

@@ -1,6 +1,8 @@
 """What all commands share: the application, options, and how settings are read."""
 
+import difflib
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
@@ -27,6 +29,11 @@ Config = Annotated[Path | None, typer.Option(help="configuration file; else the 
 Meshes = Annotated[list[Path], typer.Argument(help="mesh files or folders of them")]
 Units = Annotated[Literal["m", "cm", "mm", "inch"], typer.Option(help="unit of the meshes")]
 Jobs = Annotated[int, typer.Option(min=1, help="processes")]
+GripperName = Annotated[
+    str | None,
+    typer.Option("--gripper", help="name of the gripper; else the first target"),
+]
+MOST_NAMES = 12
 M = TypeVar("M", bound=BaseModel)
 
 
@@ -70,6 +77,21 @@ def files_in(paths: list[Path]) -> list[Path]:
                 typer.echo(f"{file} is named twice and taken once", err=True)
             files.setdefault(file.resolve(), file)
     return list(files.values())
+
+
+def known(what: str, name: str, names: Iterable[str], where: str = "") -> str:
+    """The name, if there is such a thing.
+
+    Raises:
+        UserError: There is none; the text has those that are spelled most alike, or a few.
+    """
+    allowed = sorted(names)
+    if name in allowed:
+        return name
+    near = difflib.get_close_matches(name, allowed, n=5, cutoff=0.5)
+    few = ", ".join(allowed[:MOST_NAMES]) + (", ..." if len(allowed) > MOST_NAMES else "")
+    hint = f"did you mean {' or '.join(near)}?" if near else f"known: {few or 'none'}"
+    raise UserError(f"{what} {name!r} is not known{where}; {hint}")
 
 
 def changed(settings: Settings, section: str, **values: object) -> Settings:

@@ -20,6 +20,7 @@ class DatasetReport:
         evalset_pictures: Larger PNGs, by the label in the evaluation set; optional.
         grasps: Columns of `tables.grasping.GRASPS`, by gripper.
         scales: Columns of `tables.grasping.SCALES`, by gripper.
+        size_effects: Columns of `tables.grasping.SIZE_EFFECT`, by gripper.
         manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
         trials: Columns of `tables.evaluation.TRIALS`, by gripper and policy.
         history: Columns of `tables.evolution.HISTORY`; only of a dataset evolved here.
@@ -32,6 +33,7 @@ class DatasetReport:
     evalset_pictures: Mapping[str, bytes] = field(default_factory=dict)
     grasps: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     scales: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    size_effects: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     manifests: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     trials: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
     history: pd.DataFrame | None = None

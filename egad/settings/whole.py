@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from egad.settings.base import Name, Section
 from egad.settings.datasets import Dataset, Targets
 from egad.settings.evolution import Evolution, Neat, Schedule
-from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling
+from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling, SizeEffect
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
 from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
@@ -47,6 +47,7 @@ class Settings(Section):
     material: Material = Material()
     postprocess: Postprocess = Postprocess()
     grasp_label: GraspLabel = GraspLabel()
+    size_effect: SizeEffect = SizeEffect()
     rescale: Rescale = Rescale()
     select_eval: SelectEval = SelectEval()
     print_export: PrintExport = PrintExport()

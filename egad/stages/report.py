@@ -17,7 +17,7 @@ from egad.settings import Settings
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY
-from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
 
 PACKAGES = [
@@ -77,6 +77,7 @@ def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
         evalset_pictures=dict(zip(evalset["label"], portraits.values(), strict=True)),
         grasps=_each(grippers, folder / "grasps", "{}.parquet", GRASPS),
         scales=_each(grippers, folder / "rescaled", "{}/scales.parquet", SCALES),
+        size_effects=_each(grippers, folder / "size_effect", "{}.parquet", SIZE_EFFECT),
         manifests=_each(grippers, folder / "print", "{}/manifest.parquet", MANIFEST),
         trials={
             (gripper, policy): parquet.read(

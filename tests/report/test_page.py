@@ -13,7 +13,7 @@ from egad.report.render import png_bytes, render
 from egad.settings import Settings
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
-from egad.tables.grasping import GRASPS
+from egad.tables.grasping import GRASPS, SIZE_EFFECT
 from egad.tables.objects import OBJECTS, REJECTED
 
 VOID = {"meta", "img", "br", "stop", "rect", "image", "link", "input", "hr"}
@@ -194,6 +194,7 @@ def test_tables_without_rows_count_as_absent(report, evalset):
         evalset=evalset.head(0),
         grasps={"yumi": parquet.empty(GRASPS)},
         scales={},
+        size_effects={"yumi": parquet.empty(SIZE_EFFECT)},
         manifests={},
         trials={("yumi", "antipodal-depth"): parquet.empty(TRIALS)},
     )
