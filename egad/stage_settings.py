@@ -126,6 +126,12 @@ class GraspLabels(StageSettings):
     robust: Robust
 
 
+class ViewMesh(GraspLabels):
+    """Labelled grasps of any mesh, scaled first."""
+
+    rescale: Rescale
+
+
 class SizeCurves(StageSettings):
     """Grasp quality over the size of objects."""
 

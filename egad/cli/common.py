@@ -1,8 +1,6 @@
 """What all commands share: the application, options, and how settings are read."""
 
-import difflib
 import os
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
@@ -33,7 +31,6 @@ GripperName = Annotated[
     str | None,
     typer.Option("--gripper", help="name of the gripper; else the first target"),
 ]
-MOST_NAMES = 12
 M = TypeVar("M", bound=BaseModel)
 
 
@@ -77,21 +74,6 @@ def files_in(paths: list[Path]) -> list[Path]:
                 typer.echo(f"{file} is named twice and taken once", err=True)
             files.setdefault(file.resolve(), file)
     return list(files.values())
-
-
-def known(what: str, name: str, names: Iterable[str], where: str = "") -> str:
-    """The name, if there is such a thing.
-
-    Raises:
-        UserError: There is none; the text has those that are spelled most alike, or a few.
-    """
-    allowed = sorted(names)
-    if name in allowed:
-        return name
-    near = difflib.get_close_matches(name, allowed, n=5, cutoff=0.5)
-    few = ", ".join(allowed[:MOST_NAMES]) + (", ..." if len(allowed) > MOST_NAMES else "")
-    hint = f"did you mean {' or '.join(near)}?" if near else f"known: {few or 'none'}"
-    raise UserError(f"{what} {name!r} is not known{where}; {hint}")
 
 
 def changed(settings: Settings, section: str, **values: object) -> Settings:

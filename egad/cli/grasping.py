@@ -16,10 +16,11 @@ from egad.cli.common import (
     app,
     changed,
     files_in,
-    known,
     settings_in,
 )
 from egad.cli.measuring import complain
+from egad.errors import UserError
+from egad.names import known
 
 Charts = Annotated[
     list[Path],
@@ -61,3 +62,36 @@ def size_effect(
         else:
             write_frame(table, SIZE_EFFECT, path)
     size_curves(table)
+
+
+@app.command(rich_help_panel=TOOL)
+def view(
+    item: Annotated[str, typer.Argument(metavar="OBJECT", help="label of an object, or mesh file")],
+    gripper: GripperName = None,
+    dataset: Annotated[
+        Path, typer.Option("--in", help="folder of the dataset that has the label")
+    ] = Path("results/egad"),
+    units: Annotated[str | None, typer.Option(help="unit of a mesh file: m, cm, mm, inch")] = None,
+    out: Annotated[Path, typer.Option(help="page to write")] = Path("view.html"),
+    grasps: Annotated[int | None, typer.Option(min=1, help="grasps of a mesh file")] = None,
+    config: Config = None,
+) -> None:
+    """Show an object in 3D with its labelled grasps: one HTML page that opens offline."""
+    from egad.exchange.folders import ENDINGS
+    from egad.exchange.frames import check_ending
+    from egad.files import write_text
+    from egad.report.viewer import page
+    from egad.stage_settings import ViewMesh, select
+    from egad.stages import view as stage
+
+    check_ending(out, (".html",))
+    whole = changed(settings_in(config), "grasp_label", grasps=grasps)
+    name = known("gripper", gripper or whole.targets.grippers[0], whole.grippers)
+    if Path(item).suffix.lower() not in ENDINGS and not Path(item).is_file():
+        shown = stage.from_dataset(dataset, name, item)
+    elif units is None:
+        raise UserError(f"{item} is a mesh file: say with --units what it is in: m, cm, mm or inch")
+    else:
+        shown = stage.from_mesh(Path(item), units, select(whole, ViewMesh, name))
+    write_text(out, page(shown, name, whole.grippers[name]))
+    typer.echo(f"{shown.name}: {shown.note or f'{len(shown.grasps)} grasps'}; see {out}")

@@ -1,10 +1,11 @@
 """What a report is made of: tables, pictures and names, all in memory."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import pandas as pd
 
+from egad.report.viewer import Scene
 from egad.settings import Settings
 
 
@@ -23,6 +24,7 @@ class DatasetReport:
         size_effects: Columns of `tables.grasping.SIZE_EFFECT`, by gripper.
         manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
         trials: Columns of `tables.evaluation.TRIALS`, by gripper and policy.
+        scenes: Objects of the evaluation set with grasps of the first gripper.
         history: Columns of `tables.evolution.HISTORY`; only of a dataset evolved here.
     """
 
@@ -36,6 +38,7 @@ class DatasetReport:
     size_effects: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     manifests: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     trials: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
+    scenes: Sequence[Scene] = ()
     history: pd.DataFrame | None = None
 
 

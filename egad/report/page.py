@@ -14,6 +14,7 @@ from egad.report.environment import environment
 from egad.report.filling import filling_curves, filling_film
 from egad.report.parameters import entry_tables, parameter_tables
 from egad.report.size_chart import size_chart
+from egad.report.viewer import viewer_data
 from egad.settings import Settings
 from egad.trials.statistics import Rate, trial_grid
 
@@ -45,6 +46,7 @@ class DatasetView:
     grasps: list[summary.Row]
     grasp_figure: str
     size_figures: dict[str, str]
+    viewer: dict[str, Any] | None
     scales: list[summary.Row]
     trials: list[TrialView]
     outcome_figure: str
@@ -105,6 +107,9 @@ def _view(name: str, data: DatasetReport, settings: Settings) -> DatasetView:
             for gripper, table in data.size_effects.items()
             if len(table)
         },
+        viewer=viewer_data(data.scenes, settings.grippers[settings.targets.grippers[0]])
+        if data.scenes
+        else None,
         scales=[summary.scale_numbers(gripper, data) for gripper in grippers],
         trials=[_trial_view(key, table, data, settings) for key, table in trials.items()],
         outcome_figure=_figure(figures.outcome_bars(bars)) if bars else "",
