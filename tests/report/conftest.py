@@ -8,6 +8,7 @@ import trimesh
 from egad.measures.space import complexity_cells, difficulty_cells, labels
 from egad.report.data import DatasetReport, ReportData
 from egad.report.render import png_bytes, render
+from egad.report.viewer import Scene
 from egad.settings import Dataset, Settings
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
@@ -159,6 +160,10 @@ def report(
         grasps={"egad_75mm": grasps, "yumi": grasps.head(100)},
         scales={"egad_75mm": filled(scales, SCALES)},
         size_effects={"egad_75mm": size_effect},
+        scenes=[
+            Scene(name, label, trimesh.creation.box([0.03, 0.04, 0.05]), grasps.head(10))
+            for name, label in zip(evalset["label"], evalset["object_label"], strict=True)
+        ],
         manifests={"egad_75mm": filled(manifest, MANIFEST)},
         trials={("egad_75mm", "antipodal-depth"): trials},
         history=history,
