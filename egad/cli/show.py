@@ -47,7 +47,7 @@ def size_curves(table: pd.DataFrame) -> None:
     numbers = summarised(table)
     percents = [f"{percent:g}" for percent in numbers["percentile"].unique()]
     show(
-        ["name", "side/opening", "possible %", *(f"quality/1000: {each} %" for each in percents)],
+        ["name", "side/opening", "possible %", *(f"quality/1000 p{each}" for each in percents)],
         [
             (
                 str(name),

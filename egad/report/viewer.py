@@ -1,7 +1,7 @@
 """A view of objects in 3D with their labelled grasps: the data, packed, and a page of its own.
 
 Everything about an object travels as one block of bytes, compressed and as base64: coordinates as
-16-bit steps of its box, vertices and faces as differences from the one before, so that they
+whole steps of its box, vertices and faces as differences from the one before, so that they
 compress. `viewer.js` unpacks it.
 """
 
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from egad.report.environment import environment
 from egad.settings import Gripper
 
-STEPS = 2**16 - 1
+STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm
 UNIT = 2**15 - 1
 METRICS = {"quality": "quality", "robust_quality": "robust quality"}
 TOP = 0.98  # quantile of the quality that has the last colour
@@ -68,10 +68,10 @@ def pack(scene: Scene) -> dict[str, Any]:
 
     Returns:
         `name`, `title`, `note`; `counts` of vertices, faces and grasps; `origin` and `step`, by
-        which 16-bit coordinates become metres; and `data`: the following little-endian arrays,
-        one after the other, compressed by zlib, as base64. Faces (32 bit, differences), each
-        metric (32-bit float), vertices (16 bit, differences), contacts (16 bit), approaches
-        (signed 16 bit, in 1 / 32767) and whether the grasp is free of collision (8 bit).
+        which coordinates become metres; and `data`: the following little-endian arrays, one after
+        the other, compressed by zlib, as base64. Faces and vertices (see `_folded`), each metric
+        (32-bit float), contacts (16 bit), approaches (signed 16 bit, in 1 / 32767) and whether
+        the grasp is free of collision (8 bit).
     """
     vertices, faces = np.asarray(scene.mesh.vertices), np.asarray(scene.mesh.faces)
     origin = vertices.min(axis=0)
@@ -79,9 +79,9 @@ def pack(scene: Scene) -> dict[str, Any]:
     contacts = scene.grasps[_columns("contact0", "contact1")].to_numpy().reshape(-1, 3)
     approach = scene.grasps[_columns("approach")].to_numpy()
     blocks = [
-        _differences(faces.astype("<u4")),
+        _folded(faces),
+        _folded(_steps(vertices, origin, step)),
         *(scene.grasps[key].to_numpy().astype("<f4") for key in METRICS),
-        _differences(_steps(vertices, origin, step)),
         _steps(contacts, origin, step),
         np.round(approach * UNIT).astype("<i2"),
         scene.grasps["collision_free"].to_numpy().astype("u1"),
@@ -122,11 +122,15 @@ def _steps(
     return np.clip(np.round((points - origin) / step), 0, STEPS).astype("<u2")
 
 
-def _differences(rows: NDArray[np.unsignedinteger]) -> NDArray[np.unsignedinteger]:
-    """Each row less the one before, modulo the size of the type."""
-    before = np.zeros_like(rows)
-    before[1:] = rows[:-1]
-    return rows - before
+def _folded(rows: NDArray[np.integer]) -> NDArray[np.uint8]:
+    """Each row less the one before, the sign as lowest bit, as 32 bit: byte by byte, lowest first.
+
+    Small numbers of either sign so leave long runs of zeros.
+    """
+    steps = rows.astype(np.int64)
+    steps[1:] -= rows[:-1]
+    folded = ((steps << 1) ^ (steps >> 63)).astype("<u4")
+    return np.ascontiguousarray(folded.reshape(-1, 1).view(np.uint8).T)
 
 
 def _top(scenes: Sequence[Scene], key: str) -> float:

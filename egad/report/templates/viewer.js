@@ -5,7 +5,7 @@
 
 const RAMPS = {
   "red to green": [[0.78, 0.11, 0.13], [0.96, 0.73, 0.20], [0.05, 0.56, 0.25]],
-  "blue to yellow": [[0.0, 0.14, 0.42], [0.47, 0.46, 0.47], [1.0, 0.90, 0.20]],
+  "blue to yellow (colour-blind safe)": [[0.0, 0.14, 0.42], [0.47, 0.46, 0.47], [1.0, 0.90, 0.20]],
 };
 const MESH = [0.78, 0.80, 0.83];
 const STEM = 0.15, THICK = 0.006; // of the longest side of the object
@@ -46,19 +46,27 @@ async function unpacked(item, finger) {
   }
   const object = {
     name: item.name, title: item.title, note: item.note, grasps, finger,
-    faces: summed(take(Uint32Array, 3 * faces)),
+    faces: unfolded(take(Uint8Array, 12 * faces)),
+    steps: unfolded(take(Uint8Array, 12 * vertices)),
     metrics: [take(Float32Array, grasps), take(Float32Array, grasps)],
   };
   const metres = (steps) => Float32Array.from(steps, (step, i) => item.origin[i % 3] + item.step * step);
-  object.vertices = metres(summed(take(Uint16Array, 3 * vertices)));
+  object.vertices = metres(object.steps);
   object.contacts = metres(take(Uint16Array, 6 * grasps));
   object.approaches = Float32Array.from(take(Int16Array, 3 * grasps), (value) => value / 32767);
   object.free = take(Uint8Array, grasps);
   return measured(object);
 }
 
-function summed(rows) {
-  for (let i = 3; i < rows.length; i++) rows[i] += rows[i - 3]; // modulo the type, as packed
+// Rows of three whole numbers from their differences: first the lowest bytes of all, and so on.
+function unfolded(bytes) {
+  const count = bytes.length / 4;
+  const rows = new Int32Array(count);
+  for (let i = 0; i < count; i++) {
+    let folded = 0;
+    for (let k = 3; k >= 0; k--) folded = (folded << 8) | bytes[k * count + i];
+    rows[i] = ((folded >>> 1) ^ -(folded & 1)) + (i < 3 ? 0 : rows[i - 3]);
+  }
   return rows;
 }
 
@@ -70,7 +78,7 @@ function measured(object) {
   });
   object.centre = low.map((value, i) => (value + high[i]) / 2);
   object.longest = Math.max(...high.map((value, i) => value - low[i]));
-  object.size = Math.hypot(...high.map((value, i) => value - low[i])) / 2 + 0.4 * object.finger;
+  object.size = Math.hypot(...high.map((value, i) => value - low[i])) * 0.45 + 0.4 * object.finger;
   object.sides = high.map((value, i) => 1000 * (value - low[i]));
   return object;
 }
