@@ -98,6 +98,7 @@ TEST: Values = {
     "robust": {"samples": 5},
     "postprocess": {"grasps": 20},
     "grasp_label": {"grasps": 10},
+    "size_effect": {"fractions": [0.5, 0.8, 1.2], "grasps": 10, "repeats": 2},
     "select_eval": {"rows": 3, "columns": 3},
     "trials": {"attempts": 2, "image_size": 96},
 }

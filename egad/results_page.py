@@ -12,7 +12,7 @@ import pyarrow as pa
 from egad.files import write_text
 from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, HISTORY
-from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
 
 PAGE = Path("results/README.md")
@@ -55,6 +55,12 @@ ARTEFACTS = [
         "meshes is `D`. See `docs/exchange.md`.",
     ),
     Artefact("D/eval49.parquet", "The evaluation set.", EVAL49),
+    Artefact(
+        "D/size_effect/G.parquet",
+        "Grasp quality over size for gripper G, of the easiest, the middle and the hardest object "
+        "of the evaluation set.",
+        SIZE_EFFECT,
+    ),
     Artefact("D/print/G/LABEL.stl", "The evaluation set for gripper G, in millimetres."),
     Artefact("D/print/G/plate-N.3mf", "Print plates with one named object each, in millimetres."),
     Artefact("D/print/G/manifest.parquet", "What is on which plate.", MANIFEST),

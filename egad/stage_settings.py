@@ -33,6 +33,7 @@ from egad.settings import (
     Settings,
     Shape,
     Similarity,
+    SizeEffect,
     Space,
     Symmetry,
     Trials,
@@ -125,6 +126,22 @@ class GraspLabels(StageSettings):
     sampling: Sampling
     quality: Quality
     robust: Robust
+
+
+class ViewMesh(GraspLabels):
+    """Labelled grasps of any mesh, scaled first."""
+
+    rescale: Rescale
+
+
+class SizeCurves(StageSettings):
+    """Grasp quality over the size of objects."""
+
+    seed: int
+    gripper: Gripper
+    size_effect: SizeEffect
+    sampling: Sampling
+    quality: Quality
 
 
 class EvalSelection(StageSettings):

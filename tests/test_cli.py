@@ -11,7 +11,7 @@ from egad.cli.common import parse
 from egad.settings import Settings
 from egad.stage_settings import Merge, select
 from egad.tables import parquet
-from egad.tables.grasping import SCALES
+from egad.tables.grasping import SCALES, SIZE_EFFECT
 from egad.tables.objects import MEASURED, OBJECTS, REJECTED
 
 
@@ -262,3 +262,52 @@ def test_export_says_what_is_allowed(tmp_path):
     assert refused.returncode != 0
     assert "dexnet" in refused.stderr
     assert "Traceback" not in unknown.stderr + refused.stderr
+
+
+def test_size_effect_rates_the_good_and_names_the_bad(tmp_path):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    (tmp_path / "list.obj").write_text("milk, eggs")
+    config = tmp_path / "quick.yaml"
+    config.write_text("size_effect: {fractions: [0.5, 1.2], repeats: 2}")
+    out = [tmp_path / name for name in ("curve.svg", "curve.csv", "curve.parquet")]
+    files = [word for path in out for word in ("--out", path)]
+    options = ["--units", "mm", "--gripper", "yumi", "--config", config, "--grasps", 10]
+    result = egad("size-effect", tmp_path / "cube.obj", tmp_path / "list.obj", *options, *files)
+    assert result.returncode == 0, result.stderr
+    assert "list: no faces" in result.stderr
+    table = parquet.read(out[2], SIZE_EFFECT)
+    assert pd.read_csv(out[1])["quality"].notna().tolist() == [True] * 6 + [False] * 6
+    assert set(table["name"]) == {"cube"}
+    assert "</svg>" in out[0].read_text()
+    assert "cube" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["size-effect", "a.obj", "--units", "mm", "--gripper", "yumy"], "did you mean yumi?"),
+        (["size-effect", "a.obj", "--units", "mm", "--out", "a.pdf"], ".svg or .parquet or .csv"),
+        (["size-effect", "a.obj", "--units", "mm"], "none of the 1 meshes could be used"),
+        (["view", "A0", "--in", "nowhere"], "there is no dataset"),
+        (["view", "A0", "--gripper", "pandaa"], "did you mean panda?"),
+        (["view", "a.obj"], "say with --units"),
+        (["view", "a.obj", "--units", "mm"], "a.obj: no such file"),
+        (["view", "a.obj", "--units", "foot"], "allowed: m, cm, mm, inch"),
+        (["view", "A0", "--out", "a.png"], "must end in .html"),
+    ],
+)
+def test_tools_about_grasps_say_what_is_wrong(tmp_path, monkeypatch, arguments, sentence):
+    monkeypatch.chdir(tmp_path)
+    result = egad(*arguments)
+    assert result.returncode == 1
+    assert sentence in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_view_writes_a_page_of_a_mesh(tmp_path):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    out = tmp_path / "cube.html"
+    result = egad("view", tmp_path / "cube.obj", "--units", "m", "--grasps", 3, "--out", out)
+    assert result.returncode == 0, result.stderr
+    assert "cube: 3 grasps" in result.stdout
+    assert "<title>Grasps of cube</title>" in out.read_text()

@@ -27,6 +27,10 @@ Config = Annotated[Path | None, typer.Option(help="configuration file; else the 
 Meshes = Annotated[list[Path], typer.Argument(help="mesh files or folders of them")]
 Units = Annotated[Literal["m", "cm", "mm", "inch"], typer.Option(help="unit of the meshes")]
 Jobs = Annotated[int, typer.Option(min=1, help="processes")]
+GripperName = Annotated[
+    str | None,
+    typer.Option("--gripper", help="name of the gripper; else the first target"),
+]
 M = TypeVar("M", bound=BaseModel)
 
 

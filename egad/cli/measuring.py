@@ -62,7 +62,7 @@ def measure(
     if out is not None:
         write_frame(table, MEASURED, out)
     measured(table, axis_pair(whole.axes))
-    _complain(_reasons(table), len(table))
+    complain(_reasons(table), len(table))
 
 
 @app.command(rich_help_panel=TOOL)
@@ -87,7 +87,7 @@ def similarity(
     if out is not None:
         write_matrix(matrix, out)
     square(matrix)
-    _complain(reasons, len(files))
+    complain(reasons, len(files))
 
 
 @app.command(rich_help_panel=TOOL)
@@ -126,7 +126,7 @@ def locate(
         else:
             write_frame(table, LOCATED, path)
     located(table, axis_pair(settings.axes))
-    _complain(_reasons(table), len(table))
+    complain(_reasons(table), len(table))
 
 
 def _reasons(table: pd.DataFrame) -> dict[str, str]:
@@ -135,7 +135,7 @@ def _reasons(table: pd.DataFrame) -> dict[str, str]:
     return dict(zip(rejected["name"], rejected["reason"], strict=True))
 
 
-def _complain(reasons: Mapping[str, str], total: int) -> None:
+def complain(reasons: Mapping[str, str], total: int) -> None:
     """Say which meshes could not be used, and why; an error if none could."""
     for name, reason in reasons.items():
         typer.echo(f"{name}: {reason}", err=True)

@@ -40,6 +40,26 @@ def located(table: pd.DataFrame, axes: AxisPair) -> None:
     )
 
 
+def size_curves(table: pd.DataFrame) -> None:
+    """Print columns of `tables.grasping.SIZE_EFFECT`: means, lowest to highest in brackets."""
+    from egad.measures.size import summarised
+
+    numbers = summarised(table)
+    percents = [f"{percent:g}" for percent in numbers["percentile"].unique()]
+    show(
+        ["name", "side/opening", "possible %", *(f"quality/1000 p{each}" for each in percents)],
+        [
+            (
+                str(name),
+                number(float(rows["fraction"].iloc[0]), 2),
+                number(100 * rows["share"].iloc[0], 1),
+                *(_spread(row) for row in _rows(rows)),
+            )
+            for (name, _), rows in numbers.groupby(["name", "fraction"], sort=False)
+        ],
+    )
+
+
 def square(matrix: pd.DataFrame) -> None:
     """Print a matrix of similarities, or what it is like if it is too large."""
     if len(matrix) > MOST:
@@ -70,6 +90,14 @@ def number(value: float, digits: int) -> str:
 
 def _rows(table: pd.DataFrame) -> list[pd.Series]:
     return [row for _, row in table.iterrows()]
+
+
+def _spread(row: pd.Series) -> str:
+    """Mean, lowest and highest quality in thousandths."""
+    if pd.isna(row["mean"]):
+        return DASH
+    mean, low, high = (1000 * row[name] for name in ("mean", "low", "high"))
+    return f"{mean:.2f} ({low:.2f} to {high:.2f})"
 
 
 def _titles(axes: AxisPair) -> list[str]:

@@ -137,6 +137,20 @@ def select_eval(
     stage.run(parse(EvalSelection, settings), objects, solids, out)
 
 
+@app.command(name="size-effect-eval", rich_help_panel=STAGE)
+def size_effect_eval(
+    settings: SettingsText,
+    evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
+    meshes: Annotated[Path, typer.Option(help="folder of the meshes of the dataset")],
+    out: Out,
+) -> None:
+    """Rate an easy, a middling and a hard object of the evaluation set at several sizes."""
+    from egad.stage_settings import SizeCurves
+    from egad.stages import size_effect as stage
+
+    stage.run(parse(SizeCurves, settings), evaluation, meshes, out)
+
+
 @app.command(name="print-export", rich_help_panel=STAGE)
 def print_export(
     settings: SettingsText,

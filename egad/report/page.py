@@ -13,6 +13,8 @@ from egad.report.dataset_maps import dataset_maps
 from egad.report.environment import environment
 from egad.report.filling import filling_curves, filling_film
 from egad.report.parameters import entry_tables, parameter_tables
+from egad.report.size_chart import size_chart
+from egad.report.viewer import viewer_data
 from egad.settings import Settings
 from egad.trials.statistics import Rate, trial_grid
 
@@ -43,6 +45,8 @@ class DatasetView:
     chosen: int
     grasps: list[summary.Row]
     grasp_figure: str
+    size_figures: dict[str, str]
+    viewer: dict[str, Any] | None
     scales: list[summary.Row]
     trials: list[TrialView]
     outcome_figure: str
@@ -98,6 +102,14 @@ def _view(name: str, data: DatasetReport, settings: Settings) -> DatasetView:
         chosen=0 if data.evalset is None else len(data.evalset),
         grasps=[summary.grasp_numbers(key, table) for key, table in grasps.items()],
         grasp_figure=_figure(figures.grasp_distributions(grasps)) if grasps else "",
+        size_figures={
+            gripper: _figure(size_chart(table))
+            for gripper, table in data.size_effects.items()
+            if len(table)
+        },
+        viewer=viewer_data(data.scenes, settings.grippers[settings.targets.grippers[0]])
+        if data.scenes
+        else None,
         scales=[summary.scale_numbers(gripper, data) for gripper in grippers],
         trials=[_trial_view(key, table, data, settings) for key, table in trials.items()],
         outcome_figure=_figure(figures.outcome_bars(bars)) if bars else "",

@@ -9,7 +9,7 @@ from egad.settings.base import Axis, Name, Range, ScaleRule, Section
 from egad.settings.datasets import Dataset, Targets
 from egad.settings.evolution import Evolution, Neat, Schedule
 from egad.settings.exchange import Acronym, DexNet
-from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling
+from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling, SizeEffect
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
 from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
@@ -51,6 +51,7 @@ __all__ = [
     "Settings",
     "Shape",
     "Similarity",
+    "SizeEffect",
     "Space",
     "Symmetry",
     "Targets",

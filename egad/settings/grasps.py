@@ -1,8 +1,14 @@
 """How grasps are sampled and rated."""
 
-from pydantic import Field
+from itertools import pairwise
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
 
 from egad.settings.base import Length, Section, Sigma
+
+Percent = Annotated[float, Field(ge=0, le=100)]
+SideFraction = Annotated[float, Field(gt=0, le=3)]
 
 
 class Quality(Section):
@@ -47,3 +53,26 @@ class GraspLabel(Section):
     """Labelled grasps."""
 
     grasps: int = Field(100, ge=1, description="most grasps an object")
+
+
+class SizeEffect(Section):
+    """How grasp quality changes with the size of an object."""
+
+    fractions: list[SideFraction] = Field(
+        [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2],
+        min_length=1,
+        description="sizes: smallest side of the minimum-volume box over the opening, ascending",
+    )
+    percentiles: list[Percent] = Field(
+        [65.0, 75.0, 85.0], min_length=1, description="percentiles of the quality, ascending"
+    )
+    grasps: int = Field(200, ge=1, description="grasps sampled at each size")
+    repeats: int = Field(5, ge=1, description="times that this is done with other random numbers")
+
+    @model_validator(mode="after")
+    def _lists_ascend(self) -> Self:
+        for name in ("fractions", "percentiles"):
+            values = getattr(self, name)
+            if any(low >= high for low, high in pairwise(values)):
+                raise ValueError(f"{name} must ascend, got {', '.join(map(str, values))}")
+        return self

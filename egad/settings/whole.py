@@ -9,7 +9,7 @@ from egad.settings.base import Name, Section
 from egad.settings.datasets import Dataset, Targets
 from egad.settings.evolution import Evolution, Neat, Schedule
 from egad.settings.exchange import Acronym, DexNet
-from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling
+from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling, SizeEffect
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
 from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
@@ -48,6 +48,7 @@ class Settings(Section):
     material: Material = Material()
     postprocess: Postprocess = Postprocess()
     grasp_label: GraspLabel = GraspLabel()
+    size_effect: SizeEffect = SizeEffect()
     rescale: Rescale = Rescale()
     select_eval: SelectEval = SelectEval()
     print_export: PrintExport = PrintExport()

@@ -51,6 +51,8 @@ def _turned_to_minimum(points: Floats) -> Floats:
         return extents
 
     unit = float(sides(np.zeros(3)).prod())
+    if unit == 0:
+        raise RejectedError("flat")
 
     def volume(turn: Floats) -> float:
         return float(sides(turn).prod()) / unit

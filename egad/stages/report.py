@@ -14,10 +14,11 @@ from egad.report.data import DatasetReport, ReportData
 from egad.report.page import build
 from egad.report.render import png_bytes, render
 from egad.settings import Settings
+from egad.stages.scenes import scenes
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY
-from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
 
 PACKAGES = [
@@ -68,6 +69,7 @@ def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
     evalset = parquet.read(folder / "eval49.parquet", EVAL49)
     portraits = _pictures(folder / "meshes", evalset["object_label"].tolist(), PORTRAIT)
     grippers = settings.targets.grippers
+    grasps = _each(grippers, folder / "grasps", "{}.parquet", GRASPS)
     return DatasetReport(
         objects,
         rejected,
@@ -75,8 +77,10 @@ def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
         history=history,
         evalset=evalset,
         evalset_pictures=dict(zip(evalset["label"], portraits.values(), strict=True)),
-        grasps=_each(grippers, folder / "grasps", "{}.parquet", GRASPS),
+        grasps=grasps,
         scales=_each(grippers, folder / "rescaled", "{}/scales.parquet", SCALES),
+        size_effects=_each(grippers, folder / "size_effect", "{}.parquet", SIZE_EFFECT),
+        scenes=scenes(folder, grippers[0], evalset, grasps[grippers[0]]),
         manifests=_each(grippers, folder / "print", "{}/manifest.parquet", MANIFEST),
         trials={
             (gripper, policy): parquet.read(

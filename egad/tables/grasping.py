@@ -35,3 +35,16 @@ SCALES = pa.schema(
         *vector("after", "sides of the minimum-volume box after, ascending", "m", "123"),
     ]
 )
+
+SIZE_EFFECT = pa.schema(
+    [
+        column("name", STRING, "name in the evaluation set, or of the mesh file"),
+        column("fraction", FLOAT, "smallest side of the minimum-volume box over the opening"),
+        column("repeat", INT, "number of the repetition with other random numbers"),
+        column("candidates", INT, "candidate axes drawn"),
+        column("possible", INT, "those that the open fingers reach and hold, alike or not"),
+        column("grasps", INT, "grasps that the percentiles were taken from"),
+        column("percentile", FLOAT, "percentile of the quality", "%"),
+        column("quality", FLOAT, "Ferrari-Canny quality there; null without any grasp"),
+    ]
+)

@@ -8,11 +8,12 @@ import trimesh
 from egad.measures.space import complexity_cells, difficulty_cells, labels
 from egad.report.data import DatasetReport, ReportData
 from egad.report.render import png_bytes, render
+from egad.report.viewer import Scene
 from egad.settings import Dataset, Settings
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY
-from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import OBJECTS, REJECTED
 
 
@@ -121,7 +122,24 @@ def grasps(objects: pd.DataFrame) -> pd.DataFrame:
 
 
 @pytest.fixture(scope="session")
-def report(settings, objects, pictures, evalset, grasps, trials, history) -> ReportData:
+def size_effect() -> pd.DataFrame:
+    """Two objects at three sizes: the second has grasps in only one repetition at the last."""
+    keys = [
+        (n, f, r, p) for n in ("A0", "G6") for f in (0.5, 1, 1.2) for r in (0, 1) for p in (65, 85)
+    ]
+    frame = pd.DataFrame(keys, columns=["name", "fraction", "repeat", "percentile"])
+    quality = (frame["percentile"] + frame["repeat"]) / 5e4 / frame["fraction"]
+    none = (frame["name"] == "G6") & (frame["fraction"] == 1.2) & (frame["repeat"] == 1)
+    return filled(
+        frame.assign(quality=quality.mask(none), candidates=200, possible=50, grasps=20),
+        SIZE_EFFECT,
+    )
+
+
+@pytest.fixture(scope="session")
+def report(
+    settings, objects, pictures, evalset, grasps, trials, history, size_effect
+) -> ReportData:
     rejected = pd.DataFrame(
         {
             "id": ["<script>alert(1)</script>", "b", "c"],
@@ -141,6 +159,11 @@ def report(settings, objects, pictures, evalset, grasps, trials, history) -> Rep
         evalset,
         grasps={"egad_75mm": grasps, "yumi": grasps.head(100)},
         scales={"egad_75mm": filled(scales, SCALES)},
+        size_effects={"egad_75mm": size_effect},
+        scenes=[
+            Scene(name, label, trimesh.creation.box([0.03, 0.04, 0.05]), grasps.head(10))
+            for name, label in zip(evalset["label"], evalset["object_label"], strict=True)
+        ],
         manifests={"egad_75mm": filled(manifest, MANIFEST)},
         trials={("egad_75mm", "antipodal-depth"): trials},
         history=history,

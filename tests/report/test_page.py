@@ -13,7 +13,7 @@ from egad.report.render import png_bytes, render
 from egad.settings import Settings
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
-from egad.tables.grasping import GRASPS
+from egad.tables.grasping import GRASPS, SIZE_EFFECT
 from egad.tables.objects import OBJECTS, REJECTED
 
 VOID = {"meta", "img", "br", "stop", "rect", "image", "link", "input", "hr"}
@@ -139,6 +139,15 @@ def test_the_evaluation_set_says_what_is_empty(page):
     assert "46 of 49 places are empty" in page.words()
 
 
+def test_a_click_on_an_object_of_the_set_leads_to_it_in_the_viewer(page, html, evalset):
+    data = next(json.loads(text) for text in page.data if '"finger"' in text)
+    assert [item["name"] for item in data["objects"]] == evalset["label"].tolist()
+    assert page.classes["viewer"] == 1
+    assert page.ids.count("viewer-egad") == 1
+    for name in evalset["label"]:
+        assert f'data-viewer="viewer-egad" data-object="{name}"' in html
+
+
 def test_key_numbers(page):
     words = page.words()
     assert "40 objects" in words
@@ -194,6 +203,7 @@ def test_tables_without_rows_count_as_absent(report, evalset):
         evalset=evalset.head(0),
         grasps={"yumi": parquet.empty(GRASPS)},
         scales={},
+        size_effects={"yumi": parquet.empty(SIZE_EFFECT)},
         manifests={},
         trials={("yumi", "antipodal-depth"): parquet.empty(TRIALS)},
     )

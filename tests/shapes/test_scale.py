@@ -80,6 +80,8 @@ def test_the_released_script_makes_the_longest_side_the_opening():
 def test_an_unknown_rule_and_a_flat_object_are_named():
     with pytest.raises(UserError, match="allowed: paper, egad-script, exact"):
         scale_factor("papr", np.ones(3), 0.1, 0.8)
-    sheet = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], process=False)
-    with pytest.raises(RejectedError, match="flat"):
-        rescale(sheet, "paper", 0.1, 0.8)
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
+    for faces in ([[0, 1, 2]], [[0, 1, 2], [1, 3, 2]]):
+        sheet = trimesh.Trimesh(corners[: len(faces) + 2], faces, process=False)
+        with pytest.raises(RejectedError, match="flat"):
+            rescale(sheet, "paper", 0.1, 0.8)

@@ -9,7 +9,8 @@ from egad.settings import Settings
 
 AFTER_TRIALS = {"join_trials", "report", "all"}
 AFTER_GRASPS = {"join_grasps", "join_ungraspable", "report", "all"}
-AFTER_SELECTION = {"print_export", "simulated_trial"} | AFTER_TRIALS
+AFTER_SIZES = {"size_effect", "report", "all"}
+AFTER_SELECTION = {"print_export", "simulated_trial"} | AFTER_SIZES | AFTER_TRIALS
 AFTER_RESCALE = {"grasp_label", "print_export", "simulated_trial"} | AFTER_GRASPS | AFTER_TRIALS
 AFTER_COLLECT = {"compare", "rescale", "select_eval"} | AFTER_RESCALE | AFTER_SELECTION
 AFTER_POSTPROCESS = {"collect"} | AFTER_COLLECT
@@ -45,6 +46,7 @@ def test_a_finished_run_has_nothing_to_do(finished):
         ({"trials": {"attempts": 3}}, {"simulated_trial"} | AFTER_TRIALS),
         ({"print_export": {"gap": 0.006}}, {"print_export", "report", "all"}),
         ({"robust": {"samples": 6}}, {"grasp_label"} | AFTER_GRASPS),
+        ({"size_effect": {"repeats": 3}}, AFTER_SIZES),
         ({"select_eval": {"restarts": 3}}, {"select_eval"} | AFTER_SELECTION),
         ({"rescale": {"side_fraction": 0.7}}, {"rescale"} | AFTER_RESCALE),
         ({"postprocess": {"grasps": 21}}, {"postprocess"} | AFTER_POSTPROCESS),
@@ -55,7 +57,7 @@ def test_a_finished_run_has_nothing_to_do(finished):
         ({"limits": {"aspect_ratio": [1, 5]}}, EVERYTHING),
         (
             {"grippers": {"egad_75mm": {"force": 71.0}}},
-            {"rescale", "grasp_label", "simulated_trial"} | AFTER_RESCALE,
+            {"rescale"} | AFTER_RESCALE | AFTER_SIZES,
         ),
         ({"grippers": {"panda": {"force": 71.0}}}, {"report", "all"}),
         ({"grippers": {"mine": {"opening": 0.06}}}, {"report", "all"}),
@@ -74,6 +76,7 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(copy, settings, rules)
         ("egad/evalset/selection.py", {"select_eval"} | AFTER_SELECTION),
         ("egad/shapes/mass.py", {"postprocess"} | AFTER_POSTPROCESS),
         ("egad/evolution/reproduction.py", EVERYTHING),
+        ("egad/measures/size.py", AFTER_SIZES),
         ("egad/report/page.py", {"report", "all"}),
         ("egad/cli/stages.py", set()),
         ("egad/settings/measures.py", set()),

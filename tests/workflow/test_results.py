@@ -20,7 +20,7 @@ from egad.settings import Settings
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY
-from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED, SOLIDS
 
 GRIPPER, POLICY = "egad_75mm", "antipodal-depth"
@@ -36,6 +36,7 @@ PUBLISHED = {
     f"egad/grasps/{GRIPPER}.rejected.parquet": REJECTED,
     f"egad/rescaled/{GRIPPER}/scales.parquet": SCALES,
     f"egad/rescaled/{GRIPPER}/rejected.parquet": REJECTED,
+    f"egad/size_effect/{GRIPPER}.parquet": SIZE_EFFECT,
     f"egad/print/{GRIPPER}/manifest.parquet": MANIFEST,
     f"egad/trials/{GRIPPER}/{POLICY}.parquet": TRIALS,
 }

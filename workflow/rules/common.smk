@@ -141,6 +141,7 @@ def published():
         "rescaled/{gripper}/rejected.parquet",
         "grasps/{gripper}.parquet",
         "grasps/{gripper}.rejected.parquet",
+        "size_effect/{gripper}.parquet",
         "print/{gripper}/manifest.parquet",
     ]
     trials = "trials/{gripper}/{policy}.parquet"

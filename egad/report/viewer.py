@@ -1,0 +1,139 @@
+"""A view of objects in 3D with their labelled grasps: the data, packed, and a page of its own.
+
+Everything about an object travels as one block of bytes, compressed and as base64: coordinates as
+whole steps of its box, vertices and faces as differences from the one before, so that they
+compress. `viewer.js` unpacks it.
+"""
+
+import base64
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import trimesh
+from numpy.typing import NDArray
+
+from egad.report.environment import environment
+from egad.settings import Gripper
+
+STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm
+UNIT = 2**15 - 1
+METRICS = {"quality": "quality", "robust_quality": "robust quality"}
+TOP = 0.98  # quantile of the quality that has the last colour
+
+
+@dataclass(frozen=True)
+class Scene:
+    """An object with its grasps.
+
+    Attributes:
+        name: What it is called.
+        title: What else is to be said about it, in a few words.
+        mesh: As it is grasped, metres.
+        grasps: Columns contact0, contact1, approach (each with x, y and z), quality,
+            robust_quality and collision_free of `tables.grasping.GRASPS`, in the frame of the mesh.
+        note: What to know, such as why it has no grasps.
+    """
+
+    name: str
+    title: str
+    mesh: trimesh.Trimesh
+    grasps: pd.DataFrame
+    note: str = ""
+
+
+def viewer_data(scenes: Sequence[Scene], gripper: Gripper) -> dict[str, Any]:
+    """What the script of the viewer reads, ready for JSON.
+
+    Args:
+        scenes: At least one.
+        gripper: What the grasps are for.
+
+    Returns:
+        `finger`: from the contacts back to the palm, metres; `objects`: each packed; `metrics`:
+        key, name, and the value that has the last colour, the same for all objects.
+    """
+    return {
+        "finger": gripper.finger_length - min(gripper.finger_width, gripper.finger_length) / 2,
+        "objects": [pack(scene) for scene in scenes],
+        "metrics": [[key, name, _top(scenes, key)] for key, name in METRICS.items()],
+    }
+
+
+def pack(scene: Scene) -> dict[str, Any]:
+    """One object for the viewer.
+
+    Returns:
+        `name`, `title`, `note`; `counts` of vertices, faces and grasps; `origin` and `step`, by
+        which coordinates become metres; and `data`: the following little-endian arrays, one after
+        the other, compressed by zlib, as base64. Faces and vertices (see `_folded`), each metric
+        (32-bit float), contacts (16 bit), approaches (signed 16 bit, in 1 / 32767) and whether
+        the grasp is free of collision (8 bit).
+    """
+    vertices, faces = np.asarray(scene.mesh.vertices), np.asarray(scene.mesh.faces)
+    origin = vertices.min(axis=0)
+    step = float(np.ptp(vertices, axis=0).max()) / STEPS
+    contacts = scene.grasps[_columns("contact0", "contact1")].to_numpy().reshape(-1, 3)
+    approach = scene.grasps[_columns("approach")].to_numpy()
+    blocks = [
+        _folded(faces),
+        _folded(_steps(vertices, origin, step)),
+        *(scene.grasps[key].to_numpy().astype("<f4") for key in METRICS),
+        _steps(contacts, origin, step),
+        np.round(approach * UNIT).astype("<i2"),
+        scene.grasps["collision_free"].to_numpy().astype("u1"),
+    ]
+    compressed = zlib.compress(b"".join(block.tobytes() for block in blocks), 9)
+    return {
+        "name": scene.name,
+        "title": scene.title,
+        "note": scene.note,
+        "counts": [len(vertices), len(faces), len(scene.grasps)],
+        "origin": origin.tolist(),
+        "step": step,
+        "data": base64.b64encode(compressed).decode(),
+    }
+
+
+def page(scene: Scene, name: str, gripper: Gripper) -> str:
+    """An HTML page with one object that needs no other file.
+
+    Args:
+        scene: The object.
+        name: Name of the gripper.
+        gripper: What the grasps are for.
+    """
+    template = environment().get_template("view.html.j2")
+    data = viewer_data([scene], gripper)
+    return template.render(scene=scene, name=name, gripper=gripper, viewer=data)
+
+
+def _columns(*names: str) -> list[str]:
+    return [f"{name}_{part}" for name in names for part in "xyz"]
+
+
+def _steps(
+    points: NDArray[np.float64], origin: NDArray[np.float64], step: float
+) -> NDArray[np.uint16]:
+    """Points as whole steps from the origin; what lies outside is brought to the edge."""
+    return np.clip(np.round((points - origin) / step), 0, STEPS).astype("<u2")
+
+
+def _folded(rows: NDArray[np.integer]) -> NDArray[np.uint8]:
+    """Each row less the one before, the sign as lowest bit, as 32 bit: byte by byte, lowest first.
+
+    Small numbers of either sign so leave long runs of zeros.
+    """
+    steps = rows.astype(np.int64)
+    steps[1:] -= rows[:-1]
+    folded = ((steps << 1) ^ (steps >> 63)).astype("<u4")
+    return np.ascontiguousarray(folded.reshape(-1, 1).view(np.uint8).T)
+
+
+def _top(scenes: Sequence[Scene], key: str) -> float:
+    values = np.concatenate([scene.grasps[key].to_numpy(dtype=float) for scene in scenes])
+    top = float(np.quantile(values, TOP)) if len(values) else 0.0
+    return top if top > 0 else 1e-3

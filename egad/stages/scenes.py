@@ -1,0 +1,51 @@
+"""Objects of a dataset with their labelled grasps, as the viewer shows them."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from egad.exchange.meshes import read_mesh
+from egad.report.viewer import Scene
+from egad.tables import parquet
+from egad.tables.objects import REJECTED
+
+
+def scenes(folder: Path, gripper: str, evalset: pd.DataFrame, grasps: pd.DataFrame) -> list[Scene]:
+    """The objects of an evaluation set.
+
+    Args:
+        folder: Of the dataset.
+        gripper: Its name.
+        evalset: Columns of `tables.evaluation.EVAL49`.
+        grasps: Columns of `tables.grasping.GRASPS` for this gripper.
+
+    Returns:
+        One for each object that could be scaled to the gripper, named as in the evaluation set.
+    """
+    meshes = folder / "rescaled" / gripper
+    return [
+        scene(folder, gripper, label, grasps, name=name)
+        for name, label in zip(evalset["label"], evalset["object_label"], strict=True)
+        if (meshes / f"{label}.obj").is_file()
+    ]
+
+
+def scene(
+    folder: Path, gripper: str, label: str, grasps: pd.DataFrame, name: str | None = None
+) -> Scene:
+    """One object of a dataset, by its label; `name` is what it is called, else the label.
+
+    The note says why there are no grasps, where there are none.
+    """
+    mesh = read_mesh(folder / "rescaled" / gripper / f"{label}.obj", "m")
+    own = grasps[grasps["label"] == label]
+    note = "" if len(own) else _reason(folder, gripper, label)
+    return Scene(name or label, label if name else "", mesh, own, note)
+
+
+def _reason(folder: Path, gripper: str, label: str) -> str:
+    """Why an object has no grasp, as the table of rejected objects says."""
+    objects = pd.read_parquet(folder / "objects.parquet", columns=["id", "label"])
+    rejected = parquet.read(folder / "grasps" / f"{gripper}.rejected.parquet", REJECTED)
+    own = rejected[rejected["id"].isin(objects.loc[objects["label"] == label, "id"])]
+    return own["reason"].iloc[0] if len(own) else "no grasp"

@@ -1,0 +1,32 @@
+"""Size-effect: grasp quality of three objects of the evaluation set over their size.
+
+Inputs: results/D/eval49.parquet, results/D/meshes.
+Outputs: results/D/size_effect/G.parquet.
+"""
+
+
+rule size_effect:
+    """Rate an easy, a middling and a hard object at several sizes."""
+    input:
+        evaluation="results/{dataset}/eval49.parquet",
+        meshes="results/{dataset}/meshes",
+    output:
+        ensure("results/{dataset}/size_effect/{gripper}.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/size_effect/{gripper}.log",
+    benchmark:
+        "benchmarks/{dataset}/size_effect/{gripper}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=30,
+    params:
+        settings=settings_of("SizeCurves"),
+        code=code_version("egad.stages.size_effect"),
+    message:
+        "Rating {wildcards.dataset} at several sizes for {wildcards.gripper}"
+    shell:
+        "egad size-effect-eval --settings {params.settings:q} --eval {input.evaluation:q}"
+        " --meshes {input.meshes:q} --out {output:q} > {log:q} 2>&1"
