@@ -28,6 +28,7 @@ def run(
     objects: Path,
     rejected: Path,
     meshes: Path,
+    threads: int,
 ) -> None:
     """Bring a dataset together.
 
@@ -39,8 +40,9 @@ def run(
         objects: The table of the dataset, with the columns of `tables.objects.OBJECTS`.
         rejected: The table of all rejected objects.
         meshes: Folder of `LABEL.obj`, in metres.
+        threads: Diversities found at once; the result does not depend on it.
     """
-    frame = arrange(join(solids, SOLIDS, ["id"]), settings, evolved)
+    frame = arrange(join(solids, SOLIDS, ["id"]), settings, evolved, threads)
     with replacing(meshes) as folder:
         folder.mkdir()
         columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
@@ -51,14 +53,16 @@ def run(
     log.info("%d objects", len(frame))
 
 
-def arrange(frame: pd.DataFrame, settings: Collect, evolved: bool) -> pd.DataFrame:
+def arrange(
+    frame: pd.DataFrame, settings: Collect, evolved: bool, threads: int = 1
+) -> pd.DataFrame:
     """Add cells, diversities and labels, and sort by label."""
     graphs = [reeb.unpack(data) for data in frame["graph"]]
     space = settings.space
     frame = frame.assign(
         complexity_cell=complexity_cells(frame["complexity"], space),
         difficulty_cell=difficulty_cells(frame["difficulty"], space),
-        diversity=diversities(graphs, settings.similarity.weight, space.neighbours),
+        diversity=diversities(graphs, settings.similarity.weight, space.neighbours, threads),
     )
     if not evolved:
         return frame.assign(label=frame["id"]).sort_values("label", ignore_index=True)
