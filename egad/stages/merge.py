@@ -8,7 +8,7 @@ from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, EPOCH
 
 
-def run(settings: Merge, islands: list[Path], out: Path, threads: int) -> None:
+def run(settings: Merge, islands: list[Path], out: Path, threads: int = 1) -> None:
     """Merge the archives of all islands (columns of `tables.evolution.EPOCH`)."""
     frames = [parquet.read(path, EPOCH) for path in islands]
     if len(frames) > 1:
