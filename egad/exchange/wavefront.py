@@ -1,5 +1,7 @@
 """Wavefront OBJ files of nothing but triangles: what this program writes, and reads in no time."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,7 +32,7 @@ def parse_plain_obj(data: bytes) -> tuple[Floats, Ints] | None:
     return None if vertices is None or faces is None else (vertices, faces - 1)
 
 
-def _numbers(lines: bytes, start: bytes, also: bytes, kind: type) -> NDArray[np.generic] | None:
+def _numbers(lines: bytes, start: bytes, also: bytes, kind: type) -> NDArray[Any] | None:
     """The numbers of lines of three after the same start, (n, 3); None if they are not so."""
     text = np.frombuffer(lines, np.uint8)
     ends, spaces = np.flatnonzero(text == ord("\n")), np.flatnonzero(text == ord(" "))
@@ -46,7 +48,7 @@ def _numbers(lines: bytes, start: bytes, also: bytes, kind: type) -> NDArray[np.
     if start[:1] in bare:
         return None
     try:
-        values = np.fromstring(bare, dtype=kind, sep=" ")
+        values: NDArray[Any] = np.fromstring(bare, dtype=kind, sep=" ")
     except ValueError:
         return None
     return values.reshape(-1, 3) if len(values) == 3 * count else None
