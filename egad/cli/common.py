@@ -26,7 +26,7 @@ OutFolder = Annotated[Path, typer.Option(help="folder to write")]
 Config = Annotated[Path | None, typer.Option(help="configuration file; else the defaults")]
 Meshes = Annotated[list[Path], typer.Argument(help="mesh files or folders of them")]
 Units = Annotated[Literal["m", "cm", "mm", "inch"], typer.Option(help="unit of the meshes")]
-Jobs = Annotated[int, typer.Option(min=1, help="processes")]
+Jobs = Annotated[int, typer.Option(min=1, help="cores to use; no result depends on it")]
 GripperName = Annotated[
     str | None,
     typer.Option("--gripper", help="name of the gripper; else the first target"),

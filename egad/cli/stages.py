@@ -33,12 +33,12 @@ def evolve(
 
 
 @app.command(rich_help_panel=STAGE)
-def merge(settings: SettingsText, islands: list[Path], out: Out) -> None:
+def merge(settings: SettingsText, islands: list[Path], out: Out, jobs: Jobs = 1) -> None:
     """Merge the islands of an epoch into one archive."""
     from egad.stage_settings import Merge
     from egad.stages import merge as stage
 
-    stage.run(parse(Merge, settings), islands, out)
+    stage.run(parse(Merge, settings), islands, out, jobs)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -84,13 +84,14 @@ def collect(
     out: Out,
     rejected: Rejected,
     meshes: OutFolder,
+    jobs: Jobs = 1,
 ) -> None:
     """Bring the shards of a dataset together: cells, labels, diversities, meshes."""
     from egad.stage_settings import Collect
     from egad.stages import collect as stage
 
     parsed = parse(Collect, settings)
-    stage.run(parsed, source != "meshes", solids, rejects, out, rejected, meshes)
+    stage.run(parsed, source != "meshes", solids, rejects, out, rejected, meshes, jobs)
 
 
 @app.command(name="grasp-label", rich_help_panel=STAGE)
@@ -129,12 +130,13 @@ def select_eval(
     objects: Annotated[Path, typer.Option(help="objects of the dataset")],
     solids: Annotated[list[Path], typer.Option(help="shards of postprocess")],
     out: Out,
+    jobs: Jobs = 1,
 ) -> None:
     """Choose the evaluation set."""
     from egad.stage_settings import EvalSelection
     from egad.stages import select_eval as stage
 
-    stage.run(parse(EvalSelection, settings), objects, solids, out)
+    stage.run(parse(EvalSelection, settings), objects, solids, out, jobs)
 
 
 @app.command(name="size-effect-eval", rich_help_panel=STAGE)
@@ -222,8 +224,9 @@ def report(
     settings: SettingsText,
     results: Annotated[Path, typer.Option(help="folder of all results")],
     out: Out,
+    jobs: Jobs = 1,
 ) -> None:
     """Write the report: one HTML file that opens offline."""
     from egad.stages import report as stage
 
-    stage.run(parse(Settings, settings), results, out)
+    stage.run(parse(Settings, settings), results, out, jobs)

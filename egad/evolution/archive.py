@@ -3,6 +3,7 @@
 Source: EGAD, section III-D. Words as in pyribs: archive, cells, measures, elites, coverage.
 """
 
+import heapq
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -44,9 +45,16 @@ def cell_of(complexity: float, difficulty: float, space: Space) -> Cell:
 class Archive:
     """Elites in the cells of the space; no two of them have the same voxels."""
 
-    def __init__(self, space: Space, similarity: Similarity) -> None:
+    def __init__(self, space: Space, similarity: Similarity, threads: int = 1) -> None:
+        """Start without elites.
+
+        Args:
+            space: Cells and their limit.
+            similarity: How diversity is measured.
+            threads: Diversities found at once; no result depends on it.
+        """
         self.space = space
-        self._neighbourhood = Neighbourhood(similarity.weight, space.neighbours)
+        self._neighbourhood = Neighbourhood(similarity.weight, space.neighbours, threads)
         self._elites: dict[int, Elite] = {}
         self._cells: dict[int, Cell] = {}
         self._ids: dict[str, int] = {}
@@ -70,7 +78,7 @@ class Archive:
     @property
     def qd_score(self) -> float:
         """The sum of the diversities of all elites (as pyribs; the objective is diversity)."""
-        return sum(self._diversity(index) for index in self._elites)
+        return sum(self._neighbourhood.diversities(list(self._elites)))
 
     def counts(self) -> NDArray[np.int64]:
         """How many elites each cell holds: (cells, cells), by difficulty, then complexity."""
@@ -104,20 +112,25 @@ class Archive:
 
     def _trim(self) -> None:
         counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
-        crowded = list(self._cells)
-        while crowded := [i for i in crowded if counts[self._cells[i]] > limit]:
-            least = min(crowded, key=lambda i: (self._diversity(i), self._elites[i].id))
-            counts[self._cells[least]] -= 1
-            crowded.remove(least)
-            self._remove(least)
+        crowded = [index for index, cell in self._cells.items() if counts[cell] > limit]
+        diversities = dict(zip(crowded, self._neighbourhood.diversities(crowded), strict=True))
+        queue = [(value, self._elites[index].id, index) for index, value in diversities.items()]
+        heapq.heapify(queue)
+        while queue:
+            value, _, index = heapq.heappop(queue)
+            if diversities.get(index) != value or counts[self._cells[index]] <= limit:
+                continue  # an old value, or a cell that fits by now
+            counts[self._cells[index]] -= 1
+            del diversities[index]
+            for near in diversities.keys() & self._remove(index):
+                diversities[near] = self._neighbourhood.diversity(near)
+                heapq.heappush(queue, (diversities[near], self._elites[near].id, near))
 
-    def _remove(self, index: int) -> None:
-        self._neighbourhood.remove(index)
+    def _remove(self, index: int) -> list[int]:
+        """Remove an elite; returns those whose diversity is another one now."""
         del self._ids[self._elites.pop(index).id]
         del self._cells[index]
-
-    def _diversity(self, index: int) -> float:
-        return self._neighbourhood.diversity(index)
+        return self._neighbourhood.remove(index)
 
     def to_frame(self) -> pd.DataFrame:
         """The archive as a table with the columns of `tables.evolution.EPOCH`.
@@ -125,7 +138,8 @@ class Archive:
         Rows are sorted by cell, then slot; slot 0 is the most diverse of its cell.
         """
         rows = []
-        for index, elite in self._elites.items():
+        diversities = self._neighbourhood.diversities(list(self._elites))
+        for (index, elite), diversity in zip(self._elites.items(), diversities, strict=True):
             complexity_cell, difficulty_cell = self._cells[index]
             rows.append(
                 {
@@ -134,7 +148,7 @@ class Archive:
                     "voxels": elite.voxels,
                     "complexity": elite.complexity,
                     "difficulty": elite.difficulty,
-                    "diversity": self._diversity(index),
+                    "diversity": diversity,
                     "complexity_cell": complexity_cell,
                     "difficulty_cell": difficulty_cell,
                     "parents": list(elite.parents),
@@ -168,17 +182,20 @@ def elites_of(frame: pd.DataFrame) -> list[Elite]:
     ]
 
 
-def merge(frames: Iterable[pd.DataFrame], space: Space, similarity: Similarity) -> pd.DataFrame:
+def merge(
+    frames: Iterable[pd.DataFrame], space: Space, similarity: Similarity, threads: int = 1
+) -> pd.DataFrame:
     """Insert the survivors of all islands into one archive.
 
     Args:
         frames: Tables with the columns of `tables.evolution.EPOCH`, in the order of the islands.
         space: Cells and their limit.
         similarity: How diversity is measured.
+        threads: Diversities found at once; no result depends on it.
 
     Returns:
         A table with the same columns.
     """
-    archive = Archive(space, similarity)
+    archive = Archive(space, similarity, threads)
     archive.add(elite for frame in frames for elite in elites_of(frame))
     return archive.to_frame()

@@ -59,20 +59,31 @@ def _parents(
     evolution = settings.evolution
     if not elites:
         return [[]] * evolution.population
-    odds = parent_odds(elites, settings.space) if evolution.parents == "sparse" else None
+    chances = (
+        _running(parent_odds(elites, settings.space)) if evolution.parents == "sparse" else None
+    )
     drawn: list[list[Elite]] = []
     while len(drawn) < evolution.population:
-        parents = [elites[_draw(rng, len(elites), odds)]]
+        parents = [elites[_draw(rng, len(elites), chances)]]
         if rng.random() < evolution.crossover_probability:
-            parents.append(elites[_draw(rng, len(elites), odds)])
+            parents.append(elites[_draw(rng, len(elites), chances)])
         if evolution.restart and rng.random() < evolution.restart:
             parents = []
         drawn += [parents] * evolution.siblings
     return drawn[: evolution.population]
 
 
-def _draw(rng: np.random.Generator, count: int, odds: NDArray[np.float64] | None) -> int:
-    return int(rng.integers(count) if odds is None else rng.choice(count, p=odds))
+def _running(odds: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Running sums of chances, the last one 1."""
+    sums = np.cumsum(odds)
+    return np.asarray(sums / sums[-1])
+
+
+def _draw(rng: np.random.Generator, count: int, chances: NDArray[np.float64] | None) -> int:
+    """One of so many, all alike or by running sums of their chances."""
+    if chances is None:
+        return int(rng.integers(count))
+    return int(np.searchsorted(chances, rng.random(), side="right"))
 
 
 def parent_odds(elites: Sequence[Elite], space: Space) -> NDArray[np.float64]:

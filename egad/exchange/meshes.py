@@ -7,6 +7,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError, UserError
+from egad.exchange.wavefront import obj_text, parse_plain_obj
 from egad.files import replacing
 from egad.shapes.repair import check_surface
 
@@ -40,10 +41,8 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         raise RejectedError("no such file")
     unreadable = f"not a readable {path.suffix[1:]} file"
     try:
-        with np.errstate(all="ignore"):
-            found = trimesh.load_mesh(path, process=False, maintain_order=True)
-        vertices = np.asarray(found.vertices, dtype=np.float64).reshape(-1, 3)
-        faces = np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
+        plain = parse_plain_obj(path.read_bytes()) if path.suffix.lower() == ".obj" else None
+        vertices, faces = plain or _load_any(path)
     except Exception as error:
         raise RejectedError(unreadable) from error
     if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
@@ -51,12 +50,18 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     return vertices, faces
 
 
+def _load_any(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    with np.errstate(all="ignore"):
+        found = trimesh.load_mesh(path, process=False, maintain_order=True)
+    vertices = np.asarray(found.vertices, dtype=np.float64).reshape(-1, 3)
+    return vertices, np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
+
+
 def write_obj(mesh: trimesh.Trimesh, path: Path) -> None:
     """Write a Wavefront OBJ file in the unit of the mesh, with enough digits to read it back."""
-    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in mesh.vertices.tolist()]
-    lines += [f"f {a} {b} {c}" for a, b, c in (mesh.faces + 1).tolist()]
+    text = obj_text(np.asarray(mesh.vertices), np.asarray(mesh.faces))
     with replacing(path) as temporary:
-        temporary.write_text("\n".join(lines) + "\n", encoding="ascii")
+        temporary.write_text(text, encoding="ascii")
 
 
 def write_stl_mm(mesh: trimesh.Trimesh, path: Path) -> None:

@@ -222,14 +222,27 @@ def _spread(centers: Floats, axes: Floats, old: int, spacing: float) -> Indices:
     count = old
     for i in range(old, len(centers)):
         apart = True
-        for j in kept[:count]:
-            distance = np.sqrt(np.sum((centers[i] - centers[j]) ** 2))
-            if distance < spacing:
-                cosine = min(abs(np.dot(axes[i], axes[j])), 1.0)
-                if distance + TURN * np.arccos(cosine) < spacing:
-                    apart = False
-                    break
+        for place in range(count):
+            if _gap(centers, axes, i, kept[place], spacing) < spacing:
+                apart = False
+                break
         if apart:
             kept[count] = i
             count += 1
     return kept[old:count] - old
+
+
+@numba.njit(cache=True, inline="always")
+def _gap(centers: Floats, axes: Floats, i: int, j: int, spacing: float) -> float:
+    """How far apart two grasps are; without their turn if their centres are `spacing` apart."""
+    square = 0.0
+    for k in range(3):
+        square += (centers[i, k] - centers[j, k]) ** 2
+    gap: float = np.sqrt(square)
+    if gap >= spacing:
+        return gap
+    cosine = 0.0
+    for k in range(3):
+        cosine += axes[i, k] * axes[j, k]
+    gap += TURN * np.arccos(min(abs(cosine), 1.0))
+    return gap

@@ -2,11 +2,13 @@
 
 Comparing two Reeb graphs is costly, a bound on their similarity is not: candidates are compared in
 the order of the bound until none that is left can be near enough, and only as far as it takes to
-see that they are not. The bounds are ours.
+see that they are not. The bounds are ours. Several shapes are looked up at once: each by a thread
+that writes to the row of that shape alone, so that what is found does not depend on the threads.
 """
 
 import heapq
 from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numba
@@ -22,33 +24,36 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
 
-_UNKNOWN, _BOUND, _EXACT = 0, 1, 2
+_UNKNOWN, _BOUND, _COMPARED, _EXACT = 0, 1, 2, 3  # compared: a bound that is worth keeping
 
+CHUNK, ROUND = 4, 16  # shapes that a thread looks up at once; before it tells the other shapes
 SPARE = 100  # graphs of removed shapes that may stay in a small forest
 
 
-def diversities(graphs: Sequence[ReebGraph], weight: float, neighbours: int) -> Floats:
+def diversities(
+    graphs: Sequence[ReebGraph], weight: float, neighbours: int, threads: int = 1
+) -> Floats:
     """Diversity of each of n shapes among the others, (n,); see `Neighbourhood.diversity`.
 
     Raises:
         UserError: The graphs have different numbers of ranges.
     """
-    neighbourhood = Neighbourhood(weight, neighbours)
-    indices = neighbourhood.add(graphs)
-    return np.array([neighbourhood.diversity(index) for index in indices], dtype=np.float64)
+    neighbourhood = Neighbourhood(weight, neighbours, threads)
+    return np.array(neighbourhood.diversities(neighbourhood.add(graphs)), dtype=np.float64)
 
 
 class Neighbourhood:
     """Shapes and their nearest neighbours. A distance is 1 - similarity, computed at most once."""
 
-    def __init__(self, weight: float, neighbours: int) -> None:
+    def __init__(self, weight: float, neighbours: int, threads: int = 1) -> None:
         """Start with no shapes.
 
         Args:
             weight: Weight of area against length in the value of a node, 0 to 1.
             neighbours: How many nearest neighbours are looked for.
+            threads: Shapes looked up at once; no result depends on it.
         """
-        self._weight = weight
+        self._weight, self._threads = weight, threads
         self._forest = Forest(weight)
         self._graphs: dict[int, ReebGraph] = {}
         self._free: list[int] = []  # a heap: the lowest index is used first
@@ -80,8 +85,8 @@ class Neighbourhood:
         self._diversities.clear()
         return indices
 
-    def remove(self, index: int) -> None:
-        """Remove a shape.
+    def remove(self, index: int) -> list[int]:
+        """Remove a shape; returns the indices of those that it was near to, if these are known.
 
         Raises:
             KeyError: There is no such shape.
@@ -89,13 +94,14 @@ class Neighbourhood:
         del self._graphs[index]
         self._trees[index] = -1
         heapq.heappush(self._free, index)
-        stale = (self._near == index).any(axis=1)
-        stale[index] = True
-        self._valid &= ~stale
-        for row in np.flatnonzero(stale).tolist():
+        self._valid[index] = False
+        stale = np.flatnonzero((self._near == index).any(axis=1) & self._valid).tolist()
+        self._valid[stale] = False
+        for row in (index, *stale):
             self._diversities.pop(row, None)
         if len(self._forest) > 2 * len(self) + SPARE:
             self._replant()
+        return stale
 
     def distance(self, one: int, other: int) -> float:
         """Distance of two shapes.
@@ -107,6 +113,7 @@ class Neighbourhood:
         if one != other and self._known[one, other] != _EXACT:
             table = self._table
             _measure(table, one, other, np.inf, space(np.diff(table.trees.starts).max()))
+            _tell(table, np.array([one]))
         return float(self._distances[one, other]) if one != other else 0.0
 
     def nearest(self, index: int) -> tuple[Integers, Floats]:
@@ -116,12 +123,7 @@ class Neighbourhood:
             KeyError: There is no such shape.
         """
         self._check(index)
-        if not self._valid[index]:
-            others = np.flatnonzero(self._trees >= 0)
-            near = _nearest(self._table, index, others[others != index], self._near.shape[1])
-            self._near[index] = -1
-            self._near[index, : len(near)] = near
-            self._valid[index] = True
+        self._look_up([index])
         near = self._near[index][self._near[index] >= 0]
         return near, self._distances[index, near]
 
@@ -142,6 +144,31 @@ class Neighbourhood:
             _, distances = self.nearest(index)
             self._diversities[index] = float(distances.mean()) if len(distances) else 1.0
         return self._diversities[index]
+
+    def diversities(self, indices: Sequence[int]) -> list[float]:
+        """The diversities of several shapes, side by side.
+
+        Raises:
+            KeyError: There is no such shape.
+        """
+        self._check(*indices)
+        self._look_up(indices)
+        return [self.diversity(index) for index in indices]
+
+    def _look_up(self, indices: Sequence[int]) -> None:
+        """Find the nearest of the shapes for which they are not known."""
+        rows = np.array([i for i in dict.fromkeys(indices) if not self._valid[i]], dtype=np.int64)
+        table, others = self._table, np.flatnonzero(self._trees >= 0)
+
+        def search(chunk: Integers) -> None:
+            self._near[chunk] = _nearest_to_each(table, chunk, others, self._near.shape[1])
+
+        with ThreadPoolExecutor(self._threads) as pool:
+            mapper = map if self._threads == 1 or len(rows) <= CHUNK else pool.map
+            for batch in _cut(rows, ROUND * self._threads):
+                list(mapper(search, _cut(batch, CHUNK)))
+                _tell(table, batch)
+        self._valid[rows] = True
 
     @property
     def _table(self) -> "_Table":
@@ -175,6 +202,11 @@ class Neighbourhood:
         self._trees[indices] = np.arange(len(indices))
 
 
+def _cut(rows: Integers, length: int) -> list[Integers]:
+    """Pieces of at most some length."""
+    return [rows[start : start + length] for start in range(0, len(rows), length)]
+
+
 class _Table(NamedTuple):
     """What is known of the distances between m indices."""
 
@@ -184,8 +216,22 @@ class _Table(NamedTuple):
     known: Bytes  # (m, m)
 
 
+@numba.njit(cache=True, nogil=True)
+def _nearest_to_each(table: _Table, rows: Integers, others: Integers, count: int) -> Integers:
+    """The nearest of other indices to each of n, but for itself: (n, count), padded with -1.
+
+    Writes to these rows of the table alone; see `_tell`.
+    """
+    result = np.full((len(rows), count), -1)
+    memory = space(np.max(np.diff(table.trees.starts)))
+    for place, index in enumerate(rows):
+        near = _nearest(table, index, others[others != index], count, memory)
+        result[place, : len(near)] = near
+    return result
+
+
 @numba.njit(cache=True)
-def _nearest(table: _Table, index: int, others: Integers, count: int) -> Integers:
+def _nearest(table: _Table, index: int, others: Integers, count: int, memory: Space) -> Integers:
     """The nearest of some other indices; those that cannot be near are not compared."""
     near, found = np.empty(min(count, len(others)), np.int64), 0
     distances, known = table.distances[index], table.known[index]
@@ -195,10 +241,7 @@ def _nearest(table: _Table, index: int, others: Integers, count: int) -> Integer
         if known[other] == _EXACT:
             found = _insert(near, found, distances, other)
     limit = distances[near[-1]] if found == len(near) else np.inf
-    candidates = others[(known[others] == _BOUND) & (distances[others] <= limit)]
-    if len(candidates) == 0:
-        return near
-    memory = space(np.max(np.diff(table.trees.starts)))
+    candidates = others[(known[others] != _EXACT) & (distances[others] <= limit)]
     for other in candidates[np.argsort(distances[candidates], kind="mergesort")]:
         limit = distances[near[-1]] if found == len(near) else np.inf
         if distances[other] > limit:
@@ -210,10 +253,7 @@ def _nearest(table: _Table, index: int, others: Integers, count: int) -> Integer
 
 @numba.njit(cache=True)
 def _estimate(table: _Table, one: int, other: int) -> None:
-    """Keep a lower bound of a distance.
-
-    Only for the one: to compute it again for the other costs less than to write to its row.
-    """
+    """Keep a lower bound of a distance, for the one alone: computing it again costs little."""
     most = bound(table.trees.profiles, table.numbers[one], table.numbers[other])
     table.distances[one, other] = 1 - most - SLACK
     table.known[one, other] = _BOUND
@@ -221,13 +261,25 @@ def _estimate(table: _Table, one: int, other: int) -> None:
 
 @numba.njit(cache=True)
 def _measure(table: _Table, one: int, other: int, limit: float, memory: Space) -> bool:
-    """Keep the distance and say True, or a better bound if it exceeds a limit."""
+    """Keep the distance for the one and say True, or a better bound if it exceeds a limit."""
     numbers = table.numbers[one], table.numbers[other]
     similarity, exact = compare(table.trees, *numbers, 1 - limit - SLACK, memory)
-    distance = 1 - similarity if exact else 1 - similarity - SLACK
-    table.distances[one, other] = table.distances[other, one] = distance
-    table.known[one, other] = table.known[other, one] = _EXACT if exact else _BOUND
+    table.distances[one, other] = 1 - similarity if exact else 1 - similarity - SLACK
+    table.known[one, other] = _EXACT if exact else _COMPARED
     return exact
+
+
+@numba.njit(cache=True)
+def _tell(table: _Table, rows: Integers) -> None:
+    """Keep what was compared for some indices for the other ones too."""
+    distances, known = table.distances, table.known
+    for one in rows:
+        for other in range(known.shape[1]):
+            if known[one, other] < _COMPARED or known[one, other] < known[other, one]:
+                continue
+            better = distances[one, other] > distances[other, one]
+            if better or known[one, other] > known[other, one]:
+                distances[other, one], known[other, one] = distances[one, other], known[one, other]
 
 
 @numba.njit(cache=True)

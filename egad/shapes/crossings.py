@@ -47,17 +47,17 @@ def _sweep(
 ) -> Ints:
     """Test the pairs whose boxes overlap, found along the first coordinate."""
     order = np.argsort(low[:, 0], kind="mergesort")
+    low, high = low[order], high[order]
     found = []
-    for start in range(len(order)):
-        i = order[start]
-        for later in range(start + 1, len(order)):
-            j = order[later]
-            if low[j, 0] > high[i, 0]:
+    for first in range(len(order)):
+        for second in range(first + 1, len(order)):
+            if low[second, 0] > high[first, 0]:
                 break
-            if low[i, 1] > high[j, 1] or low[j, 1] > high[i, 1]:
+            if low[first, 1] > high[second, 1] or low[second, 1] > high[first, 1]:
                 continue
-            if low[i, 2] > high[j, 2] or low[j, 2] > high[i, 2]:
+            if low[first, 2] > high[second, 2] or low[second, 2] > high[first, 2]:
                 continue
+            i, j = order[first], order[second]
             if _pierces(vertices, faces, normals, i, j, depth) or _pierces(
                 vertices, faces, normals, j, i, depth
             ):
@@ -81,7 +81,7 @@ def _pierces(
         below = _height(vertices, q, faces, normals, second)
         if above * below >= 0.0 or min(abs(above), abs(below)) <= depth:
             continue
-        if _passes_within(vertices[p], vertices[q], vertices, faces[second]):
+        if _passes_within(vertices, p, q, faces, second):
             return True
     return False
 
@@ -102,11 +102,22 @@ def _height(vertices: Floats, vertex: int, faces: Ints, normals: Floats, face: i
 
 
 @numba.njit(cache=True)
-def _passes_within(p: Floats, q: Floats, vertices: Floats, corners: Ints) -> bool:
-    """Whether the line p-q winds the same way about all three sides."""
-    a, b, c = vertices[corners[0]] - p, vertices[corners[1]] - p, vertices[corners[2]] - p
-    line = q - p
-    x = (line * np.cross(a, b)).sum()
-    y = (line * np.cross(b, c)).sum()
-    z = (line * np.cross(c, a)).sum()
+def _passes_within(vertices: Floats, p: int, q: int, faces: Ints, face: int) -> bool:
+    """Whether the line p-q winds the same way about all three sides of a triangle."""
+    a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
+    x = _turn(vertices, p, q, a, b)
+    y = _turn(vertices, p, q, b, c)
+    z = _turn(vertices, p, q, c, a)
     return bool((x >= 0 and y >= 0 and z >= 0) or (x <= 0 and y <= 0 and z <= 0))
+
+
+@numba.njit(cache=True)
+def _turn(vertices: Floats, p: int, q: int, a: int, b: int) -> float:
+    """Six times the signed volume of the tetrahedron p, q, a, b."""
+    total = 0.0
+    for k in range(3):
+        m, n = (k + 1) % 3, (k + 2) % 3
+        cross = (vertices[a, m] - vertices[p, m]) * (vertices[b, n] - vertices[p, n])
+        cross -= (vertices[a, n] - vertices[p, n]) * (vertices[b, m] - vertices[p, m])
+        total += (vertices[q, k] - vertices[p, k]) * cross
+    return total

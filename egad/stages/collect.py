@@ -1,6 +1,8 @@
 """collect: the objects of all shards become one dataset, with cells, labels and diversities."""
 
 import logging
+from collections import deque
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ from egad.stage_settings import Collect
 from egad.stages.shards import join
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
+from egad.workers import workers
 
 log = logging.getLogger(__name__)
 
@@ -28,6 +31,7 @@ def run(
     objects: Path,
     rejected: Path,
     meshes: Path,
+    worker_count: int,
 ) -> None:
     """Bring a dataset together.
 
@@ -39,26 +43,28 @@ def run(
         objects: The table of the dataset, with the columns of `tables.objects.OBJECTS`.
         rejected: The table of all rejected objects.
         meshes: Folder of `LABEL.obj`, in metres.
+        worker_count: Processes that write, threads that compare; the result does not depend on it.
     """
-    frame = arrange(join(solids, SOLIDS, ["id"]), settings, evolved)
-    with replacing(meshes) as folder:
+    frame = arrange(join(solids, SOLIDS, ["id"]), settings, evolved, worker_count)
+    with workers(worker_count) as mapper, replacing(meshes) as folder:
         folder.mkdir()
         columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
-        for label, vertices, faces in columns:
-            write_obj(mesh_of(vertices, faces), folder / f"{label}.obj")
+        deque(mapper(partial(_write, folder), columns), maxlen=0)
     parquet.write(join(rejects, REJECTED, ["id", "stage"]), REJECTED, rejected)
     parquet.write(frame, OBJECTS, objects)
     log.info("%d objects", len(frame))
 
 
-def arrange(frame: pd.DataFrame, settings: Collect, evolved: bool) -> pd.DataFrame:
+def arrange(
+    frame: pd.DataFrame, settings: Collect, evolved: bool, threads: int = 1
+) -> pd.DataFrame:
     """Add cells, diversities and labels, and sort by label."""
     graphs = [reeb.unpack(data) for data in frame["graph"]]
     space = settings.space
     frame = frame.assign(
         complexity_cell=complexity_cells(frame["complexity"], space),
         difficulty_cell=difficulty_cells(frame["difficulty"], space),
-        diversity=diversities(graphs, settings.similarity.weight, space.neighbours),
+        diversity=diversities(graphs, settings.similarity.weight, space.neighbours, threads),
     )
     if not evolved:
         return frame.assign(label=frame["id"]).sort_values("label", ignore_index=True)
@@ -68,6 +74,11 @@ def arrange(frame: pd.DataFrame, settings: Collect, evolved: bool) -> pd.DataFra
         ignore_index=True,
     )
     return frame.assign(label=labels(frame["complexity_cell"], frame["difficulty_cell"]))
+
+
+def _write(folder: Path, row: tuple[str, np.ndarray, np.ndarray]) -> None:
+    label, vertices, faces = row
+    write_obj(mesh_of(vertices, faces), folder / f"{label}.obj")
 
 
 def mesh_of(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:

@@ -39,12 +39,12 @@ def run(
         base: Merged archive of the epoch before; None to start from random genomes.
         out: The island's archive, with the columns of `tables.evolution.EPOCH`.
         history: Its steps, with the columns of `tables.evolution.HISTORY`.
-        worker_count: Processes; the result does not depend on it.
+        worker_count: Processes, and threads; the result does not depend on it.
     """
     check_measures(settings.axes)
     rules = rules_of(settings, mesh_of)
     with workers(worker_count) as mapper:
-        archive = Archive(settings.space, settings.similarity)
+        archive = Archive(settings.space, settings.similarity, worker_count)
         if base is not None:
             check_provenance(base, settings)
             archive.add(elites_of(parquet.read(base, EPOCH)))

@@ -8,11 +8,12 @@ from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, EPOCH
 
 
-def run(settings: Merge, islands: list[Path], out: Path) -> None:
+def run(settings: Merge, islands: list[Path], out: Path, threads: int = 1) -> None:
     """Merge the archives of all islands (columns of `tables.evolution.EPOCH`)."""
     frames = [parquet.read(path, EPOCH) for path in islands]
-    merged = merge(frames, settings.space, settings.similarity) if len(frames) > 1 else frames[0]
-    parquet.write(merged, EPOCH, out, parquet.notes(islands[0]))
+    if len(frames) > 1:
+        frames = [merge(frames, settings.space, settings.similarity, threads)]
+    parquet.write(frames[0], EPOCH, out, parquet.notes(islands[0]))
 
 
 def publish(epoch_archive: Path, out: Path) -> None:

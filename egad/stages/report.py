@@ -1,6 +1,7 @@
 """report: everything at a glance, in one HTML file."""
 
 import platform
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
+from egad.workers import Mapper, workers
 
 PACKAGES = [
     "egad",
@@ -38,24 +40,29 @@ PACKAGES = [
 THUMBNAIL, PORTRAIT = 96, 192
 
 
-def run(settings: Settings, results: Path, out: Path) -> None:
+def run(settings: Settings, results: Path, out: Path, worker_count: int) -> None:
     """Write the report of a run.
 
     Args:
         settings: The whole configuration.
         results: Folder of all results.
         out: The HTML file.
+        worker_count: Processes that draw; the result does not depend on it.
     """
+    with workers(worker_count) as mapper:
+        datasets = {
+            name: _dataset(settings, name, results / name, mapper) for name in settings.datasets
+        }
     data = ReportData(
         settings=settings,
         comparison=parquet.read(results / "comparison.parquet", COMPARISON),
-        datasets={name: _dataset(settings, name, results / name) for name in settings.datasets},
+        datasets=datasets,
         versions={"python": platform.python_version()} | {name: version(name) for name in PACKAGES},
     )
     write_text(out, build(data))
 
 
-def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
+def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> DatasetReport:
     """What was made for a dataset; only targets are taken beyond their objects."""
     objects = parquet.read(folder / "objects.parquet", OBJECTS)
     evolved = settings.datasets[name].source == "evolved"
@@ -63,11 +70,12 @@ def _dataset(settings: Settings, name: str, folder: Path) -> DatasetReport:
     rejected = _rejected(
         folder, settings.targets.grippers if name in settings.targets.datasets else []
     )
-    pictures = _pictures(folder / "meshes", objects["label"].tolist(), THUMBNAIL)
+    pictures = _pictures(folder / "meshes", objects["label"].tolist(), THUMBNAIL, mapper)
     if name not in settings.targets.datasets:
         return DatasetReport(objects, rejected, pictures, history=history)
     evalset = parquet.read(folder / "eval49.parquet", EVAL49)
-    portraits = _pictures(folder / "meshes", evalset["object_label"].tolist(), PORTRAIT)
+    labels = evalset["object_label"].tolist()
+    portraits = _pictures(folder / "meshes", labels, PORTRAIT, mapper)
     grippers = settings.targets.grippers
     grasps = _each(grippers, folder / "grasps", "{}.parquet", GRASPS)
     return DatasetReport(
@@ -102,11 +110,14 @@ def _rejected(folder: Path, grippers: list[str]) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
-def _pictures(meshes: Path, labels: list[str], size: int) -> dict[str, bytes]:
-    return {
-        label: png_bytes(render(read_mesh(meshes / f"{label}.obj", "m"), size))
-        for label in progress(labels, "drawing", len(labels))
-    }
+def _pictures(meshes: Path, labels: list[str], size: int, mapper: Mapper) -> dict[str, bytes]:
+    """A PNG of each object, by its label."""
+    drawn = mapper(partial(_picture, size=size), [meshes / f"{label}.obj" for label in labels])
+    return dict(zip(labels, progress(drawn, "drawing", len(labels)), strict=True))
+
+
+def _picture(path: Path, size: int) -> bytes:
+    return png_bytes(render(read_mesh(path, "m"), size))
 
 
 def _each(

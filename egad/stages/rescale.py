@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-import trimesh
 
 from egad.errors import RejectedError
 from egad.exchange.folders import object_names
@@ -51,14 +50,13 @@ def run(
     scales, left_out = [], []
     with workers(worker_count) as mapper, replacing(out) as folder:
         folder.mkdir()
-        results = mapper(partial(_scaled, units=units, settings=settings), named.values())
+        work = partial(_scaled, units=units, settings=settings, folder=folder, ending=ending)
+        results = mapper(work, named.items())
         for name, result in zip(named, progress(results, "scaling", len(named)), strict=True):
             if isinstance(result, str):
                 left_out.append(rejection(name, "rescale", result))
             else:
-                mesh, row = result
-                WRITERS[ending](mesh, folder / f"{name}.{ending}")
-                scales.append({"label": name, **row})
+                scales.append({"label": name, **result})
         parquet.write(pd.DataFrame(scales), SCALES, folder / "scales.parquet")
         parquet.write(pd.DataFrame(left_out), REJECTED, folder / "rejected.parquet")
     rule = settings.rescale.rule
@@ -67,12 +65,14 @@ def run(
 
 
 def _scaled(
-    path: Path, units: str, settings: RescaleMeshes
-) -> tuple[trimesh.Trimesh, dict[str, Any]] | str:
-    """A scaled mesh and its row, or the reason why there is none."""
-    rule = settings.rescale
+    named: tuple[str, Path], units: str, settings: RescaleMeshes, folder: Path, ending: str
+) -> dict[str, Any] | str:
+    """Write a scaled mesh; its row, or the reason why there is none."""
+    (name, path), rule = named, settings.rescale
     try:
         mesh = read_mesh(path, units)
-        return rescale(mesh, rule.rule, settings.gripper.opening, rule.side_fraction)
+        scaled, row = rescale(mesh, rule.rule, settings.gripper.opening, rule.side_fraction)
     except RejectedError as reason:
         return str(reason)
+    WRITERS[ending](scaled, folder / f"{name}.{ending}")
+    return row

@@ -26,7 +26,9 @@ from egad.tables.objects import OBJECTS, SOLIDS
 log = logging.getLogger(__name__)
 
 
-def run(settings: EvalSelection, objects: Path, solids: list[Path], out: Path) -> None:
+def run(
+    settings: EvalSelection, objects: Path, solids: list[Path], out: Path, threads: int
+) -> None:
     """Choose one object a cell so that the set looks least alike.
 
     Args:
@@ -34,11 +36,12 @@ def run(settings: EvalSelection, objects: Path, solids: list[Path], out: Path) -
         objects: Table with the columns of `tables.objects.OBJECTS`.
         solids: The shards of the dataset, for the Reeb graphs.
         out: Table with the columns of `tables.evaluation.EVAL49`.
+        threads: Objects compared at once; the result does not depend on it.
     """
     frame = parquet.read(objects, OBJECTS)
     packed = join(solids, SOLIDS, ["id"]).set_index("id")["graph"]
     graphs = [reeb.unpack(packed[object_id]) for object_id in frame["id"]]
-    distances = 1 - similarity_matrix(graphs, settings.similarity.weight)
+    distances = 1 - similarity_matrix(graphs, settings.similarity.weight, threads)
     rng = generator(settings.seed, "select-eval")
     chosen = select(frame, distances, settings.select_eval, settings.space, rng)
     parquet.write(chosen, EVAL49, out)

@@ -1,6 +1,7 @@
 import itertools
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from egad.evolution.archive import Archive, Elite, elites_of, merge
@@ -65,6 +66,16 @@ def test_equals_the_rule_done_slowly(elites):
         archive.add(batch)
     assert {each.id for each in archive.elites} == slow_archive(batches, SPACE)
     assert len(archive) == 6
+
+
+def test_any_number_of_threads_keeps_the_same(elites):
+    tables = []
+    for threads in (1, 3):
+        archive = Archive(SPACE, SIMILARITY, threads)
+        for batch in (elites[:7], elites[5:12], elites[10:]):
+            archive.add(batch)
+        tables.append(archive.to_frame())
+    pd.testing.assert_frame_equal(*tables)
 
 
 def test_no_cell_holds_too_many_and_coverage_counts_places(elites):

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.evolution.archive import Archive
+from egad.evolution.archive import Archive, elites_of, merge
 from egad.evolution.evaluation import Solid, measure, regrade
 from egad.evolution.island import _evaluated, evolve
 from egad.evolution.reproduction import LEAST, breed, parent_odds
@@ -52,6 +52,23 @@ def test_two_workers_give_the_same_bytes_as_one(island, tmp_path):
     parquet.write(one.to_frame(), EPOCH, tmp_path / "one")
     parquet.write(two.to_frame(), EPOCH, tmp_path / "two")
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+
+
+@pytest.mark.parametrize("count", [1, 2, 8])
+def test_islands_that_evolve_apart_and_merge_can_be_repeated(count):
+    def run():
+        frames = [evolved_again([], 0, number) for number in range(count)]
+        merged = merge(frames, SETTINGS.space, SETTINGS.similarity)
+        frames = [evolved_again(elites_of(merged), 1, number) for number in range(count)]
+        return merge(frames, SETTINGS.space, SETTINGS.similarity)
+
+    def evolved_again(elites, epoch, number):
+        archive = Archive(SETTINGS.space, SETTINGS.similarity)
+        archive.add(elites)
+        evolve(archive, with_search(population=4, steps_per_epoch=1), epoch, number)
+        return archive.to_frame()
+
+    pd.testing.assert_frame_equal(run(), run())
 
 
 def test_another_island_and_another_epoch_find_other_objects(island):

@@ -77,6 +77,41 @@ def test_the_order_of_questions_does_not_matter(graphs):
     assert one == other[::-1]
 
 
+def test_any_number_of_threads_finds_the_same(graphs, monkeypatch):
+    monkeypatch.setattr(neighbours, "CHUNK", 1)
+    monkeypatch.setattr(neighbours, "ROUND", 3)
+    expected = diversities(graphs, 0.5, 4).tolist()
+    for threads in (2, 5):
+        assert diversities(graphs, 0.5, 4, threads).tolist() == expected
+        changing = Neighbourhood(0.5, 4, threads)
+        places = changing.add(graphs)
+        changing.diversities(places[:7])
+        gone = changing.diversities(places)
+        changing.remove(places[20])
+        changing.add(graphs[20:21])
+        assert changing.diversities(places) == gone == expected
+
+
+def test_what_was_compared_is_known_in_both_directions(graphs):
+    everyone = Neighbourhood(0.5, 3, threads=2)
+    everyone.diversities(everyone.add(graphs))
+    exact = everyone._known[:40, :40] == neighbours._EXACT
+    assert np.array_equal(exact, exact.T)
+    kept = everyone._distances[:40, :40]
+    assert np.array_equal(kept[exact], kept.T[exact])
+
+
+def test_removing_names_those_whose_diversity_changes(graphs):
+    everyone = Neighbourhood(0.5, 3)
+    before = dict(enumerate(everyone.diversities(everyone.add(graphs))))
+    popular = everyone.nearest(0)[0][0].item()
+    changed = set(everyone.remove(popular))
+    others = sorted(before.keys() - {popular})
+    after = dict(zip(others, everyone.diversities(others), strict=True))
+    assert {index for index in after if after[index] != before[index]} <= changed
+    assert 0 < len(changed) < 39
+
+
 def test_distance_is_symmetric(graphs, distances):
     two = Neighbourhood(0.5, 1)
     a, b = two.add(graphs[:2])

@@ -69,7 +69,7 @@ rule merge:
         dataset=EVOLVED_DATASET,
     conda:
         ENVIRONMENT
-    threads: 1
+    threads: side_by_side
     resources:
         mem_mb=3000,
         runtime=60,
@@ -79,7 +79,8 @@ rule merge:
     message:
         "Merging the islands of epoch {wildcards.epoch}"
     shell:
-        "egad merge --settings {params.settings:q} --out {output:q} {input:q} > {log:q} 2>&1"
+        "egad merge --settings {params.settings:q} --out {output:q} --jobs {threads} {input:q}"
+        " > {log:q} 2>&1"
 
 
 rule archive:

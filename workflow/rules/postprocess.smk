@@ -52,7 +52,7 @@ rule collect:
         "benchmarks/{dataset}/collect.tsv"
     conda:
         ENVIRONMENT
-    threads: 1
+    threads: side_by_side
     resources:
         mem_mb=4000,
         runtime=60,
@@ -67,4 +67,5 @@ rule collect:
     shell:
         "egad collect --settings {params.settings:q} --source {params.source:q}"
         " {params.solids:q} {params.rejects:q} --out {output.objects:q}"
-        " --rejected {output.rejected:q} --meshes {output.meshes:q} > {log:q} 2>&1"
+        " --rejected {output.rejected:q} --meshes {output.meshes:q} --jobs {threads}"
+        " > {log:q} 2>&1"

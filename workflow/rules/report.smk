@@ -17,9 +17,9 @@ rule report:
         "benchmarks/report.tsv"
     conda:
         ENVIRONMENT
-    threads: 1
+    threads: side_by_side
     resources:
-        mem_mb=2000,
+        mem_mb=worker_memory,
         runtime=30,
     params:
         settings=SETTINGS.model_dump_json(),
@@ -29,4 +29,4 @@ rule report:
         "Writing the report"
     shell:
         "egad report --settings {params.settings:q} --results {params.results:q} --out {output:q}"
-        " > {log:q} 2>&1"
+        " --jobs {threads} > {log:q} 2>&1"

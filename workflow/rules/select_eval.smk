@@ -18,7 +18,7 @@ rule select_eval:
         "benchmarks/{dataset}/select_eval.tsv"
     conda:
         ENVIRONMENT
-    threads: 1
+    threads: side_by_side
     resources:
         mem_mb=4000,
         runtime=60,
@@ -30,4 +30,4 @@ rule select_eval:
         "Choosing the evaluation set of {wildcards.dataset}"
     shell:
         "egad select-eval --settings {params.settings:q} --objects {input.objects:q}"
-        " {params.solids:q} --out {output:q} > {log:q} 2>&1"
+        " {params.solids:q} --out {output:q} --jobs {threads} > {log:q} 2>&1"
