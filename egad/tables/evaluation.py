@@ -53,7 +53,8 @@ TRIALS = pa.schema(
         column(
             "outcome",
             STRING,
-            "success, no_grasp, collided, missed, slipped, dropped or failed",
+            "success, collided, missed, slipped, dropped, failed, no_grasp, not_finite, too_wide, "
+            "below_table, error or timeout",
         ),
         *vector("grasp", "grasp centre chosen by the detector, world frame", "m"),
         column("angle", FLOAT, "angle of the closing axis about the vertical", "rad"),
