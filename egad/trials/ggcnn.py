@@ -12,6 +12,7 @@ from scipy import ndimage
 from egad.errors import UserError
 from egad.settings import Gripper
 from egad.trials.camera import View
+from egad.trials.files import GGCNN_WEIGHTS, check_ggcnn
 from egad.trials.grasp import Grasp
 from egad.trials.relief import TABLE_CLEARANCE
 
@@ -23,10 +24,6 @@ SMOOTHING = 2.0  # pixels
 APART = 21  # pixels; the best of a window this wide is proposed
 MAX_GRASPS = 10
 BITE = 0.02  # the fingertips go this far below the surface seen at the centre of the grasp
-WHERE_TO_GET = (
-    "the published ones are in the releases of the project dougsm/ggcnn, as files named "
-    "ggcnn_epoch_23_cornell_statedict.pt (GG-CNN) and epoch_50_cornell_statedict.pt (GG-CNN2)"
-)
 
 
 class Crop(NamedTuple):
@@ -55,8 +52,6 @@ class GGCNN:
         Raises:
             UserError: PyTorch is missing, or the weights are, or they are of another network.
         """
-        if weights is None:
-            raise UserError(f"ggcnn needs a policy with `weights: FILE`; {WHERE_TO_GET}")
         try:
             from egad.trials.networks import load  # noqa: PLC0415 (an extra)
         except ModuleNotFoundError as error:
@@ -64,9 +59,9 @@ class GGCNN:
                 "ggcnn needs PyTorch: install egad with its extra, egad[ggcnn]"
             ) from error
         try:
-            self._network = load(weights)
-        except UserError as error:
-            raise UserError(f"{error}; {WHERE_TO_GET}") from error
+            self._network = load(check_ggcnn(weights))
+        except ValueError as error:
+            raise UserError(f"{error}; {GGCNN_WEIGHTS}") from error
 
     def __call__(self, view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
         """Grasps at the peaks of the quality, at most 10 (published, but for the depth: ours).

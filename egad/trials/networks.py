@@ -5,14 +5,11 @@ layers have the names that they have in the published weights.
 """
 
 from collections.abc import Callable, Mapping
-from pathlib import Path
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import nn
-
-from egad.errors import UserError
 
 SIZE = 300  # pixels a side of the image that goes in, and of those that come out
 OUTPUTS = ("pos_output", "cos_output", "sin_output", "width_output")
@@ -31,14 +28,14 @@ def load(path: str) -> Network:
         width, (4, 300, 300). It runs on one core, so that the same image gives the same answer.
 
     Raises:
-        UserError: There is no such file, or it holds something else.
+        ValueError: The file holds something else.
     """
     state = _state(path)
     network = _gg_cnn2() if "features.0.weight" in state else _gg_cnn()
     try:
         network.load_state_dict(state)
     except RuntimeError as error:
-        raise UserError(
+        raise ValueError(
             f"{path}: the weights are of another network than GG-CNN and GG-CNN2"
         ) from error
     network.eval()
@@ -53,14 +50,12 @@ def load(path: str) -> Network:
 
 
 def _state(path: str) -> Mapping[str, torch.Tensor]:
-    if not Path(path).is_file():
-        raise UserError(f"there is no file {path} with weights of GG-CNN")
     try:
         state = torch.load(path, map_location="cpu", weights_only=True)
     except Exception as error:
-        raise UserError(f"{path} is not a state dictionary of PyTorch: {error}") from error
+        raise ValueError(f"{path} is not a state dictionary of PyTorch: {error}") from error
     if not isinstance(state, Mapping):
-        raise UserError(f"{path} is not a state dictionary: it holds a {type(state).__name__}")
+        raise ValueError(f"{path} is not a state dictionary: it holds a {type(state).__name__}")
     return state
 
 

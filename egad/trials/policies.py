@@ -12,10 +12,9 @@ from egad.settings import Gripper, Policy
 from egad.trials.antipodal import antipodal_depth
 from egad.trials.camera import View
 from egad.trials.chance import random_grasp
+from egad.trials.files import WHERE
 from egad.trials.ggcnn import GGCNN
 from egad.trials.grasp import Grasp
-
-WHERE = "policies"
 
 
 class Detector(Protocol):
@@ -54,17 +53,6 @@ def detector(policy: Policy) -> Detector:
     if name == "labels":
         raise UserError("labels: knows where the object is and answers in simulated trials only")
     return checked(GGCNN(policy.weights) if name == "ggcnn" else _own(policy))
-
-
-def fingerprint(policy: Policy) -> list[str]:
-    """What else than the library decides the answers: the user's file, and the weights.
-
-    Raises:
-        UserError: A file is missing.
-    """
-    own = [own_code.source_hash(policy.detector, WHERE)] if ":" in policy.detector else []
-    weights = [own_code.file_hash(policy.weights, WHERE)] if policy.weights else []
-    return [*own, *weights]
 
 
 def checked(detect: Callable[..., Any]) -> Detector:

@@ -1,6 +1,7 @@
 """What goes into GG-CNN and what is made of its answer; a stand-in takes the network's place."""
 
 import sys
+import types
 
 import numpy as np
 import pytest
@@ -109,8 +110,9 @@ def test_a_blind_camera_gives_nothing(look):
     assert answered(blind, Stand(150, 150, 0.0, 0.2)) == []
 
 
-def test_without_weights_the_message_says_where_they_are():
-    with pytest.raises(UserError, match=r"needs a policy with `weights: FILE`.*dougsm/ggcnn"):
+def test_without_weights_the_message_says_where_they_are(monkeypatch):
+    monkeypatch.setitem(sys.modules, "egad.trials.networks", types.SimpleNamespace(load=None))
+    with pytest.raises(UserError, match=r"needs `weights: FILE`.*dougsm/ggcnn"):
         GGCNN(None)
 
 

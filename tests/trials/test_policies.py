@@ -8,8 +8,9 @@ from egad.errors import UserError
 from egad.settings import GRIPPERS, POLICIES, Policy
 from egad.settings.trials import SHIPPED
 from egad.trials.child import Child, DetectorError, DetectorTimeoutError
+from egad.trials.files import fingerprint
 from egad.trials.grasp import Grasp
-from egad.trials.policies import QUICK, detector, fingerprint
+from egad.trials.policies import QUICK, detector
 
 HAND = GRIPPERS["egad_75mm"]
 CODE = """
@@ -132,8 +133,15 @@ def test_edited_code_or_weights_have_another_fingerprint(tmp_path):
     weights.write_text("2")
     assert len({tuple(before), tuple(edited), tuple(fingerprint(policy))}) == 3
     assert fingerprint(POLICIES["random"]) == []
-    with pytest.raises(UserError, match="there is no file nowhere"):
-        fingerprint(Policy(detector="ggcnn", weights="nowhere"))
+
+
+@pytest.mark.parametrize(
+    ("weights", "words"),
+    [(None, "ggcnn needs `weights: FILE`"), ("nowhere.pt", "there is no file nowhere.pt")],
+)
+def test_missing_weights_of_ggcnn_are_found_missing_before_anything_runs(weights, words):
+    with pytest.raises(UserError, match=f"{words}; .*dougsm/ggcnn"):
+        fingerprint(Policy(detector="ggcnn", weights=weights))
 
 
 def test_a_child_answers_as_the_detector_itself(file, view):

@@ -14,7 +14,7 @@ from egad.data import released
 from egad.errors import UserError
 from egad.exchange.folders import EVERY_FILE, mesh_files
 from egad.measures.own import source_hash
-from egad.trials.policies import fingerprint
+from egad.trials.files import fingerprint
 
 try:
     SETTINGS = check(config)
