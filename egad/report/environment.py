@@ -24,7 +24,8 @@ def environment() -> Environment:
 
 
 def _percent(value: float, digits: int = 0) -> str:
-    return DASH if pd.isna(value) else f"{100 * value:.{digits}f}{SPACE}%"
+    number = f"{100 * value:.{digits}f}".replace("-", "\N{MINUS SIGN}")
+    return DASH if pd.isna(value) else f"{number}{SPACE}%"
 
 
 def _count(value: int) -> str:

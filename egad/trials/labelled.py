@@ -35,8 +35,10 @@ class Labels:
     def propose(self, matrix: Floats, view: View, gripper: Gripper) -> list[Grasp]:
         """Grasps whose closing axis is within 15 degrees of level and that leave the hand space.
 
-        The space is looked up in the depth image, straight from above. The pads are centred on
-        the contacts, or as low as they can get. The quality is the robust quality.
+        The space is looked up in the depth image, straight from above, for a hand that opens 8 mm
+        wider than the contacts on either side, or as wide as it can where that reaches lower. The
+        pads are centred on the contacts, or as low as they can get. The quality is the robust
+        quality.
 
         Args:
             matrix: (4, 4) transform from the frame of the grasps to the world.
@@ -53,10 +55,14 @@ class Labels:
             return []
         center = self._center[level] @ matrix[:3, :3].T + matrix[:3, 3]
         flat = axis[level, :2] / np.linalg.norm(axis[level, :2], axis=1, keepdims=True)
-        width = np.minimum(self._width[level] + 2 * CLEARANCE, gripper.opening)
+        narrow = np.minimum(self._width[level] + 2 * CLEARANCE, gripper.opening)
+        wide = np.full_like(narrow, gripper.opening)
         pad = min(gripper.finger_width, gripper.finger_length) / 2
-        lowest = lowest_tip(center[:, :2], flat, width, relief, gripper)
-        tip = np.maximum(center[:, 2] - pad, lowest)
+        tips = [
+            np.maximum(center[:, 2] - pad, lowest_tip(center[:, :2], flat, width, relief, gripper))
+            for width in (narrow, wide)
+        ]
+        tip, width = np.minimum(*tips), np.where(tips[0] <= tips[1], narrow, wide)
         quality = self._quality[level]
         order = np.argsort(-quality, kind="stable")
         order = order[(center[:, 2] - tip)[order] >= LEAST_BITE][:MAX_GRASPS]

@@ -80,6 +80,19 @@ def test_fingers_stay_above_the_table_and_below_the_contacts():
     assert found.tip == pytest.approx(0.003)
 
 
+def test_a_hand_opens_wide_to_reach_below_an_overhang():
+    """A stem of 20 mm under a cap of 60 mm: half open, the fingers would land on the cap."""
+    cap = trimesh.creation.box(bounds=[(-0.03, -0.03, 0.04), (0.03, 0.03, 0.05)])
+    stem = trimesh.creation.box(bounds=[(-0.01, -0.01, 0), (0.01, 0.01, 0.04)])
+    mushroom = trimesh.util.concatenate([cap, stem])
+    view = Eye(mushroom).look(np.eye(4), Intrinsics.square(300, 40.0), above(0.6))
+    row = {"center_x": 0, "center_y": 0, "center_z": 0.02, "axis_x": 1, "axis_y": 0, "axis_z": 0}
+    row |= {"width": 0.02, "robust_quality": 0.004, "collision_free": True}
+    (found,) = Labels(pd.DataFrame([row])).propose(np.eye(4), view, HAND)
+    assert found.width == HAND.opening
+    assert found.tip == pytest.approx(0.01)
+
+
 def test_nothing_labelled_and_nothing_seen_give_nothing():
     matrix, view = placed(LONG)
     assert labelled([(*ALL[0][:3], False)]).propose(matrix, view, HAND) == []
