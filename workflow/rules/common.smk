@@ -21,9 +21,7 @@ try:
     # The user's own measures by their code, so that editing it re-runs what they measure.
     MEASURES = [source_hash(measure) for _, measure in SETTINGS.axes if measure]
     # The same of detectors; of those that nothing is wanted from, the files need not be there.
-    DETECTORS = {
-        name: fingerprint(SETTINGS.policies[name]) for name in SETTINGS.targets.policies
-    }
+    DETECTORS = {name: fingerprint(SETTINGS.policies[name]) for name in SETTINGS.targets.policies}
 except UserError as error:
     raise WorkflowError(f"The configuration cannot be used:\n{error}")
 
