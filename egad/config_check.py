@@ -19,6 +19,7 @@ _SIMILAR = 0.6
 _SOUND_ENTRY: dict[str, dict[str, Any]] = {
     "datasets": {"source": "meshes", "folder": ".", "units": "m"},
     "grippers": {"opening": 0.05},
+    "policies": {"detector": "random"},
 }
 
 

@@ -23,6 +23,7 @@ from egad.settings import (
     Material,
     Neat,
     Part,
+    Policy,
     Postprocess,
     PrintExport,
     Quality,
@@ -41,7 +42,7 @@ from egad.settings import (
 
 
 class StageSettings(BaseModel):
-    """The sections that one stage reads. `gripper` is one entry of the table of grippers."""
+    """The sections that one stage reads; `gripper` and `policy` are entries of their tables."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -187,6 +188,7 @@ class SimulatedTrials(StageSettings):
 
     seed: int
     gripper: Gripper
+    policy: Policy
     material: Material
     trials: Trials
 
@@ -201,18 +203,23 @@ class Compare(StageSettings):
 S = TypeVar("S", bound=StageSettings)
 
 
-def select(settings: Settings, stage: type[S], gripper: str | None = None) -> S:
+def select(
+    settings: Settings, stage: type[S], gripper: str | None = None, policy: str | None = None
+) -> S:
     """The part of a configuration that a stage reads.
 
     Args:
         settings: The whole configuration.
         stage: One of the classes above.
         gripper: Name of the gripper, for stages that read one.
+        policy: Name of the grasp detector, for the stage that tries one.
     """
-    names = [name for name in stage.model_fields if name != "gripper"]
+    names = [name for name in stage.model_fields if name not in ("gripper", "policy")]
     values = {name: getattr(settings, name) for name in names}
     if issubclass(stage, Measuring) and settings.difficulty.metric == "plain":
         values["robust"] = None
     if "gripper" in stage.model_fields:
         values["gripper"] = settings.grippers[gripper or settings.difficulty.gripper]
+    if "policy" in stage.model_fields:
+        values["policy"] = settings.policies[policy or settings.targets.policies[0]]
     return stage(**values)

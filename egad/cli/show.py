@@ -1,7 +1,7 @@
 """Tables on the terminal."""
 
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import pandas as pd
 from rich.console import Console
@@ -9,6 +9,9 @@ from rich.table import Table
 
 from egad.measures.space import cell_name
 from egad.report.axes import AxisPair
+from egad.report.environment import p_value
+from egad.report.trial_views import Pair
+from egad.trials.statistics import Mean
 
 DASH = "-"
 WIDE = 200  # columns of a table that goes into a file
@@ -71,6 +74,41 @@ def square(matrix: pd.DataFrame) -> None:
     show(["", *names], [(name, *row) for name, row in zip(names, numbers, strict=True)])
 
 
+def succeeded(rates: Mapping[str, Mean]) -> None:
+    """Print success rates by detector."""
+    show(
+        ["detector", "attempts", "success %", "95 % interval"],
+        [
+            (name, str(rate.attempts), number(100 * rate.value, 1), _interval(rate.interval))
+            for name, rate in rates.items()
+        ],
+    )
+
+
+def compared(pairs: Sequence[Pair]) -> None:
+    """Print what is known of each two detectors."""
+    show(
+        [
+            "first against second",
+            *("attempts of both", "difference %", "95 % interval", "p over objects"),
+            *("only first", "only second", "p over attempts"),
+        ],
+        [
+            (
+                f"{pair.first} against {pair.second}",
+                str(pair.result.attempts),
+                number(100 * pair.result.difference, 1),
+                _interval(pair.result.interval),
+                p_value(pair.result.p_objects),
+                str(pair.result.only_first),
+                str(pair.result.only_second),
+                p_value(pair.result.p_attempts),
+            )
+            for pair in pairs
+        ],
+    )
+
+
 def show(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """Print a table on stdout, the first and the last column of words to the left."""
     table = Table(box=None, pad_edge=False, header_style="bold")
@@ -86,6 +124,10 @@ def show(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
 def number(value: float, digits: int) -> str:
     """A number, or a dash if there is none."""
     return DASH if pd.isna(value) else f"{value:.{digits}f}"
+
+
+def _interval(ends: tuple[float, float]) -> str:
+    return " to ".join(number(100 * end, 1) for end in ends)
 
 
 def _rows(table: pd.DataFrame) -> list[pd.Series]:

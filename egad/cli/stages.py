@@ -187,18 +187,19 @@ def dexnet_objects(
 @app.command(rich_help_panel=STAGE)
 def simulate(
     settings: SettingsText,
-    policy: Annotated[str, typer.Option(help="grasp detector")],
     shard: Shard,
     shards: Shards,
     evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
     meshes: Annotated[Path, typer.Option(help="folder of the scaled meshes")],
     out: Out,
+    grasps: Annotated[Path | None, typer.Option(help="labelled grasps, for `labels`")] = None,
 ) -> None:
     """Try to grasp the evaluation objects of a shard in simulation."""
     from egad.stage_settings import SimulatedTrials
     from egad.stages import simulate as stage
 
-    stage.run(parse(SimulatedTrials, settings), policy, evaluation, meshes, (shard, shards), out)
+    parsed = parse(SimulatedTrials, settings)
+    stage.run(parsed, evaluation, meshes, grasps, (shard, shards), out)
 
 
 @app.command(rich_help_panel=STAGE)

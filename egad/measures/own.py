@@ -1,22 +1,17 @@
 """Measures that a user brings: functions in files of their own, named `FILE.py:FUNCTION`."""
 
-import hashlib
-import importlib
-import importlib.util
 import math
-import sys
 from collections.abc import Callable
-from functools import lru_cache
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import trimesh
 
-from egad.errors import RejectedError, UserError
+from egad import own_code
+from egad.errors import RejectedError
 from egad.settings import Axes
 
 Measure = Callable[[trimesh.Trimesh], Any]
+WHERE = "axes"
 
 
 def own_value(measure: str, mesh: trimesh.Trimesh) -> float:
@@ -63,46 +58,9 @@ def source_hash(measure: str) -> str:
     Raises:
         UserError: There is no such file.
     """
-    path = _source(measure.rpartition(":")[0], measure)
-    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    return own_code.source_hash(measure, WHERE)
 
 
-@lru_cache
 def _function(measure: str) -> Measure:
-    module, _, name = measure.rpartition(":")
-    path = _source(module, measure)
-    try:
-        found: Measure | None = getattr(_loaded(module, path), name, None)
-    except Exception as error:
-        raise UserError(f"axes: {path} cannot be run: {type(error).__name__}: {error}") from error
-    if found is None or not callable(found):
-        raise UserError(f"axes: there is no function {name} in {path}")
+    found: Measure = own_code.find(measure, WHERE, "function")
     return found
-
-
-def _source(module: str, measure: str) -> Path:
-    """The file of a module."""
-    path = Path(module) if module.endswith(".py") else _installed(module)
-    if path is None or not path.is_file():
-        raise UserError(f"axes: {measure}: there is no such file or module")
-    return path
-
-
-def _installed(module: str) -> Path | None:
-    try:
-        spec = importlib.util.find_spec(module)
-    except (ImportError, ValueError):
-        return None
-    return Path(spec.origin) if spec is not None and spec.origin is not None else None
-
-
-def _loaded(module: str, path: Path) -> ModuleType:
-    if not module.endswith(".py"):
-        return importlib.import_module(module)
-    spec = importlib.util.spec_from_file_location(f"egad_axis_{path.stem}", path)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"{path} is not Python")
-    loaded = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = loaded  # dataclasses look for it
-    spec.loader.exec_module(loaded)
-    return loaded

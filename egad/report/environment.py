@@ -9,7 +9,7 @@ DASH = "\N{EN DASH}"
 
 
 def environment() -> Environment:
-    """The templates of this package, with filters `percent`, `count`, `fixed` and `code`."""
+    """The templates of this package; filters: `percent`, `count`, `fixed`, `p_value`, `code`."""
     environment = Environment(
         loader=PackageLoader("egad.report"),
         autoescape=True,
@@ -17,12 +17,15 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(percent=_percent, count=_count, fixed=_fixed, code=_code)
+    environment.filters.update(
+        percent=_percent, count=_count, fixed=_fixed, p_value=p_value, code=_code
+    )
     return environment
 
 
 def _percent(value: float, digits: int = 0) -> str:
-    return DASH if pd.isna(value) else f"{100 * value:.{digits}f}{SPACE}%"
+    number = f"{100 * value:.{digits}f}".replace("-", "\N{MINUS SIGN}")
+    return DASH if pd.isna(value) else f"{number}{SPACE}%"
 
 
 def _count(value: int) -> str:
@@ -31,6 +34,13 @@ def _count(value: int) -> str:
 
 def _fixed(value: float, digits: int = 2) -> str:
     return DASH if pd.isna(value) else f"{value:.{digits}f}"
+
+
+def p_value(value: float) -> str:
+    """A p-value in short: two digits, but not below 0.001."""
+    if pd.isna(value):
+        return DASH
+    return "< 0.001" if value < 0.001 else f"{value:.3f}" if value < 0.01 else f"{value:.2f}"
 
 
 def _code(text: str) -> Markup:

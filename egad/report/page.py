@@ -14,23 +14,11 @@ from egad.report.environment import environment
 from egad.report.filling import filling_curves, filling_film
 from egad.report.parameters import entry_tables, parameter_tables
 from egad.report.size_chart import size_chart
+from egad.report.trial_views import Results, Set, results
 from egad.report.viewer import viewer_data
 from egad.settings import Settings
-from egad.trials.statistics import Rate, trial_grid
 
 __all__ = ["DatasetReport", "ReportData", "build"]
-
-
-@dataclass(frozen=True)
-class TrialView:
-    """Attempts of one gripper and policy."""
-
-    gripper: str
-    policy: str
-    rate: Rate
-    objects: int
-    outcomes: dict[str, int]
-    heat_map: str
 
 
 @dataclass(frozen=True)
@@ -48,8 +36,7 @@ class DatasetView:
     size_figures: dict[str, str]
     viewer: dict[str, Any] | None
     scales: list[summary.Row]
-    trials: list[TrialView]
-    outcome_figure: str
+    results: dict[str, Results]
     regrading: summary.Row | None
     curves: str
     film: str
@@ -89,8 +76,6 @@ def build(report: ReportData) -> str:
 
 def _view(name: str, data: DatasetReport, settings: Settings) -> DatasetView:
     grasps = {key: table for key, table in data.grasps.items() if len(table)}
-    trials = {key: table for key, table in data.trials.items() if len(table)}
-    bars = {f"{gripper}, {policy}": table for (gripper, policy), table in trials.items()}
     grippers = list(dict.fromkeys([*data.scales, *data.manifests]))
     history = data.history
     return DatasetView(
@@ -111,8 +96,7 @@ def _view(name: str, data: DatasetReport, settings: Settings) -> DatasetView:
         if data.scenes
         else None,
         scales=[summary.scale_numbers(gripper, data) for gripper in grippers],
-        trials=[_trial_view(key, table, data, settings) for key, table in trials.items()],
-        outcome_figure=_figure(figures.outcome_bars(bars)) if bars else "",
+        results=_results(data, settings),
         regrading=summary.regrading(data.objects, settings.space),
         curves=_figure(filling_curves({name: history})) if history is not None else "",
         film=maps.data_uri(filling_film(history, settings.space), "image/gif")
@@ -123,16 +107,15 @@ def _view(name: str, data: DatasetReport, settings: Settings) -> DatasetView:
     )
 
 
-def _trial_view(
-    key: tuple[str, str], trials: pd.DataFrame, data: DatasetReport, settings: Settings
-) -> TrialView:
-    rows, columns = settings.select_eval.rows, settings.select_eval.columns
-    grid = trial_grid(trials, rows, columns)
-    chosen = trials if data.evalset is None else data.evalset
-    present, axes = set(chosen["label"]), axis_pair(settings.axes)
-    heat_map = figures.trial_heat_map(grid, rows, columns, present, axes)
-    outcomes = summary.outcome_counts(trials)
-    return TrialView(*key, grid.overall, len(grid.cells), outcomes, _figure(heat_map))
+def _results(data: DatasetReport, settings: Settings) -> dict[str, Results]:
+    """What the detectors achieved, by gripper."""
+    tables: dict[str, dict[str, pd.DataFrame]] = {}
+    for (gripper, policy), trials in data.trials.items():
+        if len(trials):
+            tables.setdefault(gripper, {})[policy] = trials
+    chosen, axes = data.evalset, axis_pair(settings.axes)
+    tried = Set(settings.select_eval.rows, settings.select_eval.columns, chosen, axes)
+    return {gripper: results(found, tried) for gripper, found in tables.items()}
 
 
 def _figure(svg: str) -> str:

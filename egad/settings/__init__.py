@@ -14,11 +14,12 @@ from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
 from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Region, Shape, Symmetry
-from egad.settings.trials import Trials
+from egad.settings.trials import POLICIES, Policy, Trials
 from egad.settings.whole import Settings
 
 __all__ = [
     "GRIPPERS",
+    "POLICIES",
     "Acronym",
     "Axes",
     "Axis",
@@ -36,6 +37,7 @@ __all__ = [
     "Name",
     "Neat",
     "Part",
+    "Policy",
     "Postprocess",
     "PrintExport",
     "Quality",

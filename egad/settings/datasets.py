@@ -50,8 +50,10 @@ class Targets(Section):
     grippers: list[Name] = Field(
         ["egad_75mm"], min_length=1, description="grippers of the table below to do this for"
     )
-    policies: list[Literal["antipodal-depth"]] = Field(
-        ["antipodal-depth"], min_length=1, description="grasp detectors to try in simulation"
+    policies: list[Name] = Field(
+        ["antipodal-depth"],
+        min_length=1,
+        description="grasp detectors of the table below to try in simulation",
     )
     exports: list[Literal["dexnet", "acronym"]] = Field(
         [], description="formats of other programs to write the labelled grasps in, too"

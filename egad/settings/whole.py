@@ -14,7 +14,7 @@ from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
 from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Shape, Symmetry
-from egad.settings.trials import Trials
+from egad.settings.trials import POLICIES, Policy, Trials
 
 
 class Settings(Section):
@@ -58,12 +58,16 @@ class Settings(Section):
     grippers: dict[Name, Gripper] = Field(
         GRIPPERS, min_length=1, description="all grippers, by name"
     )
+    policies: dict[Name, Policy] = Field(
+        POLICIES, min_length=1, description="all grasp detectors, by name"
+    )
 
     @model_validator(mode="after")
     def _names_refer_to_something(self) -> Self:
         problems = [
             *_unknown("targets.datasets", self.targets.datasets, self.datasets),
             *_unknown("targets.grippers", self.targets.grippers, self.grippers),
+            *_unknown("targets.policies", self.targets.policies, self.policies),
             *_unknown("difficulty.gripper", [self.difficulty.gripper], self.grippers),
         ]
         evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]

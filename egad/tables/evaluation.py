@@ -43,6 +43,18 @@ MANIFEST = pa.schema(
     ]
 )
 
+RESULTS = pa.schema(
+    [
+        column("label", STRING, "name in the evaluation set"),
+        column("attempt", INT, "number of the attempt"),
+        column("success", BOOL, "whether the object was still held at the end"),
+        column("outcome", STRING, "as in the table of simulated trials, or other"),
+        column("quality", FLOAT, "quality that the detector gave; null if it gave none"),
+        column("detector", STRING, "name of the grasp detector"),
+        column("seed", STRING, "seed of the attempt (hexadecimal); empty on a real robot"),
+    ]
+)
+
 TRIALS = pa.schema(
     [
         column("label", STRING, "name in the evaluation set"),
@@ -53,7 +65,8 @@ TRIALS = pa.schema(
         column(
             "outcome",
             STRING,
-            "success, no_grasp, collided, missed, slipped, dropped or failed",
+            "success, collided, missed, slipped, dropped, failed, no_grasp, not_finite, too_wide, "
+            "below_table, error or timeout",
         ),
         *vector("grasp", "grasp centre chosen by the detector, world frame", "m"),
         column("angle", FLOAT, "angle of the closing axis about the vertical", "rad"),

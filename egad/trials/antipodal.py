@@ -9,6 +9,7 @@ from scipy import ndimage
 from egad.settings import Gripper
 from egad.trials.camera import View
 from egad.trials.grasp import Grasp
+from egad.trials.relief import TABLE_CLEARANCE, Relief, lowest_tip, relief_of
 
 Floats = NDArray[np.float64]
 
@@ -17,11 +18,9 @@ MAX_CANDIDATES = 400
 MAX_GRASPS = 50
 CLEARANCE = 0.008  # free space that is wanted on each side of the object
 LEAST_CLEARANCE = 0.002
-TABLE_CLEARANCE = 0.003  # fingertips stay this far above whatever lies below them
 LEAST_BITE = 0.005  # the pads must reach this far below the lower of the two edges
 FULL_BITE = 0.02  # and gain nothing by reaching further than this
 TORQUE_SCALING = 100.0  # 1/m
-PROBE = 0.004  # distance of the points at which the space for the hand is probed
 
 
 class _Edges(NamedTuple):
@@ -39,33 +38,6 @@ class _Pairs(NamedTuple):
     distance: Floats  # (n,)
     top: Floats  # (n,) height of the lower of the two edges
     squareness: Floats  # (n,) lesser cos^2 of the angles between axis and edge normals
-
-
-class _Relief(NamedTuple):
-    """Heights over the table, seen from straight above."""
-
-    heights: Floats
-    origin: Floats
-    cell: float
-
-    def centroid(self) -> Floats:
-        """Centroid of the volume between the table and what is seen, (3,)."""
-        weights = self.heights / self.heights.sum()
-        x, y = (np.arange(size) + 0.5 for size in self.heights.shape)
-        middle = self.origin + self.cell * np.array(
-            [x @ weights.sum(axis=1), y @ weights.sum(axis=0)]
-        )
-        return np.append(middle, (weights * self.heights).sum() / 2)
-
-    def highest(self, points: Floats) -> Floats:
-        """The greatest height under points (..., m, 2), over m."""
-        index = np.floor((points - self.origin) / self.cell).astype(np.int64)
-        last = np.array(self.heights.shape) - 1
-        inside = ((index >= 0) & (index <= last)).all(axis=-1)
-        index = np.clip(index, 0, last)
-        heights = self.heights[index[..., 0], index[..., 1]]
-        highest: Floats = np.where(inside, heights, 0.0).max(axis=-1)
-        return highest
 
 
 def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
@@ -91,7 +63,7 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
         At most 50 grasps, best first.
     """
     points = view.points()
-    relief = _relief(view, points)
+    relief = relief_of(view)
     pairs = _pairs(_edges(view, points, gripper.friction), gripper)
     if relief is None or len(pairs.top) == 0:
         return []
@@ -143,20 +115,6 @@ def _pairs(edges: _Edges, gripper: Gripper) -> _Pairs:
     )
 
 
-def _relief(view: View, points: Floats) -> _Relief | None:
-    """What stands on the table, as heights on a grid; none if nothing does."""
-    standing = points[points[..., 2] > TABLE_CLEARANCE]
-    if len(standing) == 0:
-        return None
-    cell = float(np.nanmax(view.depth)) / view.intrinsics.focal
-    origin = standing[:, :2].min(axis=0) - 2 * cell
-    index = np.floor((standing[:, :2] - origin) / cell).astype(np.int64)
-    heights = np.zeros(index.max(axis=0) + 3)
-    np.maximum.at(heights, (index[:, 0], index[:, 1]), standing[:, 2])
-    # Between the pixels of a steep side are holes, and the probes step over narrow ridges.
-    return _Relief(np.asarray(ndimage.maximum_filter(heights, 3)), origin, cell)
-
-
 def _quality(pairs: _Pairs, centroid: Floats, tip: Floats | float) -> Floats:
     """The quality of pairs for fingertips at some height, (n,); see `antipodal_depth`."""
     bite = pairs.top - tip
@@ -168,10 +126,10 @@ def _quality(pairs: _Pairs, centroid: Floats, tip: Floats | float) -> Floats:
     return quality
 
 
-def _grasps(pairs: _Pairs, relief: _Relief, centroid: Floats, gripper: Gripper) -> list[Grasp]:
+def _grasps(pairs: _Pairs, relief: Relief, centroid: Floats, gripper: Gripper) -> list[Grasp]:
     """Candidates for which the hand has space, with their depths and qualities."""
     width = np.minimum(pairs.distance + 2 * CLEARANCE, gripper.opening)
-    tip = _lowest_tip(pairs, width, relief, gripper)
+    tip = lowest_tip(pairs.middle, pairs.axis, width, relief, gripper)
     bite = pairs.top - tip
     level = tip + bite / 2
     quality = _quality(pairs, centroid, tip)
@@ -188,35 +146,3 @@ def _grasps(pairs: _Pairs, relief: _Relief, centroid: Floats, gripper: Gripper) 
         )
         for i in order
     ]
-
-
-def _lowest_tip(pairs: _Pairs, width: Floats, relief: _Relief, gripper: Gripper) -> Floats:
-    """How low the fingertips can go before a finger or the palm meets what is seen, (n,)."""
-    finger = _probes(gripper.finger_thickness, gripper.finger_width)
-    shift = (width + gripper.finger_thickness)[:, None, None] / 2 * np.array([1.0, 0.0])
-    below_fingers = np.maximum(
-        relief.highest(_placed(finger + shift, pairs)),
-        relief.highest(_placed(finger - shift, pairs)),
-    )
-    below_palm = relief.highest(_placed(_probes(*gripper.palm[:2])[None], pairs))
-    clear = np.maximum(below_fingers, below_palm - gripper.finger_length)
-    lowest: Floats = np.maximum(clear, 0.0) + TABLE_CLEARANCE
-    return lowest
-
-
-def _probes(length: float, width: float) -> Floats:
-    """Points over a rectangle around the origin, not further apart than `PROBE`, (m, 2)."""
-    x = np.linspace(-length / 2, length / 2, int(np.ceil(length / PROBE)) + 1)
-    y = np.linspace(-width / 2, width / 2, int(np.ceil(width / PROBE)) + 1)
-    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-
-
-def _placed(points: Floats, pairs: _Pairs) -> Floats:
-    """Points given along and across the closing axis, in the world, (n, m, 2)."""
-    across = np.stack([-pairs.axis[:, 1], pairs.axis[:, 0]], axis=1)
-    placed: Floats = (
-        pairs.middle[:, None]
-        + points[..., :1] * pairs.axis[:, None]
-        + points[..., 1:] * across[:, None]
-    )
-    return placed

@@ -1,6 +1,7 @@
 """A grasp from above, as detectors propose it and the hand executes it."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 from egad.settings import Gripper
@@ -29,8 +30,32 @@ class Grasp:
         """Height of the fingertips above the table, metres."""
         return self.center[2] - self.depth
 
-    def fits(self, gripper: Gripper) -> bool:
-        """Whether all numbers are finite and the hand can open as wide as asked."""
+    def flaw(self, gripper: Gripper) -> str:
+        """Why the hand cannot do this: the outcome of an attempt; empty if it can.
+
+        not_finite: a number is NaN or infinite; too_wide: it would have to open wider than it
+        does, or less than not at all; below_table: the fingertips would be under the table.
+        """
         center, *rest = astuple(self)
-        finite = all(math.isfinite(number) for number in (*center, *rest))
-        return finite and 0 <= self.width <= gripper.opening
+        if not all(math.isfinite(number) for number in (*center, *rest)):
+            return "not_finite"
+        if not 0 <= self.width <= gripper.opening:
+            return "too_wide"
+        return "below_table" if self.tip < 0 else ""
+
+
+def best(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | str:
+    """The grasp of the highest quality that the hand can do, the first of equals.
+
+    Returns:
+        The grasp; or why there is none: `no_grasp`, or the flaw of the most promising one.
+    """
+    if len(grasps) == 0:
+        return "no_grasp"
+    ranked = sorted(grasps, key=_promise)
+    possible = [grasp for grasp in ranked if not grasp.flaw(gripper)]
+    return possible[0] if possible else ranked[0].flaw(gripper)
+
+
+def _promise(grasp: Grasp) -> float:
+    return -grasp.quality if math.isfinite(grasp.quality) else math.inf

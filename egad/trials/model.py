@@ -24,6 +24,7 @@ class Model:
         mass: Kilograms.
         inertia: Principal moments about the centre of mass, (3,), kg m2.
         volume_error: Volume of the parts / volume of the mesh - 1.
+        to_principal: (4, 4) transform from the frame that the object was given in.
     """
 
     mesh: trimesh.Trimesh
@@ -31,6 +32,7 @@ class Model:
     mass: float
     inertia: Floats
     volume_error: float
+    to_principal: Floats
 
 
 def build(mesh: trimesh.Trimesh, density: float, max_parts: int, volume_error: float) -> Model:
@@ -66,4 +68,5 @@ def build(mesh: trimesh.Trimesh, density: float, max_parts: int, volume_error: f
         mass=mass,
         inertia=moments,
         volume_error=error,
+        to_principal=to_principal,
     )

@@ -1,13 +1,19 @@
-"""Grasp detectors: what they get, what they give, and which there are."""
+"""Grasp detectors: what they get, what they give, and how one is found by its name."""
 
-from typing import Protocol
+import functools
+from collections.abc import Callable
+from typing import Any, Protocol
 
 import numpy as np
 
+from egad import own_code
 from egad.errors import UserError
-from egad.settings import Gripper
+from egad.settings import Gripper, Policy
 from egad.trials.antipodal import antipodal_depth
 from egad.trials.camera import View
+from egad.trials.chance import random_grasp
+from egad.trials.files import WHERE
+from egad.trials.ggcnn import GGCNN
 from egad.trials.grasp import Grasp
 
 
@@ -17,28 +23,67 @@ class Detector(Protocol):
     def __call__(self, view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
         """Propose grasps, in any order; none if there is nothing to hold.
 
+        The answer may depend on these three alone, not on earlier calls: attempts are spread over
+        processes, and each can be repeated by itself.
+
         Args:
             view: Depth image, intrinsics and pose of the camera; the table is at height 0.
             gripper: The hand that will try.
-            rng: The only source of chance, so that an attempt can be repeated.
+            rng: The only source of chance.
         """
 
 
-DETECTORS: dict[str, Detector] = {"antipodal-depth": antipodal_depth}
+QUICK: dict[str, Detector] = {"antipodal-depth": antipodal_depth, "random": random_grasp}
+"""Detectors that need nothing but the image, and no process of their own to be stopped."""
 
 
-def detector(name: str) -> Detector:
-    """The detector of a name.
+def detector(policy: Policy) -> Detector:
+    """Make a detector.
+
+    Args:
+        policy: One that is shipped, but `labels`, or the user's own class: it is made without
+            arguments, or with the path of the weights if these are given. A function will do.
 
     Raises:
-        UserError: There is none of that name.
+        UserError: It cannot be found or made.
     """
-    if name not in DETECTORS:
-        raise UserError(f"no grasp detector {name!r}; there are: {', '.join(sorted(DETECTORS))}")
-    return DETECTORS[name]
+    name = policy.detector
+    if name in QUICK:
+        return QUICK[name]
+    if name == "labels":
+        raise UserError("labels: knows where the object is and answers in simulated trials only")
+    return checked(GGCNN(policy.weights) if name == "ggcnn" else _own(policy))
 
 
-def best(grasps: list[Grasp], gripper: Gripper) -> Grasp | None:
-    """The grasp of the highest quality that the hand can do; the first of equals; or none."""
-    possible = [grasp for grasp in grasps if grasp.fits(gripper)]
-    return max(possible, key=lambda grasp: grasp.quality, default=None)
+def checked(detect: Callable[..., Any]) -> Detector:
+    """The same detector, but with an error for an answer that is no list of grasps."""
+
+    @functools.wraps(detect, updated=())
+    def ask(view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
+        return [_plain(grasp) for grasp in detect(view, gripper, rng)]
+
+    return ask
+
+
+def _plain(grasp: Any) -> Grasp:  # noqa: ANN401 (whatever the user's code gives)
+    """A grasp of plain numbers, of anything that has those of a grasp."""
+    x, y, z = (float(number) for number in grasp.center)
+    numbers = (float(getattr(grasp, key)) for key in ("angle", "width", "depth", "quality"))
+    return Grasp((x, y, z), *numbers)
+
+
+def _own(policy: Policy) -> Callable[..., Any]:
+    found = own_code.find(policy.detector, WHERE, "class or function")
+    if not isinstance(found, type):
+        if policy.weights:
+            raise UserError(f"{WHERE}: {policy.detector} is no class that takes `weights`")
+        return found  # type: ignore[no-any-return]
+    arguments = [policy.weights] if policy.weights else []
+    try:
+        made: Callable[..., Any] = found(*arguments)
+    except Exception as error:
+        message = f"{WHERE}: {policy.detector} cannot be made: {type(error).__name__}: {error}"
+        raise UserError(message) from error
+    if not callable(made):
+        raise UserError(f"{WHERE}: {policy.detector} has no __call__(view, gripper, rng)")
+    return made

@@ -9,16 +9,18 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
-from egad.errors import RejectedError
+from egad.errors import RejectedError, UserError
 from egad.seeds import entropy
 from egad.settings import Gripper, Trials
 from egad.stage_settings import SimulatedTrials
 from egad.tables.evaluation import TRIALS
 from egad.trials.camera import Eye, Intrinsics, View, above
-from egad.trials.grasp import Grasp
+from egad.trials.child import DetectorTimeoutError
+from egad.trials.grasp import Grasp, best
 from egad.trials.hand import Hand, Stance
+from egad.trials.labelled import Labels
 from egad.trials.model import Model, build
-from egad.trials.policies import Detector, best, detector
+from egad.trials.policies import Detector
 from egad.trials.world import TIME_STEP, Pose, UnstableError, World
 
 log = logging.getLogger(__name__)
@@ -41,10 +43,12 @@ class Attempt:
     """What came of an attempt.
 
     Attributes:
-        outcome: success; or no_grasp: nothing proposed that the hand can do; collided: stopped on
-            the way down; missed: the fingers closed, but do not both press on the object;
-            slipped: lost while lifting; dropped: lost while held up; failed: no state to grasp
-            from, or the simulation broke down.
+        outcome: success; or collided: stopped on the way down; missed: the fingers closed, but
+            do not both press on the object; slipped: lost while lifting; dropped: lost while held
+            up; failed: no state to grasp from, or the simulation broke down. If it did not come
+            to a grasp: no_grasp: none was proposed; not_finite, too_wide or below_table: none was
+            that the hand can do (`Grasp.flaw`); error: the detector broke down or gave no grasps;
+            timeout: it took too long.
         grasp: What was tried, if it came to that.
         lifted: Height that the object's centre of mass gained, metres.
     """
@@ -72,7 +76,7 @@ class Bench:
         self.intrinsics = Intrinsics.square(trials.image_size, trials.field_of_view)
         self.camera = above(trials.camera_height)
 
-    def attempt(self, detect: Detector, seed: int) -> Attempt:
+    def attempt(self, detect: Detector | Labels, seed: int) -> Attempt:
         """One attempt, from drop to hold. It depends on the seed and on nothing before it.
 
         Args:
@@ -84,9 +88,9 @@ class Bench:
         try:
             if not self._drop(drop_rng):
                 return Attempt("failed", None, 0.0)
-            grasp = best(detect(self.look(), self.gripper, detector_rng), self.gripper)
-            if grasp is None:
-                return Attempt("no_grasp", None, 0.0)
+            grasp = self._plan(detect, detector_rng)
+            if isinstance(grasp, str):
+                return Attempt(grasp, None, 0.0)
             before = self.world.pose().position[2]
             outcome = self._execute(grasp)
             return Attempt(outcome, grasp, float(self.world.pose().position[2] - before))
@@ -96,6 +100,23 @@ class Bench:
     def look(self) -> View:
         """A depth image of the object where it is now."""
         return self.eye.look(self.world.pose().matrix, self.intrinsics, self.camera)
+
+    def _plan(self, detect: Detector | Labels, rng: np.random.Generator) -> Grasp | str:
+        """The grasp to try, or the outcome if there is none; a detector may fail as it likes."""
+        view = self.look()
+        try:
+            if isinstance(detect, Labels):
+                place = self.world.pose().matrix @ self.world.model.to_principal
+                return best(detect.propose(place, view, self.gripper), self.gripper)
+            return best(detect(view, self.gripper, rng), self.gripper)
+        except (UserError, UnstableError):
+            raise
+        except DetectorTimeoutError as error:
+            log.warning("the detector was stopped: %s", error)
+            return "timeout"
+        except Exception as error:
+            log.warning("the detector failed: %s: %s", type(error).__name__, error)
+            return "error"
 
     def _drop(self, rng: np.random.Generator) -> bool:
         """Drop the object until it lies still within view; False if it never does."""
@@ -143,7 +164,11 @@ class Bench:
 
 
 def run(
-    mesh: trimesh.Trimesh, label: str, object_id: str, policy: str, settings: SimulatedTrials
+    mesh: trimesh.Trimesh,
+    label: str,
+    object_id: str,
+    detect: Detector | Labels,
+    settings: SimulatedTrials,
 ) -> pd.DataFrame:
     """Try to grasp an object again and again, each time dropped anew (after EGAD, section V).
 
@@ -155,17 +180,13 @@ def run(
         label: Name in the evaluation set.
         object_id: Name of the object; with the seed of the settings it decides all drops, so that
             two detectors face the same ones.
-        policy: Name of the grasp detector.
+        detect: The grasp detector; whatever it does wrong is the outcome of the attempt.
         settings: Gripper, material and trials.
 
     Returns:
         One row an attempt, columns of `tables.evaluation.TRIALS`. An object without convex parts
         has failed attempts only.
-
-    Raises:
-        UserError: There is no such detector.
     """
-    detect = detector(policy)
     trials = settings.trials
     seeds = [entropy(settings.seed, "trial", object_id, n) for n in range(trials.attempts)]
     try:

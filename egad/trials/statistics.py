@@ -1,13 +1,21 @@
 """Success rates with their uncertainty, and the grid that they are shown in."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binomtest
+from numpy.typing import NDArray
+from scipy.stats import binomtest, norm, t
+
+from egad.seeds import generator
+
+Floats = NDArray[np.float64]
+Interval = tuple[float, float]
+DRAWS = 10_000
 
 
-def wilson(successes: int, attempts: int, confidence: float = 0.95) -> tuple[float, float]:
+def wilson(successes: int, attempts: int, confidence: float = 0.95) -> Interval:
     """Wilson's score interval of a success probability (Wilson 1927).
 
     Args:
@@ -24,6 +32,35 @@ def wilson(successes: int, attempts: int, confidence: float = 0.95) -> tuple[flo
     return float(found.low), float(found.high)
 
 
+def bootstrap(
+    statistic: Callable[[NDArray[np.int64]], Floats], count: int, confidence: float = 0.95
+) -> Interval:
+    """Interval of a statistic of objects, had others of their kind been taken in their place.
+
+    Objects are drawn with replacement, 10,000 times, with chance that is always the same. Of what
+    comes out, the percentiles are those that make up for the few objects: widened as Student's t
+    is against the normal distribution, and by sqrt(n / (n - 1)), because the spread of n objects
+    about their own mean is too small (Hesterberg 2015, "expanded percentiles").
+
+    Args:
+        statistic: From (draws, n) indices of the objects drawn to (draws,) values; NaN where a
+            draw has none.
+        count: Objects, n.
+        confidence: Of the two-sided interval.
+
+    Returns:
+        Lower and upper end; NaN if there are less than two objects, or no values.
+    """
+    if count < 2:
+        return np.nan, np.nan
+    values = statistic(generator(0, "bootstrap").integers(count, size=(DRAWS, count)))
+    if np.isnan(values).all():
+        return np.nan, np.nan
+    far = np.sqrt(count / (count - 1)) * t.ppf((1 + confidence) / 2, count - 1)
+    ends: Floats = np.nanquantile(values, norm.cdf(np.array([-far, far])))
+    return float(ends[0]), float(ends[1])
+
+
 @dataclass(frozen=True)
 class Rate:
     """How often something worked."""
@@ -37,9 +74,22 @@ class Rate:
         return self.successes / self.attempts if self.attempts else float("nan")
 
     @property
-    def interval(self) -> tuple[float, float]:
+    def interval(self) -> Interval:
         """Lower and upper end of the Wilson interval of 95 %."""
         return wilson(self.successes, self.attempts)
+
+
+@dataclass(frozen=True)
+class Mean(Rate):
+    """The rate over several objects, each of them tried again and again."""
+
+    low: float
+    high: float
+
+    @property
+    def interval(self) -> Interval:
+        """What the rate could be for other objects of the same kind, 95 %; see `mean_rate`."""
+        return self.low, self.high
 
 
 @dataclass(frozen=True)
@@ -54,14 +104,46 @@ class TrialGrid:
     """
 
     cells: dict[tuple[int, int], Rate]
-    rows: list[Rate]
-    columns: list[Rate]
-    overall: Rate
+    rows: list[Mean]
+    columns: list[Mean]
+    overall: Mean
 
 
 def rate(trials: pd.DataFrame) -> Rate:
     """The success rate over all rows of a table of attempts."""
     return Rate(int(trials["success"].sum()), len(trials))
+
+
+def by_object(trials: pd.DataFrame) -> pd.DataFrame:
+    """Successes and attempts of each object, by its label, in the order of the labels."""
+    labels, index = np.unique(trials["label"].to_numpy(dtype=str), return_inverse=True)
+    success = trials["success"].to_numpy(dtype=np.float64)
+    counts = np.bincount(index, success), np.bincount(index)
+    columns = zip(("successes", "attempts"), counts, strict=True)
+    return pd.DataFrame({name: values.astype(np.int64) for name, values in columns}, index=labels)
+
+
+def mean_rate(trials: pd.DataFrame) -> Mean:
+    """The success rate over several objects, with an interval of 95 % for objects of their kind.
+
+    Attempts on one object resemble each other, so it is the objects that are drawn (`bootstrap`).
+    The interval is never narrower than Wilson's of all attempts, for objects may agree by chance;
+    from a single object nothing is known about others.
+    """
+    total, objects = rate(trials), by_object(trials)
+    if len(objects) < 2:
+        return Mean(total.successes, total.attempts, 0.0, 1.0)
+    successes, attempts = objects["successes"].to_numpy(), objects["attempts"].to_numpy()
+    low, high = bootstrap(
+        lambda drawn: successes[drawn].sum(axis=1) / attempts[drawn].sum(axis=1), len(objects)
+    )
+    least, most = total.interval
+    return Mean(total.successes, total.attempts, min(low, least), max(high, most))
+
+
+def place(label: str) -> tuple[int, int]:
+    """Row and column of a label such as C4."""
+    return ord(label[0]) - ord("A"), int(label[1:])
 
 
 def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
@@ -72,15 +154,12 @@ def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
         rows: Letters of the set.
         columns: Digits of the set.
     """
-    places = [(ord(label[0]) - ord("A"), int(label[1:])) for label in trials["label"]]
+    places = [place(label) for label in trials["label"]]
     row, column = np.array(places, dtype=np.int64).reshape(-1, 2).T
-    cells = {
-        place: rate(trials[(row == place[0]) & (column == place[1])])
-        for place in sorted(set(places))
-    }
+    cells = {(i, j): rate(trials[(row == i) & (column == j)]) for i, j in sorted(set(places))}
     return TrialGrid(
         cells,
-        [rate(trials[row == index]) for index in range(rows)],
-        [rate(trials[column == index]) for index in range(columns)],
-        rate(trials),
+        [mean_rate(trials[row == index]) for index in range(rows)],
+        [mean_rate(trials[column == index]) for index in range(columns)],
+        mean_rate(trials),
     )

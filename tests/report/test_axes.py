@@ -7,7 +7,7 @@ from egad.cli.show import measured
 from egad.measures.space import complexity_cells, difficulty_cells, labels
 from egad.report.axes import USUAL, axis_pair
 from egad.report.collage import collage
-from egad.report.figures import trial_heat_map
+from egad.report.heat_map import trial_heat_map
 from egad.report.locations import location_map
 from egad.report.page import build
 from egad.settings import Axes, Space

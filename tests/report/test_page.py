@@ -151,7 +151,7 @@ def test_a_click_on_an_object_of_the_set_leads_to_it_in_the_viewer(page, html, e
 def test_key_numbers(page):
     words = page.words()
     assert "40 objects" in words
-    assert "15 of 40 attempts on 2 objects: 38 % , with a 95 % interval of 24 % to 53 %" in words
+    assert "15 of 40 attempts on 2 objects: 38 % , with a 95 % interval of 0 % to 75 %" in words
     assert "EGAD, 2020 published 2 331 93 % \N{EN DASH} 0.07 0.27 0.19" in words
     assert "Dex-Net 2.0 published 1 497 37 % \N{EN DASH} 0.03 0.26 0.11" in words
     assert "no volume postprocess 2" in words

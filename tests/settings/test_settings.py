@@ -77,8 +77,8 @@ def test_every_section_is_read_by_some_stage():
     """A setting that no stage gets would change nothing, in silence."""
     stages = stage_models(StageSettings)
     read = {name for stage in stages for name in stage.model_fields}
-    of_the_workflow = {"shards", "datasets", "targets", "schedule", "grippers"}
-    assert set(Settings.model_fields) - of_the_workflow == read - {"gripper"}
+    of_the_workflow = {"shards", "datasets", "targets", "schedule", "grippers", "policies"}
+    assert set(Settings.model_fields) - of_the_workflow == read - {"gripper", "policy"}
 
 
 def stage_models(base):

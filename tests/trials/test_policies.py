@@ -1,9 +1,187 @@
-from typing import get_args
+"""Detectors are found by their names, and what users bring cannot break a run."""
 
-from egad.settings import Targets
-from egad.trials.policies import DETECTORS
+import numpy as np
+import pytest
+import trimesh
+
+from egad.errors import UserError
+from egad.settings import GRIPPERS, POLICIES, Policy
+from egad.settings.trials import SHIPPED
+from egad.trials.child import Child, DetectorError, DetectorTimeoutError
+from egad.trials.files import fingerprint
+from egad.trials.grasp import Grasp
+from egad.trials.policies import QUICK, detector
+
+HAND = GRIPPERS["egad_75mm"]
+CODE = """
+import os, time
+from collections import namedtuple
+from egad.trials.grasp import Grasp
+
+Mine = namedtuple("Mine", "center angle width depth quality")
+MIDDLE = Mine((0, 0, 0.02), 0.0, 0.05, 0.01, 1)
+
+class Middle:
+    def __call__(self, view, gripper, rng): return [MIDDLE]
+class Weighted:
+    def __init__(self, path): self.width = float(open(path).read())
+    def __call__(self, view, gripper, rng): return [Grasp((0, 0, 0.02), 0.0, self.width, 0.01, 1)]
+class Chancy:
+    def __call__(self, view, gripper, rng): return [MIDDLE._replace(angle=rng.random())]
+class Sees:
+    def __call__(self, view, gripper, rng): return [MIDDLE._replace(quality=view.depth.min())]
+class Broken:
+    def __init__(self): raise OSError("no such camera")
+class NotCallable: pass
+def raises(view, gripper, rng): raise ValueError("no idea")
+def gives_text(view, gripper, rng): return ["grasp"]
+def gives_nothing(view, gripper, rng): return None
+def finds_nothing(view, gripper, rng): return []
+def leaves(view, gripper, rng): os._exit(7)
+def sleeps(view, gripper, rng):
+    if view.depth.max() > 0.5: time.sleep(600)
+    return [MIDDLE]
+number = 3
+"""
 
 
-def test_the_settings_allow_just_the_detectors_that_there_are() -> None:
-    (names,) = get_args(Targets.model_fields["policies"].annotation)
-    assert set(get_args(names)) == set(DETECTORS)
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("own") / "mine.py"
+    path.write_text(CODE)
+    return path
+
+
+@pytest.fixture(scope="module")
+def view(look):
+    return look(trimesh.creation.box((0.03, 0.06, 0.04)))
+
+
+def asked(detect, view, seed=0):
+    return detect(view, HAND, np.random.default_rng(seed))
+
+
+def test_every_shipped_detector_has_a_policy_of_its_name():
+    assert {name: policy.detector for name, policy in POLICIES.items()} == {
+        name: name for name in SHIPPED
+    }
+    assert set(QUICK) < set(SHIPPED)
+
+
+def test_any_object_with_the_numbers_of_a_grasp_will_do(file, view):
+    found = asked(detector(Policy(detector=f"{file}:Middle")), view)
+    assert found == [Grasp((0.0, 0.0, 0.02), 0.0, 0.05, 0.01, 1.0)]
+
+
+def test_a_function_or_a_package_will_do(file, view):
+    assert asked(detector(Policy(detector=f"{file}:finds_nothing")), view) == []
+    packaged = detector(Policy(detector="egad.trials.antipodal:antipodal_depth"))
+    assert asked(packaged, view) == asked(QUICK["antipodal-depth"], view)
+
+
+def test_weights_go_to_the_class(file, view, tmp_path):
+    weights = tmp_path / "weights.txt"
+    weights.write_text("0.033")
+    policy = Policy(detector=f"{file}:Weighted", weights=str(weights))
+    assert asked(detector(policy), view)[0].width == 0.033
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("{file}:Missing", "no class or function Missing"),
+        ("{file}:number", "no class or function number"),
+        ("nowhere.py:Middle", "no such file or module"),
+        ("no.such.package:Middle", "no such file or module"),
+        ("{file}:Broken", "cannot be made: OSError: no such camera"),
+        ("{file}:NotCallable", "no __call__"),
+        ("{file}:Weighted", "cannot be made: TypeError"),
+    ],
+)
+def test_a_detector_that_cannot_be_made_is_the_users_mistake(file, name, words):
+    policy = Policy(detector=name.format(file=file))
+    with pytest.raises(UserError, match=words):
+        detector(policy)
+
+
+def test_weights_for_a_function_are_a_mistake(file):
+    with pytest.raises(UserError, match="no class that takes `weights`"):
+        detector(Policy(detector=f"{file}:raises", weights="w"))
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"detector": "telepathy"}, "antipodal-depth, ggcnn, labels, random, FILE.py:CLASS"),
+        ({"detector": "mine.py:"}, "FILE.py:CLASS"),
+        ({"detector": "random", "weights": "w.pt"}, "takes no `weights`"),
+    ],
+)
+def test_what_no_detector_can_be_is_refused(values, words):
+    with pytest.raises(ValueError, match=words):
+        Policy(**values)
+
+
+def test_edited_code_or_weights_have_another_fingerprint(tmp_path):
+    code, weights = tmp_path / "mine.py", tmp_path / "w"
+    code.write_text(CODE)
+    weights.write_text("1")
+    policy = Policy(detector=f"{code}:Weighted", weights=str(weights))
+    before = fingerprint(policy)
+    code.write_text(CODE + "\n")
+    edited = fingerprint(policy)
+    weights.write_text("2")
+    assert len({tuple(before), tuple(edited), tuple(fingerprint(policy))}) == 3
+    assert fingerprint(POLICIES["random"]) == []
+
+
+@pytest.mark.parametrize(
+    ("weights", "words"),
+    [(None, "ggcnn needs `weights: FILE`"), ("nowhere.pt", "there is no file nowhere.pt")],
+)
+def test_missing_weights_of_ggcnn_are_found_missing_before_anything_runs(weights, words):
+    with pytest.raises(UserError, match=f"{words}; .*dougsm/ggcnn"):
+        fingerprint(Policy(detector="ggcnn", weights=weights))
+
+
+def test_a_child_answers_as_the_detector_itself(file, view):
+    for name in ("Chancy", "Sees"):
+        policy = Policy(detector=f"{file}:{name}")
+        with Child(policy, 60) as child:
+            for seed in (1, 2):
+                assert asked(child, view, seed) == asked(detector(policy), view, seed)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("raises", "ValueError: no idea"),
+        ("gives_text", "TypeError"),
+        ("gives_nothing", "TypeError"),
+    ],
+)
+def test_errors_in_a_child_are_told_and_it_goes_on(file, view, name, words):
+    with Child(Policy(detector=f"{file}:{name}"), 60) as child:
+        for _ in range(2):
+            with pytest.raises(DetectorError, match=words):
+                asked(child, view)
+
+
+def test_a_child_that_dies_is_started_anew(file, view):
+    with Child(Policy(detector=f"{file}:leaves"), 60) as child:
+        for _ in range(2):
+            with pytest.raises(DetectorError, match="ended with status 7"):
+                asked(child, view)
+
+
+def test_a_child_that_takes_too_long_is_stopped_and_started_anew(file, view):
+    near = type(view)(view.depth * 0.1, view.intrinsics, view.pose)
+    with Child(Policy(detector=f"{file}:sleeps"), 1.0) as child:
+        with pytest.raises(DetectorTimeoutError, match="no answer within 1 s"):
+            asked(child, view)
+        assert len(asked(child, near)) == 1
+
+
+def test_a_child_that_cannot_be_made_is_the_users_mistake(file):
+    with pytest.raises(UserError, match="no such camera"):
+        Child(Policy(detector=f"{file}:Broken"), 60).__enter__()

@@ -6,6 +6,8 @@ import pytest
 import trimesh
 
 from egad.settings import Settings
+from egad.tables import parquet
+from egad.tables.evaluation import TRIALS
 
 AFTER_TRIALS = {"join_trials", "report", "all"}
 AFTER_GRASPS = {"join_grasps", "join_ungraspable", "report", "all"}
@@ -120,6 +122,38 @@ def test_an_edited_measure_or_mesh_of_ones_own_evolves_again(clean):
     assert clean.planned(target, configs=configs) == {}
     trimesh.creation.icosphere().export(mesh)
     assert clean.planned(target, configs=configs)["evolve"] == 1
+
+
+def test_an_edited_detector_of_ones_own_tries_again(copy):
+    code = "def nothing(view, gripper, rng): return []\n"
+    detector = copy.folder / "mine.py"
+    detector.write_text(code)
+    own = {
+        "policies": {"mine": {"detector": "mine.py:nothing"}},
+        "targets": {"policies": ["antipodal-depth", "mine"]},
+    }
+    configs = ["config/test.yaml", copy.overlay("own.yaml", own)]
+    target = "results/egad/trials/egad_75mm/mine.parquet"
+    copy.make("--cores", 1, target, configs=configs)
+    assert set(parquet.read(copy.folder / target, TRIALS)["outcome"]) == {"no_grasp"}
+    assert copy.planned(target, configs=configs) == {}
+    detector.write_text(code.replace("[]", "None"))
+    assert set(copy.planned(configs=configs)) == {"simulated_trial"} | AFTER_TRIALS
+
+
+def test_the_labels_detector_waits_for_the_grasps(copy):
+    target = "results/egad/trials/egad_75mm/labels.parquet"
+    assert set(copy.planned(target)) == {"simulated_trial", "join_trials"}
+    (copy.results / "egad/grasps/egad_75mm.parquet").unlink()
+    assert "join_grasps" in copy.planned(target)
+
+
+def test_weights_that_are_not_there_stop_the_run(clean):
+    wanted = clean.overlay("ggcnn.yaml", {"targets": {"policies": ["ggcnn"]}})
+    status, said = clean.snakemake("--dry-run", "--cores", 1, configs=[wanted])
+    assert status != 0
+    assert "ggcnn needs `weights: FILE`" in said
+    assert "Traceback" not in said
 
 
 def test_a_measure_that_is_not_there_stops_the_run(clean):

@@ -14,11 +14,14 @@ from egad.data import released
 from egad.errors import UserError
 from egad.exchange.folders import EVERY_FILE, mesh_files
 from egad.measures.own import source_hash
+from egad.trials.files import fingerprint
 
 try:
     SETTINGS = check(config)
     # The user's own measures by their code, so that editing it re-runs what they measure.
     MEASURES = [source_hash(measure) for _, measure in SETTINGS.axes if measure]
+    # The same of detectors; of those that nothing is wanted from, the files need not be there.
+    DETECTORS = {name: fingerprint(SETTINGS.policies[name]) for name in SETTINGS.targets.policies}
 except UserError as error:
     raise WorkflowError(f"The configuration cannot be used:\n{error}")
 
@@ -44,7 +47,7 @@ ENVIRONMENT = "../../envs/egad.yaml"
 wildcard_constraints:
     dataset="|".join(SETTINGS.datasets),
     gripper="|".join(SETTINGS.grippers),
-    policy=r"[a-z0-9\-]+",
+    policy="|".join(SETTINGS.policies),
     epoch=r"\d+",
     island=r"\d+",
     shard=r"\d+",
@@ -53,15 +56,23 @@ wildcard_constraints:
 def settings_of(stage):
     """The settings that a stage reads, as JSON: its command gets them, its rule re-runs for them.
 
-    A stage that reads a gripper gets the one in the file name, else that of the difficulty.
+    A stage that reads a gripper gets the one in the file name, else that of the difficulty; the
+    detector of the trials is also in the file name.
     """
 
     def chosen(wildcards):
         model = getattr(stage_settings, stage)
-        part = stage_settings.select(SETTINGS, model, wildcards.get("gripper"))
+        names = wildcards.get("gripper"), wildcards.get("policy")
+        part = stage_settings.select(SETTINGS, model, *names)
         return json.dumps(part.model_dump(mode="json"), separators=(",", ":"), sort_keys=True)
 
     return chosen
+
+
+def labelled(wildcards):
+    """The grasps that the detector `labels` knows; none for others."""
+    knows = SETTINGS.policies[wildcards.policy].detector == "labels"
+    return [f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"] if knows else []
 
 
 def each(option, name):

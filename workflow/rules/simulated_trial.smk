@@ -1,6 +1,7 @@
 """Simulated-trial: attempts of a grasp detector on the evaluation set.
 
-Inputs: results/D/eval49.parquet, results/D/rescaled/G.
+Inputs: results/D/eval49.parquet, results/D/rescaled/G; for the detector `labels` also
+results/D/grasps/G.parquet.
 Outputs: results/D/trials/G/P.parquet, a row an attempt.
 Steps: shards of objects are tried; then the tables of the shards are joined.
 """
@@ -15,6 +16,7 @@ rule simulated_trial:
     input:
         evaluation="results/{dataset}/eval49.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
+        grasps=labelled,
     output:
         ensure(
             "results/{dataset}/parts/trials-{gripper}-{policy}-{shard}.parquet",
@@ -28,19 +30,21 @@ rule simulated_trial:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
+        mem_mb=2000,
         runtime=120,
     params:
         settings=settings_of("SimulatedTrials"),
         meshes=subpath(input.scales, parent=True),
         shards=len(SHARDS),
+        grasps=each("--grasps", "grasps"),
         code=code_version("egad.stages.simulate"),
+        detector=lambda wildcards: DETECTORS.get(wildcards.policy, []),
     message:
         "Trying {wildcards.policy} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
-        "egad simulate --settings {params.settings:q} --policy {wildcards.policy:q}"
+        "egad simulate --settings {params.settings:q}"
         " --shard {wildcards.shard} --shards {params.shards} --eval {input.evaluation:q}"
-        " --meshes {params.meshes:q} --out {output:q} > {log:q} 2>&1"
+        " --meshes {params.meshes:q} {params.grasps:q} --out {output:q} > {log:q} 2>&1"
 
 
 rule join_trials:

@@ -1,0 +1,84 @@
+"""Code that a user brings: functions and classes in files of their own, named `FILE.py:NAME`."""
+
+import hashlib
+import importlib
+import importlib.util
+import sys
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from egad.errors import UserError
+
+
+@lru_cache
+def find(name: str, where: str, kind: str) -> Any:  # noqa: ANN401 (it is the user's)
+    """What a name stands for; its file is run.
+
+    Args:
+        name: `FILE.py:NAME` or `package.module:NAME`.
+        where: The place in the configuration that names it, for error messages.
+        kind: What it should be, for error messages: `function`, or `class or function`.
+
+    Raises:
+        UserError: There is no such thing that can be called, or its file cannot be run.
+    """
+    module, _, attribute = name.rpartition(":")
+    path = _source(module, name, where)
+    try:
+        found = getattr(_loaded(module, path), attribute, None)
+    except Exception as error:
+        message = f"{where}: {path} cannot be run: {type(error).__name__}: {error}"
+        raise UserError(message) from error
+    if not callable(found):
+        raise UserError(f"{where}: there is no {kind} {attribute} in {path}")
+    return found
+
+
+def source_hash(name: str, where: str) -> str:
+    """A fingerprint of the file that a name is defined in; nothing in it is run.
+
+    Raises:
+        UserError: There is no such file.
+    """
+    return file_hash(_source(name.rpartition(":")[0], name, where), where)
+
+
+def file_hash(path: str | Path, where: str) -> str:
+    """A fingerprint of any file.
+
+    Raises:
+        UserError: There is no such file.
+    """
+    if not Path(path).is_file():
+        raise UserError(f"{where}: there is no file {path}")
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
+
+
+def _source(module: str, name: str, where: str) -> Path:
+    """The file of a module."""
+    path = Path(module) if module.endswith(".py") else _installed(module)
+    if path is None or not path.is_file():
+        raise UserError(f"{where}: {name}: there is no such file or module")
+    return path
+
+
+def _installed(module: str) -> Path | None:
+    try:
+        spec = importlib.util.find_spec(module)
+    except (ImportError, ValueError):
+        return None
+    return Path(spec.origin) if spec is not None and spec.origin is not None else None
+
+
+def _loaded(module: str, path: Path) -> ModuleType:
+    if not module.endswith(".py"):
+        return importlib.import_module(module)
+    spec = importlib.util.spec_from_file_location(f"egad_own_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"{path} is not Python")
+    loaded = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = loaded  # dataclasses look for it
+    spec.loader.exec_module(loaded)
+    return loaded

@@ -1,0 +1,130 @@
+"""A detector in a process of its own: it can be stopped, and what it breaks is only its own."""
+
+import multiprocessing
+from multiprocessing.connection import Connection
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from egad.errors import UserError
+from egad.settings import Gripper, Policy
+from egad.trials.camera import View
+from egad.trials.grasp import Grasp
+from egad.trials.policies import Detector, detector
+
+STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load
+ENDING_TIME = 5.0
+
+Question = tuple[View, Gripper, np.random.Generator]
+
+
+class DetectorError(Exception):
+    """A detector raised an error, gave something else than grasps, or ended its process."""
+
+
+class DetectorTimeoutError(Exception):
+    """A detector took too long and was stopped."""
+
+
+class Child:
+    """A detector that answers from another process, started anew whenever it had to be stopped."""
+
+    def __init__(self, policy: Policy, limit: float) -> None:
+        """Prepare; the process starts with the first question, or with the `with` block.
+
+        Args:
+            policy: The detector.
+            limit: Seconds that an answer may take.
+        """
+        self._policy = policy
+        self._limit = limit
+        self._process: multiprocessing.process.BaseProcess | None = None
+
+    def __enter__(self) -> Self:
+        self._start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._stop()
+
+    def __call__(self, view: View, gripper: Gripper, rng: np.random.Generator) -> list[Grasp]:
+        """Ask the detector.
+
+        Raises:
+            DetectorError: It failed.
+            DetectorTimeoutError: It was stopped.
+            UserError: It cannot be made.
+        """
+        if self._process is None:
+            self._start()
+        try:
+            self._pipe.send((view, gripper, rng))
+            if not self._pipe.poll(self._limit):
+                self._stop()
+                raise DetectorTimeoutError(f"no answer within {self._limit:g} s")
+            kind, answer = self._pipe.recv()
+        except (EOFError, OSError) as error:
+            raise DetectorError(f"its process {self._stop()}") from error
+        if kind == "error":
+            raise DetectorError(answer)
+        grasps: list[Grasp] = answer
+        return grasps
+
+    def _start(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pipe, theirs = context.Pipe()
+        self._process = context.Process(target=_serve, args=(theirs, self._policy), daemon=True)
+        self._process.start()
+        theirs.close()
+        name = self._policy.detector
+        try:
+            if not self._pipe.poll(STARTING_TIME):
+                self._stop()
+                raise UserError(f"{name} was not ready within {STARTING_TIME:g} s")
+            kind, problem = self._pipe.recv()
+        except (EOFError, OSError) as error:
+            raise UserError(f"{name} cannot be made: its process {self._stop()}") from error
+        if kind == "error":
+            self._stop()
+            raise UserError(problem)
+
+    def _stop(self) -> str:
+        """End the process; how it ended, in words."""
+        process, self._process = self._process, None
+        if process is None:
+            return "had ended"
+        self._pipe.close()  # it ends by itself when nobody can ask any more
+        process.join(0.2)
+        if process.is_alive():
+            process.kill()
+        process.join(ENDING_TIME)
+        return f"ended with status {process.exitcode}"
+
+
+def _serve(pipe: Connection, policy: Policy) -> None:
+    """Make the detector and answer until the other end of the pipe closes."""
+    try:
+        detect = detector(policy)
+    except UserError as error:
+        pipe.send(("error", str(error)))
+        return
+    pipe.send(("ready", ""))
+    while True:
+        try:
+            question = pipe.recv()
+        except EOFError:
+            return
+        pipe.send(_answer(detect, question))
+
+
+def _answer(detect: Detector, question: Question) -> tuple[str, list[Grasp] | str]:
+    try:
+        return "grasps", detect(*question)
+    except Exception as error:
+        return "error", f"{type(error).__name__}: {error}"

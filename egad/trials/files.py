@@ -1,0 +1,39 @@
+"""The files that a detector is made of, besides the library: the user's code, and weights."""
+
+from pathlib import Path
+
+from egad import own_code
+from egad.errors import UserError
+from egad.settings import Policy
+
+WHERE = "policies"
+GGCNN_WEIGHTS = (
+    "the published weights are in the releases of the project dougsm/ggcnn, as files named "
+    "ggcnn_epoch_23_cornell_statedict.pt (GG-CNN) and epoch_50_cornell_statedict.pt (GG-CNN2)"
+)
+
+
+def fingerprint(policy: Policy) -> list[str]:
+    """What else than the library and the settings decides the answers; nothing of it is run.
+
+    Raises:
+        UserError: A file is missing.
+    """
+    if policy.detector == "ggcnn":
+        check_ggcnn(policy.weights)
+    own = [own_code.source_hash(policy.detector, WHERE)] if ":" in policy.detector else []
+    weights = [own_code.file_hash(policy.weights, WHERE)] if policy.weights else []
+    return [*own, *weights]
+
+
+def check_ggcnn(weights: str | None) -> str:
+    """The path of GG-CNN's weights, if they are there.
+
+    Raises:
+        UserError: None are named, or there is no such file; the text says where to get them.
+    """
+    if weights is None:
+        raise UserError(f"{WHERE}: ggcnn needs `weights: FILE`; {GGCNN_WEIGHTS}")
+    if not Path(weights).is_file():
+        raise UserError(f"{WHERE}: there is no file {weights}; {GGCNN_WEIGHTS}")
+    return weights

@@ -1,0 +1,143 @@
+"""Results of trials from anywhere: tables of the simulation, or a CSV file of a real robot.
+
+The CSV file has a row an attempt and the columns label, attempt and success, and if you like
+outcome, quality and detector. Rows without a success have not been tried yet and are left out.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from egad.errors import UserError
+from egad.tables import parquet
+from egad.tables.evaluation import RESULTS, TRIALS
+
+NEEDED = ("label", "attempt", "success")
+COLUMNS = (*NEEDED, "outcome", "quality", "detector")
+OTHER = "other"
+OUTCOMES = (
+    *("success", "slipped", "dropped", "missed", "collided", "failed"),
+    *("no_grasp", "not_finite", "too_wide", "below_table", "error", "timeout", OTHER),
+)
+WORDS = {
+    **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
+    **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
+}
+LABEL = re.compile(r"[A-Z][0-9]{1,2}")
+
+
+def template(labels: Sequence[str], attempts: int, detector: str) -> pd.DataFrame:
+    """A table to fill in: a row for each attempt at each object, with the success left empty."""
+    rows = [(label, number) for label in labels for number in range(attempts)]
+    frame = pd.DataFrame(rows, columns=["label", "attempt"])
+    return frame.assign(success="", outcome="", quality="", detector=detector)
+
+
+def read(path: Path) -> dict[str, pd.DataFrame]:
+    """Read results.
+
+    Args:
+        path: `.parquet`, written by the simulation or by `egad trials import`; or `.csv`.
+
+    Returns:
+        Columns of `tables.evaluation.RESULTS`, by detector. Tables of the simulation and rows
+        without a detector have the name of the file.
+
+    Raises:
+        UserError: The file cannot be used; the text says which row, and what is allowed.
+        TableError: It is no Parquet file with these columns.
+    """
+    frame = _csv(path) if path.suffix.lower() == ".csv" else _parquet(path)
+    return {str(name): table.reset_index(drop=True) for name, table in frame.groupby("detector")}
+
+
+def gather(paths: Sequence[Path]) -> dict[str, pd.DataFrame]:
+    """The results of several files by detector; of equal names, the folders are added.
+
+    Raises:
+        UserError: One cannot be used, or two cannot be told apart.
+    """
+    found: dict[str, pd.DataFrame] = {}
+    for path in paths:
+        for name, table in read(path).items():
+            key = name if name not in found else f"{path.parent.name}/{name}"
+            if key in found:
+                raise UserError(f"{path}: there are two tables of the detector {key}; rename one")
+            found[key] = table
+    return found
+
+
+def _parquet(path: Path) -> pd.DataFrame:
+    if "detector" in parquet.columns(path):
+        return parquet.read(path, RESULTS)
+    trials = parquet.read(path, TRIALS).assign(detector=path.stem)
+    return trials.loc[:, list(RESULTS.names)]
+
+
+def _csv(path: Path) -> pd.DataFrame:
+    raw = _text(path)
+    raw.columns = [str(name).strip().lower() for name in raw.columns]
+    if missing := [name for name in NEEDED if name not in raw.columns]:
+        raise UserError(
+            f"{path}: the column {missing[0]} is missing; needed: {', '.join(NEEDED)}; "
+            f"allowed: {', '.join(COLUMNS)}"
+        )
+    raw = raw.reindex(columns=list(COLUMNS), fill_value="").apply(lambda text: text.str.strip())
+    tried = raw[raw["success"] != ""]
+    if tried.empty:
+        raise UserError(f"{path}: no row says whether the attempt was a success")
+    rows = [_row(path, int(str(line)) + 2, row) for line, row in tried.to_dict("index").items()]
+    frame = pd.DataFrame(rows, columns=RESULTS.names)
+    twice = frame.duplicated(["detector", "label", "attempt"])
+    if twice.any():
+        first = frame[twice].iloc[0]
+        raise UserError(f"{path}: attempt {first['attempt']} at {first['label']} is there twice")
+    return frame
+
+
+def _text(path: Path) -> pd.DataFrame:
+    """The cells of a CSV file as they are; separated by commas or, as some programs do, by ;."""
+    try:
+        head = path.read_text(encoding="utf-8-sig").partition("\n")[0]
+        separator = ";" if head.count(";") > head.count(",") else ","
+        return pd.read_csv(
+            path, sep=separator, dtype=str, keep_default_na=False, encoding="utf-8-sig"
+        )
+    except (UnicodeDecodeError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
+        raise UserError(f"{path}: not a CSV file: {error}") from error
+
+
+def _row(path: Path, line: int, row: Mapping[object, str]) -> dict[str, object]:
+    """One attempt; `line` is that of the file, for error messages."""
+
+    def wrong(column: str, wanted: str) -> UserError:
+        return UserError(f"{path}, line {line}: {column} is {row[column]!r}; allowed: {wanted}")
+
+    success = WORDS.get(row["success"].lower())
+    if success is None:
+        raise wrong("success", "1, 0, true, false, yes or no")
+    if not LABEL.fullmatch(row["label"]):
+        raise wrong("label", "a letter and a number, such as C4")
+    if not row["attempt"].isdecimal():
+        raise wrong("attempt", "a whole number")
+    outcome = row["outcome"].lower().replace(" ", "_") or ("success" if success else OTHER)
+    if outcome not in OUTCOMES:
+        raise wrong("outcome", ", ".join(OUTCOMES))
+    if (outcome == "success") != success:
+        raise wrong("outcome", "success just where success is 1")
+    try:
+        quality = float(row["quality"]) if row["quality"] else np.nan
+    except ValueError as error:
+        raise wrong("quality", "a number, or nothing") from error
+    return {
+        "label": row["label"],
+        "attempt": int(row["attempt"]),
+        "success": success,
+        "outcome": outcome,
+        "quality": quality,
+        "detector": row["detector"] or path.stem,
+        "seed": "",
+    }

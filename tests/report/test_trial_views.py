@@ -1,0 +1,64 @@
+"""Two detectors side by side, and the page of trials alone."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from egad.report.trial_views import Set, pairs, results
+from egad.report.trials_page import page
+from egad.tables.evaluation import RESULTS
+
+
+def tried(name, rates, seed=0):
+    rng = np.random.default_rng(seed)
+    rows = [
+        (label, n, bool(success), "success" if success else "missed", rng.random(), name, f"{n}")
+        for label, rate in rates.items()
+        for n, success in enumerate(rng.random(20) < rate)
+    ]
+    return pd.DataFrame(rows, columns=RESULTS.names)
+
+
+@pytest.fixture(scope="module")
+def tables():
+    labels = ["A0", "A1", "B0", "C2", "C3"]
+    return {
+        "poor": tried("poor", dict.fromkeys(labels, 0.3)),
+        "good": tried("good", dict.fromkeys(labels, 0.9), 1),
+        "elsewhere": tried("elsewhere", {"G6": 0.5}),
+    }
+
+
+def test_every_pair_that_can_be_compared_is_once_the_better_first(tables):
+    (pair,) = pairs(tables)
+    assert (pair.first, pair.second) == ("good", "poor")
+    assert pair.result.difference > 0.3
+
+
+def test_each_detector_has_its_view(tables):
+    found = results(tables, Set(7, 7))
+    assert [view.name for view in found.views] == list(tables)
+    assert [view.objects for view in found.views] == [5, 5, 1]
+    assert found.outcome_figure
+    assert found.rows_figure
+    alone = results({"good": tables["good"]}, Set(7, 7))
+    assert [alone.outcome_figure, alone.rows_figure, alone.pairs] == ["", "", []]
+
+
+def test_a_page_needs_no_other_file_and_is_the_same_every_time(tables):
+    strange = {"<script>alert(1)</script>": tables["poor"], "good": tables["good"]}
+    text = page(strange, Set(7, 7))
+    assert text == page(strange, Set(7, 7))
+    assert text.startswith("<!DOCTYPE html>")
+    assert "<script>alert" not in text
+    assert "http" not in text.replace("http-equiv", "").split("<main>")[0]
+    assert "against" in text
+
+
+def test_a_detector_without_qualities_or_successes(tables):
+    none = tables["poor"].assign(success=False, outcome="no_grasp", quality=np.nan)
+    view = results({"none": none}, Set(7, 7)).views[0]
+    assert view.reliability == ""
+    assert np.isnan(view.discrimination)
+    assert np.isnan(view.trends["difficulty"].rho)
+    assert "0&nbsp;%" in page({"none": none}, Set(7, 7)).replace("\N{NO-BREAK SPACE}", "&nbsp;")

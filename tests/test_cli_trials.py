@@ -1,0 +1,79 @@
+"""`egad trials`: what people do with results."""
+
+import subprocess
+import sys
+
+import pandas as pd
+import pytest
+
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49, RESULTS
+
+
+def egad(*arguments):
+    code = "from egad.cli import main; main()"
+    return subprocess.run(
+        [sys.executable, "-c", code, "trials", *map(str, arguments)],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+
+
+@pytest.fixture
+def filled(tmp_path):
+    """A template that was filled in: everything worked for `good`, half of it for `fair`."""
+    for name, every in (("good", 1), ("fair", 2)):
+        path = tmp_path / f"{name}.csv"
+        assert egad("template", "--out", path, "--detector", name).returncode == 0
+        frame = pd.read_csv(path)
+        frame["success"] = [int(row % every == 0) for row in range(len(frame))]
+        frame.to_csv(path, index=False)
+    return tmp_path
+
+
+def test_a_template_is_filled_in_imported_and_compared(filled):
+    page, table = filled / "good.html", filled / "good.parquet"
+    result = egad("import", filled / "good.csv", "--out", page, "--out", table)
+    assert result.returncode == 0, result.stderr
+    assert "good" in result.stdout
+    assert "100.0" in result.stdout
+    assert page.read_text().startswith("<!DOCTYPE html>")
+    assert len(parquet.read(table, RESULTS)) == 980
+    compared = filled / "compared.html"
+    result = egad("compare", table, filled / "fair.csv", "--out", compared)
+    assert result.returncode == 0, result.stderr
+    assert "good against fair" in result.stdout
+    assert "50.0" in result.stdout
+    assert "good against fair" in compared.read_text()
+
+
+def test_the_template_of_a_set_has_its_objects(tmp_path):
+    blank = {"string": ""}
+    row = {field.name: blank.get(str(field.type), 0) for field in EVAL49}
+    rows = [row | {"label": label} for label in ("A0", "B3")]
+    parquet.write(pd.DataFrame(rows), EVAL49, tmp_path / "eval49.parquet")
+    out = tmp_path / "results.csv"
+    result = egad("template", "--eval", tmp_path / "eval49.parquet", "--out", out)
+    assert result.stdout.strip().endswith("40 attempts at 2 objects")
+    assert sorted(set(pd.read_csv(out)["label"])) == ["A0", "B3"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["template", "--out", "good.csv"], "is there already"),
+        (["import", "good.csv", "--out", "page.pdf"], "must end in .html or .parquet or .csv"),
+        (["import", "missing.csv"], "missing.csv"),
+        (["compare", "good.csv"], "two detectors or more"),
+        (["compare", "good.csv", "good.csv", "good.csv"], "two tables of the detector"),
+        (["compare", "good.csv", "broken.parquet"], "not a readable Parquet file"),
+    ],
+)
+def test_mistakes_are_one_sentence(filled, monkeypatch, arguments, sentence):
+    monkeypatch.chdir(filled)
+    (filled / "broken.parquet").write_text("PAR1")
+    result = egad(*arguments)
+    assert result.returncode == 1
+    assert sentence in result.stderr
+    assert "Traceback" not in result.stderr

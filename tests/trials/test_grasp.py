@@ -1,0 +1,48 @@
+from dataclasses import replace
+
+import pytest
+
+from egad.settings import GRIPPERS
+from egad.trials.grasp import Grasp, best
+
+HAND = GRIPPERS["egad_75mm"]
+FINE = Grasp((0.0, 0.0, 0.02), 0.0, 0.05, 0.01, 0.5)
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("change", "flaw"),
+    [
+        ({}, ""),
+        ({"width": 0.075}, ""),
+        ({"width": 0.0}, ""),
+        ({"depth": 0.02}, ""),
+        ({"width": 0.0751}, "too_wide"),
+        ({"width": -0.001}, "too_wide"),
+        ({"depth": 0.021}, "below_table"),
+        ({"center": (0.0, 0.0, -0.01)}, "below_table"),
+        ({"center": (0.0, NAN, 0.02)}, "not_finite"),
+        ({"angle": NAN}, "not_finite"),
+        ({"width": float("inf")}, "not_finite"),
+        ({"quality": NAN}, "not_finite"),
+    ],
+)
+def test_flaws(change, flaw):
+    assert replace(FINE, **change).flaw(HAND) == flaw
+
+
+def test_the_best_is_of_the_highest_quality_that_the_hand_can_do():
+    poorer = replace(FINE, quality=0.3)
+    too_wide = replace(FINE, width=0.2, quality=0.9)
+    nowhere = replace(FINE, center=(0.0, NAN, 0.02), quality=0.8)
+    unsure = replace(FINE, quality=float("inf"))
+    assert best([poorer, too_wide, FINE, nowhere, unsure], HAND) == FINE
+    assert best([nowhere, too_wide], HAND) == "too_wide"
+    assert best([unsure], HAND) == "not_finite"
+    assert best([], HAND) == "no_grasp"
+
+
+def test_of_equals_the_first_is_taken():
+    other = replace(FINE, angle=1.0)
+    assert best([other, FINE], HAND) == other
+    assert best([FINE, other], HAND) == FINE

@@ -1,0 +1,113 @@
+"""Results of a real robot: what is read, and what is said about mistakes."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from egad.errors import UserError
+from egad.tables import parquet
+from egad.tables.evaluation import RESULTS, TRIALS
+from egad.trials.records import COLUMNS, gather, read, template
+
+GOOD = """label,attempt,success,outcome,quality,detector
+A0,0,1,,0.8,mine
+A0,1,no,slipped,,mine
+C4,0,TRUE,success,0.5,other
+G6,0,,,,mine
+"""
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text, name="results.csv", encoding="utf-8"):
+        path = tmp_path / name
+        path.write_text(text, encoding=encoding)
+        return path
+
+    return write
+
+
+def test_a_file_is_read_by_detector(written):
+    found = read(written(GOOD))
+    assert list(found) == ["mine", "other"]
+    mine = found["mine"]
+    assert mine.columns.tolist() == RESULTS.names
+    assert mine["success"].tolist() == [True, False]
+    assert mine["outcome"].tolist() == ["success", "slipped"]
+    assert mine["quality"].tolist()[0] == 0.8
+    assert np.isnan(mine["quality"].tolist()[1])
+
+
+def test_three_columns_are_enough(written):
+    (name, table), *_ = read(written("Label, Attempt ,Success\nA0,0,1\nA0,1,0\n")).items()
+    assert name == "results"
+    assert table["outcome"].tolist() == ["success", "other"]
+
+
+def test_what_spreadsheets_write_is_read(written):
+    text = "label;attempt;success\r\nA0;0;yes\r\n"
+    assert len(read(written(text, encoding="utf-8-sig"))["results"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "not a CSV file"),
+        ("label,attempt\nA0,0\n", "the column success is missing; needed: label, attempt, success"),
+        ("label,attempt,success\n", "no row says whether"),
+        ("label,attempt,success\nA0,0,\n", "no row says whether"),
+        (
+            "label,attempt,success\nA0,0,1\nA0,1,maybe\n",
+            "line 3: success is 'maybe'; allowed: 1, 0",
+        ),
+        ("label,attempt,success\nmug,0,1\n", "line 2: label is 'mug'; allowed: a letter and a num"),
+        ("label,attempt,success\nA0,first,1\n", "line 2: attempt is 'first'; allowed: a whole"),
+        ("label,attempt,success\nA0,0,1\nA0,0,0\n", "attempt 0 at A0 is there twice"),
+        ("label,attempt,success,outcome\nA0,0,0,fell\n", "outcome is 'fell'; allowed: success, sl"),
+        ("label,attempt,success,outcome\nA0,0,0,success\n", "success just where success is 1"),
+        ("label,attempt,success,quality\nA0,0,1,high\n", "quality is 'high'; allowed: a number"),
+    ],
+)
+def test_mistakes_are_named_with_their_line(written, text, words):
+    with pytest.raises(UserError, match=words):
+        read(written(text))
+
+
+def test_what_is_no_text_is_a_mistake(tmp_path):
+    path = tmp_path / "picture.csv"
+    path.write_bytes(b"\x89PNG\xff\xfe\x00")
+    with pytest.raises(UserError, match="not a CSV file"):
+        read(path)
+
+
+def test_a_filled_template_is_read_again(tmp_path):
+    frame = template(["A0", "B1"], 3, "mine")
+    assert tuple(frame.columns) == COLUMNS
+    assert len(frame) == 6
+    frame["success"] = ["1", "0", "1", "", "", "0"]
+    path = tmp_path / "filled.csv"
+    frame.to_csv(path, index=False)
+    assert read(path)["mine"]["success"].tolist() == [True, False, True, False]
+
+
+def test_a_table_round_trips_through_parquet(written, tmp_path):
+    whole = pd.concat(read(written(GOOD)).values())
+    parquet.write(whole, RESULTS, tmp_path / "r.parquet")
+    again = read(tmp_path / "r.parquet")
+    for name, table in read(written(GOOD)).items():
+        pd.testing.assert_frame_equal(again[name], table, check_dtype=False)
+
+
+def test_tables_of_the_simulation_have_the_name_of_their_file(tmp_path):
+    blank = {"string": "", "bool": True}
+    row = {field.name: blank.get(str(field.type), 0) for field in TRIALS}
+    row |= {"label": "A0", "seed": "ff", "outcome": "success"}
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        path = tmp_path / folder / "antipodal-depth.parquet"
+        parquet.write(pd.DataFrame([row]), TRIALS, path)
+    assert read(path)["antipodal-depth"]["seed"].tolist() == ["ff"]
+    files = [tmp_path / folder / "antipodal-depth.parquet" for folder in ("one", "two")]
+    assert list(gather(files)) == ["antipodal-depth", "two/antipodal-depth"]
+    with pytest.raises(UserError, match="two tables of the detector two/antipodal-depth"):
+        gather([*files, files[1]])
