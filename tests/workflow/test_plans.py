@@ -8,7 +8,7 @@ import trimesh
 from egad.settings import Settings
 
 AFTER_TRIALS = {"join_trials", "report", "all"}
-AFTER_GRASPS = {"join_grasps", "join_ungraspable", "report", "all"}
+AFTER_GRASPS = {"join_grasps", "join_tallies", "join_ungraspable", "report", "all"}
 AFTER_SELECTION = {"print_export", "simulated_trial"} | AFTER_TRIALS
 AFTER_RESCALE = {"grasp_label", "print_export", "simulated_trial"} | AFTER_GRASPS | AFTER_TRIALS
 AFTER_COLLECT = {"compare", "rescale", "select_eval"} | AFTER_RESCALE | AFTER_SELECTION

@@ -20,7 +20,7 @@ from egad.settings import Settings
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY
-from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.grasping import GRASPS, SCALES, TALLY
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED, SOLIDS
 
 GRIPPER, POLICY = "egad_75mm", "antipodal-depth"
@@ -33,6 +33,7 @@ PUBLISHED = {
     "egad/rejected.parquet": REJECTED,
     "egad/eval49.parquet": EVAL49,
     f"egad/grasps/{GRIPPER}.parquet": GRASPS,
+    f"egad/grasps/{GRIPPER}.tally.parquet": TALLY,
     f"egad/grasps/{GRIPPER}.rejected.parquet": REJECTED,
     f"egad/rescaled/{GRIPPER}/scales.parquet": SCALES,
     f"egad/rescaled/{GRIPPER}/rejected.parquet": REJECTED,
@@ -57,6 +58,7 @@ PARTS = {
         "solids": SOLIDS,
         "rejected": REJECTED,
         f"grasps-{GRIPPER}": GRASPS,
+        f"tally-{GRIPPER}": TALLY,
         f"ungraspable-{GRIPPER}": REJECTED,
         f"trials-{GRIPPER}-{POLICY}": TRIALS,
     }.items()
