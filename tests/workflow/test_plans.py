@@ -119,6 +119,35 @@ def test_an_edited_measure_or_mesh_of_ones_own_evolves_again(clean):
     assert clean.planned(target, configs=configs)["evolve"] == 1
 
 
+def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean):
+    hand = {"opening": 0.065, "palm": [0.12, 0.07, 0.05], "mesh": "hand.stl"}
+    trimesh.creation.box().export(clean.folder / "hand.stl")
+    own = clean.overlay("own.yaml", {"grippers": {"mine": hand}})
+    configs, stages = (
+        ["config/test.yaml", own],
+        {
+            "rescaled/mine/scales.parquet": "rescale",
+            "grasps/mine.parquet": "grasp_label",
+            "grasps/mine.tally.parquet": "grasp_label",
+            "print/mine/manifest.parquet": "print_export",
+            "trials/mine/antipodal-depth.parquet": "simulated_trial",
+        },
+    )
+    for target, rule in stages.items():
+        assert rule in clean.planned(f"results/egad/{target}", configs=configs)
+
+
+def test_an_edited_mesh_of_a_gripper_labels_again(copy):
+    mesh = copy.folder / "hand.stl"
+    trimesh.creation.box([0.1, 0.06, 0.05]).apply_translation([0, 0, -0.025]).export(mesh)
+    own = copy.overlay("own.yaml", {"grippers": {"mine": {"opening": 0.07, "mesh": "hand.stl"}}})
+    configs, target = ["config/test.yaml", own], "results/egad/grasps/mine.parquet"
+    copy.make("--cores", 1, target, configs=configs)
+    assert copy.planned(target, configs=configs) == {}
+    trimesh.creation.icosphere(radius=0.03).export(mesh)
+    assert set(copy.planned(target, configs=configs)) == {"grasp_label", "join_grasps"}
+
+
 def test_a_measure_that_is_not_there_stops_the_run(clean):
     own = clean.overlay("own.yaml", {"axes": {"difficulty": "nowhere.py:size"}})
     status, said = clean.snakemake("--dry-run", "--cores", 1, configs=[own])

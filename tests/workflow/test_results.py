@@ -131,6 +131,17 @@ def test_every_object_has_grasps_or_was_rejected(load):
     assert not grasps.duplicated(["id", "grasp"]).any()
 
 
+def test_every_candidate_is_accounted_for(load):
+    grasps = load(f"egad/grasps/{GRIPPER}.parquet")
+    tally = load(f"egad/grasps/{GRIPPER}.tally.parquet").set_index("id")
+    assert set(tally.index) == set(load("egad/objects.parquet")["id"])
+    causes = ["too_wide", "not_antipodal", "blocked", "too_close", "surplus", "grasps"]
+    assert (tally[causes].sum(axis=1) == tally["tried"]).all()
+    rows = grasps.groupby("id").size().reindex(tally.index, fill_value=0)
+    assert (rows == tally["grasps"]).all()
+    assert (tally["wanted"] == 10).all()
+
+
 def test_the_evaluation_set_is_printed_and_tried(finished, load):
     evalset = load("egad/eval49.parquet")
     assert 1 <= len(evalset) <= 9
