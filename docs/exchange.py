@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
-from egad.grasps.gripper import boxes, fingertip
+from egad.grasps.hand import finger_span, parts
 from egad.grasps.poses import PANDA_REACH
 from egad.settings import GRIPPERS
 
@@ -19,7 +19,7 @@ MM = 1000.0
 
 def draw_hand(axes: Axes) -> None:
     """The panda hand of the table of grippers, seen along y, around a ball."""
-    for low, high in boxes(GRIPPERS["panda"]):
+    for low, high in (part.box for part in parts(GRIPPERS["panda"])):
         (left, bottom), (width, height) = MM * low[[0, 2]], MM * (high - low)[[0, 2]]
         colors = {"facecolor": "#d9d9d9", "edgecolor": "#555"}
         axes.add_patch(Rectangle((left, bottom), width, height, **colors))
@@ -42,7 +42,7 @@ def figure() -> Figure:
     """The frames of the three formats at the same hand."""
     drawn = Figure(figsize=(7.6, 2.7), layout="constrained")
     panes = drawn.subplots(1, 3)
-    behind = MM * (fingertip(GRIPPERS["panda"]) - PANDA_REACH)
+    behind = MM * (finger_span(GRIPPERS["panda"])[1] - PANDA_REACH)
     for axes, title, height, names in (
         (panes[0], "egad: between the contacts", 0.0, ("x", "z", "y")),
         (panes[1], "Dex-Net: the same place", 0.0, ("y", "x", "z")),

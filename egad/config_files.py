@@ -63,6 +63,7 @@ The released objects: the whole pipeline from the archive that egad ships, witho
 RELEASED: Values = {
     "shards": 32,
     "datasets": {"egad": {"source": "archive", "archive": "released"}},
+    "grasp_label": {"grasps": 500},
 }
 PAPER: Values = {
     "shards": 32,

@@ -12,7 +12,7 @@ import pyarrow as pa
 from egad.files import write_text
 from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, HISTORY
-from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
+from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT, TALLY
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
 
 PAGE = Path("results/README.md")
@@ -43,6 +43,11 @@ ARTEFACTS = [
         "Labelled grasps for gripper G, in the frame of `D/rescaled/G/LABEL.obj`. "
         "`G.rejected.parquet` beside it names the objects without any.",
         GRASPS,
+    ),
+    Artefact(
+        "D/grasps/G.tally.parquet",
+        "Of each object, how many candidates were tried for these grasps and what became of them.",
+        TALLY,
     ),
     Artefact(
         "D/exchange/G.hdf5",

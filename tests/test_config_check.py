@@ -78,6 +78,11 @@ def test_every_problem_has_one_line():
             'targets.datasets: "egad" is not allowed; allowed: a l',
         ),
         ({"grippers": {"My Hand": {"opening": 1}}}, '"My Hand" cannot be a name; allowed: a name'),
+        (
+            {"grippers": {"a": {"opening": 0}}},
+            "grippers.a.opening: 0 is not allowed; allowed: a number, above 0, at most 10 "
+            "(widest opening, metres)",
+        ),
         ({"grippers": {"a": {"opening": 1, "palm": [1, 2]}}}, "grippers.a.palm.2: is missing"),
         ({"similarity": {"ranges": 100}}, "allowed: 16 or 32 or 64 or 128 or 256"),
         ({"grasps": 3}, "grasps: unknown key; did you mean difficulty.grasps?"),

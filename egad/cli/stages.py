@@ -102,6 +102,7 @@ def grasp_label(
     objects: Annotated[Path, typer.Option(help="objects of the dataset")],
     meshes: Annotated[Path, typer.Option(help="folder of the scaled meshes")],
     out: Out,
+    tally: Annotated[Path, typer.Option(help="table of what became of candidates, to write")],
     rejected: Rejected,
 ) -> None:
     """Label the grasps of the objects of a shard."""
@@ -109,7 +110,7 @@ def grasp_label(
     from egad.stages import grasp_label as stage
 
     parsed = parse(GraspLabels, settings)
-    stage.run(parsed, objects, meshes, (shard, shards), out, rejected)
+    stage.run(parsed, objects, meshes, (shard, shards), out, tally, rejected)
 
 
 @app.command(rich_help_panel=STAGE)

@@ -1,30 +1,38 @@
 """Labelled grasps of an object: what is known about each of them, as a table."""
 
+from dataclasses import asdict
+
 import numpy as np
 import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
-from egad.grasps.gripper import collision_free
+from egad.grasps.approach import best_approaches
+from egad.grasps.opening import needed_openings
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
-from egad.grasps.sampler import sample
+from egad.grasps.sampler import Grasps, Tally, sample
 from egad.stage_settings import GraspLabels
 
 Floats = NDArray[np.float64]
 
 
 def label(
-    mesh: trimesh.Trimesh, com: Floats, settings: GraspLabels, rng: np.random.Generator
+    mesh: trimesh.Trimesh,
+    com: Floats,
+    settings: GraspLabels,
+    rng: np.random.Generator,
+    palm: trimesh.Trimesh | None = None,
 ) -> pd.DataFrame:
     """Sample grasps of an object and rate them.
 
     Args:
-        mesh: The object as it is grasped, metres, its triangles winding outwards.
+        mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
         com: (3,) centre of mass, metres.
         settings: The gripper, how many grasps, and how to rate them.
         rng: Where chance comes from.
+        palm: A mesh in the place of the gripper's palm box, see `egad.grasps.hand.parts`.
 
     Returns:
         A row a grasp, with the columns of `tables.grasping.GRASPS` but for `id` and `label`, in the
@@ -33,24 +41,55 @@ def label(
     Raises:
         RejectedError: There is no grasp; the reason says what became of the candidates.
     """
-    opening = settings.gripper.opening
-    grasps, tally = sample(mesh, opening, settings.grasp_label.grasps, settings.sampling, rng)
+    grasps, tally = found(mesh, settings, rng)
     if len(grasps) == 0:
         raise RejectedError(f"no grasp ({tally})")
+    return rated(mesh, com, grasps, settings, rng, palm)
+
+
+def found(
+    mesh: trimesh.Trimesh, settings: GraspLabels, rng: np.random.Generator
+) -> tuple[Grasps, Tally]:
+    """The grasps of an object that will be rated, and what became of all candidates."""
+    wanted, opening = settings.grasp_label.grasps, settings.gripper.opening
+    return sample(mesh, opening, wanted, settings.sampling, rng)
+
+
+def rated(
+    mesh: trimesh.Trimesh,
+    com: Floats,
+    grasps: Grasps,
+    settings: GraspLabels,
+    rng: np.random.Generator,
+    palm: trimesh.Trimesh | None = None,
+) -> pd.DataFrame:
+    """Rate grasps: arguments and result are those of `label`."""
+    gripper, wanted = settings.gripper, settings.grasp_label
     quality = ferrari_canny(
         grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()
     )
     mean, deviation, held = robust_ferrari_canny(
-        mesh, grasps, com, opening, quality=settings.quality, robust=settings.robust, rng=rng
+        mesh,
+        grasps,
+        com,
+        gripper.opening,
+        quality=settings.quality,
+        robust=settings.robust,
+        rng=rng,
     )
-    approach, free = collision_free(mesh, grasps, settings.gripper)
+    approach = best_approaches(
+        mesh, grasps, gripper, palm, angles=wanted.approach_angles, way=wanted.approach_way
+    )
+    needed = needed_openings(mesh, grasps, approach.directions, gripper)
     return pd.DataFrame(
         {
             "grasp": np.arange(len(grasps)),
             **_columns("center", grasps.centers),
             **_columns("axis", grasps.axes),
-            **_columns("approach", approach),
+            **_columns("approach", approach.directions),
             "width": grasps.widths,
+            # a hand that fits is a hair wider than its opening, see `hand.CLEARANCE`
+            "needed_opening": np.where(approach.fits, np.minimum(needed, gripper.opening), needed),
             **_columns("contact0", grasps.points[:, 0]),
             **_columns("contact1", grasps.points[:, 1]),
             **_columns("normal0", grasps.normals[:, 0]),
@@ -59,9 +98,35 @@ def label(
             "robust_quality": mean,
             "robust_quality_std": deviation,
             "held": held,
-            "collision_free": free,
+            "fits": approach.fits,
+            "collision_free": approach.free,
+            "angles_fit": approach.angles_fit,
+            "angles_free": approach.angles_free,
         }
     )
+
+
+def tally_row(wanted: int, tally: Tally, grasps: pd.DataFrame) -> dict[str, int]:
+    """What became of the candidates of an object: a row of `tables.grasping.TALLY`.
+
+    Args:
+        wanted: Grasps wanted.
+        tally: Of the sampler.
+        grasps: The rated grasps, with the columns of `tables.grasping.GRASPS`; may be empty.
+    """
+    failed = asdict(tally)
+    tried = failed.pop("tried")
+    fits, free = (grasps[name].to_numpy(bool) for name in ("fits", "collision_free"))
+    return {
+        "wanted": wanted,
+        "tried": tried,
+        **failed,
+        "surplus": tried - sum(failed.values()) - len(grasps),
+        "grasps": len(grasps),
+        "slipped": int((grasps["quality"] == 0).sum()),
+        "without_room": int(np.sum(~fits)),
+        "without_way": int(np.sum(fits & ~free)),
+    }
 
 
 def _columns(name: str, vectors: Floats) -> dict[str, Floats]:

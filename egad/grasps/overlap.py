@@ -1,90 +1,126 @@
-"""Exact test of boxes against triangles, for a body of boxes that turns about an axis."""
+"""Exact test of convex parts against triangles, for a body of them that turns about an axis."""
+
+from collections.abc import Sequence
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad.grasps.hand import Part
+
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
 
 
 def blocked_turns(
-    triangles: Floats, boxes: Floats, origins: Floats, frames: Floats, turns: Floats
+    triangles: Floats,
+    parts: Sequence[Part],
+    origins: Floats,
+    frames: Floats,
+    turns: Floats,
+    known: Flags | None = None,
 ) -> Flags:
-    """In which poses a body of boxes touches a surface.
+    """In which poses a body touches a surface.
 
     Args:
         triangles: (m, 3, 3), metres.
-        boxes: (b, 2, 3) low and high corners of the boxes in the frame of the body, metres.
+        parts: The parts of the body, in its frame.
         origins: (n, 3) origins of that frame, metres.
         frames: (n, 3, 3) its unit vectors x, y, z in rows.
         turns: (k,) angles that the body turns about x, taking z towards -y, radians.
+        known: (n, k) poses that need no test, as they are known to touch.
 
     Returns:
-        (n, k): whether any box touches any triangle.
+        (n, k): whether any part touches any triangle.
     """
-    centers = triangles.mean(axis=1)
-    radii = np.linalg.norm(triangles - centers[:, None], axis=2).max(axis=1)
+    centers, radii = spheres(triangles)
+    boxes = np.stack([part.box for part in parts])
     # nearest that a box comes to the axis: no turn brings it nearer
     gaps = np.linalg.norm(np.maximum(np.maximum(boxes[:, 0], -boxes[:, 1]), 0)[:, 1:], axis=1)
-    result: Flags = _blocked_turns(
+    shape = (len(origins), len(turns))
+    result = np.zeros(shape, dtype=bool) if known is None else known.copy()
+    _block_turns(
         np.ascontiguousarray(triangles),
-        np.ascontiguousarray(centers),
+        centers,
         radii,
-        np.ascontiguousarray(boxes),
+        boxes,
         gaps,
+        np.concatenate([part.planes for part in parts]),
+        np.cumsum([0, *(len(part.planes) for part in parts)]),
         np.ascontiguousarray(origins),
         np.ascontiguousarray(frames),
         np.cos(turns),
         np.sin(turns),
+        result,
     )
     return result
 
 
+def spheres(triangles: Floats) -> tuple[Floats, Floats]:
+    """Centres (m, 3) and radii (m,) of spheres around triangles."""
+    centers = triangles.mean(axis=1)
+    radii = np.linalg.norm(triangles - centers[:, None], axis=2).max(axis=1)
+    return np.ascontiguousarray(centers), radii
+
+
 @numba.njit(cache=True)
-def _blocked_turns(
+def _block_turns(
     triangles: Floats,
     centers: Floats,
     radii: Floats,
     boxes: Floats,
     gaps: Floats,
+    planes: Floats,
+    bounds: Indices,
     origins: Floats,
     frames: Floats,
     cosines: Floats,
     sines: Floats,
-) -> Flags:
-    result = np.zeros((len(origins), len(cosines)), np.bool_)
+    result: Flags,
+) -> None:
     turned = np.empty((3, 3))
     for n in range(len(origins)):
-        for m in range(len(triangles)):
-            x, y, z = _local(centers, m, origins, frames, n)
+        left = len(cosines) - result[n].sum()
+        for m in range(len(triangles) if left else 0):
+            x, y, z = local(centers, m, origins, frames, n)
             radius, outward = radii[m], np.sqrt(y * y + z * z)
             for b in range(len(boxes)):
-                if _apart(x, radius, boxes, b, 0) or outward + radius < gaps[b]:
+                if apart(x, radius, boxes[b], 0) or outward + radius < gaps[b]:
                     continue
                 for k in range(len(cosines)):
                     turned_y = cosines[k] * y + sines[k] * z
-                    if result[n, k] or _apart(turned_y, radius, boxes, b, 1):
+                    if result[n, k] or apart(turned_y, radius, boxes[b], 1):
                         continue
                     turned_z = cosines[k] * z - sines[k] * y
-                    if _apart(turned_z, radius, boxes, b, 2):
+                    if apart(turned_z, radius, boxes[b], 2):
                         continue
                     for i in range(3):
-                        p, q, r = _local(triangles[m], i, origins, frames, n)
+                        p, q, r = local(triangles[m], i, origins, frames, n)
                         turned[i, 0] = p
                         turned[i, 1] = cosines[k] * q + sines[k] * r
                         turned[i, 2] = cosines[k] * r - sines[k] * q
-                    result[n, k] = box_meets_triangle(turned, boxes[b])
-    return result
+                    if _touches(turned, boxes[b], planes, bounds[b], bounds[b + 1]):
+                        result[n, k] = True
+                        left -= 1
 
 
 @numba.njit(cache=True)
-def _apart(middle: float, radius: float, boxes: Floats, b: int, axis: int) -> bool:
-    return bool(middle + radius < boxes[b, 0, axis] or middle - radius > boxes[b, 1, axis])
+def _touches(triangle: Floats, box: Floats, planes: Floats, first: int, end: int) -> bool:
+    """Whether a triangle meets the part with this box and these of the planes, if any."""
+    if not box_meets_triangle(triangle, box):
+        return False
+    return bool(first == end or clipped(triangle, planes[first:end])[1] > 0)
 
 
 @numba.njit(cache=True)
-def _local(
+def apart(middle: float, radius: float, box: Floats, axis: int) -> bool:
+    """Whether a sphere misses a box along one axis."""
+    return bool(middle + radius < box[0, axis] or middle - radius > box[1, axis])
+
+
+@numba.njit(cache=True)
+def local(
     points: Floats, i: int, origins: Floats, frames: Floats, n: int
 ) -> tuple[float, float, float]:
     """Point i in frame n."""
@@ -99,25 +135,84 @@ def _local(
 
 
 @numba.njit(cache=True)
+def clipped(polygon: Floats, planes: Floats) -> tuple[Floats, int]:
+    """What planes leave of a convex polygon (c, 3): corners, and how many of them; 0 if nothing.
+
+    Sutherland and Hodgman 1974. What is in front of a plane (normal . point + offset > 0) goes.
+    """
+    count = len(polygon)
+    corners = np.empty((count + len(planes) + 1, 3))
+    kept = np.empty((count + len(planes) + 1, 3))
+    corners[:count] = polygon
+    for plane in planes:
+        left = 0
+        previous = corners[count - 1]
+        before = _height(plane, previous)
+        for i in range(count):
+            current = corners[i]
+            height = _height(plane, current)
+            if height * before < 0:
+                part = before / (before - height)
+                for j in range(3):
+                    kept[left, j] = previous[j] + part * (current[j] - previous[j])
+                left += 1
+            if height <= 0:
+                kept[left] = current
+                left += 1
+            previous, before = current, height
+        corners, kept, count = kept, corners, left
+        if count == 0:
+            break
+    return corners, count
+
+
+@numba.njit(cache=True)
+def _height(plane: Floats, point: Floats) -> float:
+    return float(plane[0] * point[0] + plane[1] * point[1] + plane[2] * point[2] + plane[3])
+
+
+@numba.njit(cache=True)
 def box_meets_triangle(triangle: Floats, box: Floats) -> bool:
     """Whether a triangle (3, 3) and a box (low and high corner) share a point: separating axes."""
-    half = (box[1] - box[0]) / 2
-    corners = triangle - (box[1] + box[0]) / 2
+    if _corner_within(triangle, box):
+        return True
+    half, corners, normal = np.empty(3), np.empty((3, 3)), np.empty(3)
     for axis in range(3):
-        if corners[:, axis].min() > half[axis] or corners[:, axis].max() < -half[axis]:
+        half[axis] = (box[1, axis] - box[0, axis]) / 2
+        middle = (box[1, axis] + box[0, axis]) / 2
+        low, high = np.inf, -np.inf
+        for i in range(3):
+            corners[i, axis] = triangle[i, axis] - middle
+            low, high = min(low, corners[i, axis]), max(high, corners[i, axis])
+        if low > half[axis] or high < -half[axis]:
             return False
-    normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        normal[axis] = (corners[1, u] - corners[0, u]) * (corners[2, v] - corners[0, v]) - (
+            corners[1, v] - corners[0, v]
+        ) * (corners[2, u] - corners[0, u])
     if abs(np.dot(normal, corners[0])) > np.dot(np.abs(normal), half):
         return False
     for i in range(3):
-        edge = corners[(i + 1) % 3] - corners[i]
-        other = corners[(i + 2) % 3]
+        j, k = (i + 1) % 3, (i + 2) % 3
         for axis in range(3):
             u, v = (axis + 1) % 3, (axis + 2) % 3
             # the separating direction is the axis crossed with the edge: -edge[v], edge[u]
-            first = edge[u] * corners[i, v] - edge[v] * corners[i, u]
-            second = edge[u] * other[v] - edge[v] * other[u]
-            size = half[u] * abs(edge[v]) + half[v] * abs(edge[u])
+            along_u, along_v = corners[j, u] - corners[i, u], corners[j, v] - corners[i, v]
+            first = along_u * corners[i, v] - along_v * corners[i, u]
+            second = along_u * corners[k, v] - along_v * corners[k, u]
+            size = half[u] * abs(along_v) + half[v] * abs(along_u)
             if min(first, second) > size or max(first, second) < -size:
                 return False
     return True
+
+
+@numba.njit(cache=True)
+def _corner_within(triangle: Floats, box: Floats) -> bool:
+    for i in range(3):
+        within = True
+        for axis in range(3):
+            within &= box[0, axis] <= triangle[i, axis] <= box[1, axis]
+        if within:
+            return True
+    return False

@@ -53,6 +53,12 @@ class GraspLabel(Section):
     """Labelled grasps."""
 
     grasps: int = Field(100, ge=1, description="most grasps an object")
+    approach_angles: int = Field(
+        16, ge=1, le=360, description="approaches tried, spread evenly around the closing axis"
+    )
+    approach_way: float = Field(
+        0.1, ge=0, le=10, description="the hand comes in straight from this far, metres"
+    )
 
 
 class SizeEffect(Section):

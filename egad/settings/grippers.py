@@ -16,6 +16,11 @@ class Gripper(Section):
         (0.1, 0.06, 0.05),
         description="palm box, metres: along the closing axis, across it, along the approach",
     )
+    mesh: str | None = Field(
+        None,
+        description="file of a mesh in the place of the palm box, where collisions of grasps are "
+        "looked for; metres, x closes, z is the approach, fingers begin at its origin",
+    )
     force: float = Field(40.0, gt=0, description="closing force, newtons")
     friction: float = Field(0.5, gt=0, le=2, description="finger friction in simulation")
 

@@ -11,7 +11,7 @@ from egad.exchange.acronym import COLUMNS, Body, Jaws, write_acronym
 from egad.exchange.grasps import by_object
 from egad.exchange.hdf5 import check_key
 from egad.files import replacing
-from egad.grasps.gripper import fingertip
+from egad.grasps.hand import finger_span
 from egad.progress import progress
 from egad.stage_settings import AcronymFiles
 from egad.tables import parquet
@@ -37,7 +37,7 @@ def run(
     table = parquet.read(objects, OBJECTS)
     factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()
     known = {row["label"]: row for row in parquet.records(table) if row["label"] in factors}
-    jaws = Jaws(gripper, settings.gripper.opening, fingertip(settings.gripper))
+    jaws = Jaws(gripper, settings.gripper.opening, finger_span(settings.gripper)[1])
     written = 0
     with replacing(out) as folder:
         folder.mkdir()

@@ -4,16 +4,19 @@ import logging
 from pathlib import Path
 
 import pandas as pd
+import trimesh
 
-from egad.errors import RejectedError
+from egad.errors import RejectedError, UserError
 from egad.exchange.meshes import read_mesh
-from egad.grasps.labels import label
+from egad.grasps.hand import parts
+from egad.grasps.labels import found, rated, tally_row
 from egad.progress import progress
 from egad.seeds import generator
+from egad.settings import Gripper
 from egad.stage_settings import GraspLabels
 from egad.stages.shards import rejection, rows_in_shard
 from egad.tables import parquet
-from egad.tables.grasping import GRASPS
+from egad.tables.grasping import GRASPS, TALLY
 from egad.tables.objects import OBJECTS, REJECTED
 
 log = logging.getLogger(__name__)
@@ -25,6 +28,7 @@ def run(
     meshes: Path,
     shard: tuple[int, int],
     out: Path,
+    tally_out: Path,
     rejected: Path,
 ) -> None:
     """Label the grasps of the objects of a shard.
@@ -35,22 +39,50 @@ def run(
         meshes: Folder of the scaled meshes; grasps are in the frame of these.
         shard: Number of the shard, and of how many.
         out: Table with the columns of `tables.grasping.GRASPS`.
+        tally_out: Table with the columns of `tables.grasping.TALLY`.
         rejected: Table of the objects that have no grasp.
     """
     frame = parquet.read(objects, OBJECTS)
     frame = rows_in_shard(frame, *shard)
-    labelled, left_out = [], []
+    palm = palm_of(settings.gripper)
+    labelled, tallies, left_out = [], [], []
     names = zip(frame["id"], frame["label"], strict=True)
     for object_id, object_label in progress(names, "labelling grasps", len(frame)):
+        named = {"id": object_id, "label": object_label}
         try:
             mesh = read_mesh(meshes / f"{object_label}.obj", "m")
-            rng = generator(settings.seed, "grasps", object_id)
-            grasps = label(mesh, mesh.center_mass, settings, rng)
         except RejectedError as reason:
             left_out.append(rejection(object_id, "grasp-label", reason))
+            continue
+        rng = generator(settings.seed, "grasps", object_id)
+        grasps, tally = found(mesh, settings, rng)
+        if len(grasps):
+            rows = rated(mesh, mesh.center_mass, grasps, settings, rng, palm)
+            labelled.append(rows.assign(**named))
         else:
-            labelled.append(grasps.assign(id=object_id, label=object_label))
+            rows = parquet.empty(GRASPS)
+            left_out.append(rejection(object_id, "grasp-label", f"no grasp ({tally})"))
+        tallies.append(named | tally_row(settings.grasp_label.grasps, tally, rows))
     table = pd.concat(labelled) if labelled else parquet.empty(GRASPS)
     parquet.write(table, GRASPS, out)
+    parquet.write(pd.DataFrame(tallies), TALLY, tally_out)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
     log.info("%d grasps, %d objects without any", len(table), len(left_out))
+
+
+def palm_of(gripper: Gripper) -> trimesh.Trimesh | None:
+    """The mesh in the place of a gripper's palm box, if it has one.
+
+    Raises:
+        UserError: The file cannot be used.
+    """
+    if gripper.mesh is None:
+        return None
+    try:
+        mesh = read_mesh(Path(gripper.mesh), "m")
+        parts(gripper, mesh)
+    except RejectedError as reason:
+        raise UserError(
+            f"the mesh {gripper.mesh} of a gripper cannot be used: {reason}"
+        ) from reason
+    return mesh

@@ -11,6 +11,7 @@ from egad.seeds import generator
 from egad.shapes.repair import repair
 from egad.shapes.scale import rescale
 from egad.stage_settings import ViewMesh
+from egad.stages.grasp_label import palm_of
 from egad.stages.scenes import scene
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
@@ -64,6 +65,7 @@ def from_mesh(path: Path, units: str, settings: ViewMesh) -> Scene:
     title = f"{path.name}, scaled by {row['factor']:.3g}"
     rng = generator(settings.seed, "grasps", path.stem)
     try:
-        return Scene(path.stem, title, mesh, label(mesh, mesh.center_mass, settings, rng))
+        rows = label(mesh, mesh.center_mass, settings, rng, palm_of(settings.gripper))
+        return Scene(path.stem, title, mesh, rows)
     except RejectedError as reason:
         return Scene(path.stem, title, mesh, parquet.empty(GRASPS), str(reason))

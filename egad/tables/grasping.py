@@ -1,4 +1,4 @@
-"""Tables of a gripper: labelled grasps, and the scales of the objects."""
+"""Tables of a gripper: grasps, what became of candidates, and the scales of the objects."""
 
 import pyarrow as pa
 
@@ -13,6 +13,13 @@ GRASPS = pa.schema(
         *vector("axis", "unit vector from the first contact to the second"),
         *vector("approach", "unit vector along which the hand moves towards the object"),
         column("width", FLOAT, "distance of the contacts", "m"),
+        column(
+            "needed_opening",
+            FLOAT,
+            "least distance of the fingers, whole boxes, at which both stand beside the object; "
+            "may be more than the gripper has",
+            "m",
+        ),
         *vector("contact0", "first contact", "m"),
         *vector("contact1", "second contact", "m"),
         *vector("normal0", "outward unit normal at the first contact"),
@@ -21,7 +28,28 @@ GRASPS = pa.schema(
         column("robust_quality", FLOAT, "mean quality over disturbed copies"),
         column("robust_quality_std", FLOAT, "standard deviation over disturbed copies"),
         column("held", FLOAT, "fraction of the disturbed copies with positive quality"),
-        column("collision_free", BOOL, "whether the hand fits at the grasp along the approach"),
+        column("fits", BOOL, "whether the open hand at the grasp touches nothing"),
+        column("collision_free", BOOL, "whether it touches nothing along the approach either"),
+        column("angles_fit", INT, "approaches around the axis, of those tried, that fit"),
+        column("angles_free", INT, "approaches around the axis, of those tried, free of collision"),
+    ]
+)
+
+TALLY = pa.schema(
+    [
+        ID,
+        LABEL,
+        column("wanted", INT, "grasps wanted"),
+        column("tried", INT, "candidates tried"),
+        column("too_wide", INT, "of these, without opposite surface within the opening"),
+        column("not_antipodal", INT, "of these, whose second contact faces away from the axis"),
+        column("blocked", INT, "of these, with something in the way of the open fingers"),
+        column("too_close", INT, "of these, too much like a grasp found before"),
+        column("surplus", INT, "of these, found when there were enough"),
+        column("grasps", INT, "of these, kept: the rows in the table of grasps"),
+        column("slipped", INT, "of the grasps, without quality: the axis leaves a friction cone"),
+        column("without_room", INT, "of the grasps, that the hand fits at from no angle"),
+        column("without_way", INT, "of the grasps, that it fits at but cannot come to"),
     ]
 )
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+from egad.errors import RejectedError
 from egad.evolution.archive import Archive
 from egad.evolution.evaluation import Solid, express, measure
 from egad.evolution.island import evolve
@@ -193,8 +194,24 @@ def test_difficulty(meshes):
 
 
 def test_labels(meshes):
-    settings = select(SETTINGS, GraspLabels)
-    mesh = meshes[0].copy()
-    mesh.apply_scale(0.04 / mesh.extents.min())
-    rng = np.random.default_rng(0)
-    rate("grasp labels", "objects", lambda: label(mesh, mesh.center_mass, settings, rng))
+    """500 grasps an object with everything that is known about them, on default grippers."""
+    wanted = Settings.model_validate({"grasp_label": {"grasps": 500}})
+    for gripper in ("egad_75mm", "yumi"):
+        settings = select(wanted, GraspLabels, gripper)
+        side = 0.8 * settings.gripper.opening
+        scaled = [mesh.copy().apply_scale(side / mesh.extents.min()) for mesh in meshes[:10]]
+        found = sum(len(labelled(mesh, settings)) for mesh in scaled)
+        rate(
+            f"labels, {gripper}",
+            "grasps",
+            lambda settings=settings, scaled=scaled: [labelled(mesh, settings) for mesh in scaled],
+            found,
+        )
+
+
+def labelled(mesh, settings):
+    """The labelled grasps of a mesh, none if it has none."""
+    try:
+        return label(mesh, mesh.center_mass, settings, np.random.default_rng(0))
+    except RejectedError:
+        return []

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.grasps.gripper import boxes
+from egad.grasps.hand import parts
 from egad.grasps.labels import label
 from egad.report import viewer
 from egad.report.viewer import Scene
@@ -109,7 +109,7 @@ def test_colours_mean_the_same_for_all_objects(grasps):
 def test_the_jaws_reach_back_to_the_palm_of_the_gripper(name):
     gripper = GRIPPERS[name]
     data = viewer.viewer_data([Scene("ring", "", MESH, parquet.empty(GRASPS))], gripper)
-    assert data["finger"] == pytest.approx(-boxes(gripper)[2, 1, 2])
+    assert data["finger"] == pytest.approx(-parts(gripper)[2].box[1, 2])
 
 
 def test_the_page_needs_nothing_else(html):

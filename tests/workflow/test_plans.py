@@ -10,7 +10,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 
 AFTER_TRIALS = {"join_trials", "report", "all"}
-AFTER_GRASPS = {"join_grasps", "join_ungraspable", "report", "all"}
+AFTER_GRASPS = {"join_grasps", "join_tallies", "join_ungraspable", "report", "all"}
 AFTER_SIZES = {"size_effect", "report", "all"}
 AFTER_SELECTION = {"print_export", "simulated_trial"} | AFTER_SIZES | AFTER_TRIALS
 AFTER_RESCALE = {"grasp_label", "print_export", "simulated_trial"} | AFTER_GRASPS | AFTER_TRIALS
@@ -154,6 +154,35 @@ def test_weights_that_are_not_there_stop_the_run(clean):
     assert status != 0
     assert "ggcnn needs `weights: FILE`" in said
     assert "Traceback" not in said
+
+
+def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean):
+    hand = {"opening": 0.065, "palm": [0.12, 0.07, 0.05], "mesh": "hand.stl"}
+    trimesh.creation.box().export(clean.folder / "hand.stl")
+    own = clean.overlay("own.yaml", {"grippers": {"mine": hand}})
+    configs, stages = (
+        ["config/test.yaml", own],
+        {
+            "rescaled/mine/scales.parquet": "rescale",
+            "grasps/mine.parquet": "grasp_label",
+            "grasps/mine.tally.parquet": "grasp_label",
+            "print/mine/manifest.parquet": "print_export",
+            "trials/mine/antipodal-depth.parquet": "simulated_trial",
+        },
+    )
+    for target, rule in stages.items():
+        assert rule in clean.planned(f"results/egad/{target}", configs=configs)
+
+
+def test_an_edited_mesh_of_a_gripper_labels_again(copy):
+    mesh = copy.folder / "hand.stl"
+    trimesh.creation.box([0.1, 0.06, 0.05]).apply_translation([0, 0, -0.025]).export(mesh)
+    own = copy.overlay("own.yaml", {"grippers": {"mine": {"opening": 0.07, "mesh": "hand.stl"}}})
+    configs, target = ["config/test.yaml", own], "results/egad/grasps/mine.parquet"
+    copy.make("--cores", 1, target, configs=configs)
+    assert copy.planned(target, configs=configs) == {}
+    trimesh.creation.icosphere(radius=0.03).export(mesh)
+    assert set(copy.planned(target, configs=configs)) == {"grasp_label", "join_grasps"}
 
 
 def test_a_measure_that_is_not_there_stops_the_run(clean):

@@ -20,7 +20,7 @@ from egad.settings import Settings
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY
-from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
+from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT, TALLY
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED, SOLIDS
 
 GRIPPER, POLICY = "egad_75mm", "antipodal-depth"
@@ -33,6 +33,7 @@ PUBLISHED = {
     "egad/rejected.parquet": REJECTED,
     "egad/eval49.parquet": EVAL49,
     f"egad/grasps/{GRIPPER}.parquet": GRASPS,
+    f"egad/grasps/{GRIPPER}.tally.parquet": TALLY,
     f"egad/grasps/{GRIPPER}.rejected.parquet": REJECTED,
     f"egad/rescaled/{GRIPPER}/scales.parquet": SCALES,
     f"egad/rescaled/{GRIPPER}/rejected.parquet": REJECTED,
@@ -58,6 +59,7 @@ PARTS = {
         "solids": SOLIDS,
         "rejected": REJECTED,
         f"grasps-{GRIPPER}": GRASPS,
+        f"tally-{GRIPPER}": TALLY,
         f"ungraspable-{GRIPPER}": REJECTED,
         f"trials-{GRIPPER}-{POLICY}": TRIALS,
     }.items()
@@ -128,6 +130,17 @@ def test_every_object_has_grasps_or_was_rejected(load):
     assert (grasps["width"] <= Settings().grippers[GRIPPER].opening).all()
     assert grasps.groupby("id").size().max() <= 10
     assert not grasps.duplicated(["id", "grasp"]).any()
+
+
+def test_every_candidate_is_accounted_for(load):
+    grasps = load(f"egad/grasps/{GRIPPER}.parquet")
+    tally = load(f"egad/grasps/{GRIPPER}.tally.parquet").set_index("id")
+    assert set(tally.index) == set(load("egad/objects.parquet")["id"])
+    causes = ["too_wide", "not_antipodal", "blocked", "too_close", "surplus", "grasps"]
+    assert (tally[causes].sum(axis=1) == tally["tried"]).all()
+    rows = grasps.groupby("id").size().reindex(tally.index, fill_value=0)
+    assert (rows == tally["grasps"]).all()
+    assert (tally["wanted"] == 10).all()
 
 
 def test_the_evaluation_set_is_printed_and_tried(finished, load):

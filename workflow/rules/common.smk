@@ -106,6 +106,12 @@ def region_meshes():
     return [region.mesh for region in regions if region.mesh]
 
 
+def gripper_mesh(wildcards):
+    """The mesh file of a gripper, if it has one."""
+    mesh = SETTINGS.grippers[wildcards.gripper].mesh
+    return [mesh] if mesh else []
+
+
 def side_by_side(wildcards):
     """Threads of jobs that work on many objects at once: all cores; 8 where a cluster decides."""
     try:
@@ -151,6 +157,7 @@ def published():
         "rescaled/{gripper}/scales.parquet",
         "rescaled/{gripper}/rejected.parquet",
         "grasps/{gripper}.parquet",
+        "grasps/{gripper}.tally.parquet",
         "grasps/{gripper}.rejected.parquet",
         "size_effect/{gripper}.parquet",
         "print/{gripper}/manifest.parquet",

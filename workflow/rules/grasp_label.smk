@@ -1,13 +1,15 @@
 """Grasp-label: antipodal grasps with plain and robust quality.
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G.
-Outputs: results/D/grasps/G.parquet, and G.rejected.parquet for the objects without any grasp.
+Outputs: results/D/grasps/G.parquet; G.tally.parquet, what became of the candidates of each object;
+G.rejected.parquet, the objects without any grasp.
 Steps: shards of objects are labelled; then the tables of the shards are joined.
 """
 
 
 localrules:
     join_grasps,
+    join_tallies,
     join_ungraspable,
 
 
@@ -16,8 +18,10 @@ rule grasp_label:
     input:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
+        mesh=gripper_mesh,
     output:
         grasps=ensure("results/{dataset}/parts/grasps-{gripper}-{shard}.parquet", non_empty=True),
+        tally=ensure("results/{dataset}/parts/tally-{gripper}-{shard}.parquet", non_empty=True),
         rejected=ensure(
             "results/{dataset}/parts/ungraspable-{gripper}-{shard}.parquet",
             non_empty=True,
@@ -42,7 +46,8 @@ rule grasp_label:
     shell:
         "egad grasp-label --settings {params.settings:q} --shard {wildcards.shard}"
         " --shards {params.shards} --objects {input.objects:q} --meshes {params.meshes:q}"
-        " --out {output.grasps:q} --rejected {output.rejected:q} > {log:q} 2>&1"
+        " --out {output.grasps:q} --tally {output.tally:q} --rejected {output.rejected:q}"
+        " > {log:q} 2>&1"
 
 
 rule join_grasps:
@@ -67,6 +72,30 @@ rule join_grasps:
         "Joining the grasps of {wildcards.gripper} on {wildcards.dataset}"
     shell:
         "egad join --by label --by grasp --out {output:q} {input:q} > {log:q} 2>&1"
+
+
+rule join_tallies:
+    """What became of the candidates of every object."""
+    input:
+        parts("results/{dataset}/parts/tally-{gripper}-{shard}.parquet"),
+    output:
+        ensure("results/{dataset}/grasps/{gripper}.tally.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/join_tallies/{gripper}.log",
+    benchmark:
+        "benchmarks/{dataset}/join_tallies/{gripper}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        code=code_version("egad.stages.join"),
+    message:
+        "Joining the tallies of {wildcards.gripper} on {wildcards.dataset}"
+    shell:
+        "egad join --by label --out {output:q} {input:q} > {log:q} 2>&1"
 
 
 rule join_ungraspable:

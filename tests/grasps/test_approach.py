@@ -2,8 +2,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.grasps.gripper import boxes, collision_free, first_approaches
+from egad.errors import RejectedError
+from egad.grasps.approach import best_approaches, first_approaches, inside
+from egad.grasps.hand import Part, parts
 from egad.grasps.overlap import blocked_turns, box_meets_triangle
+from egad.grasps.rays import RayCaster
 from egad.grasps.sampler import Grasps
 from egad.settings import Gripper
 
@@ -32,6 +35,15 @@ def slow_overlap(triangle, low, high):
                     kept.append(p)
             polygon = kept
     return len(polygon) > 0
+
+
+def collision_free(mesh, grasps, gripper=HAND, palm=None, retreat=0.1):
+    found = best_approaches(mesh, grasps, gripper, palm, way=retreat)
+    return found.directions, found.free
+
+
+def boxes(gripper, retreat=0.0):
+    return np.stack([part.box for part in parts(gripper, None, retreat)])
 
 
 def across_x(*centers):
@@ -63,7 +75,8 @@ def test_turned_bodies_equal_clipping():
     frames *= np.linalg.det(frames)[:, None, None]
     origins = rng.normal(0, 0.5, (30, 3))
     turns = np.linspace(0, 2 * np.pi, 8, endpoint=False)
-    found = blocked_turns(triangles, body, origins, frames, turns)
+    hand = [Part(box, np.empty((0, 4)), box.mean(axis=0)) for box in body]
+    found = blocked_turns(triangles, hand, origins, frames, turns)
     for n in range(30):
         for k, turn in enumerate(turns):
             x, y, z = frames[n]
@@ -122,10 +135,15 @@ def test_the_approach_keeps_away_from_a_wall():
 
 def test_an_obstacle_on_the_way_in_counts():
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.015)
-    shell = trimesh.creation.icosphere(subdivisions=3, radius=0.15)
-    both = trimesh.util.concatenate([ball, shell])
+    shell = trimesh.creation.icosphere(subdivisions=3, radius=0.16)
+    hollow = trimesh.creation.icosphere(subdivisions=3, radius=0.15)
+    hollow.invert()
+    both = trimesh.util.concatenate([ball, shell, hollow])
     assert collision_free(both, across_x([0, 0, 0]), HAND, retreat=0.0)[1][0]
-    assert not collision_free(both, across_x([0, 0, 0]), HAND, retreat=0.1)[1][0]
+    found = best_approaches(both, across_x([0, 0, 0]), HAND, way=0.1)
+    assert found.fits[0]
+    assert not found.free[0]
+    assert (found.angles_fit[0], found.angles_free[0]) == (16, 0)
 
 
 def test_approach_is_a_unit_vector_at_right_angles_to_the_axis():
@@ -135,10 +153,8 @@ def test_approach_is_a_unit_vector_at_right_angles_to_the_axis():
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
     points = np.stack([-0.02 * axes, 0.02 * axes], axis=1)
     ball = trimesh.creation.box([0.03, 0.03, 0.03]).apply_translation([0, 0.01, 0.01])
-    for approach in (
-        first_approaches(axes),
-        collision_free(ball, Grasps(points, points, axes), HAND)[0],
-    ):
+    found = collision_free(ball, Grasps(points, points, axes), HAND)[0]
+    for approach in (first_approaches(axes), found):
         np.testing.assert_allclose(np.linalg.norm(approach, axis=1), 1)
         np.testing.assert_allclose(np.einsum("nk,nk->n", approach, axes), 0, atol=1e-12)
     # as near to straight down as the axis allows
@@ -150,3 +166,58 @@ def test_a_grasp_as_wide_as_the_opening_does_not_collide_with_itself():
     grasps = across_x([0, 0, 0])
     wide = Grasps(grasps.points * 1.5, grasps.normals, grasps.axes)
     assert collision_free(block, wide, HAND)[1][0]
+
+
+def test_a_hand_all_inside_the_object_is_not_free():
+    """No part of it touches the surface."""
+    block = trimesh.creation.box([2, 2, 2])
+    found = best_approaches(block, across_x([0, 0, 0]), HAND)
+    assert not found.fits[0]
+    assert (found.angles_fit[0], found.angles_free[0]) == (0, 0)
+
+
+def test_inside_is_that_of_a_ball():
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=1)
+    points = np.random.default_rng(3).uniform(-1, 1, (500, 3))
+    distances = np.linalg.norm(points, axis=1)
+    clear = np.abs(distances - 1) > 0.01
+    found = inside(RayCaster(ball), points)
+    np.testing.assert_array_equal(found[clear], distances[clear] < 1)
+
+
+def test_a_box_as_a_mesh_is_the_palm_box():
+    x, y, z = HAND.palm
+    palm = trimesh.creation.box([x, y, z]).apply_translation([0, 0, -z / 2])
+    rng = np.random.default_rng(4)
+    axes = rng.normal(size=(60, 3))
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    centers = rng.normal(0, 0.02, (60, 1, 3))
+    grasps = Grasps(centers + axes[:, None] * [[[-0.02], [0.02]]], np.zeros((60, 2, 3)), axes)
+    parts_of = [
+        trimesh.creation.icosphere(subdivisions=2, radius=0.01).apply_translation(place)
+        for place in rng.normal(0, 0.05, (6, 3))
+    ]
+    mesh = trimesh.util.concatenate(parts_of)
+    expected = best_approaches(mesh, grasps, HAND)
+    found = best_approaches(mesh, grasps, HAND, palm)
+    for ours, theirs in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    assert 0.1 < expected.fits.mean() < 0.95
+
+
+def test_the_pieces_of_a_mesh_count_with_their_hulls():
+    """Two posts beside a gap where a palm box would be."""
+    post = trimesh.creation.cylinder(0.01, 0.04, sections=32)
+    posts = [post.copy().apply_translation([side, 0, -0.02]) for side in (-0.04, 0.04)]
+    palm = trimesh.util.concatenate(posts)
+    bar = trimesh.creation.cylinder(0.045, 0.04, sections=64)
+    bar.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [0, 1, 0]))
+    grasp = across_x([0, 0, 0])
+    assert not collision_free(bar, grasp)[1][0]
+    assert collision_free(bar, grasp, palm=palm)[1][0]
+
+
+def test_a_flat_palm_is_rejected():
+    flat = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    with pytest.raises(RejectedError, match="flat"):
+        parts(HAND, flat)

@@ -1,0 +1,163 @@
+"""The opening that a grasp needs: room for whole fingers, not only for two points (ours)."""
+
+import numba
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from egad.grasps.approach import inside
+from egad.grasps.hand import finger_span
+from egad.grasps.overlap import apart, clipped, local, spheres
+from egad.grasps.rays import RayCaster
+from egad.grasps.sampler import Grasps
+from egad.settings import Gripper
+
+Floats = NDArray[np.float64]
+
+
+def needed_openings(
+    mesh: trimesh.Trimesh, grasps: Grasps, approaches: Floats, gripper: Gripper
+) -> Floats:
+    """The smallest opening at which both fingers stand beside the object at each of n grasps.
+
+    The hand is where the grasp is, its fingers equally far from the middle of the contacts and at
+    least as far apart as these. The fingers are whole boxes with their width, length and thickness;
+    what they enclose and what is behind them both count. The palm does not. If this is more than
+    the width of the grasp, pads that close meet something else before they reach both contacts.
+
+    Args:
+        mesh: The object, closed, metres, its triangles winding outwards.
+        grasps: The grasps.
+        approaches: (n, 3) unit vectors along which the hand points, at right angles to the axes.
+        gripper: Sizes of the fingers; its own opening does not matter.
+
+    Returns:
+        (n,) metres, between the inner faces of the fingers; may be more than the gripper has.
+    """
+    caster = RayCaster(mesh)
+    triangles = np.ascontiguousarray(mesh.triangles)
+    around = spheres(triangles)
+    frames = np.stack([grasps.axes, np.cross(approaches, grasps.axes), approaches], axis=1)
+    base, tip = finger_span(gripper)
+    side, thickness = gripper.finger_width / 2, gripper.finger_thickness
+    column = np.array([[-np.inf, -side, base], [np.inf, side, tip]])
+    middles = grasps.centers + (base + tip) / 2 * approaches
+    half = grasps.widths / 2
+    left = np.arange(len(grasps))
+    while len(left):
+        starts, ends = _gaps(
+            triangles, *around, column, thickness, grasps.centers[left], frames[left], half[left]
+        )
+        aside = (starts + thickness / 2)[:, None] * grasps.axes[left]
+        buried = inside(caster, middles[left] - aside) | inside(caster, middles[left] + aside)
+        buried &= np.isfinite(ends)
+        half[left] = np.where(buried, np.nextafter(ends, np.inf), starts)
+        left = left[buried]
+    return np.asarray(2 * half)
+
+
+@numba.njit(cache=True)
+def _gaps(
+    triangles: Floats,
+    centers: Floats,
+    radii: Floats,
+    column: Floats,
+    thickness: float,
+    origins: Floats,
+    frames: Floats,
+    least: Floats,
+) -> tuple[Floats, Floats]:
+    """The first gap in the surface that both fingers fit into, for each of n grasps.
+
+    Returns:
+        (n,) smallest distance of the inner faces from the middle, at least `least`, at which no
+        triangle reaches into a finger, and (n,) the distance at which one would again.
+    """
+    planes = np.zeros((4, 4))
+    for axis in range(2):
+        for end in range(2):
+            sign = 2.0 * end - 1
+            planes[2 * axis + end, axis + 1] = sign
+            planes[2 * axis + end, 3] = -sign * column[end, axis + 1]
+    starts, ends = np.empty(len(origins)), np.empty(len(origins))
+    taken = np.empty((2 * len(triangles), 2))
+    for n in range(len(origins)):
+        count = _taken(
+            triangles,
+            centers,
+            radii,
+            column,
+            planes,
+            thickness,
+            origins,
+            frames,
+            n,
+            least[n],
+            taken,
+        )
+        starts[n], ends[n] = _first_gap(taken[:count], least[n])
+    return starts, ends
+
+
+@numba.njit(cache=True)
+def _taken(
+    triangles: Floats,
+    centers: Floats,
+    radii: Floats,
+    column: Floats,
+    planes: Floats,
+    thickness: float,
+    origins: Floats,
+    frames: Floats,
+    n: int,
+    least: float,
+    taken: Floats,
+) -> int:
+    """The intervals of distances at which a triangle reaches into a finger; how many."""
+    corners = np.empty((3, 3))
+    count = 0
+    for m in range(len(triangles)):
+        x, y, z = local(centers, m, origins, frames, n)
+        if abs(x) + radii[m] <= least or apart(y, radii[m], column, 1):
+            continue
+        if apart(z, radii[m], column, 2):
+            continue
+        for i in range(3):
+            x, y, z = local(triangles[m], i, origins, frames, n)
+            corners[i, 0], corners[i, 1], corners[i, 2] = x, y, z
+        low, high = _extent(corners, column, planes, least)
+        for near, far in ((low, high), (-high, -low)):
+            if far > least:
+                taken[count, 0], taken[count, 1] = near - thickness, far
+                count += 1
+    return count
+
+
+@numba.njit(cache=True)
+def _extent(corners: Floats, column: Floats, planes: Floats, least: float) -> tuple[float, float]:
+    """The range of x that a triangle has within a column; 0 to 0 if it is not beyond `least`."""
+    low, high = np.inf, -np.inf
+    aside, start, end = 0.0, np.inf, -np.inf
+    for i in range(3):
+        x, y, z = corners[i]
+        low, high = min(low, x), max(high, x)
+        aside, start, end = max(aside, abs(y)), min(start, z), max(end, z)
+    if max(-low, high) <= least or end < column[0, 2] or start > column[1, 2]:
+        return 0.0, 0.0
+    if aside <= column[1, 1] and start >= column[0, 2] and end <= column[1, 2]:
+        return low, high
+    rest, size = clipped(corners, planes)
+    if size == 0:
+        return 0.0, 0.0
+    return rest[:size, 0].min(), rest[:size, 0].max()
+
+
+@numba.njit(cache=True)
+def _first_gap(taken: Floats, least: float) -> tuple[float, float]:
+    """Where the first gap between open intervals begins, at `least` or later, and where it ends."""
+    free = least
+    for i in np.argsort(taken[:, 0]):
+        if taken[i, 0] >= free:
+            return free, taken[i, 0]
+        free = max(free, taken[i, 1])
+    return free, np.inf

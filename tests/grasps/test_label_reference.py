@@ -1,0 +1,203 @@
+"""All labels of three objects against a slow reference that shares no code with them."""
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial.transform import Rotation
+
+from egad.grasps.labels import found, rated, tally_row
+from egad.settings import GraspLabel, Settings
+from egad.stage_settings import GraspLabels, select
+
+SETTINGS = select(Settings(), GraspLabels, gripper="yumi").model_copy(
+    update={"grasp_label": GraspLabel(grasps=15)}
+)
+HAND = SETTINGS.gripper
+BLUR = 4e-4  # metres between points that are sampled on a surface
+
+
+def lump():
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.02)
+    x, y, z = ball.vertices.T * 200
+    return trimesh.Trimesh(
+        ball.vertices * (1 + 0.2 * np.sin(x) * np.cos(y + z))[:, None], ball.faces
+    )
+
+
+OBJECTS = {
+    "cylinder": trimesh.creation.cylinder(0.018, 0.07, sections=32),
+    "torus": trimesh.creation.torus(0.03, 0.01, major_sections=32, minor_sections=16),
+    "lump": lump(),
+}
+
+
+@pytest.fixture(params=OBJECTS)
+def labelled(request):
+    mesh = OBJECTS[request.param]
+    rng = np.random.default_rng(7)
+    grasps, tally = found(mesh, SETTINGS, rng)
+    state = rng.bit_generator.state
+    frame = rated(mesh, mesh.center_mass, grasps, SETTINGS, rng)
+    again = np.random.default_rng()
+    again.bit_generator.state = state
+    return mesh, frame, tally, again
+
+
+def vectors(frame, name):
+    return frame[[f"{name}_{part}" for part in "xyz"]].to_numpy()
+
+
+def first_hit(mesh, origin, direction):
+    """Distance along a ray to the first triangle (Moller and Trumbore), and its normal."""
+    corner, first, second = np.moveaxis(mesh.triangles, 1, 0)
+    first, second = first - corner, second - corner
+    across = np.cross(direction, second)
+    facing = np.einsum("nk,nk->n", first, across)
+    away = origin - corner
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u = np.einsum("nk,nk->n", away, across) / facing
+        turned = np.cross(away, first)
+        v = turned @ direction / facing
+        distance = np.einsum("nk,nk->n", second, turned) / facing
+    slack = 1e-9
+    hit = (u >= -slack) & (v >= -slack) & (u + v <= 1 + slack) & (distance > 0)
+    if not hit.any():
+        return np.inf, np.zeros(3)
+    face = np.flatnonzero(hit)[distance[hit].argmin()]
+    return distance[face], mesh.face_normals[face]
+
+
+def quality(points, normals, axis, com, friction, scaling):
+    """Ferrari-Canny by the whole hull of the wrenches, one contact after the other."""
+    rows = []
+    for point, normal, closing in zip(points, normals, (axis, -axis), strict=True):
+        pressure = -normal @ closing
+        if pressure < 1 / np.sqrt(1 + friction**2):
+            return 0.0
+        helper = np.array([1.0, 0, 0]) if abs(normal[0]) < 1 - 1e-9 else np.array([0, 1.0, 0])
+        tangent = helper - helper @ normal * normal
+        tangent /= np.linalg.norm(tangent)
+        for angle in np.arange(8) * np.pi / 4:
+            lean = np.cos(angle) * tangent + np.sin(angle) * np.cross(normal, tangent)
+            force = pressure * (friction * lean - normal)
+            rows.append([*force, *(scaling * np.cross(point - com, force))])
+        twist = np.pi * SETTINGS.quality.finger_radius**2 * friction * scaling * pressure * normal
+        rows += [[0, 0, 0, *twist], [0, 0, 0, *-twist]]
+    try:
+        return max(-ConvexHull(rows).equations[:, -1].max(), 0.0)
+    except QhullError:
+        return 0.0
+
+
+def test_contacts_and_quality_equal_the_reference(labelled):
+    mesh, frame, tally, _ = labelled
+    axes, points = vectors(frame, "axis"), [vectors(frame, f"contact{i}") for i in (0, 1)]
+    normals = [vectors(frame, f"normal{i}") for i in (0, 1)]
+    for i, row in frame.iterrows():
+        for side, sign in ((0, 1), (1, -1)):
+            start = vectors(frame, "center")[i] - sign * HAND.opening / 2 * axes[i]
+            distance, normal = first_hit(mesh, start, sign * axes[i])
+            np.testing.assert_allclose(
+                start + sign * distance * axes[i], points[side][i], atol=1e-8
+            )
+            np.testing.assert_allclose(normal, normals[side][i], atol=1e-6)
+        pair = ([each[i] for each in points], [each[i] for each in normals])
+        expected = quality(*pair, axes[i], mesh.center_mass, 0.5, 100)
+        assert row["quality"] == pytest.approx(expected, rel=1e-6, abs=1e-9)
+    row = tally_row(15, tally, frame)
+    causes = ["too_wide", "not_antipodal", "blocked", "too_close", "surplus", "grasps"]
+    assert sum(row[cause] for cause in causes) == row["tried"] == 200
+    assert row["grasps"] == len(frame) == 15
+    assert row["slipped"] == (frame["quality"] == 0).sum()
+
+
+def test_robust_quality_equals_the_reference(labelled):
+    """The object moves, not the hand, and every copy is computed by itself."""
+    mesh, frame, _, rng = labelled
+    noise, samples = SETTINGS.robust, SETTINGS.robust.samples
+    shape = (len(frame) * samples, 3)
+    hand_shift = rng.normal(0, noise.grasp_translation_sigma, shape)
+    hand_turn = rng.normal(0, noise.grasp_rotation_sigma, shape)
+    shift = rng.normal(0, noise.object_translation_sigma, shape)
+    turn = rng.normal(0, noise.object_rotation_sigma, shape)
+    com_shift = rng.normal(0, noise.com_sigma, shape)
+    friction = np.maximum(rng.normal(0.5, noise.friction_sigma, len(shift)), 0)
+    center, com = vectors(frame, "center"), mesh.center_mass
+    values = np.zeros(shape[0])
+    for copy in range(shape[0]):
+        grasp = copy // samples
+        rotation = Rotation.from_rotvec(turn[copy])
+        moved = mesh.copy()
+        moved.vertices = rotation.apply(mesh.vertices - com) + com + shift[copy]
+        axis = Rotation.from_rotvec(hand_turn[copy]).apply(vectors(frame, "axis")[grasp])
+        middle = center[grasp] + hand_shift[copy]
+        points, normals = [], []
+        for closing in (axis, -axis):
+            start = middle - HAND.opening / 2 * closing
+            distance, normal = first_hit(moved, start, closing)
+            if distance <= HAND.opening and normal @ closing < 0:
+                points.append(start + distance * closing)
+                normals.append(normal)
+        if len(points) == 2:
+            mass = com + shift[copy] + rotation.apply(com_shift[copy])
+            values[copy] = quality_turned(points, normals, axis, mass, friction[copy], rotation)
+    table = values.reshape(len(frame), samples)
+    np.testing.assert_allclose(frame["robust_quality"], table.mean(axis=1), rtol=1e-5, atol=1e-8)
+    np.testing.assert_allclose(frame["robust_quality_std"], table.std(axis=1), rtol=1e-5, atol=1e-8)
+    np.testing.assert_allclose(frame["held"], (table > 0).mean(axis=1))
+
+
+def quality_turned(points, normals, axis, com, friction, rotation):
+    """The quality in the frame of the object: there the edges of a friction cone start."""
+    back = rotation.inv().apply
+    return quality(back(points), back(normals), back(axis), back(com), friction, 1000)
+
+
+def boxes(margin, way):
+    """The hand in its frame, larger by a margin, straight from the table of grippers."""
+    inner, outer = HAND.opening / 2, HAND.opening / 2 + HAND.finger_thickness
+    side, tip = HAND.finger_width / 2, HAND.finger_width / 2
+    base = tip - HAND.finger_length
+    width, depth, length = HAND.palm
+    found = [
+        ((sign * (inner + outer) / 2, 0), (outer - inner, 2 * side), base - way, tip)
+        for sign in (-1, 1)
+    ]
+    found.append(((0, 0), (width, depth), base - length - way, base))
+    return [
+        (np.array([*middle, (low + high) / 2]), np.array([*size, high - low]) / 2 + margin)
+        for middle, size, low, high in found
+    ]
+
+
+def hits(points, hand):
+    return any((np.abs(points - middle) < half).all(axis=1).any() for middle, half in hand)
+
+
+def test_collisions_equal_points_on_the_surface(labelled):
+    mesh, frame, _, _ = labelled
+    points = trimesh.sample.sample_surface(mesh, int(8 * mesh.area / BLUR**2), seed=2)[0]
+    for i, row in frame.iterrows():
+        axis, down = vectors(frame, "axis")[i], np.array([0, 0, -1.0])
+        first = down - down @ axis * axis
+        first /= np.linalg.norm(first)
+        local = points - vectors(frame, "center")[i]
+        blocked = np.zeros((2, 2, 16), dtype=bool)
+        for k, turn in enumerate(2 * np.pi * np.arange(16) / 16):
+            approach = np.cos(turn) * first - np.sin(turn) * np.cross(first, axis)
+            inside = local @ np.array([axis, np.cross(approach, axis), approach]).T
+            for way, length in enumerate((0.0, 0.1)):
+                for size, margin in enumerate((-BLUR, BLUR)):
+                    blocked[way, size, k] = hits(inside, boxes(margin, length))
+            if np.allclose(approach, vectors(frame, "approach")[i]):
+                best = blocked[:, :, k]
+        free = 16 - blocked.sum(axis=2)
+        assert free[0, 1] <= row["angles_fit"] <= free[0, 0]
+        assert free[1, 1] <= row["angles_free"] <= free[1, 0]
+        assert best[0, 0] <= (not row["fits"]) <= best[0, 1]
+        assert best[1, 0] <= (not row["collision_free"]) <= best[1, 1]
+        assert row["collision_free"] == (row["angles_free"] > 0)
+        assert row["fits"] == (row["angles_fit"] > 0)
+        assert row["width"] <= row["needed_opening"]
+        assert not row["fits"] or row["needed_opening"] <= HAND.opening
