@@ -1,7 +1,7 @@
 """Charts of trials, as SVG text: outcomes, reliability, trends, and two detectors side by side."""
 
 import string
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -150,16 +150,19 @@ def _trend_panel(
     known = [(place, mean) for place, mean in enumerate(means) if mean.attempts]
     places = [place for place, _ in known]
     axes.plot(places, [mean.value for _, mean in known], "o-", color=LINES[0], ms=5, lw=1.6)
-    axes.vlines(
-        places,
-        [mean.interval[0] for _, mean in known],
-        [mean.interval[1] for _, mean in known],
-        color=LINES[0],
-        lw=1.2,
-    )
+    _whiskers(axes, range(len(means)), means, LINES[0])
     ticks = list(string.ascii_uppercase[: len(means)]) if letters else range(len(means))
     axes.set_xticks(range(len(means)), [str(tick) for tick in ticks])
+    axes.set_xlim(-0.5, len(means) - 0.5)
     axes.tick_params(axis="x", length=0)
+
+
+def _whiskers(axes: Axes, x: Iterable[float], means: Sequence[Mean], colour: str) -> None:
+    """Intervals of rates, but for those of which nothing is known."""
+    for at, mean in zip(x, means, strict=True):
+        low, high = mean.interval
+        if (low, high) != (0.0, 1.0):
+            axes.vlines(at, low, high, color=colour, lw=1)
 
 
 def _trend_text(trend: Trend) -> str:
@@ -185,10 +188,9 @@ def side_by_side(rows: Mapping[str, Sequence[Mean]]) -> str:
         for place, (name, means) in enumerate(rows.items()):
             x = np.arange(count) + (place - (len(rows) - 1) / 2) * step
             x[-1] += 0.35
-            ends = np.array([mean.interval for mean in means]).T
             colour = LINES[place % len(LINES)]
             axes.bar(x, [mean.value for mean in means], 0.88 * step, color=colour, label=name)
-            axes.vlines(x, *ends, color=INK, lw=0.9)
+            _whiskers(axes, x, means, INK)
         names = [*string.ascii_uppercase[: count - 1], "all"]
         axes.set_xticks([*range(count - 1), count - 1 + 0.35], names)
         axes.tick_params(axis="x", length=0)
