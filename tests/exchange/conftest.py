@@ -72,7 +72,7 @@ def dataset(meshes, settings, tmp_path_factory):
     wide = trimesh.creation.box((0.2, 0.2, 0.2))
     write_obj(wide, scaled / "C02_0.obj")
     wanted = select(settings, GraspLabels, GRIPPER)
-    tables = grasps / f"{GRIPPER}.parquet", grasps / f"{GRIPPER}.rejected.parquet"
+    tables = [grasps / f"{GRIPPER}{kind}.parquet" for kind in ("", ".tally", ".rejected")]
     grasp_label.run(wanted, folder / "objects.parquet", scaled, (0, 1), *tables)
     return folder
 

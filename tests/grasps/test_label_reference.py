@@ -130,7 +130,7 @@ def test_robust_quality_equals_the_reference(labelled):
         rotation = Rotation.from_rotvec(turn[copy])
         moved = mesh.copy()
         moved.vertices = rotation.apply(mesh.vertices - com) + com + shift[copy]
-        axis = Rotation.from_rotvec(hand_turn[copy]).apply(vectors(frame, "axis")[grasp])
+        axis = Rotation.from_rotvec(hand_turn[copy]).apply(vectors(frame, "axis")[grasp].copy())
         middle = center[grasp] + hand_shift[copy]
         points, normals = [], []
         for closing in (axis, -axis):
