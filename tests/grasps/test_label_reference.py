@@ -11,10 +11,10 @@ from egad.settings import GraspLabel, Settings
 from egad.stage_settings import GraspLabels, select
 
 SETTINGS = select(Settings(), GraspLabels, gripper="yumi").model_copy(
-    update={"grasp_label": GraspLabel(grasps=15)}
+    update={"grasp_label": GraspLabel(grasps=10)}
 )
 HAND = SETTINGS.gripper
-BLUR = 4e-4  # metres between points that are sampled on a surface
+BLUR = 6e-4  # metres between points that are sampled on a surface
 
 
 def lump():
@@ -45,7 +45,7 @@ def labelled(request):
 
 
 def vectors(frame, name):
-    return frame[[f"{name}_{part}" for part in "xyz"]].to_numpy()
+    return frame[[f"{name}_{part}" for part in "xyz"]].to_numpy(copy=True)
 
 
 def first_hit(mesh, origin, direction):
@@ -105,10 +105,10 @@ def test_contacts_and_quality_equal_the_reference(labelled):
         pair = ([each[i] for each in points], [each[i] for each in normals])
         expected = quality(*pair, axes[i], mesh.center_mass, 0.5, 100)
         assert row["quality"] == pytest.approx(expected, rel=1e-6, abs=1e-9)
-    row = tally_row(15, tally, frame)
+    row = tally_row(10, tally, frame)
     causes = ["too_wide", "not_antipodal", "blocked", "too_close", "surplus", "grasps"]
     assert sum(row[cause] for cause in causes) == row["tried"] == 200
-    assert row["grasps"] == len(frame) == 15
+    assert row["grasps"] == len(frame) == 10
     assert row["slipped"] == (frame["quality"] == 0).sum()
 
 
@@ -123,14 +123,14 @@ def test_robust_quality_equals_the_reference(labelled):
     turn = rng.normal(0, noise.object_rotation_sigma, shape)
     com_shift = rng.normal(0, noise.com_sigma, shape)
     friction = np.maximum(rng.normal(0.5, noise.friction_sigma, len(shift)), 0)
-    center, com = vectors(frame, "center"), mesh.center_mass
+    center, axes, com = vectors(frame, "center"), vectors(frame, "axis"), mesh.center_mass
     values = np.zeros(shape[0])
     for copy in range(shape[0]):
         grasp = copy // samples
         rotation = Rotation.from_rotvec(turn[copy])
         moved = mesh.copy()
         moved.vertices = rotation.apply(mesh.vertices - com) + com + shift[copy]
-        axis = Rotation.from_rotvec(hand_turn[copy]).apply(vectors(frame, "axis")[grasp].copy())
+        axis = Rotation.from_rotvec(hand_turn[copy]).apply(axes[grasp])
         middle = center[grasp] + hand_shift[copy]
         points, normals = [], []
         for closing in (axis, -axis):
