@@ -1,5 +1,7 @@
 """The archive that is shipped: whole, and what the code makes of it."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -50,6 +52,17 @@ def test_cells_slots_and_ids_follow_from_the_rest(archive):
     assert len(set(labels(archive["complexity_cell"], archive["difficulty_cell"]))) == len(archive)
     for row in sample(archive, 50):
         assert voxels.identity(voxels.unpack(row["voxels"], 25)) == row["id"]
+
+
+def test_it_holds_what_the_readme_says(archive):
+    place = len(archive) / (SETTINGS.space.cells**2 * SETTINGS.space.elites_per_cell)
+    assert place >= 0.91
+    values = [archive["diversity"].agg(kind) for kind in ("min", "max", "mean")]
+    row = " | ".join(
+        [str(len(archive)), f"{100 * place:.1f} %", *(f"{each:.2f}" for each in values)]
+    )
+    readme = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    assert f"| released, as evolution selected them | {row} |" in readme
 
 
 def check_measures(rows):

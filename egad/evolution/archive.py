@@ -111,26 +111,40 @@ class Archive:
         self._trim()
 
     def _trim(self) -> None:
-        counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
-        crowded = [index for index, cell in self._cells.items() if counts[cell] > limit]
-        diversities = dict(zip(crowded, self._neighbourhood.diversities(crowded), strict=True))
-        queue = [(value, self._elites[index].id, index) for index, value in diversities.items()]
-        heapq.heapify(queue)
-        while queue:
-            value, _, index = heapq.heappop(queue)
-            if diversities.get(index) != value or counts[self._cells[index]] <= limit:
-                continue  # an old value, or a cell that fits by now
-            counts[self._cells[index]] -= 1
-            del diversities[index]
-            for near in diversities.keys() & self._remove(index):
-                diversities[near] = self._neighbourhood.diversity(near)
-                heapq.heappush(queue, (diversities[near], self._elites[near].id, near))
+        """Remove the least diverse elite of an overfull cell until every cell fits.
 
-    def _remove(self, index: int) -> list[int]:
-        """Remove an elite; returns those whose diversity is another one now."""
+        While there are more others than neighbours, a removal can only raise a diversity: what was
+        found before is a lower bound, and is found again only when it comes first.
+        """
+        counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
+        queue = self._queue(counts)
+        while queue:
+            value, name, index = heapq.heappop(queue)
+            if counts[self._cells[index]] <= limit:
+                continue
+            now = self._neighbourhood.diversity(index)
+            if now != value:
+                heapq.heappush(queue, (now, name, index))
+                continue
+            counts[self._cells[index]] -= 1
+            self._remove(index)
+            if len(self) <= self.space.neighbours + 1:
+                queue = self._queue(counts)
+
+    def _queue(self, counts: Counter[Cell]) -> list[tuple[float, str, int]]:
+        """The elites of overfull cells as a heap, the least diverse first."""
+        limit = self.space.elites_per_cell
+        crowded = [index for index, cell in self._cells.items() if counts[cell] > limit]
+        values = self._neighbourhood.diversities(crowded)
+        names = [self._elites[index].id for index in crowded]
+        queue = list(zip(values, names, crowded, strict=True))
+        heapq.heapify(queue)
+        return queue
+
+    def _remove(self, index: int) -> None:
         del self._ids[self._elites.pop(index).id]
         del self._cells[index]
-        return self._neighbourhood.remove(index)
+        self._neighbourhood.remove(index)
 
     def to_frame(self) -> pd.DataFrame:
         """The archive as a table with the columns of `tables.evolution.EPOCH`.

@@ -20,7 +20,7 @@ from egad.workers import Mapper
 
 log = logging.getLogger(__name__)
 SCORED = 10  # the QD-score of every so many steps is computed
-LINE = "step %(step)d: %(elites)d elites, coverage %(coverage).3f, QD-score %(qd_score).1f"
+LINE = "{elites} elites, coverage {coverage:.3f}, QD-score {qd_score:.1f}"
 
 
 class Step(NamedTuple):
@@ -55,7 +55,9 @@ def evolve(
     """
     rows, total = [], Counter[str]()
     steps = settings.evolution.steps_per_epoch
-    for number in progress(range(steps), f"epoch {epoch}, island {island}", steps):
+    stands, size = [""], settings.evolution.population
+    what = f"evaluations of epoch {epoch}, island {island}"
+    for number in progress(range(steps), what, steps, scale=size, state=lambda: stands[-1]):
         step = Step(epoch, island, number)
         offspring = breed(archive.elites, settings, *step)
         elites, outcomes = _evaluated(offspring, archive, settings, epoch, rules, mapper)
@@ -64,7 +66,8 @@ def evolve(
         scored = number % SCORED == SCORED - 1 or number == steps - 1
         rows.append({**step._asdict(), **snapshot(archive, outcomes, scored)})
         if scored:
-            log.info(LINE, rows[-1])
+            stands.append(LINE.format(**rows[-1]))
+            log.info("step %d: %s", number, stands[-1])
     return pd.DataFrame(rows, columns=HISTORY.names), total
 
 

@@ -50,9 +50,14 @@ def label(
 def found(
     mesh: trimesh.Trimesh, settings: GraspLabels, rng: np.random.Generator
 ) -> tuple[Grasps, Tally]:
-    """The grasps of an object that will be rated, and what became of all candidates."""
+    """The grasps of an object that will be rated, and what became of all candidates.
+
+    The sampler's own test of one horizontal approach is left out: the body of the hand is tested
+    from all around instead.
+    """
     wanted, opening = settings.grasp_label.grasps, settings.gripper.opening
-    return sample(mesh, opening, wanted, settings.sampling, rng)
+    sampling = settings.sampling.model_copy(update={"approach_clearance": 0.0})
+    return sample(mesh, opening, wanted, sampling, rng)
 
 
 def rated(

@@ -85,8 +85,8 @@ class Neighbourhood:
         self._diversities.clear()
         return indices
 
-    def remove(self, index: int) -> list[int]:
-        """Remove a shape; returns the indices of those that it was near to, if these are known.
+    def remove(self, index: int) -> None:
+        """Remove a shape.
 
         Raises:
             KeyError: There is no such shape.
@@ -101,7 +101,6 @@ class Neighbourhood:
             self._diversities.pop(row, None)
         if len(self._forest) > 2 * len(self) + SPARE:
             self._replant()
-        return stale
 
     def distance(self, one: int, other: int) -> float:
         """Distance of two shapes.
@@ -234,6 +233,8 @@ def _nearest_to_each(table: _Table, rows: Integers, others: Integers, count: int
 def _nearest(table: _Table, index: int, others: Integers, count: int, memory: Space) -> Integers:
     """The nearest of some other indices; those that cannot be near are not compared."""
     near, found = np.empty(min(count, len(others)), np.int64), 0
+    if len(near) == 0:
+        return near
     distances, known = table.distances[index], table.known[index]
     for other in others:
         if known[other] == _UNKNOWN:

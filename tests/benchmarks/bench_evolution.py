@@ -32,7 +32,7 @@ STEPS = {
     "rest of difficulty": (coordinates, "difficulty"),
     "complexity": (coordinates, "complexity"),
     "Reeb graph": (reeb, "extract"),
-    "neighbours": (neighbours.Neighbourhood, "nearest"),
+    "neighbours": (neighbours.Neighbourhood, "_look_up"),
     "newcomers among the shapes": (neighbours.Neighbourhood, "add"),
     "rest of insertion": (archive.Archive, "add"),
     "history": (island, "snapshot"),

@@ -59,12 +59,14 @@ def slow_archive(batches, space):
     return {k.id for k in kept}
 
 
-def test_equals_the_rule_done_slowly(elites):
+@pytest.mark.parametrize("neighbours", [1, 3, 8, 30])
+def test_equals_the_rule_done_slowly(elites, neighbours):
+    space = SPACE.model_copy(update={"neighbours": neighbours})
     batches = [elites[:7], elites[5:12], elites[10:]]
-    archive = Archive(SPACE, SIMILARITY)
+    archive = Archive(space, SIMILARITY)
     for batch in batches:
         archive.add(batch)
-    assert {each.id for each in archive.elites} == slow_archive(batches, SPACE)
+    assert {each.id for each in archive.elites} == slow_archive(batches, space)
     assert len(archive) == 6
 
 

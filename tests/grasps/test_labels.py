@@ -3,7 +3,8 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError
-from egad.grasps.labels import label
+from egad.grasps.labels import found, label
+from egad.grasps.sampler import sample
 from egad.settings import GraspLabel, Settings
 from egad.stage_settings import GraspLabels, select
 from egad.tables import parquet
@@ -57,3 +58,12 @@ def test_same_seed_gives_the_same_rows():
 def test_an_object_without_grasps_is_rejected_with_the_reason():
     with pytest.raises(RejectedError, match=r"no grasp \(of 2000 candidates: \d+ too wide, "):
         labels(trimesh.creation.box([0.06, 0.06, 0.06]))
+
+
+def test_grasps_are_kept_that_no_horizontal_approach_reaches():
+    ring = trimesh.creation.torus(0.03, 0.008)
+    rng = np.random.default_rng
+    _, sampled = sample(ring, SETTINGS.gripper.opening, 40, SETTINGS.sampling, rng(0))
+    _, tally = found(ring, SETTINGS, rng(0))
+    assert sampled.blocked > 0
+    assert tally.blocked == 0

@@ -168,6 +168,9 @@ def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean):
             "grasps/mine.tally.parquet": "grasp_label",
             "print/mine/manifest.parquet": "print_export",
             "trials/mine/antipodal-depth.parquet": "simulated_trial",
+            "size_effect/mine.parquet": "size_effect",
+            "exchange/mine.hdf5": "dexnet",
+            "exchange/mine-acronym": "acronym",
         },
     )
     for target, rule in stages.items():
