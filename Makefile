@@ -1,6 +1,7 @@
 # make         set up, then the whole pipeline on config/config.yaml, up to results/report.html
 # make setup   set up only: .venv from requirements.lock
 # make test    set up, then all tests
+# make bounds  set up, then the tests of compiled code with every index checked
 # make bench   set up, then the benchmarks
 # make lint    set up, then all checks of the code that need no run
 # make lock    add to requirements.lock what is new in pyproject.toml (newest of all: delete it first)
@@ -14,7 +15,7 @@ PYTHON ?= $(firstword $(foreach name,python3.11 python3.12 python3.13 python3 py
 	>/dev/null 2>&1 && echo $(name))))
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: all setup test bench lint lock
+.PHONY: all setup test bounds bench lint lock
 
 all: setup
 	snakemake --cores $(CORES)
@@ -23,6 +24,11 @@ setup: $(READY)
 
 test: setup
 	pytest
+
+# Numba does not see by its cache whether code checks its indices: this one has a cache of its own.
+bounds: setup
+	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=build/bounds pytest \
+		tests/evolution tests/measures tests/grasps tests/shapes tests/trials
 
 bench: setup
 	pytest tests/benchmarks --capture=no --override-ini python_files='bench_*.py'
