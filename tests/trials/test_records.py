@@ -49,10 +49,27 @@ def test_what_spreadsheets_write_is_read(written):
     assert len(read(written(text, encoding="utf-8-sig"))["results"]) == 1
 
 
+def test_cells_in_quotes_and_empty_ones_at_the_end_are_read(written):
+    text = 'label,attempt,success,outcome\n"A0",0,1\nA1,0,0,"no grasp",,\n'
+    assert read(written(text))["results"]["outcome"].tolist() == ["success", "no_grasp"]
+
+
+def test_semicolons_separate_what_has_commas_in_it(written):
+    """As written where 0,5 is a half: a comma in a cell does not cut it."""
+    text = "label;attempt;success;detector\nA0;0;1;mine, the new one\n"
+    assert list(read(written(text))) == ["mine, the new one"]
+
+
+def test_a_robots_objects_are_known_by_their_label_only(written):
+    table = read(written(GOOD))["mine"]
+    assert set(table["id"]) == set(table["seed"]) == {""}
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "not a CSV file"),
+        ("", "not a CSV file: it is empty"),
+        ("\n , ,\n\n", "not a CSV file: it is empty"),
         ("label,attempt\nA0,0\n", "the column success is missing; needed: label, attempt, success"),
         ("label,attempt,success\n", "no row says whether"),
         ("label,attempt,success\nA0,0,\n", "no row says whether"),
@@ -66,6 +83,13 @@ def test_what_spreadsheets_write_is_read(written):
         ("label,attempt,success,outcome\nA0,0,0,fell\n", "outcome is 'fell'; allowed: success, sl"),
         ("label,attempt,success,outcome\nA0,0,0,success\n", "success just where success is 1"),
         ("label,attempt,success,quality\nA0,0,1,high\n", "quality is 'high'; allowed: a number"),
+        ("label,attempt,Success,success\nA0,0,1,0\n", "the column success is there twice"),
+        ("label,attempt,success\nA0,0,1\nA0,1,0,missed\n", "line 3: 4 cells; the first line has 3"),
+        ("label,attempt,success\nA0,0\n", "no row says whether"),
+        ('label,attempt,success\nA0,0,1\n"A1,0,1\n', "not a CSV file: unexpected end of data"),
+        (f"label,attempt,success\nA0,{'9' * 20},1\n", "line 2: attempt is '9{20}'; .* 9 digits"),
+        ("label,attempt,success\nA0,-1,1\n", "line 2: attempt is '-1'; allowed: a whole number"),
+        ("\n\nlabel,attempt,success\n\nA0,0,1\n,,\nA1,0,2\n", "line 7: success is '2'"),
     ],
 )
 def test_mistakes_are_named_with_their_line(written, text, words):
