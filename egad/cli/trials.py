@@ -31,7 +31,10 @@ def compare(
     evaluation: Evaluation = None,
     config: Config = None,
 ) -> None:
-    """Compare detectors that tried the same objects: rates, differences, and if it was luck."""
+    """Compare detectors that tried the same objects: rates, differences, and if it was luck.
+
+    Tables of the simulation must be of one evaluation set, scaled for one gripper.
+    """
     from egad.exchange.frames import check_ending
     from egad.trials.records import gather
 

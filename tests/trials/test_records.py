@@ -125,12 +125,13 @@ def test_a_table_round_trips_through_parquet(written, tmp_path):
 def test_tables_of_the_simulation_have_the_name_of_their_file(tmp_path):
     blank = {"string": "", "bool": True}
     row = {field.name: blank.get(str(field.type), 0) for field in TRIALS}
-    row |= {"label": "A0", "seed": "ff", "outcome": "success"}
+    row |= {"label": "A0", "id": "some/object", "seed": "ff", "outcome": "success"}
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
         path = tmp_path / folder / "antipodal-depth.parquet"
         parquet.write(pd.DataFrame([row]), TRIALS, path)
-    assert read(path)["antipodal-depth"]["seed"].tolist() == ["ff"]
+    (found,) = parquet.records(read(path)["antipodal-depth"])
+    assert (found["id"], found["seed"]) == ("some/object", "ff")
     files = [tmp_path / folder / "antipodal-depth.parquet" for folder in ("one", "two")]
     assert list(gather(files)) == ["antipodal-depth", "two/antipodal-depth"]
     with pytest.raises(UserError, match="two tables of the detector two/antipodal-depth"):
