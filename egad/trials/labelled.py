@@ -1,4 +1,8 @@
-"""labels: the best labelled grasp, knowing where the object is. An upper bound for detectors."""
+"""labels: the best labelled grasp, knowing where the object is: what the labels are worth.
+
+No rival of detectors, for it knows the pose, and no bound for them: the labels' model of contacts
+knows neither gravity nor the table, and there are grasps that were never labelled.
+"""
 
 import numpy as np
 import pandas as pd
