@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from egad.errors import UserError
+from egad.evalset.labels import LABEL
 from egad.tables import parquet
 from egad.tables.evaluation import RESULTS, TRIALS
 
@@ -28,7 +29,6 @@ WORDS = {
     **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
     **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
 }
-LABEL = re.compile(r"[A-Z][0-9]{1,2}")
 ATTEMPT = re.compile(r"[0-9]{1,9}")
 
 
@@ -136,7 +136,7 @@ def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
     if success is None:
         raise wrong("success", "1, 0, true, false, yes or no")
     if not LABEL.fullmatch(row["label"]):
-        raise wrong("label", "a letter and a number, such as C4")
+        raise wrong("label", "a letter and a digit, such as C4")
     if not ATTEMPT.fullmatch(row["attempt"]):
         raise wrong("attempt", "a whole number of at most 9 digits")
     outcome = row["outcome"].lower().replace(" ", "_") or ("success" if success else OTHER)

@@ -77,7 +77,11 @@ def test_a_robots_objects_are_known_by_their_label_only(written):
             "label,attempt,success\nA0,0,1\nA0,1,maybe\n",
             "line 3: success is 'maybe'; allowed: 1, 0",
         ),
-        ("label,attempt,success\nmug,0,1\n", "line 2: label is 'mug'; allowed: a letter and a num"),
+        ("label,attempt,success\nmug,0,1\n", "line 2: label is 'mug'; allowed: a letter and a dig"),
+        (
+            "label,attempt,success\nA00,0,1\n",
+            "line 2: label is 'A00'; allowed: a letter and a digit",
+        ),
         ("label,attempt,success\nA0,first,1\n", "line 2: attempt is 'first'; allowed: a whole"),
         ("label,attempt,success\nA0,0,1\nA0,0,0\n", "attempt 0 at A0 is there twice"),
         ("label,attempt,success,outcome\nA0,0,0,fell\n", "outcome is 'fell'; allowed: success, sl"),
