@@ -21,11 +21,11 @@ from egad.trials.relief import TABLE_CLEARANCE
 
 Floats = NDArray[np.float64]
 
-SIZE = 300
+SIZE = 300  # pixels a side of the image that goes in, and of those that come out
 WIDEST = 150.0  # pixels; the width that the network calls 1
 SMOOTHING = 2.0  # pixels; of all four images
 APART = 21  # pixels; the best of a window this wide is proposed
-MAX_GRASPS = 10
+MOST_PEAKS = 10
 BITE = 0.02  # the fingertips go this far below the surface seen at the centre of the grasp
 
 
@@ -116,7 +116,7 @@ def _peaks(quality: Floats) -> list[tuple[int, int]]:
     """Places that are the best of all around them, the best first."""
     highest = ndimage.maximum_filter(quality, APART) == quality
     rows, columns = np.nonzero(highest)
-    order = np.argsort(-quality[rows, columns], kind="stable")[:MAX_GRASPS]
+    order = np.argsort(-quality[rows, columns], kind="stable")[:MOST_PEAKS]
     return [(int(rows[i]), int(columns[i])) for i in order]
 
 
