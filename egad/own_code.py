@@ -37,10 +37,12 @@ def find(name: str, where: str, kind: str) -> Any:  # noqa: ANN401 (it is the us
 
 
 def source_hash(name: str, where: str) -> str:
-    """A fingerprint of the file that a name is defined in; nothing in it is run.
+    """A fingerprint of the file that a name is defined in, which is not run.
+
+    To find `package.module`, Python runs the package that it is in.
 
     Raises:
-        UserError: There is no such file.
+        UserError: There is no such file, or the package cannot be run.
     """
     return file_hash(_source(name.rpartition(":")[0], name, where), where)
 
@@ -58,24 +60,27 @@ def file_hash(path: str | Path, where: str) -> str:
 
 def _source(module: str, name: str, where: str) -> Path:
     """The file of a module."""
-    path = Path(module) if module.endswith(".py") else _installed(module)
+    missing = f"{where}: {name}: there is no such file or module"
+    try:
+        path = Path(module) if module.endswith(".py") else _installed(module)
+    except Exception as error:
+        raise UserError(f"{missing} ({type(error).__name__}: {error})") from error
     if path is None or not path.is_file():
-        raise UserError(f"{where}: {name}: there is no such file or module")
+        raise UserError(missing)
     return path
 
 
 def _installed(module: str) -> Path | None:
-    try:
-        spec = importlib.util.find_spec(module)
-    except (ImportError, ValueError):
-        return None
+    """The file of an installed module; what its package raises when it is run, is raised."""
+    spec = importlib.util.find_spec(module)
     return Path(spec.origin) if spec is not None and spec.origin is not None else None
 
 
 def _loaded(module: str, path: Path) -> ModuleType:
     if not module.endswith(".py"):
         return importlib.import_module(module)
-    spec = importlib.util.spec_from_file_location(f"egad_own_{path.stem}", path)
+    mark = hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:8]
+    spec = importlib.util.spec_from_file_location(f"egad_own_{path.stem}_{mark}", path)
     if spec is None or spec.loader is None:
         raise ImportError(f"{path} is not Python")
     loaded = importlib.util.module_from_spec(spec)

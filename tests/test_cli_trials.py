@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from egad.tables import parquet
-from egad.tables.evaluation import EVAL49, RESULTS
+from egad.tables.evaluation import EVAL49, RESULTS, TRIALS
 
 
 def egad(*arguments):
@@ -57,6 +57,21 @@ def test_the_template_of_a_set_has_its_objects(tmp_path):
     result = egad("template", "--eval", tmp_path / "eval49.parquet", "--out", out)
     assert result.stdout.strip().endswith("40 attempts at 2 objects")
     assert sorted(set(pd.read_csv(out)["label"])) == ["A0", "B3"]
+
+
+def test_tables_of_two_evaluation_sets_are_refused(tmp_path):
+    """What the simulation writes keeps the object's id on its way into a comparison."""
+    blank = {"string": "", "bool": False}
+    row = {field.name: blank.get(str(field.type), 0) for field in TRIALS}
+    for name, number in (("one", 1), ("other", 1), ("another", 2)):
+        rows = [row | {"label": label, "id": f"{label}-{number}"} for label in ("A0", "B3")]
+        parquet.write(pd.DataFrame(rows), TRIALS, tmp_path / f"{name}.parquet")
+    same = egad("compare", tmp_path / "one.parquet", tmp_path / "other.parquet")
+    assert same.returncode == 0, same.stderr
+    result = egad("compare", tmp_path / "one.parquet", tmp_path / "another.parquet")
+    assert result.returncode == 1
+    assert "A0 is the object A0-1 in one table and A0-2 in the other" in result.stderr
+    assert "Traceback" not in result.stderr
 
 
 @pytest.mark.parametrize(

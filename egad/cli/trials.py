@@ -31,7 +31,10 @@ def compare(
     evaluation: Evaluation = None,
     config: Config = None,
 ) -> None:
-    """Compare detectors that tried the same objects: rates, differences, and if it was luck."""
+    """Compare detectors that tried the same objects: rates, differences, and if it was luck.
+
+    Tables of the simulation must be of one evaluation set, scaled for one gripper.
+    """
     from egad.exchange.frames import check_ending
     from egad.trials.records import gather
 
@@ -77,6 +80,7 @@ def template(
     config: Config = None,
 ) -> None:
     """Write a CSV file to fill in at the robot: a row an attempt, `success` to be 1 or 0."""
+    from egad.evalset.labels import labels_of
     from egad.exchange.frames import check_ending
     from egad.files import replacing
     from egad.tables import parquet
@@ -87,8 +91,7 @@ def template(
     if out.exists():
         raise UserError(f"--out {out} is there already, perhaps filled in; name another file")
     settings = settings_in(config)
-    rows, columns = settings.select_eval.rows, settings.select_eval.columns
-    labels = [f"{chr(ord('A') + row)}{column}" for row in range(rows) for column in range(columns)]
+    labels = labels_of(settings.select_eval.rows, settings.select_eval.columns)
     if evaluation is not None:
         labels = parquet.read(evaluation, EVAL49)["label"].tolist()
     frame = empty(labels, settings.trials.attempts, detector)
@@ -111,13 +114,13 @@ def _tell(found: Mapping[str, pd.DataFrame]) -> None:
 def _write(
     out: Path, found: Mapping[str, pd.DataFrame], evaluation: Path | None, settings: Settings
 ) -> None:
+    from egad.evalset.labels import place
     from egad.files import write_text
     from egad.report.axes import axis_pair
     from egad.report.trial_views import Set
     from egad.report.trials_page import page
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49
-    from egad.trials.statistics import place
 
     chosen = None if evaluation is None else parquet.read(evaluation, EVAL49)
     places = [place(label) for table in found.values() for label in table["label"].unique()]

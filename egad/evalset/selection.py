@@ -3,13 +3,13 @@
 Source: EGAD, section IV-A, but optimised over the whole set at once (ours).
 """
 
-import string
 from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from egad.evalset.labels import label_at, labels_of
 from egad.measures.space import complexity_cells, difficulty_cells
 from egad.settings import SelectEval, Space
 from egad.tables import parquet
@@ -105,7 +105,7 @@ def best_of_random(
 
 def empty_cells(chosen: pd.DataFrame, settings: SelectEval) -> list[str]:
     """Labels of the coarse cells that no object of the dataset lies in."""
-    labels = [_label(row, col) for row in range(settings.rows) for col in range(settings.columns)]
+    labels = labels_of(settings.rows, settings.columns)
     return [label for label in labels if label not in set(chosen["label"])]
 
 
@@ -114,10 +114,6 @@ def _coarse_cells(
 ) -> tuple[Indices, Indices]:
     rows = difficulty_cells(objects["difficulty"], space, settings.rows)
     return rows, complexity_cells(objects["complexity"], space, settings.columns)
-
-
-def _label(row: int, column: int) -> str:
-    return f"{string.ascii_uppercase[row]}{column}"
 
 
 def _nearest(chosen: Indices, distances: Distances) -> NDArray[np.float64]:
@@ -134,7 +130,7 @@ def _frame(
 ) -> pd.DataFrame:
     table: pd.DataFrame = chosen.assign(
         object_label=chosen["label"],
-        label=[_label(row, column) for row, column in zip(rows, columns, strict=True)],
+        label=[label_at(row, column) for row, column in zip(rows, columns, strict=True)],
         row=rows,
         column=columns,
         nearest=nearest,

@@ -53,7 +53,7 @@ def check_measures(axes: Axes) -> None:
 
 
 def source_hash(measure: str) -> str:
-    """A fingerprint of the file that a measure is written in; nothing in it is run.
+    """A fingerprint of the file that a measure is written in, which is not run.
 
     Raises:
         UserError: There is no such file.

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
+from egad.evalset.labels import label_at
 from egad.report.axes import USUAL, AxisPair
 from egad.report.style import FAINT, SOFT, drawn, ink_on
 from egad.trials.statistics import Rate, TrialGrid
@@ -35,7 +36,7 @@ def trial_heat_map(
         axes = drawing.figure.add_subplot()
         for row in range(rows):
             for column in range(columns):
-                label = f"{string.ascii_uppercase[row]}{column}"
+                label = label_at(row, column)
                 _heat_cell(axes, column, row, grid.cells.get((row, column)), label in present)
         for row, rate in enumerate(grid.rows):
             _heat_cell(axes, columns + GAP, row, rate, True, 1.25)

@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
+from egad.evalset.labels import place
 from egad.report.axes import USUAL, AxisPair
 from egad.report.style import FAINT, INK, LINES, SOFT, drawn
 from egad.report.summary import outcome_counts
@@ -143,13 +144,12 @@ def _trend_panel(
     axes: Axes, objects: pd.DataFrame, key: str, means: Sequence[Mean], letters: bool
 ) -> None:
     labels = objects.index.astype(str)
-    cells = [ord(label[0]) - ord("A") if letters else int(label[1:]) for label in labels]
+    cells = [place(label)[0 if letters else 1] for label in labels]
     groups = objects[key].groupby(cells)
     beside = (groups.rank() - 0.5) / groups.transform("size") - 0.5
     axes.plot(np.array(cells) + 0.7 * beside, objects["rate"], "o", color=LINES[5], ms=4, alpha=0.7)
-    known = [(place, mean) for place, mean in enumerate(means) if mean.attempts]
-    places = [place for place, _ in known]
-    axes.plot(places, [mean.value for _, mean in known], "o-", color=LINES[0], ms=5, lw=1.6)
+    known = [(cell, mean.value) for cell, mean in enumerate(means) if mean.attempts]
+    axes.plot(*np.reshape(known, (-1, 2)).T, "o-", color=LINES[0], ms=5, lw=1.6)
     _whiskers(axes, range(len(means)), means, LINES[0])
     ticks = list(string.ascii_uppercase[: len(means)]) if letters else range(len(means))
     axes.set_xticks(range(len(means)), [str(tick) for tick in ticks])
@@ -185,10 +185,10 @@ def side_by_side(rows: Mapping[str, Sequence[Mean]]) -> str:
     with drawn(8.6, 3.2) as drawing:
         axes = drawing.figure.add_subplot()
         step = 0.7 / len(rows)
-        for place, (name, means) in enumerate(rows.items()):
-            x = np.arange(count) + (place - (len(rows) - 1) / 2) * step
+        for number, (name, means) in enumerate(rows.items()):
+            x = np.arange(count) + (number - (len(rows) - 1) / 2) * step
             x[-1] += 0.35
-            colour = LINES[place % len(LINES)]
+            colour = LINES[number % len(LINES)]
             axes.bar(x, [mean.value for mean in means], 0.88 * step, color=colour, label=name)
             _whiskers(axes, x, means, INK)
         names = [*string.ascii_uppercase[: count - 1], "all"]

@@ -7,13 +7,12 @@ from itertools import combinations
 
 import pandas as pd
 
-from egad.errors import UserError
 from egad.report import trial_figures
 from egad.report.axes import USUAL, AxisPair
 from egad.report.heat_map import trial_heat_map
 from egad.report.maps import data_uri
 from egad.report.summary import outcome_counts
-from egad.trials.comparison import Comparison, compare
+from egad.trials.comparison import Comparison, NothingInCommonError, compare
 from egad.trials.reliability import discrimination, reliability
 from egad.trials.statistics import Mean, TrialGrid, trial_grid
 from egad.trials.trends import Trend, places, trend
@@ -86,7 +85,7 @@ def results(tables: Mapping[str, pd.DataFrame], tried: Set) -> Results:
     """Work out what there is to show.
 
     Args:
-        tables: Attempts by detector: columns label, attempt, success, outcome, quality and seed.
+        tables: Attempts by detector: columns of `tables.evaluation.RESULTS`.
         tried: The evaluation set.
     """
     grids = {name: trial_grid(table, tried.rows, tried.columns) for name, table in tables.items()}
@@ -101,10 +100,14 @@ def results(tables: Mapping[str, pd.DataFrame], tried: Set) -> Results:
 
 
 def pairs(tables: Mapping[str, pd.DataFrame]) -> list[Pair]:
-    """Every two detectors compared, but for those that have no attempt in common."""
+    """Every two detectors compared, but for those that have no attempt in common.
+
+    Raises:
+        UserError: A label does not stand for the same object in all tables.
+    """
     found = []
     for names in combinations(tables, 2):
-        with suppress(UserError):
+        with suppress(NothingInCommonError):
             pair = _pair(tables, *names)
             found.append(pair if pair.result.difference >= 0 else _pair(tables, *names[::-1]))
     return found

@@ -46,6 +46,7 @@ MANIFEST = pa.schema(
 RESULTS = pa.schema(
     [
         column("label", STRING, "name in the evaluation set"),
+        column("id", STRING, "name of the object within its dataset; empty on a real robot"),
         column("attempt", INT, "number of the attempt"),
         column("success", BOOL, "whether the object was still held at the end"),
         column("outcome", STRING, "as in the table of simulated trials, or other"),

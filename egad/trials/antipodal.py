@@ -8,16 +8,14 @@ from scipy import ndimage
 
 from egad.settings import Gripper
 from egad.trials.camera import View
-from egad.trials.grasp import Grasp
-from egad.trials.relief import TABLE_CLEARANCE, Relief, lowest_tip, relief_of
+from egad.trials.grasp import Grasp, ranked
+from egad.trials.relief import TABLE_CLEARANCE, Relief, lowest_tip, relief_of, roomy
 
 Floats = NDArray[np.float64]
 
 MAX_EDGES = 400
 MAX_CANDIDATES = 400
-MAX_GRASPS = 50
-CLEARANCE = 0.008  # free space that is wanted on each side of the object
-LEAST_CLEARANCE = 0.002
+LEAST_CLEARANCE = 0.002  # on each side of the object
 LEAST_BITE = 0.005  # the pads must reach this far below the lower of the two edges
 FULL_BITE = 0.02  # and gain nothing by reaching further than this
 TORQUE_SCALING = 100.0  # 1/m
@@ -128,21 +126,11 @@ def _quality(pairs: _Pairs, centroid: Floats, tip: Floats | float) -> Floats:
 
 def _grasps(pairs: _Pairs, relief: Relief, centroid: Floats, gripper: Gripper) -> list[Grasp]:
     """Candidates for which the hand has space, with their depths and qualities."""
-    width = np.minimum(pairs.distance + 2 * CLEARANCE, gripper.opening)
+    width = roomy(pairs.distance, gripper)
     tip = lowest_tip(pairs.middle, pairs.axis, width, relief, gripper)
     bite = pairs.top - tip
     level = tip + bite / 2
     quality = _quality(pairs, centroid, tip)
-    order = np.argsort(-quality, kind="stable")
-    order = order[bite[order] >= LEAST_BITE][:MAX_GRASPS]
-    angle = np.arctan2(pairs.axis[:, 1], pairs.axis[:, 0])
-    return [
-        Grasp(
-            center=(float(pairs.middle[i, 0]), float(pairs.middle[i, 1]), float(level[i])),
-            angle=float(angle[i]),
-            width=float(width[i]),
-            depth=float(bite[i] / 2),
-            quality=float(quality[i]),
-        )
-        for i in order
-    ]
+    center = np.column_stack([pairs.middle, level])
+    columns = (center, pairs.axis, width, bite / 2, quality)
+    return ranked(*(values[bite >= LEAST_BITE] for values in columns))

@@ -40,6 +40,7 @@ class Child:
         self._policy = policy
         self._limit = limit
         self._process: multiprocessing.process.BaseProcess | None = None
+        self._was_ready = False
 
     def __enter__(self) -> Self:
         self._start()
@@ -57,12 +58,12 @@ class Child:
         """Ask the detector.
 
         Raises:
-            DetectorError: It failed.
+            DetectorError: It failed, or cannot be started anew.
             DetectorTimeoutError: It was stopped.
-            UserError: It cannot be made.
+            UserError: It cannot be made the first time.
         """
         if self._process is None:
-            self._start()
+            self._restart()
         try:
             self._pipe.send((view, gripper, rng))
             if not self._pipe.poll(self._limit):
@@ -75,6 +76,15 @@ class Child:
             raise DetectorError(answer)
         grasps: list[Grasp] = answer
         return grasps
+
+    def _restart(self) -> None:
+        """Start; if that has worked before, it is no mistake of the user that it fails now."""
+        try:
+            self._start()
+        except UserError as error:
+            if self._was_ready:
+                raise DetectorError(f"it cannot be started anew: {error}") from error
+            raise
 
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")
@@ -93,6 +103,7 @@ class Child:
         if kind == "error":
             self._stop()
             raise UserError(problem)
+        self._was_ready = True
 
     def _stop(self) -> str:
         """End the process; how it ended, in words."""

@@ -8,9 +8,13 @@ from numpy.typing import NDArray
 from scipy.stats import binomtest
 
 from egad.errors import UserError
-from egad.trials.statistics import Interval, bootstrap
+from egad.trials.statistics import Interval, bootstrap, by_object
 
 Integers = NDArray[np.int64]
+
+
+class NothingInCommonError(UserError):
+    """Two detectors made no attempt that can be compared."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,8 @@ class Comparison:
         p_objects: Sign-flip test over the objects; see `sign_flip`.
         only_first: Attempts that only the first succeeded in.
         only_second: Attempts that only the second succeeded in.
-        p_attempts: Exact McNemar test over the attempts; NaN unless both faced the same drops.
+        p_attempts: Exact McNemar test over the attempts; NaN unless both faced the same drops
+            of the same objects.
     """
 
     objects: int
@@ -45,33 +50,53 @@ def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
     detector that is better at one shape is so in all 20 attempts at it. McNemar's test takes them
     for independent, and so answers for these very objects only.
 
+    Equal seeds are equal drops only for objects of one size. The tables do not say which gripper
+    the objects were scaled for: that it is the same one is taken for granted.
+
     Args:
-        first: Columns label, attempt, success, and seed, which is empty where drops cannot be
-            repeated.
+        first: Columns label, id, attempt, success, and seed; id and seed are empty where objects
+            are known by their label only and drops cannot be repeated.
         second: The same of the other detector.
 
     Raises:
-        UserError: They have no attempt in common.
+        NothingInCommonError: They have no attempt in common.
+        UserError: A label stands for one object in the first table and for another in the second.
     """
     pairs = first.merge(second, on=["label", "attempt"], suffixes=("_1", "_2"))
     if pairs.empty:
-        raise UserError("the two tables have no attempt in common: same labels and numbers")
+        raise NothingInCommonError(
+            "the two tables have no attempt in common: same labels and numbers"
+        )
+    _check_objects(pairs)
     one, other = (pairs[f"success_{i}"].to_numpy(dtype=np.int64) for i in (1, 2))
-    labels, index = np.unique(pairs["label"], return_inverse=True)
-    gains, counts = (np.bincount(index, values).astype(np.int64) for values in (one - other, None))
+    objects = by_object(pairs.assign(success=one - other))
+    gains, counts = objects["successes"].to_numpy(), objects["attempts"].to_numpy()
     only_first, only_second = int((one > other).sum()), int((other > one).sum())
-    seeds = pairs["seed_1"]
-    same = bool(((seeds != "") & (seeds == pairs["seed_2"])).all())
+    same = all(
+        bool(((pairs[f"{key}_1"] != "") & (pairs[f"{key}_1"] == pairs[f"{key}_2"])).all())
+        for key in ("id", "seed")
+    )
     return Comparison(
-        objects=len(labels),
+        objects=len(objects),
         attempts=len(pairs),
         difference=float((one - other).mean()),
-        interval=bootstrap(lambda drawn: gains[drawn].sum(1) / counts[drawn].sum(1), len(labels)),
+        interval=bootstrap(lambda drawn: gains[drawn].sum(1) / counts[drawn].sum(1), len(objects)),
         p_objects=sign_flip(gains),
         only_first=only_first,
         only_second=only_second,
         p_attempts=mcnemar(only_first, only_second) if same else float("nan"),
     )
+
+
+def _check_objects(pairs: pd.DataFrame) -> None:
+    one, other = pairs["id_1"], pairs["id_2"]
+    differ = pairs[(one != "") & (other != "") & (one != other)]
+    if len(differ):
+        label, one, other = differ.iloc[0][["label", "id_1", "id_2"]]
+        raise UserError(
+            f"{label} is the object {one} in one table and {other} in the other: "
+            "only trials of one evaluation set can be compared"
+        )
 
 
 def sign_flip(gains: Integers) -> float:

@@ -14,7 +14,7 @@ GGCNN_WEIGHTS = (
 
 
 def fingerprint(policy: Policy) -> list[str]:
-    """What else than the library and the settings decides the answers; nothing of it is run.
+    """What else than the library and the settings decides the answers; the detector is not run.
 
     Raises:
         UserError: A file is missing.

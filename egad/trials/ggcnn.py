@@ -1,6 +1,9 @@
 """ggcnn: grasps from the networks of GG-CNN, for every pixel of a depth image.
 
 Morrison, Corke and Leitner, "Learning robust, real-time, reactive robotic grasping", IJRR 2020.
+Theirs are the networks, the size and scaling of what goes in, the code of angle and width, and that
+peaks of the smoothed quality are grasps. Ours are how gaps are filled, how angle and width are
+smoothed, which peaks count, and how deep the hand reaches.
 """
 
 from typing import NamedTuple
@@ -18,11 +21,11 @@ from egad.trials.relief import TABLE_CLEARANCE
 
 Floats = NDArray[np.float64]
 
-SIZE = 300
+SIZE = 300  # pixels a side of the image that goes in, and of those that come out
 WIDEST = 150.0  # pixels; the width that the network calls 1
-SMOOTHING = 2.0  # pixels
+SMOOTHING = 2.0  # pixels; of all four images
 APART = 21  # pixels; the best of a window this wide is proposed
-MAX_GRASPS = 10
+MOST_PEAKS = 10
 BITE = 0.02  # the fingertips go this far below the surface seen at the centre of the grasp
 
 
@@ -64,7 +67,7 @@ class GGCNN:
             raise UserError(f"{error}; {GGCNN_WEIGHTS}") from error
 
     def __call__(self, view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
-        """Grasps at the peaks of the quality, at most 10 (published, but for the depth: ours).
+        """Grasps at the peaks of the quality, at most 10 (partly ours, see the top of the file).
 
         The middle 300 x 300 pixels go in, a smaller image enlarged; pixels without depth get that
         of the nearest one with it. The four images that come out are smoothed. The hand opens as
@@ -113,7 +116,7 @@ def _peaks(quality: Floats) -> list[tuple[int, int]]:
     """Places that are the best of all around them, the best first."""
     highest = ndimage.maximum_filter(quality, APART) == quality
     rows, columns = np.nonzero(highest)
-    order = np.argsort(-quality[rows, columns], kind="stable")[:MAX_GRASPS]
+    order = np.argsort(-quality[rows, columns], kind="stable")[:MOST_PEAKS]
     return [(int(rows[i]), int(columns[i])) for i in order]
 
 

@@ -4,7 +4,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from egad.settings import Gripper
+
+Floats = NDArray[np.float64]
+
+MOST = 50
 
 
 @dataclass(frozen=True)
@@ -44,6 +51,24 @@ class Grasp:
         return "below_table" if self.tip < 0 else ""
 
 
+def ranked(
+    center: Floats, axis: Floats, width: Floats, depth: Floats, quality: Floats
+) -> list[Grasp]:
+    """Candidates as grasps, at most 50, best first, equals in the order given.
+
+    Args:
+        center: (n, 3) as `Grasp.center`.
+        axis: (n, 2) the closing axis, of any length.
+        width: (n,) as `Grasp.width`.
+        depth: (n,) as `Grasp.depth`.
+        quality: (n,) as `Grasp.quality`.
+    """
+    angle = np.arctan2(axis[:, 1], axis[:, 0])
+    columns = np.column_stack([center, angle, width, depth, quality])
+    order = np.argsort(-quality, kind="stable")[:MOST]
+    return [Grasp((x, y, z), *others) for x, y, z, *others in columns[order].tolist()]
+
+
 def best(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | str:
     """The grasp of the highest quality that the hand can do, the first of equals.
 
@@ -52,9 +77,9 @@ def best(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | str:
     """
     if len(grasps) == 0:
         return "no_grasp"
-    ranked = sorted(grasps, key=_promise)
-    possible = [grasp for grasp in ranked if not grasp.flaw(gripper)]
-    return possible[0] if possible else ranked[0].flaw(gripper)
+    hopeful = sorted(grasps, key=_promise)
+    possible = [grasp for grasp in hopeful if not grasp.flaw(gripper)]
+    return possible[0] if possible else hopeful[0].flaw(gripper)
 
 
 def _promise(grasp: Grasp) -> float:

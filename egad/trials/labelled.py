@@ -1,4 +1,8 @@
-"""labels: the best labelled grasp, knowing where the object is. An upper bound for detectors."""
+"""labels: the best labelled grasp, knowing where the object is: what the labels are worth.
+
+No rival of detectors, for it knows the pose, and no bound for them: the labels' model of contacts
+knows neither gravity nor the table, and there are grasps that were never labelled.
+"""
 
 import numpy as np
 import pandas as pd
@@ -6,15 +10,13 @@ from numpy.typing import NDArray
 
 from egad.settings import Gripper
 from egad.trials.camera import View
-from egad.trials.grasp import Grasp
-from egad.trials.relief import lowest_tip, relief_of
+from egad.trials.grasp import Grasp, ranked
+from egad.trials.relief import lowest_tip, relief_of, roomy
 
 Floats = NDArray[np.float64]
 
 TILT = np.radians(15)  # of the closing axis, which the hand holds level
-CLEARANCE = 0.008  # free space that is wanted on each side of the contacts
 LEAST_BITE = 0.003  # the fingertips reach at least this far below the contacts
-MAX_GRASPS = 50
 
 
 class Labels:
@@ -55,7 +57,7 @@ class Labels:
             return []
         center = self._center[level] @ matrix[:3, :3].T + matrix[:3, 3]
         flat = axis[level, :2] / np.linalg.norm(axis[level, :2], axis=1, keepdims=True)
-        narrow = np.minimum(self._width[level] + 2 * CLEARANCE, gripper.opening)
+        narrow = roomy(self._width[level], gripper)
         wide = np.full_like(narrow, gripper.opening)
         pad = min(gripper.finger_width, gripper.finger_length) / 2
         tips = [
@@ -63,17 +65,6 @@ class Labels:
             for width in (narrow, wide)
         ]
         tip, width = np.minimum(*tips), np.where(tips[0] <= tips[1], narrow, wide)
-        quality = self._quality[level]
-        order = np.argsort(-quality, kind="stable")
-        order = order[(center[:, 2] - tip)[order] >= LEAST_BITE][:MAX_GRASPS]
-        angle = np.arctan2(flat[:, 1], flat[:, 0])
-        return [
-            Grasp(
-                center=(float(center[i, 0]), float(center[i, 1]), float(center[i, 2])),
-                angle=float(angle[i]),
-                width=float(width[i]),
-                depth=float(center[i, 2] - tip[i]),
-                quality=float(quality[i]),
-            )
-            for i in order
-        ]
+        depth = center[:, 2] - tip
+        columns = (center, flat, width, depth, self._quality[level])
+        return ranked(*(values[depth >= LEAST_BITE] for values in columns))

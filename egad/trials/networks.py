@@ -11,7 +11,6 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
-SIZE = 300  # pixels a side of the image that goes in, and of those that come out
 OUTPUTS = ("pos_output", "cos_output", "sin_output", "width_output")
 Image = NDArray[np.float32]
 Network = Callable[[Image], Image]

@@ -4,6 +4,8 @@ The CSV file has a row an attempt and the columns label, attempt and success, an
 outcome, quality and detector. Rows without a success have not been tried yet and are left out.
 """
 
+import csv
+import io
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from egad.errors import UserError
+from egad.evalset.labels import LABEL
 from egad.tables import parquet
 from egad.tables.evaluation import RESULTS, TRIALS
 
@@ -26,7 +29,7 @@ WORDS = {
     **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
     **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
 }
-LABEL = re.compile(r"[A-Z][0-9]{1,2}")
+ATTEMPT = re.compile(r"[0-9]{1,9}")
 
 
 def template(labels: Sequence[str], attempts: int, detector: str) -> pd.DataFrame:
@@ -78,18 +81,20 @@ def _parquet(path: Path) -> pd.DataFrame:
 
 
 def _csv(path: Path) -> pd.DataFrame:
-    raw = _text(path)
-    raw.columns = [str(name).strip().lower() for name in raw.columns]
-    if missing := [name for name in NEEDED if name not in raw.columns]:
+    (_, names), *lines = _cells(path)
+    names = [name.lower() for name in names]
+    if missing := [name for name in NEEDED if name not in names]:
         raise UserError(
             f"{path}: the column {missing[0]} is missing; needed: {', '.join(NEEDED)}; "
             f"allowed: {', '.join(COLUMNS)}"
         )
-    raw = raw.reindex(columns=list(COLUMNS), fill_value="").apply(lambda text: text.str.strip())
-    tried = raw[raw["success"] != ""]
-    if tried.empty:
+    if repeated := [name for name in COLUMNS if names.count(name) > 1]:
+        raise UserError(f"{path}: the column {repeated[0]} is there twice")
+    blank = dict.fromkeys(COLUMNS, "")
+    cells = [(line, blank | dict(zip(names, row, strict=True))) for line, row in lines]
+    rows = [_row(path, line, row) for line, row in cells if row["success"]]
+    if not rows:
         raise UserError(f"{path}: no row says whether the attempt was a success")
-    rows = [_row(path, int(str(line)) + 2, row) for line, row in tried.to_dict("index").items()]
     frame = pd.DataFrame(rows, columns=RESULTS.names)
     twice = frame.duplicated(["detector", "label", "attempt"])
     if twice.any():
@@ -98,19 +103,30 @@ def _csv(path: Path) -> pd.DataFrame:
     return frame
 
 
-def _text(path: Path) -> pd.DataFrame:
-    """The cells of a CSV file as they are; separated by commas or, as some programs do, by ;."""
+def _cells(path: Path) -> list[tuple[int, list[str]]]:
+    """The lines of a CSV file with their numbers, as long as the first; empty ones are left out.
+
+    Cells are separated by commas or, as some programs do, by semicolons.
+    """
     try:
-        head = path.read_text(encoding="utf-8-sig").partition("\n")[0]
+        text = path.read_text(encoding="utf-8-sig")
+        head = text.strip().partition("\n")[0]
         separator = ";" if head.count(";") > head.count(",") else ","
-        return pd.read_csv(
-            path, sep=separator, dtype=str, keep_default_na=False, encoding="utf-8-sig"
-        )
-    except (UnicodeDecodeError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
+        reader = csv.reader(io.StringIO(text), delimiter=separator, strict=True)
+        lines = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
+    except (UnicodeDecodeError, csv.Error) as error:
         raise UserError(f"{path}: not a CSV file: {error}") from error
+    filled = [(line, row) for line, row in lines if any(row)]
+    if not filled:
+        raise UserError(f"{path}: not a CSV file: it is empty")
+    width = len(filled[0][1])
+    for line, row in filled:
+        if any(row[width:]):
+            raise UserError(f"{path}, line {line}: {len(row)} cells; the first line has {width}")
+    return [(line, [*row, *[""] * width][:width]) for line, row in filled]
 
 
-def _row(path: Path, line: int, row: Mapping[object, str]) -> dict[str, object]:
+def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
     """One attempt; `line` is that of the file, for error messages."""
 
     def wrong(column: str, wanted: str) -> UserError:
@@ -120,9 +136,9 @@ def _row(path: Path, line: int, row: Mapping[object, str]) -> dict[str, object]:
     if success is None:
         raise wrong("success", "1, 0, true, false, yes or no")
     if not LABEL.fullmatch(row["label"]):
-        raise wrong("label", "a letter and a number, such as C4")
-    if not row["attempt"].isdecimal():
-        raise wrong("attempt", "a whole number")
+        raise wrong("label", "a letter and a digit, such as C4")
+    if not ATTEMPT.fullmatch(row["attempt"]):
+        raise wrong("attempt", "a whole number of at most 9 digits")
     outcome = row["outcome"].lower().replace(" ", "_") or ("success" if success else OTHER)
     if outcome not in OUTCOMES:
         raise wrong("outcome", ", ".join(OUTCOMES))
@@ -134,6 +150,7 @@ def _row(path: Path, line: int, row: Mapping[object, str]) -> dict[str, object]:
         raise wrong("quality", "a number, or nothing") from error
     return {
         "label": row["label"],
+        "id": "",
         "attempt": int(row["attempt"]),
         "success": success,
         "outcome": outcome,

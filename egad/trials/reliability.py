@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.stats import mannwhitneyu
 
 from egad.trials.statistics import Rate
@@ -34,8 +35,7 @@ def reliability(trials: pd.DataFrame, bins: int = BINS) -> list[Bin]:
     Returns:
         From low to high quality; empty if no attempt has a quality.
     """
-    known = trials[np.isfinite(trials["quality"].to_numpy(dtype=np.float64))]
-    quality, success = known["quality"].to_numpy(dtype=np.float64), known["success"].to_numpy(bool)
+    quality, success = _known(trials)
     if len(quality) == 0:
         return []
     edges = np.unique(quality)[1:]
@@ -58,10 +58,15 @@ def discrimination(trials: pd.DataFrame) -> float:
         1 if quality tells all, 0.5 if it tells nothing (ties count half); NaN if there are no
         successes, or no failures.
     """
-    known = trials[np.isfinite(trials["quality"].to_numpy(dtype=np.float64))]
-    success = known["success"].to_numpy(dtype=bool)
+    quality, success = _known(trials)
     if success.all() or not success.any():
         return float("nan")
-    quality = known["quality"].to_numpy(dtype=np.float64)
     better = mannwhitneyu(quality[success], quality[~success]).statistic
     return float(better / (success.sum() * (~success).sum()))
+
+
+def _known(trials: pd.DataFrame) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Quality and success of the attempts with a quality."""
+    quality = trials["quality"].to_numpy(dtype=np.float64)
+    known = np.isfinite(quality)
+    return quality[known], trials["success"].to_numpy(dtype=bool)[known]

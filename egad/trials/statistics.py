@@ -8,6 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest, norm, t
 
+from egad.evalset.labels import place
 from egad.seeds import generator
 
 Floats = NDArray[np.float64]
@@ -139,11 +140,6 @@ def mean_rate(trials: pd.DataFrame) -> Mean:
     )
     least, most = total.interval
     return Mean(total.successes, total.attempts, min(low, least), max(high, most))
-
-
-def place(label: str) -> tuple[int, int]:
-    """Row and column of a label such as C4."""
-    return ord(label[0]) - ord("A"), int(label[1:])
 
 
 def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:

@@ -7,7 +7,8 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
-from egad.trials.statistics import bootstrap, by_object, place
+from egad.evalset.labels import place
+from egad.trials.statistics import bootstrap, by_object
 
 Floats = NDArray[np.float64]
 

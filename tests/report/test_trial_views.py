@@ -4,15 +4,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.errors import UserError
 from egad.report.trial_views import Set, pairs, results
 from egad.report.trials_page import page
 from egad.tables.evaluation import RESULTS
+
+OUTCOMES = ("missed", "success")
 
 
 def tried(name, rates, seed=0):
     rng = np.random.default_rng(seed)
     rows = [
-        (label, n, bool(success), "success" if success else "missed", rng.random(), name, f"{n}")
+        (label, label, n, bool(success), OUTCOMES[int(success)], rng.random(), name, f"{n}")
         for label, rate in rates.items()
         for n, success in enumerate(rng.random(20) < rate)
     ]
@@ -33,6 +36,11 @@ def test_every_pair_that_can_be_compared_is_once_the_better_first(tables):
     (pair,) = pairs(tables)
     assert (pair.first, pair.second) == ("good", "poor")
     assert pair.result.difference > 0.3
+
+
+def test_a_label_of_another_object_is_refused(tables):
+    with pytest.raises(UserError, match="only trials of one evaluation set can be compared"):
+        pairs(tables | {"other": tables["poor"].assign(id="another")})
 
 
 def test_each_detector_has_its_view(tables):

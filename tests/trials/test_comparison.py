@@ -1,23 +1,25 @@
 """Paired tests against scipy's, and against what must come out."""
 
+from itertools import product
+
 import numpy as np
 import pandas as pd
 import pytest
 from scipy.stats import binomtest, permutation_test
 
 from egad.errors import UserError
-from egad.trials.comparison import compare, mcnemar, sign_flip
+from egad.trials.comparison import NothingInCommonError, compare, mcnemar, sign_flip
 
 
 def tried(rates, attempts=20, seed=0, drops="drop"):
     """Attempts at objects A0, A1, ... with the rates given."""
     rng = np.random.default_rng(seed)
     rows = [
-        (f"{'ABCDEFG'[i // 7]}{i % 7}", n, bool(rng.random() < rate), f"{drops}-{i}-{n}")
+        (f"{'ABCDEFG'[i // 7]}{i % 7}", f"id-{i}", n, bool(rng.random() < rate), f"{drops}-{i}-{n}")
         for i, rate in enumerate(rates)
         for n in range(attempts)
     ]
-    return pd.DataFrame(rows, columns=["label", "attempt", "success", "seed"])
+    return pd.DataFrame(rows, columns=["label", "id", "attempt", "success", "seed"])
 
 
 @pytest.mark.parametrize(
@@ -35,6 +37,28 @@ def test_sign_flips_are_those_of_scipy(gains):
     assert sign_flip(np.array(gains)) == pytest.approx(min(slow.pvalue, 1.0), abs=1e-12)
 
 
+@pytest.mark.parametrize(
+    "gains", [[5], [3, -3], [0, 0, 4], [6, -1, 2, 0, 9], [1, 1, 1, 1, 1, 1, -20], [2, 3, 5, 7, 11]]
+)
+def test_sign_flips_are_counted_over_all_signs(gains):
+    """The definition: of all signs, the share whose sum is as far from nothing or further."""
+    sums = [abs(np.dot(signs, gains)) for signs in product((-1, 1), repeat=len(gains))]
+    assert sign_flip(np.array(gains)) == pytest.approx(np.mean(np.array(sums) >= abs(sum(gains))))
+
+
+def test_the_p_values_are_those_of_the_tables():
+    """A0: 3 of 4 against 1; A1: 2 of 4 against 1; A2: 1 of 4 against 3, all in other attempts."""
+    held = {"A0": ("1110", "0001"), "A1": ("1100", "1000"), "A2": ("0001", "1110")}
+    first, second = tried([0.0] * 3, 4), tried([0.0] * 3, 4)
+    for table, each in ((first, 0), (second, 1)):
+        table["success"] = [bit == "1" for pair in held.values() for bit in pair[each]]
+    found = compare(first, second)
+    assert found.difference == pytest.approx(1 / 12)
+    assert (found.only_first, found.only_second) == (5, 4)
+    assert found.p_attempts == pytest.approx(binomtest(5, 9).pvalue)
+    assert found.p_objects == sign_flip(np.array([2, 1, -2])) == 1
+
+
 def test_no_differences_are_no_evidence():
     assert sign_flip(np.zeros(49, dtype=np.int64)) == 1
     assert sign_flip(np.array([], dtype=np.int64)) == 1
@@ -43,8 +67,8 @@ def test_no_differences_are_no_evidence():
 
 
 def test_mcnemar_is_a_binomial_test_of_the_attempts_that_differ():
-    assert mcnemar(2, 10) == pytest.approx(binomtest(2, 12).pvalue)
-    assert mcnemar(10, 2) == mcnemar(2, 10)
+    for one, other in ((2, 10), (10, 2), (7, 7), (1, 0), (40, 61)):
+        assert mcnemar(one, other) == pytest.approx(binomtest(one, one + other).pvalue)
     assert mcnemar(0, 6) == pytest.approx(2 * 0.5**6)
 
 
@@ -104,8 +128,24 @@ def test_other_drops_are_no_pairs_of_attempts(drops):
     assert 0 <= found.p_objects <= 1
 
 
-def test_tables_of_other_objects_cannot_be_compared():
-    other = tried([1.0])
-    other["label"] = "G6"
-    with pytest.raises(UserError, match="no attempt in common"):
-        compare(tried([1.0]), other)
+@pytest.mark.parametrize("first_too", [True, False])
+def test_objects_known_by_label_only_are_no_pairs_of_attempts(first_too):
+    """Equal seeds drop objects in the same way only if they are the same."""
+    first, second = tried([0.5] * 7), tried([0.4] * 7).assign(id="")
+    found = compare(first.assign(id="") if first_too else first, second)
+    assert np.isnan(found.p_attempts)
+    assert found.p_objects == compare(tried([0.5] * 7), tried([0.4] * 7)).p_objects
+
+
+def test_tables_with_nothing_in_common_cannot_be_compared():
+    with pytest.raises(NothingInCommonError, match="no attempt in common"):
+        compare(tried([1.0]), tried([1.0]).assign(label="G6"))
+
+
+def test_a_label_of_another_object_is_the_users_mistake():
+    """Another evaluation set has a B2 too."""
+    other = tried([1.0] * 10)
+    other.loc[other["label"] == "B2", "id"] = "id-99"
+    with pytest.raises(UserError, match="B2 is the object id-9 in one table and id-99") as raised:
+        compare(tried([1.0] * 10), other)
+    assert not isinstance(raised.value, NothingInCommonError)

@@ -1,9 +1,10 @@
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from egad.settings import GRIPPERS
-from egad.trials.grasp import Grasp, best
+from egad.trials.grasp import MOST, Grasp, best, ranked
 
 HAND = GRIPPERS["egad_75mm"]
 FINE = Grasp((0.0, 0.0, 0.02), 0.0, 0.05, 0.01, 0.5)
@@ -46,3 +47,16 @@ def test_of_equals_the_first_is_taken():
     other = replace(FINE, angle=1.0)
     assert best([other, FINE], HAND) == other
     assert best([FINE, other], HAND) == FINE
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 80])
+def test_candidates_are_ranked_as_one_would_one_by_one(count):
+    rng = np.random.default_rng(count)
+    center, axis = rng.normal(size=(count, 3)), rng.normal(size=(count, 2))
+    (width, depth), quality = rng.random((2, count)), rng.integers(5, size=count) / 4
+    slow = [
+        Grasp(tuple(center[i]), np.arctan2(axis[i, 1], axis[i, 0]), width[i], depth[i], quality[i])
+        for i in range(count)
+    ]
+    slow.sort(key=lambda grasp: -grasp.quality)
+    assert ranked(center, axis, width, depth, quality) == slow[:MOST]

@@ -182,6 +182,26 @@ def test_a_child_that_takes_too_long_is_stopped_and_started_anew(file, view):
         assert len(asked(child, near)) == 1
 
 
+def test_what_cannot_be_started_anew_is_an_error_of_the_attempt(view, tmp_path):
+    """The file is removed while the detector works: what runs goes on, and fails alone."""
+    path = tmp_path / "fleeting.py"
+    path.write_text(CODE)
+    with Child(Policy(detector=f"{path}:leaves"), 60) as child:
+        path.unlink()
+        with pytest.raises(DetectorError, match="ended with status 7"):
+            asked(child, view)
+        for _ in range(2):
+            with pytest.raises(DetectorError, match=r"cannot be started anew: .*no such file"):
+                asked(child, view)
+
+
+def test_a_child_that_cannot_be_made_at_its_first_question_is_the_users_mistake(file, view):
+    child = Child(Policy(detector=f"{file}:Broken"), 60)
+    for _ in range(2):
+        with pytest.raises(UserError, match="no such camera"):
+            asked(child, view)
+
+
 def test_a_child_that_cannot_be_made_is_the_users_mistake(file):
     with pytest.raises(UserError, match="no such camera"):
         Child(Policy(detector=f"{file}:Broken"), 60).__enter__()

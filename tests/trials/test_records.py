@@ -49,10 +49,27 @@ def test_what_spreadsheets_write_is_read(written):
     assert len(read(written(text, encoding="utf-8-sig"))["results"]) == 1
 
 
+def test_cells_in_quotes_and_empty_ones_at_the_end_are_read(written):
+    text = 'label,attempt,success,outcome\n"A0",0,1\nA1,0,0,"no grasp",,\n'
+    assert read(written(text))["results"]["outcome"].tolist() == ["success", "no_grasp"]
+
+
+def test_semicolons_separate_what_has_commas_in_it(written):
+    """As written where 0,5 is a half: a comma in a cell does not cut it."""
+    text = "label;attempt;success;detector\nA0;0;1;mine, the new one\n"
+    assert list(read(written(text))) == ["mine, the new one"]
+
+
+def test_a_robots_objects_are_known_by_their_label_only(written):
+    table = read(written(GOOD))["mine"]
+    assert set(table["id"]) == set(table["seed"]) == {""}
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "not a CSV file"),
+        ("", "not a CSV file: it is empty"),
+        ("\n , ,\n\n", "not a CSV file: it is empty"),
         ("label,attempt\nA0,0\n", "the column success is missing; needed: label, attempt, success"),
         ("label,attempt,success\n", "no row says whether"),
         ("label,attempt,success\nA0,0,\n", "no row says whether"),
@@ -60,12 +77,23 @@ def test_what_spreadsheets_write_is_read(written):
             "label,attempt,success\nA0,0,1\nA0,1,maybe\n",
             "line 3: success is 'maybe'; allowed: 1, 0",
         ),
-        ("label,attempt,success\nmug,0,1\n", "line 2: label is 'mug'; allowed: a letter and a num"),
+        ("label,attempt,success\nmug,0,1\n", "line 2: label is 'mug'; allowed: a letter and a dig"),
+        (
+            "label,attempt,success\nA00,0,1\n",
+            "line 2: label is 'A00'; allowed: a letter and a digit",
+        ),
         ("label,attempt,success\nA0,first,1\n", "line 2: attempt is 'first'; allowed: a whole"),
         ("label,attempt,success\nA0,0,1\nA0,0,0\n", "attempt 0 at A0 is there twice"),
         ("label,attempt,success,outcome\nA0,0,0,fell\n", "outcome is 'fell'; allowed: success, sl"),
         ("label,attempt,success,outcome\nA0,0,0,success\n", "success just where success is 1"),
         ("label,attempt,success,quality\nA0,0,1,high\n", "quality is 'high'; allowed: a number"),
+        ("label,attempt,Success,success\nA0,0,1,0\n", "the column success is there twice"),
+        ("label,attempt,success\nA0,0,1\nA0,1,0,missed\n", "line 3: 4 cells; the first line has 3"),
+        ("label,attempt,success\nA0,0\n", "no row says whether"),
+        ('label,attempt,success\nA0,0,1\n"A1,0,1\n', "not a CSV file: unexpected end of data"),
+        (f"label,attempt,success\nA0,{'9' * 20},1\n", "line 2: attempt is '9{20}'; .* 9 digits"),
+        ("label,attempt,success\nA0,-1,1\n", "line 2: attempt is '-1'; allowed: a whole number"),
+        ("\n\nlabel,attempt,success\n\nA0,0,1\n,,\nA1,0,2\n", "line 7: success is '2'"),
     ],
 )
 def test_mistakes_are_named_with_their_line(written, text, words):
@@ -101,12 +129,13 @@ def test_a_table_round_trips_through_parquet(written, tmp_path):
 def test_tables_of_the_simulation_have_the_name_of_their_file(tmp_path):
     blank = {"string": "", "bool": True}
     row = {field.name: blank.get(str(field.type), 0) for field in TRIALS}
-    row |= {"label": "A0", "seed": "ff", "outcome": "success"}
+    row |= {"label": "A0", "id": "some/object", "seed": "ff", "outcome": "success"}
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
         path = tmp_path / folder / "antipodal-depth.parquet"
         parquet.write(pd.DataFrame([row]), TRIALS, path)
-    assert read(path)["antipodal-depth"]["seed"].tolist() == ["ff"]
+    (found,) = parquet.records(read(path)["antipodal-depth"])
+    assert (found["id"], found["seed"]) == ("some/object", "ff")
     files = [tmp_path / folder / "antipodal-depth.parquet" for folder in ("one", "two")]
     assert list(gather(files)) == ["antipodal-depth", "two/antipodal-depth"]
     with pytest.raises(UserError, match="two tables of the detector two/antipodal-depth"):

@@ -9,6 +9,7 @@ from egad.settings import Settings
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 
+TRIED = {"simulated_trial", "join_trials"}
 AFTER_TRIALS = {"join_trials", "report", "all"}
 AFTER_GRASPS = {"join_grasps", "join_tallies", "join_ungraspable", "report", "all"}
 AFTER_SIZES = {"size_effect", "report", "all"}
@@ -141,9 +142,25 @@ def test_an_edited_detector_of_ones_own_tries_again(copy):
     assert set(copy.planned(configs=configs)) == {"simulated_trial"} | AFTER_TRIALS
 
 
+def test_a_detector_that_is_no_target_is_tried_again_too(copy):
+    """Only its own file is asked for; nothing is asked of detectors that nobody wants."""
+    code = "def nothing(view, gripper, rng): return []\n"
+    (copy.folder / "mine.py").write_text(code)
+    own = {"policies": {name: {"detector": f"{name}.py:nothing"} for name in ("mine", "lost")}}
+    configs = ["config/test.yaml", copy.overlay("own.yaml", own)]
+    target = "results/egad/trials/egad_75mm/{}.parquet"
+    copy.make("--cores", 1, target.format("mine"), configs=configs)
+    assert copy.planned(target.format("mine"), configs=configs) == {}
+    (copy.folder / "mine.py").write_text(code.replace("[]", "None"))
+    assert set(copy.planned(target.format("mine"), configs=configs)) == TRIED
+    status, said = copy.snakemake("--dry-run", target.format("lost"), configs=configs)
+    assert status != 0
+    assert "The detector lost cannot be used: policies: lost.py:nothing: there is no such" in said
+
+
 def test_the_labels_detector_waits_for_the_grasps(copy):
     target = "results/egad/trials/egad_75mm/labels.parquet"
-    assert set(copy.planned(target)) == {"simulated_trial", "join_trials"}
+    assert set(copy.planned(target)) == TRIED
     (copy.results / "egad/grasps/egad_75mm.parquet").unlink()
     assert "join_grasps" in copy.planned(target)
 

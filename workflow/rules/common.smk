@@ -20,8 +20,9 @@ try:
     SETTINGS = check(config)
     # The user's own measures by their code, so that editing it re-runs what they measure.
     MEASURES = [source_hash(measure) for _, measure in SETTINGS.axes if measure]
-    # The same of detectors; of those that nothing is wanted from, the files need not be there.
-    DETECTORS = {name: fingerprint(SETTINGS.policies[name]) for name in SETTINGS.targets.policies}
+    # Files of detectors that are targets have to be there before anything runs.
+    for name in SETTINGS.targets.policies:
+        fingerprint(SETTINGS.policies[name])
 except UserError as error:
     raise WorkflowError(f"The configuration cannot be used:\n{error}")
 
@@ -73,6 +74,14 @@ def labelled(wildcards):
     """The grasps that the detector `labels` knows; none for others."""
     knows = SETTINGS.policies[wildcards.policy].detector == "labels"
     return [f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"] if knows else []
+
+
+def detector_code(wildcards):
+    """The code and weights of a detector, so that editing them tries again."""
+    try:
+        return fingerprint(SETTINGS.policies[wildcards.policy])
+    except UserError as error:
+        raise WorkflowError(f"The detector {wildcards.policy} cannot be used: {error}")
 
 
 def each(option, name):

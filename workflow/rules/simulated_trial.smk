@@ -38,7 +38,7 @@ rule simulated_trial:
         shards=len(SHARDS),
         grasps=each("--grasps", "grasps"),
         code=code_version("egad.stages.simulate"),
-        detector=lambda wildcards: DETECTORS.get(wildcards.policy, []),
+        detector=detector_code,
     message:
         "Trying {wildcards.policy} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
