@@ -69,7 +69,7 @@ def test_a_database_has_a_name_that_dexnet_opens(export, tmp_path):
 @pytest.mark.parametrize(("style", "name"), [("dexnet", "out.hdf5"), ("acronym", "out")])
 def test_another_gripper_of_that_name_is_refused(export, tmp_path, style, name):
     wider = {"yumi": {**Settings().grippers["yumi"].model_dump(), "opening": 0.06}}
-    refused = export(style, tmp_path / name, grippers=wider)
+    refused = export(style, tmp_path / name, grippers=wider, targets={"grippers": ["yumi"]})
     assert refused.returncode == 1
     assert "'yumi' opens 0.06 m in the settings, but 0.05 m in" in refused.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["config.yaml"]
