@@ -8,17 +8,26 @@ from pathlib import Path
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, keep: bool = True) -> Iterator[Path]:
     """Give a temporary path beside `path`; on success it takes the place of `path`.
 
-    If the block fails, `path` is as it was before and the temporary file or folder stays for
-    a look; the next attempt replaces it. A block may write a file or make a folder.
+    If the block fails, `path` is as it was before. A block may write a file or make a folder.
+
+    Args:
+        path: The file or folder.
+        keep: Whether what a failed block has written stays for a look, until the next attempt
+            replaces it. What is large should not: it may be what filled the disk.
     """
     path = path.absolute()
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.partial")
     _remove(temporary)
-    yield temporary
+    try:
+        yield temporary
+    except BaseException:
+        if not keep:
+            _remove(temporary)
+        raise
     old = path.with_name(f".{path.name}.old")
     _remove(old)
     if temporary.is_dir() and path.exists():

@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import pytest
 
 from egad.files import replacing, write_text
@@ -14,6 +16,17 @@ def test_a_failed_write_leaves_the_old_file_and_the_temporary(tmp_path):
     write_text(path, "new")
     assert path.read_text() == "new"
     assert [entry.name for entry in path.parent.iterdir()] == ["file.txt"]
+
+
+def test_a_failed_write_need_not_leave_the_temporary(tmp_path):
+    for make in (Path.touch, Path.mkdir):
+        with (
+            pytest.raises(OSError, match="full"),
+            replacing(tmp_path / "a", keep=False) as temporary,
+        ):
+            make(temporary)
+            raise OSError("full")
+        assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_replaces_a_folder(tmp_path):

@@ -33,14 +33,17 @@ def export(
     part: Parts = [],  # noqa: B006 (typer copies it)
 ) -> None:
     """Write labelled grasps as a Dex-Net database, or as a folder of ACRONYM files."""
-    from egad.exchange.grasps import grasp_table
+    from egad.exchange.grasps import check_opening, grasp_table
 
     grasps = grasp_table(dataset, gripper)
     if ending is Format.DEXNET:
-        chosen = _chosen(DexNetDatabase, settings, config, gripper)
-        _dexnet(chosen, dataset, gripper, part, config, grasps, out)
+        database = _chosen(DexNetDatabase, settings, config, gripper)
+        check_opening(dataset, gripper, database.gripper.opening)
+        _dexnet(database, dataset, gripper, part, config, grasps, out)
     else:
-        _acronym(_chosen(AcronymFiles, settings, config, gripper), dataset, gripper, grasps, out)
+        files = _chosen(AcronymFiles, settings, config, gripper)
+        check_opening(dataset, gripper, files.gripper.opening)
+        _acronym(files, dataset, gripper, grasps, out)
 
 
 def _dexnet(
@@ -56,27 +59,34 @@ def _dexnet(
     from egad.stages import dexnet as stage
     from egad.stages import dexnet_objects
 
-    name = dataset.resolve().name
     if out.is_dir():
         raise UserError(f"--out {out} is a folder; name a file")
+    if out.suffix != ".hdf5":
+        raise UserError(f"--out {out}: the name must end in .hdf5, else Dex-Net does not open it")
     if parts:
-        stage.run(settings, name, gripper, parts, grasps, out)
+        stage.run(settings, dataset, gripper, parts, grasps, out)
         return
+    stage.check(dataset, gripper, grasps)
     whole = out.with_name(f".{out.name}.objects")
     objects, meshes = dataset / "objects.parquet", dataset / "rescaled" / gripper
     try:
         dexnet_objects.run(_chosen(DexNetObjects, None, config), objects, meshes, (0, 1), whole)
-        stage.run(settings, name, gripper, [whole], grasps, out)
+        stage.run(settings, dataset, gripper, [whole], grasps, out)
     finally:
         whole.unlink(missing_ok=True)
 
 
 def _acronym(settings: AcronymFiles, dataset: Path, gripper: str, grasps: Path, out: Path) -> None:
+    from egad.exchange.acronym import is_ours
     from egad.stages import acronym as stage
 
-    foreign = [file for file in out.iterdir() if file.suffix != ".h5"] if out.is_dir() else []
-    if out.is_file() or foreign:
-        raise UserError(f"--out {out} holds files that would be lost; name a folder of its own")
+    if out.is_file():
+        raise UserError(f"--out {out} is a file; name a folder")
+    if foreign := [path.name for path in sorted(out.glob("*")) if not is_ours(path)]:
+        raise UserError(
+            f"--out {out}: {foreign[0]} is no earlier export and would be lost; "
+            "name a folder of its own"
+        )
     scales = dataset / "rescaled" / gripper / "scales.parquet"
     stage.run(settings, gripper, dataset / "objects.parquet", scales, grasps, out)
 

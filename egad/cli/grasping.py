@@ -88,7 +88,7 @@ def view(
     whole = changed(settings_in(config), "grasp_label", grasps=grasps)
     name = known("gripper", gripper or whole.targets.grippers[0], whole.grippers)
     if Path(item).suffix.lower() not in ENDINGS and not Path(item).is_file():
-        shown = stage.from_dataset(dataset, name, item)
+        shown = stage.from_dataset(dataset, name, item, whole.grippers[name].opening)
     elif units is None:
         raise UserError(f"{item} is a mesh file: say with --units what it is in: m, cm, mm or inch")
     else:

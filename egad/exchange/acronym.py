@@ -13,7 +13,16 @@ from egad.exchange.hdf5 import add_array, add_group, writing
 from egad.grasps.poses import panda_poses
 
 Floats = NDArray[np.float64]
-QUALITIES = ("quality", "robust_quality", "robust_quality_std", "held", "collision_free")
+QUALITIES = (
+    "quality",
+    "robust_quality",
+    "robust_quality_std",
+    "held",
+    "fits",
+    "collision_free",
+    "needed_opening",
+)
+OWN = "grasps/qualities/egad"
 COLUMNS = [
     *(f"{name}_{part}" for name in ("center", "axis", "approach") for part in "xyz"),
     "width",
@@ -82,6 +91,17 @@ def write_acronym(path: Path, body: Body, jaws: Jaws, grasps: pd.DataFrame, held
         _add_grasps(file, jaws, grasps, held)
 
 
+def is_ours(path: Path) -> bool:
+    """Whether a file is one that `write_acronym` wrote."""
+    if path.suffix != ".h5" or not path.is_file():
+        return False
+    try:
+        with h5py.File(path, "r") as file:
+            return OWN in file
+    except OSError:
+        return False
+
+
 def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, held: float) -> None:
     group = add_group(file, "grasps")
     add_array(group, "transforms", panda_poses(poses_of(grasps), jaws.fingertip))
@@ -93,6 +113,8 @@ def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, held: float) 
     success = grasps["collision_free"] & (grasps["held"] >= held)
     add_array(own, "success", success.to_numpy(dtype=np.int64))
     own["success"].attrs["meaning"] = (
-        f"not simulated: 1 if the hand fits and at least {held} of the disturbed copies hold"
+        "not simulated: 1 if the open hand touches nothing at the grasp nor on its straight way "
+        "in, at the best of the approach angles tried, and at least "
+        f"{held} of the disturbed copies hold"
     )
     add_group(group, "qualities/flex")["object_in_gripper"] = own["success"]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from egad.errors import UserError
 from egad.grasps.poses import hand_poses
 from egad.tables import parquet
-from egad.tables.grasping import GRASPS
+from egad.tables.grasping import GRASPS, SCALES
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ def load_grasps(path: str | Path, gripper: str | None = None) -> tuple[pd.DataFr
         contacts, x closes (from the first contact to the second), z approaches. Metres.
 
     Raises:
-        UserError: There is no such gripper in the folder, or none is named.
+        UserError: There is no such gripper in the folder, none is named, or one with a file.
         TableError: The table is damaged, or is not one of grasps.
     """
     frame = parquet.read(grasp_table(Path(path), gripper), GRASPS)
@@ -38,6 +38,8 @@ def load_grasps(path: str | Path, gripper: str | None = None) -> tuple[pd.DataFr
 def grasp_table(path: Path, gripper: str | None) -> Path:
     """The table of grasps: the file itself, or that of a gripper in the folder of a dataset."""
     if path.is_file():
+        if gripper is not None:
+            raise UserError(f"{path}: a gripper is named with the folder of a dataset, not a file")
         return path
     known = sorted(
         file.stem for file in (path / "grasps").glob("*.parquet") if "." not in file.stem
@@ -48,6 +50,27 @@ def grasp_table(path: Path, gripper: str | None) -> Path:
         asked = "name a gripper" if gripper is None else f"no grasps of gripper {gripper!r}"
         raise UserError(f"{path}: {asked}; there are {', '.join(known)}")
     return path / "grasps" / f"{gripper}.parquet"
+
+
+def check_opening(dataset: Path, gripper: str, opening: float) -> None:
+    """Make sure that a gripper is the one that the objects of a dataset were scaled to.
+
+    Args:
+        dataset: Its folder.
+        gripper: The gripper's name.
+        opening: Its opening, metres, as the settings have it.
+
+    Raises:
+        UserError: Its opening was another one.
+        TableError: The table of scales is missing or damaged.
+    """
+    path = dataset / "rescaled" / gripper / "scales.parquet"
+    for other in parquet.read(path, SCALES)["opening"].unique():
+        if not np.isclose(other, opening, rtol=1e-9, atol=0):
+            raise UserError(
+                f"gripper {gripper!r} opens {opening:g} m in the settings, but {other:g} m in "
+                f"{path}; give the configuration of that run with --config"
+            )
 
 
 def poses_of(frame: pd.DataFrame) -> Floats:

@@ -15,48 +15,80 @@ from egad.files import replacing
 # Compact groups and attributes, which every HDF5 library since 2008 reads.
 VERSION = ("v108", "v108")
 _KEY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
-_SYSTEM_REASON = re.compile(r"write failed.*error message = '([^']*)'", re.DOTALL)
+_SYSTEM_REASON = re.compile(r"errno = [1-9]\d*, error message = '([^']*)'")
+_WRITE_FAILED = re.compile(r"write failed.*?" + _SYSTEM_REASON.pattern, re.DOTALL)
+
+
+class DamagedError(UserError):
+    """A file is not HDF5, is cut short or damaged, or lacks what should be in it.
+
+    Attributes:
+        reason: In HDF5's words.
+    """
+
+    def __init__(self, path: Path, reason: str) -> None:
+        """Name the file and say what to do about it."""
+        super().__init__(f"{path}: cut short or damaged ({reason}); delete it and make it again")
+        self.reason = reason
 
 
 @contextmanager
 def writing(path: Path) -> Iterator[h5py.File]:
-    """A new file, which gets its name only once it is complete.
+    """A new file, which gets its name only once it is complete, and else leaves nothing.
 
     Raises:
         UserError: It cannot be written, for instance because the disk is full.
     """
     try:
-        with replacing(path) as temporary, h5py.File(temporary, "w", libver=VERSION) as file:
+        with (
+            replacing(path, keep=False) as temporary,
+            h5py.File(temporary, "w", libver=VERSION) as file,
+        ):
             yield file
     except Exception as error:
-        reason = _SYSTEM_REASON.search(str(error))
+        reason = _WRITE_FAILED.search(str(error))
         if reason is None:
             raise
         raise UserError(f"{path} cannot be written: {reason[1]}") from error
 
 
-@contextmanager
-def reading(path: Path) -> Iterator[h5py.File]:
-    """A file to read.
+def sound_keys(path: Path, group: str) -> list[str]:
+    """Names in a group of a file, all of which is read to see that nothing is damaged.
 
     Raises:
-        UserError: It is missing, is not HDF5, or is cut short or damaged.
+        DamagedError: It is not HDF5, is cut short or damaged, or has no such group.
+        UserError: It is missing, or the system does not let it be read.
     """
     try:
         with h5py.File(path, "r") as file:
-            yield file
+            _read_all(file)
+            return list(file[group])
+    except FileNotFoundError as error:
+        raise UserError(f"{path}: there is no such file") from error
     except (OSError, RuntimeError, KeyError) as error:
-        if _SYSTEM_REASON.search(str(error)):
-            raise  # of another file, that is written meanwhile
-        raise UserError(
-            f"{path}: cut short or damaged ({_first_line(error)}); delete it and make it again"
-            if path.is_file()
-            else f"{path}: there is no such file"
-        ) from error
+        if reason := _SYSTEM_REASON.search(str(error)):
+            raise UserError(f"{path} cannot be read: {reason[1]}") from error
+        raise DamagedError(path, _first_line(error)) from error
 
 
-def check_key(name: str) -> str:
+def _read_all(item: h5py.Group | h5py.Dataset) -> None:
+    """Read every attribute and array; HDF5 compares their checksums."""
+    dict(item.attrs)
+    if isinstance(item, h5py.Group):
+        for name in item:  # .values() has None for what is damaged
+            _read_all(item[name])
+        return
+    item[()]
+    if item.chunks:  # a chunk that is lost reads as zeros
+        item.id.read_direct_chunk((0,) * item.ndim)
+
+
+def check_key(name: str, what: str = "object") -> str:
     """A name that may stand for an object in HDF5 files and in the names of files.
+
+    Args:
+        name: The name.
+        what: Of what.
 
     Raises:
         UserError: It holds other characters than letters, digits, `_`, `-` and `.`.
@@ -64,7 +96,7 @@ def check_key(name: str) -> str:
     if _KEY.fullmatch(name):
         return name
     raise UserError(
-        f"object {name!r} cannot be exported under this name; allowed are the letters a-z and A-Z, "
+        f"{what} {name!r} cannot be exported under this name; allowed are the letters a-z and A-Z, "
         "digits, `_`, `-` and `.`, the last two not at the start"
     )
 

@@ -38,6 +38,7 @@ class Acronym(Section):
 
     held: Fraction = Field(
         0.5,
-        description="a grasp is a success if the hand fits and at least this part of its "
+        description="a grasp is a success if the open hand touches nothing at the grasp nor on its "
+        "straight way in, at the best of the approach angles tried, and at least this part of its "
         "disturbed copies hold the object",
     )

@@ -5,6 +5,9 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
+from scipy.spatial import QhullError
+
+from egad.errors import RejectedError
 
 Floats = NDArray[np.float64]
 
@@ -33,16 +36,34 @@ def stable_poses(mesh: trimesh.Trimesh, com: Floats, least: float) -> list[Stabl
         com: (3,) its centre of mass, metres.
         least: Poses less likely than this are left out.
 
+    Raises:
+        RejectedError: The solid is flat, or its centre of mass is not inside its convex hull.
+
     Source: trimesh, after Goldberg et al., Part pose statistics, 1999. Probabilities are the solid
     angles from which the faces are seen, handed on along the way that the solid topples.
     """
+    corners = _hull_around(mesh, com)
     transforms, probabilities = trimesh.poses.compute_stable_poses(
         mesh, center_mass=com, sigma=0, n_samples=1, threshold=least
     )
-    corners = np.asarray(mesh.convex_hull.vertices)
     poses = []
     for transform, probability in zip(transforms, probabilities, strict=True):
         rotation = np.asarray(transform, dtype=np.float64)[:3, :3]
         lowest = corners[np.argmin(corners @ rotation[2])]
         poses.append(StablePose(float(probability), rotation, lowest))
     return sorted(poses, key=lambda pose: -pose.probability)
+
+
+def _hull_around(mesh: trimesh.Trimesh, com: Floats) -> Floats:
+    """Vertices of the convex hull; trimesh's search would not end for a point that is not inside.
+
+    The comparison is its own: a triangle without area, and so without a normal, has no inside.
+    """
+    try:
+        hull = mesh.convex_hull
+    except QhullError as error:
+        raise RejectedError("the solid is flat") from error
+    heights = np.einsum("ij,ij->i", com - hull.triangles_center, hull.face_normals)
+    if len(heights) == 0 or not (heights < 0).all():
+        raise RejectedError("its centre of mass is not inside its convex hull")
+    return np.asarray(hull.vertices, dtype=np.float64)

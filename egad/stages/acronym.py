@@ -34,12 +34,13 @@ def run(
         grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
         out: Folder for `LABEL.h5`; the root of their meshes is the folder of the dataset.
     """
+    check_key(gripper, "gripper")
     table = parquet.read(objects, OBJECTS)
     factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()
     known = {row["label"]: row for row in parquet.records(table) if row["label"] in factors}
     jaws = Jaws(gripper, settings.gripper.opening, finger_span(settings.gripper)[1])
     written = 0
-    with replacing(out) as folder:
+    with replacing(out, keep=False) as folder:
         folder.mkdir()
         rows = by_object(grasps, COLUMNS)
         for label, found in progress(rows, "writing ACRONYM files", len(known)):

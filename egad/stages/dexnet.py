@@ -3,25 +3,33 @@
 import logging
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 
 from egad.errors import UserError
 from egad.exchange.dexnet import MEASURES, add_dataset, add_grasps
 from egad.exchange.grasps import by_object, vectors
-from egad.exchange.hdf5 import check_key, copy_group, reading, writing
+from egad.exchange.hdf5 import DamagedError, check_key, copy_group, sound_keys, writing
 from egad.grasps.poses import dexnet_configurations
 from egad.progress import progress
 from egad.stage_settings import DexNetDatabase
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
 
 log = logging.getLogger(__name__)
 METRICS = {
     "ferrari_canny": "quality",
     "robust_ferrari_canny": "robust_quality",
+    "robust_ferrari_canny_std": "robust_quality_std",
     "held": "held",
+    "fits": "fits",
     "collision_free": "collision_free",
+    "needed_opening": "needed_opening",
 }
+OWN = ("robust_ferrari_canny_std", "held", "fits", "collision_free", "needed_opening")
 COLUMNS = [
     *(f"{name}_{part}" for name in ("center", "axis", "approach") for part in "xyz"),
     *METRICS.values(),
@@ -30,7 +38,7 @@ COLUMNS = [
 
 def run(
     settings: DexNetDatabase,
-    dataset: str,
+    dataset: Path,
     gripper: str,
     parts: list[Path],
     grasps: Path,
@@ -38,34 +46,75 @@ def run(
 ) -> None:
     """Bring the objects of all shards together and add their grasps.
 
+    A damaged part that the workflow made is removed, so that its next run makes it anew.
+
     Args:
         settings: What this stage reads.
-        dataset: Name of the dataset.
+        dataset: Folder of the dataset; its name is that of the dataset.
         gripper: Name of the gripper.
         parts: The objects, as `stages.dexnet_objects` writes them.
         grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
         out: The database. Objects without grasps are in it, too.
+
+    Raises:
+        UserError: A name cannot be used, parts or grasps do not match, or a part is damaged.
+        TableError: The table is damaged, or is not one of grasps.
     """
-    homes = {key: part for part in parts for key in _keys(part)}
+    check(dataset, gripper, grasps)
+    ours = set((dataset / "parts").glob(f"exchange-{gripper}-*.hdf5"))
+    homes, labels = _homes(parts, ours), _labels(grasps)
+    if lost := sorted(labels - homes.keys()):
+        raise UserError(f"{grasps}: object {lost[0]!r} is none of those that were written")
     found = by_object(grasps, COLUMNS)
-    label, rows = next(found, ("", None))
     with writing(out) as file:
-        objects = add_dataset(file, check_key(dataset), metrics(settings), _meanings())
+        objects = add_dataset(file, dataset.absolute().name, metrics(settings), _meanings())
         for key in progress(sorted(homes), "writing grasps", len(homes)):
-            with reading(homes[key]) as part:
+            with h5py.File(homes[key], "r") as part:
                 copy_group(part["objects"][key], objects.create_group(key))
-            configurations, values = _grasps(settings, rows if label == key else None)
-            add_grasps(objects[key], check_key(gripper), configurations, values)
-            if label == key:
-                label, rows = next(found, ("", None))
-        if rows is not None:
-            raise UserError(f"{grasps}: object {label!r} is none of those that were written")
+            rows = next(found)[1] if key in labels else None
+            add_grasps(objects[key], gripper, *_grasps(settings, rows))
     log.info("%d objects", len(homes))
 
 
-def _keys(part: Path) -> list[str]:
-    with reading(part) as file:
-        return list(file["objects"])
+def check(dataset: Path, gripper: str, grasps: Path) -> None:
+    """Make sure, before any work, that names can be used and that the table has its columns.
+
+    Raises:
+        UserError: A name cannot be used.
+        TableError: The table is damaged, or is not one of grasps.
+    """
+    check_key(dataset.absolute().name, "dataset")
+    check_key(gripper, "gripper")
+    parquet.check_columns(grasps, ["label", *COLUMNS])
+
+
+def _homes(parts: list[Path], ours: set[Path]) -> dict[str, Path]:
+    """The part that each object is in; a damaged one is removed if it is ours."""
+    homes: dict[str, Path] = {}
+    for part in parts:
+        for key in _keys(part, part in ours):
+            if key in homes:
+                raise UserError(f"object {key!r} is in {homes[key]} and again in {part}")
+            homes[key] = part
+    return homes
+
+
+def _keys(part: Path, ours: bool) -> list[str]:
+    try:
+        return sound_keys(part, "objects")
+    except DamagedError as error:
+        if not ours:
+            raise
+        part.unlink()
+        raise UserError(
+            f"{part}: cut short or damaged ({error.reason}); it was removed, and the next run of "
+            "snakemake makes it anew"
+        ) from error
+
+
+def _labels(grasps: Path) -> set[str]:
+    """The objects that have grasps."""
+    return {label for rows in parquet.batches(grasps, ["label"]) for label in rows["label"]}
 
 
 def _grasps(
@@ -81,7 +130,13 @@ def _grasps(
 
 
 def _meanings() -> dict[str, str]:
-    return {name: OBJECTS.field(name).metadata[b"meaning"].decode() for name in MEASURES}
+    return {name: _meaning(OBJECTS, name) for name in MEASURES}
+
+
+def _meaning(schema: pa.Schema, column: str) -> str:
+    about: dict[bytes, bytes] = schema.field(column).metadata
+    meaning, unit = about[b"meaning"].decode(), about[b"unit"].decode()
+    return f"{meaning} ({unit})" if unit else meaning
 
 
 def metrics(settings: DexNetDatabase) -> dict[str, dict[str, object]]:
@@ -113,13 +168,9 @@ def metrics(settings: DexNetDatabase) -> dict[str, dict[str, object]]:
                 "sigma_obj_com": robust.com_sigma,
             },
         },
-        "held": {
-            "quality_type": "egad",
-            "description": "fraction of the disturbed copies with positive quality",
-        },
-        "collision_free": {
-            "quality_type": "egad",
-            "description": "whether the hand fits at the approach angle of the grasp",
+        **{
+            name: {"quality_type": "egad", "description": _meaning(GRASPS, METRICS[name])}
+            for name in OWN
         },
     }
 

@@ -5,6 +5,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
 from egad.errors import RejectedError
 from egad.exchange.dexnet import MEASURES, Solid, add_object
 from egad.exchange.hdf5 import check_key, writing
@@ -12,12 +16,13 @@ from egad.exchange.meshes import read_mesh
 from egad.progress import progress
 from egad.shapes.field import distance_field
 from egad.shapes.mass import mass_properties
-from egad.shapes.poses import stable_poses
+from egad.shapes.poses import StablePose, stable_poses
 from egad.stage_settings import DexNetObjects
 from egad.stages.shards import rows_in_shard
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 
+Floats = NDArray[np.float64]
 log = logging.getLogger(__name__)
 
 
@@ -25,6 +30,8 @@ def run(
     settings: DexNetObjects, objects: Path, meshes: Path, shard: tuple[int, int], out: Path
 ) -> None:
     """Write the objects of a shard: meshes, distance fields, stable poses, masses and measures.
+
+    An object whose stable poses cannot be found has none; the log says so.
 
     Args:
         settings: What this stage reads.
@@ -54,7 +61,15 @@ def _solid(settings: DexNetObjects, row: Mapping[str, Any], path: Path) -> Solid
         mesh=mesh,
         mass=mass.mass,
         field=distance_field(mesh, wanted.field_size, wanted.field_padding),
-        poses=stable_poses(mesh, mass.com, wanted.pose_probability),
+        poses=_poses(mesh, mass.com, wanted.pose_probability, row["label"]),
         name=row["id"],
         measures={name: float(row[name]) for name in MEASURES},
     )
+
+
+def _poses(mesh: trimesh.Trimesh, com: Floats, least: float, label: str) -> list[StablePose]:
+    try:
+        return stable_poses(mesh, com, least)
+    except RejectedError as reason:
+        log.warning("%s is written without stable poses: %s", label, reason)
+        return []

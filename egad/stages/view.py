@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from egad.errors import RejectedError, UserError
+from egad.exchange.grasps import check_opening
 from egad.exchange.meshes import read_mesh
 from egad.grasps.labels import label
 from egad.names import known
@@ -18,16 +19,18 @@ from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import GRASPS, SCALES
 
 
-def from_dataset(folder: Path, gripper: str, name: str) -> Scene:
+def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> Scene:
     """An object of a dataset with the grasps that were labelled.
 
     Args:
         folder: Of the dataset, such as `results/egad`.
         gripper: Its name.
         name: Label of the object, in the dataset or in the evaluation set.
+        opening: Of the gripper that is shown, metres.
 
     Raises:
-        UserError: There is no such dataset or object, or no grasps of this gripper.
+        UserError: There is no such dataset or object, no grasps of this gripper, or it opened
+            otherwise when they were made.
     """
     table = folder / "grasps" / f"{gripper}.parquet"
     scales = folder / "rescaled" / gripper / "scales.parquet"
@@ -36,6 +39,7 @@ def from_dataset(folder: Path, gripper: str, name: str) -> Scene:
     for path in (scales, table):
         if not path.is_file():
             raise UserError(f"{path} is not there; make it with: snakemake --cores 2 {table}")
+    check_opening(folder, gripper, opening)
     evaluation = folder / "eval49.parquet"
     labels = {each: each for each in parquet.read(scales, SCALES)["label"]}
     if evaluation.is_file():

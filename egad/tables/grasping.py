@@ -28,8 +28,18 @@ GRASPS = pa.schema(
         column("robust_quality", FLOAT, "mean quality over disturbed copies"),
         column("robust_quality_std", FLOAT, "standard deviation over disturbed copies"),
         column("held", FLOAT, "fraction of the disturbed copies with positive quality"),
-        column("fits", BOOL, "whether the open hand at the grasp touches nothing"),
-        column("collision_free", BOOL, "whether it touches nothing along the approach either"),
+        column(
+            "fits",
+            BOOL,
+            "whether the open hand touches nothing at the grasp, at the best of the approach "
+            "angles tried",
+        ),
+        column(
+            "collision_free",
+            BOOL,
+            "whether the open hand touches nothing at the grasp nor on its straight way in, at the "
+            "best of the approach angles tried",
+        ),
         column("angles_fit", INT, "approaches around the axis, of those tried, that fit"),
         column("angles_free", INT, "approaches around the axis, of those tried, free of collision"),
     ]

@@ -61,6 +61,17 @@ def columns(path: Path) -> list[str]:
     return list(schema_of(path).names)
 
 
+def check_columns(path: Path, names: list[str]) -> None:
+    """Make sure that a table has some columns.
+
+    Raises:
+        TableError: The file is missing, is not Parquet, is cut short, or lacks a column.
+    """
+    found = columns(path)
+    if missing := [name for name in names if name not in found]:
+        raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
+
+
 def schema_of(path: Path) -> pa.Schema:
     """The columns of a table.
 
@@ -107,8 +118,7 @@ def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
     Raises:
         TableError: The file is missing, is not Parquet, is cut short, or lacks a column.
     """
-    if missing := [name for name in names if name not in columns(path)]:
-        raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
+    check_columns(path, names)
     try:
         with pq.ParquetFile(path) as file:
             for batch in file.iter_batches(BATCH, columns=names):

@@ -6,6 +6,8 @@ import h5py
 import pytest
 import yaml
 
+from egad.settings import Settings
+
 GRIPPER = "yumi"
 
 
@@ -13,9 +15,11 @@ GRIPPER = "yumi"
 def export(dataset, tmp_path):
     """Runs `egad export` on the dataset."""
 
-    def run(style, out, folder=dataset):
+    def run(style, out, folder=dataset, **settings):
         config = tmp_path / "config.yaml"
-        config.write_text(yaml.safe_dump({"dexnet": {"field_size": 16}, "acronym": {"held": 0}}))
+        config.write_text(
+            yaml.safe_dump({"dexnet": {"field_size": 16}, "acronym": {"held": 0}, **settings})
+        )
         code = "from egad.cli import main; main()"
         given = [folder, "--gripper", GRIPPER, "--format", style, "--out", out, "--config", config]
         return subprocess.run(
@@ -45,20 +49,39 @@ def test_acronym_files_take_no_folder_of_others(export, tmp_path):
     with h5py.File(out / "A00_0.h5") as file:
         values = file["grasps/qualities/egad"]
         assert (values["success"][()] == values["collision_free"][()]).all()
-    (out / "thesis.txt").write_text("years of work")
-    refused = export("acronym", out)
+    for name in ("thesis.txt", "measured.h5", ".notes"):
+        (out / name).write_text("years of work")
+        refused = export("acronym", out)
+        assert refused.returncode == 1
+        assert f"{name} is no earlier export and would be lost" in refused.stderr
+        assert (out / name).exists()
+        (out / name).unlink()
+    assert "is a file" in export("acronym", out / "A00_0.h5").stderr
+
+
+def test_a_database_has_a_name_that_dexnet_opens(export, tmp_path):
+    refused = export("dexnet", tmp_path / "grasps.h5")
     assert refused.returncode == 1
-    assert "would be lost" in refused.stderr
-    assert (out / "thesis.txt").exists()
+    assert "must end in .hdf5" in refused.stderr
+    assert "is a folder" in export("dexnet", tmp_path).stderr
 
 
-@pytest.mark.parametrize("style", ["dexnet", "acronym"])
-def test_a_table_cut_short_leaves_no_export(export, dataset, tmp_path, style):
+@pytest.mark.parametrize(("style", "name"), [("dexnet", "out.hdf5"), ("acronym", "out")])
+def test_another_gripper_of_that_name_is_refused(export, tmp_path, style, name):
+    wider = {"yumi": {**Settings().grippers["yumi"].model_dump(), "opening": 0.06}}
+    refused = export(style, tmp_path / name, grippers=wider, targets={"grippers": ["yumi"]})
+    assert refused.returncode == 1
+    assert "'yumi' opens 0.06 m in the settings, but 0.05 m in" in refused.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["config.yaml"]
+
+
+@pytest.mark.parametrize(("style", "name"), [("dexnet", "out.hdf5"), ("acronym", "out")])
+def test_a_table_cut_short_leaves_no_export(export, dataset, tmp_path, style, name):
     broken = shutil.copytree(dataset, tmp_path / "broken")
     table = broken / "grasps" / f"{GRIPPER}.parquet"
     table.write_bytes(table.read_bytes()[:-20])
-    done = export(style, tmp_path / "out", broken)
+    done = export(style, tmp_path / name, broken)
     assert done.returncode == 1
     assert f"{GRIPPER}.parquet: not a readable Parquet file" in done.stderr
     assert "Traceback" not in done.stderr
-    assert not (tmp_path / "out").exists()
+    assert {path.name for path in tmp_path.iterdir()} == {"broken", "config.yaml"}

@@ -8,7 +8,7 @@ from autolab_core import RigidTransform
 
 import egad
 from egad.errors import UserError
-from egad.exchange.grasps import by_object, vectors
+from egad.exchange.grasps import by_object, check_opening, vectors
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import TableError
@@ -43,6 +43,19 @@ def test_a_gripper_that_is_not_there_is_named(dataset, tmp_path):
         egad.load_grasps(dataset)
     with pytest.raises(UserError, match="neither a table of grasps nor a dataset"):
         egad.load_grasps(tmp_path, "yumi")
+    with pytest.raises(UserError, match="named with the folder of a dataset, not a file"):
+        egad.load_grasps(dataset / "grasps" / "yumi.parquet", "yumi")
+
+
+def test_the_opening_must_be_that_of_the_dataset(dataset, tmp_path):
+    check_opening(dataset, "yumi", 0.05)
+    check_opening(dataset, "yumi", 0.05 * (1 + 1e-12))
+    with pytest.raises(
+        UserError, match=r"opens 0\.085 m in the settings, but 0\.05 m in .*--config"
+    ):
+        check_opening(dataset, "yumi", 0.085)
+    with pytest.raises(TableError, match="not a readable Parquet file"):
+        check_opening(tmp_path, "yumi", 0.05)
 
 
 def test_a_table_cut_short_is_a_sentence(dataset, tmp_path):

@@ -8,7 +8,15 @@ import pytest
 
 from egad.errors import UserError
 from egad.exchange.folders import objects_in
-from egad.exchange.hdf5 import add_array, add_group, check_key, copy_group, reading, writing
+from egad.exchange.hdf5 import (
+    DamagedError,
+    add_array,
+    add_group,
+    check_key,
+    copy_group,
+    sound_keys,
+    writing,
+)
 
 
 def test_arrays_come_back_as_they_were(tmp_path):
@@ -16,7 +24,7 @@ def test_arrays_come_back_as_they_were(tmp_path):
     with writing(tmp_path / "a.h5") as file:
         for name, values in arrays.items():
             add_array(file, name, values)
-    with reading(tmp_path / "a.h5") as file:
+    with h5py.File(tmp_path / "a.h5") as file:
         for name, values in arrays.items():
             assert (file[name][()] == values).all()
             assert file[name].dtype == values.dtype
@@ -37,20 +45,57 @@ def test_a_copied_group_is_the_same(tmp_path):
         assert copied.attrs["row"].tolist() == [0, 1, 2]
 
 
-def test_a_file_cut_short_or_damaged_is_one_sentence(tmp_path):
+@pytest.fixture
+def part(tmp_path):
+    """A small file with numbers and arrays; HDF5 has no checksums of texts."""
     path = tmp_path / "part.h5"
     with writing(path) as file:
-        add_array(file.create_group("objects"), "data", np.random.default_rng(0).random(10_000))
-    whole = path.read_bytes()
-    middle = len(whole) // 2
-    damaged = whole[:middle] + bytes(100) + whole[middle + 100 :]
-    for content in (whole[:-1], whole[:middle], b"", b"PAR1", damaged):
-        path.write_bytes(content)
-        sentence = pytest.raises(UserError, match=r"part\.h5: cut short or damaged .* make")
-        with sentence, reading(path) as file:
-            file["objects/data"][()]
-    with pytest.raises(UserError, match="there is no such file"), reading(tmp_path / "other.h5"):
-        pass
+        for name in ("a", "b"):
+            group = add_group(file, f"objects/{name}")
+            group.attrs["mass"] = 0.5
+            add_array(group, "data", np.random.default_rng(0).random(500))
+    return path
+
+
+def test_the_names_in_a_group_of_a_sound_file(part):
+    assert sound_keys(part, "objects") == ["a", "b"]
+
+
+def test_a_file_cut_short_or_damaged_is_one_sentence(part):
+    whole = part.read_bytes()
+    for content in (whole[:-1], whole[: len(whole) // 2], b"", b"PAR1"):
+        part.write_bytes(content)
+        with pytest.raises(DamagedError, match=r"part\.h5: cut short or damaged .* make"):
+            sound_keys(part, "objects")
+
+
+def test_damage_is_found_wherever_it_is(part, tmp_path):
+    """A file with some zeros in it is refused, or what is copied of it is as it was."""
+    whole = part.read_bytes()
+    refused = 0
+    for start in range(0, len(whole), 64):
+        part.write_bytes(whole[:start] + bytes(64) + whole[start + 64 :])
+        try:
+            assert sound_keys(part, "objects") == ["a", "b"]
+        except DamagedError:
+            refused += 1
+            continue
+        with h5py.File(part) as file, writing(tmp_path / "copy.h5") as other:
+            copy_group(file["objects"], other)
+            for group in other.values():
+                assert (group["data"][()] == np.random.default_rng(0).random(500)).all()
+                assert dict(group.attrs) == {"mass": 0.5}
+    assert refused > 0.5 * len(whole) / 64
+
+
+def test_what_is_not_there_or_must_not_be_read_is_not_called_damaged(part, tmp_path):
+    with pytest.raises(UserError, match="there is no such file"):
+        sound_keys(tmp_path / "other.h5", "objects")
+    with pytest.raises(UserError, match="cannot be read: Is a directory") as found:
+        sound_keys(tmp_path, "objects")
+    assert not isinstance(found.value, DamagedError)
+    with pytest.raises(DamagedError, match="object 'grasps' doesn't exist"):
+        sound_keys(part, "grasps")
 
 
 FILL = """
@@ -85,18 +130,34 @@ def test_a_disk_that_fills_up_is_one_sentence_and_leaves_no_half_file(tmp_path, 
     assert done.returncode == 1, done.stderr
     assert done.stderr.strip() == f"egad: {path} cannot be written: File too large"
     assert path.read_text() == "from before"
+    assert [each.name for each in tmp_path.iterdir()] == ["out.hdf5"]
 
 
 def test_other_errors_go_through_and_leave_no_file(tmp_path):
     with pytest.raises(ZeroDivisionError), writing(tmp_path / "a.h5"):
         raise ZeroDivisionError
-    assert not (tmp_path / "a.h5").exists()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_write_that_fails_is_one_sentence_and_leaves_nothing(tmp_path, monkeypatch):
+    def full(*_, **__):
+        raise OSError(
+            28, "file write failed: errno = 28, error message = 'No space left on device'"
+        )
+
+    monkeypatch.setattr(h5py.Group, "create_dataset", full)
+    sentence = pytest.raises(UserError, match=r"a\.h5 cannot be written: No space left on device$")
+    with sentence, writing(tmp_path / "a.h5") as file:
+        add_array(file, "x", np.arange(3))
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ["a/b", "größe", "", ".", "..", "-x", "a b", "a\n", "a\0"])
 def test_names_that_are_not_legal_everywhere_are_refused(name):
     with pytest.raises(UserError, match="cannot be exported under this name"):
         check_key(name)
+    with pytest.raises(UserError, match=r"^gripper "):
+        check_key(name, "gripper")
 
 
 def test_names_of_the_objects_of_any_folder_are_legal(tmp_path):

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.errors import RejectedError
 from egad.shapes.poses import stable_poses
 
 
@@ -37,3 +38,25 @@ def test_a_heavy_end_lies_below():
     down = next(pose for pose in poses if pose.rotation[2, 2] > 0.99)
     assert down.point[2] == pytest.approx(-0.05)
     assert down.probability > 0.3
+
+
+@pytest.mark.parametrize("com", [(0, 0, 0.06), (1, 1, 1), (np.nan, 0, 0)])
+def test_a_centre_of_mass_that_is_not_inside_is_refused(com):
+    bar = trimesh.creation.box((0.02, 0.02, 0.1))
+    with pytest.raises(RejectedError, match="centre of mass is not inside"):
+        stable_poses(bar, np.array(com, dtype=float), 0.0)
+
+
+def test_a_flat_solid_is_refused():
+    box = trimesh.creation.box((0.02, 0.03, 0.04))
+    flat = trimesh.Trimesh(box.vertices * [1, 1, 0], box.faces, process=False)
+    line = trimesh.Trimesh(box.vertices * [1, 0, 0], box.faces, process=False)
+    for mesh in (flat, line):
+        with pytest.raises(RejectedError):
+            stable_poses(mesh, np.zeros(3), 0.0)
+
+
+def test_a_sheet_of_no_thickness_to_speak_of_ends():
+    sheet = trimesh.creation.box((0.1, 0.1, 1e-12))
+    with pytest.raises(RejectedError):
+        stable_poses(sheet, np.zeros(3), 0.0)

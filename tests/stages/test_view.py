@@ -14,6 +14,7 @@ from egad.tables.grasping import GRASPS, SCALES
 from egad.tables.objects import OBJECTS, REJECTED
 
 SETTINGS = select(Settings(grasp_label=GraspLabel(grasps=6)), ViewMesh, "yumi")
+OPENING = 0.05
 
 
 def filled(schema, rows=1, **values):
@@ -36,7 +37,9 @@ def dataset(tmp_path):
     parquet.write(
         filled(OBJECTS, 2, id=["d", "e"], label=labels), OBJECTS, tmp_path / "objects.parquet"
     )
-    parquet.write(filled(SCALES, 2, label=labels), SCALES, scaled / "scales.parquet")
+    parquet.write(
+        filled(SCALES, 2, label=labels, opening=OPENING), SCALES, scaled / "scales.parquet"
+    )
     grasps = filled(GRASPS, 2, id="d", label="D03_0", grasp=[0, 1], quality=[0.001, 0.002])
     parquet.write(grasps, GRASPS, tmp_path / "grasps" / "yumi.parquet")
     left_out = filled(REJECTED, 1, id="e", reason="no grasp (of 9 candidates)")
@@ -48,7 +51,7 @@ def dataset(tmp_path):
 
 @pytest.mark.parametrize("name", ["D03_0", "A0"])
 def test_an_object_is_found_by_its_label_here_and_in_the_evaluation_set(dataset, name):
-    found = view.from_dataset(dataset, "yumi", name)
+    found = view.from_dataset(dataset, "yumi", name, OPENING)
     assert found.name == "D03_0"
     assert found.grasps["quality"].tolist() == [0.001, 0.002]
     assert found.note == ""
@@ -56,7 +59,7 @@ def test_an_object_is_found_by_its_label_here_and_in_the_evaluation_set(dataset,
 
 
 def test_an_object_without_grasps_is_shown_with_the_reason(dataset):
-    found = view.from_dataset(dataset, "yumi", "E04_1")
+    found = view.from_dataset(dataset, "yumi", "E04_1", OPENING)
     assert len(found.grasps) == 0
     assert found.note == "no grasp (of 9 candidates)"
 
@@ -71,12 +74,17 @@ def test_an_object_without_grasps_is_shown_with_the_reason(dataset):
 )
 def test_what_is_not_there_is_named_with_what_is(dataset, gripper, name, sentence):
     with pytest.raises(UserError, match=sentence):
-        view.from_dataset(dataset, gripper, name)
+        view.from_dataset(dataset, gripper, name, OPENING)
+
+
+def test_another_opening_than_that_of_the_dataset_is_refused(dataset):
+    with pytest.raises(UserError, match=r"'yumi' opens 0\.06 m in the settings, but 0\.05 m in"):
+        view.from_dataset(dataset, "yumi", "D03_0", 0.06)
 
 
 def test_a_folder_that_is_no_dataset_is_refused(tmp_path):
     with pytest.raises(UserError, match="there is no dataset"):
-        view.from_dataset(tmp_path, "yumi", "A0")
+        view.from_dataset(tmp_path, "yumi", "A0", OPENING)
 
 
 def test_the_evaluation_set_keeps_its_names_and_skips_what_was_not_scaled(dataset):

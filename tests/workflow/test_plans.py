@@ -221,6 +221,7 @@ def test_exports_are_made_if_they_are_asked_for(copy):
     copy.make("--cores", 2, configs=configs)
     assert copy.planned(configs=configs) == {}
     assert (copy.results / "egad/exchange/egad_75mm.hdf5").stat().st_size > 10_000
+    whole = (copy.results / "egad/exchange/egad_75mm.hdf5").read_bytes()
     labels = {path.stem for path in (copy.results / "egad/exchange/egad_75mm-acronym").glob("*.h5")}
     assert labels <= {path.stem for path in (copy.results / "egad/meshes").glob("*.obj")}
     assert labels
@@ -230,6 +231,16 @@ def test_exports_are_made_if_they_are_asked_for(copy):
     ):
         changed = copy.overlay("changed.yaml", setting)
         assert set(copy.planned(configs=[*configs, changed])) == rules | {"report", "all"}
+    damaged = copy.results / "egad/parts/exchange-egad_75mm-0.hdf5"
+    damaged.write_bytes(damaged.read_bytes()[:-1])
+    status, _ = copy.snakemake("--cores", 2, configs=configs)
+    assert status != 0
+    log = (copy.folder / "logs/egad/dexnet/egad_75mm.log").read_text()
+    assert f"{damaged.name}: cut short or damaged" in log
+    assert "Traceback" not in log
+    assert not damaged.exists()
+    copy.make("--cores", 2, configs=configs)
+    assert (copy.results / "egad/exchange/egad_75mm.hdf5").read_bytes() == whole
 
 
 def test_more_epochs_extend_a_finished_run(copy):

@@ -40,6 +40,7 @@ rule dexnet:
     """The Dex-Net database of a gripper."""
     input:
         objects="results/{dataset}/objects.parquet",
+        scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
         grasps="results/{dataset}/grasps/{gripper}.parquet",
         parts=parts("results/{dataset}/parts/exchange-{gripper}-{shard}.hdf5"),
     output:
