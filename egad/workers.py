@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from egad.errors import UserError
 
 Mapper = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
@@ -19,7 +21,8 @@ def workers(count: int) -> Iterator[Mapper]:
         yield map
         return
     try:
-        with ProcessPoolExecutor(count) as pool:
+        # Else each process would have as many threads for algebra, waiting for one another.
+        with ProcessPoolExecutor(count, initializer=threadpool_limits, initargs=(1,)) as pool:
             yield partial(pool.map, chunksize=2)
     except BrokenProcessPool as error:
         raise UserError(
