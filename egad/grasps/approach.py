@@ -41,7 +41,7 @@ class Approaches(NamedTuple):
 
 
 def best_approaches(
-    mesh: trimesh.Trimesh,
+    caster: RayCaster,
     grasps: Grasps,
     gripper: Gripper,
     palm: trimesh.Trimesh | None = None,
@@ -58,20 +58,20 @@ def best_approaches(
     is not is taken; else of those that fit at the grasp; else the first.
 
     Args:
-        mesh: The object, closed, metres, its triangles winding outwards.
+        caster: Of the object, closed, metres.
         grasps: The grasps.
         gripper: The hand.
         palm: A mesh in the place of its palm box, see `egad.grasps.hand.parts`.
         angles: Approaches to try.
         way: Length of the straight way in, metres.
     """
-    triangles = np.asarray(mesh.triangles)
+    triangles = np.asarray(caster.mesh.triangles)
     first = first_approaches(grasps.axes)
     frames = np.stack([grasps.axes, np.cross(first, grasps.axes), first], axis=1)
     turns = 2 * np.pi * np.arange(angles) / angles
     hand = parts(gripper, palm)
     there = blocked_turns(triangles, hand, grasps.centers, frames, turns)
-    there |= _swallowed(RayCaster(mesh), hand, grasps.centers, frames, turns)
+    there |= _swallowed(caster, hand, grasps.centers, frames, turns)
     swept = parts(gripper, palm, way)
     coming = blocked_turns(triangles, swept, grasps.centers, frames, turns, known=there)
     fits, free = ~there.all(axis=1), ~coming.all(axis=1)

@@ -11,6 +11,7 @@ from egad.errors import RejectedError
 from egad.grasps.approach import best_approaches
 from egad.grasps.opening import needed_openings
 from egad.grasps.quality import ferrari_canny
+from egad.grasps.rays import RayCaster
 from egad.grasps.robust import robust_ferrari_canny
 from egad.grasps.sampler import Grasps, Tally, sample
 from egad.stage_settings import GraspLabels
@@ -41,14 +42,15 @@ def label(
     Raises:
         RejectedError: There is no grasp; the reason says what became of the candidates.
     """
-    grasps, tally = found(mesh, settings, rng)
+    caster = RayCaster(mesh)
+    grasps, tally = found(caster, settings, rng)
     if len(grasps) == 0:
         raise RejectedError(f"no grasp ({tally})")
-    return rated(mesh, com, grasps, settings, rng, palm)
+    return rated(caster, com, grasps, settings, rng, palm)
 
 
 def found(
-    mesh: trimesh.Trimesh, settings: GraspLabels, rng: np.random.Generator
+    caster: RayCaster, settings: GraspLabels, rng: np.random.Generator
 ) -> tuple[Grasps, Tally]:
     """The grasps of an object that will be rated, and what became of all candidates.
 
@@ -57,24 +59,24 @@ def found(
     """
     wanted, opening = settings.grasp_label.grasps, settings.gripper.opening
     sampling = settings.sampling.model_copy(update={"approach_clearance": 0.0})
-    return sample(mesh, opening, wanted, sampling, rng)
+    return sample(caster, opening, wanted, sampling, rng)
 
 
 def rated(
-    mesh: trimesh.Trimesh,
+    caster: RayCaster,
     com: Floats,
     grasps: Grasps,
     settings: GraspLabels,
     rng: np.random.Generator,
     palm: trimesh.Trimesh | None = None,
 ) -> pd.DataFrame:
-    """Rate grasps: arguments and result are those of `label`."""
+    """Rate grasps: arguments and result are those of `label`, with a caster of the mesh."""
     gripper, wanted = settings.gripper, settings.grasp_label
     quality = ferrari_canny(
         grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()
     )
     mean, deviation, held = robust_ferrari_canny(
-        mesh,
+        caster,
         grasps,
         com,
         gripper.opening,
@@ -83,9 +85,9 @@ def rated(
         rng=rng,
     )
     approach = best_approaches(
-        mesh, grasps, gripper, palm, angles=wanted.approach_angles, way=wanted.approach_way
+        caster, grasps, gripper, palm, angles=wanted.approach_angles, way=wanted.approach_way
     )
-    needed = needed_openings(mesh, grasps, approach.directions, gripper)
+    needed = needed_openings(caster, grasps, approach.directions, gripper)
     return pd.DataFrame(
         {
             "grasp": np.arange(len(grasps)),

@@ -2,7 +2,6 @@
 
 import numba
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from egad.grasps.approach import inside
@@ -16,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 def needed_openings(
-    mesh: trimesh.Trimesh, grasps: Grasps, approaches: Floats, gripper: Gripper
+    caster: RayCaster, grasps: Grasps, approaches: Floats, gripper: Gripper
 ) -> Floats:
     """The smallest opening at which both fingers stand beside the object at each of n grasps.
 
@@ -26,7 +25,7 @@ def needed_openings(
     the width of the grasp, pads that close meet something else before they reach both contacts.
 
     Args:
-        mesh: The object, closed, metres, its triangles winding outwards.
+        caster: Of the object, closed, metres.
         grasps: The grasps.
         approaches: (n, 3) unit vectors along which the hand points, at right angles to the axes.
         gripper: Sizes of the fingers; its own opening does not matter.
@@ -34,8 +33,7 @@ def needed_openings(
     Returns:
         (n,) metres, between the inner faces of the fingers; may be more than the gripper has.
     """
-    caster = RayCaster(mesh)
-    triangles = np.ascontiguousarray(mesh.triangles)
+    triangles = np.ascontiguousarray(caster.mesh.triangles)
     around = spheres(triangles)
     frames = np.stack([grasps.axes, np.cross(approaches, grasps.axes), approaches], axis=1)
     base, tip = finger_span(gripper)

@@ -35,11 +35,13 @@ class RayCaster:
     distance is then computed from the triangle's plane in double precision.
 
     Attributes:
+        mesh: The mesh.
         normals: (m, 3) outward unit normals of the triangles; zeros for those without area.
     """
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
         """Prepare a mesh whose triangles wind outwards."""
+        self.mesh = mesh
         low, high = np.asarray(mesh.bounds)
         self._origin = (low + high) / 2
         self._scale = 1 / float(np.max(high - low))

@@ -6,7 +6,6 @@ meets the object beyond the middle pushes it along instead of missing it.
 """
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -19,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 def robust_ferrari_canny(
-    mesh: trimesh.Trimesh,
+    caster: RayCaster,
     grasps: Grasps,
     com: Floats,
     opening: float,
@@ -35,7 +34,7 @@ def robust_ferrari_canny(
     inside the object or meets nothing.
 
     Args:
-        mesh: The object, metres, its triangles winding outwards.
+        caster: Of the object, metres.
         grasps: The n grasps.
         com: (3,) centre of mass, metres.
         opening: Distance of the open fingers, metres.
@@ -49,7 +48,7 @@ def robust_ferrari_canny(
     """
     copies = len(grasps) * robust.samples
     centers, axes = _disturb(grasps, com, robust, rng)
-    contacts, touching = close_fingers(RayCaster(mesh), centers, axes, opening)
+    contacts, touching = close_fingers(caster, centers, axes, opening)
     coms = com + rng.normal(0, robust.com_sigma, (copies, 3))
     friction = np.maximum(rng.normal(quality.friction, robust.friction_sigma, copies), 0)
     values = np.zeros(copies)

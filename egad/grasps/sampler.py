@@ -8,7 +8,6 @@ from dataclasses import dataclass, fields
 
 import numba
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from egad.grasps.rays import RayCaster
@@ -76,7 +75,7 @@ class Tally:
 
 
 def sample(
-    mesh: trimesh.Trimesh,
+    caster: RayCaster,
     opening: float,
     count: int,
     sampling: Sampling,
@@ -91,7 +90,7 @@ def sample(
     their places along `approach_directions` from `approach_clearance` away.
 
     Args:
-        mesh: The object, metres, its triangles winding outwards.
+        caster: Of the object, metres.
         opening: Distance of the open fingers, metres.
         count: Grasps wanted.
         sampling: Rules. A round draws twice as many candidates as grasps are wanted, if that is
@@ -102,9 +101,8 @@ def sample(
         Up to `count` grasps, fewer if the rounds did not give more, and what became of the
         candidates.
     """
-    caster = RayCaster(mesh)
     grasps, tally = _NONE, Tally()
-    triangles, areas = np.asarray(mesh.triangles), np.cumsum(mesh.area_faces)
+    triangles, areas = np.asarray(caster.mesh.triangles), np.cumsum(caster.mesh.area_faces)
     for _ in range(sampling.rounds):
         draws = max(sampling.candidates, 2 * count)
         starts, faces = _points(triangles, areas, draws, rng)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from egad.errors import RejectedError
 from egad.grasps.quality import ferrari_canny
+from egad.grasps.rays import RayCaster
 from egad.grasps.robust import robust_ferrari_canny
 from egad.grasps.sampler import Grasps, sample
 from egad.stage_settings import Measuring
@@ -53,15 +54,16 @@ def difficulty(
     place = _alignment(np.asarray(mesh.vertices), settings.difficulty.side_fraction * opening)
     scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
     centre = _apply(place, center_of_mass(mesh) if com is None else com)
-    found, tally = sample(scaled, opening, grasps, settings.sampling, rng)
+    caster = RayCaster(scaled)
+    found, tally = sample(caster, opening, grasps, settings.sampling, rng)
     if len(found) == 0:
         raise RejectedError(f"no grasp ({tally})")
-    qualities = _qualities(scaled, found, centre, settings, rng)
+    qualities = _qualities(caster, found, centre, settings, rng)
     return percentile(qualities, settings.difficulty.percentile), len(found)
 
 
 def _qualities(
-    mesh: trimesh.Trimesh,
+    caster: RayCaster,
     grasps: Grasps,
     com: Floats,
     settings: Measuring,
@@ -74,7 +76,7 @@ def _qualities(
         )
         return rated
     mean, _, _ = robust_ferrari_canny(
-        mesh,
+        caster,
         grasps,
         com,
         settings.gripper.opening,

@@ -13,6 +13,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.grasps.quality import ferrari_canny
+from egad.grasps.rays import RayCaster
 from egad.grasps.sampler import sample
 from egad.measures.difficulty import center_of_mass, percentile
 from egad.seeds import generator
@@ -48,24 +49,25 @@ def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeCurves) -> pd.Da
     for fraction in wanted.fractions:
         factor = fraction * opening / side
         scaled = trimesh.Trimesh(np.asarray(mesh.vertices) * factor, mesh.faces, process=False)
+        caster = RayCaster(scaled)
         for repeat in range(wanted.repeats):
             rng = generator(settings.seed, "size-effect", name, f"{fraction:g}", repeat)
             known = {"name": name, "fraction": fraction, "repeat": repeat}
-            rows.extend(known | row for row in _rated(scaled, settings, rng))
+            rows.extend(known | row for row in _rated(caster, settings, rng))
     return pd.DataFrame(rows, columns=SIZE_EFFECT.names)
 
 
 def _rated(
-    mesh: trimesh.Trimesh, settings: SizeCurves, rng: np.random.Generator
+    caster: RayCaster, settings: SizeCurves, rng: np.random.Generator
 ) -> Iterator[dict[str, Any]]:
     """What was found at one size, a row a percentile."""
     wanted = settings.size_effect
-    grasps, tally = sample(mesh, settings.gripper.opening, wanted.grasps, settings.sampling, rng)
+    grasps, tally = sample(caster, settings.gripper.opening, wanted.grasps, settings.sampling, rng)
     qualities = ferrari_canny(
         grasps.points,
         grasps.normals,
         grasps.axes,
-        center_of_mass(mesh),
+        center_of_mass(caster.mesh),
         **settings.quality.model_dump(),
     )
     for percent in wanted.percentiles:

@@ -10,6 +10,7 @@ from egad.errors import RejectedError, UserError
 from egad.exchange.meshes import read_mesh
 from egad.grasps.hand import parts
 from egad.grasps.labels import found, rated, tally_row
+from egad.grasps.rays import RayCaster
 from egad.progress import progress
 from egad.seeds import generator
 from egad.settings import Gripper
@@ -55,9 +56,10 @@ def run(
             left_out.append(rejection(object_id, "grasp-label", reason))
             continue
         rng = generator(settings.seed, "grasps", object_id)
-        grasps, tally = found(mesh, settings, rng)
+        caster = RayCaster(mesh)
+        grasps, tally = found(caster, settings, rng)
         if len(grasps):
-            rows = rated(mesh, mesh.center_mass, grasps, settings, rng, palm)
+            rows = rated(caster, mesh.center_mass, grasps, settings, rng, palm)
             labelled.append(rows.assign(**named))
         else:
             rows = parquet.empty(GRASPS)

@@ -38,7 +38,7 @@ def slow_overlap(triangle, low, high):
 
 
 def collision_free(mesh, grasps, gripper=HAND, palm=None, retreat=0.1):
-    found = best_approaches(mesh, grasps, gripper, palm, way=retreat)
+    found = best_approaches(RayCaster(mesh), grasps, gripper, palm, way=retreat)
     return found.directions, found.free
 
 
@@ -140,7 +140,7 @@ def test_an_obstacle_on_the_way_in_counts():
     hollow.invert()
     both = trimesh.util.concatenate([ball, shell, hollow])
     assert collision_free(both, across_x([0, 0, 0]), HAND, retreat=0.0)[1][0]
-    found = best_approaches(both, across_x([0, 0, 0]), HAND, way=0.1)
+    found = best_approaches(RayCaster(both), across_x([0, 0, 0]), HAND, way=0.1)
     assert found.fits[0]
     assert not found.free[0]
     assert (found.angles_fit[0], found.angles_free[0]) == (16, 0)
@@ -171,7 +171,7 @@ def test_a_grasp_as_wide_as_the_opening_does_not_collide_with_itself():
 def test_a_hand_all_inside_the_object_is_not_free():
     """No part of it touches the surface."""
     block = trimesh.creation.box([2, 2, 2])
-    found = best_approaches(block, across_x([0, 0, 0]), HAND)
+    found = best_approaches(RayCaster(block), across_x([0, 0, 0]), HAND)
     assert not found.fits[0]
     assert (found.angles_fit[0], found.angles_free[0]) == (0, 0)
 
@@ -198,8 +198,8 @@ def test_a_box_as_a_mesh_is_the_palm_box():
         for place in rng.normal(0, 0.05, (6, 3))
     ]
     mesh = trimesh.util.concatenate(parts_of)
-    expected = best_approaches(mesh, grasps, HAND)
-    found = best_approaches(mesh, grasps, HAND, palm)
+    expected = best_approaches(RayCaster(mesh), grasps, HAND)
+    found = best_approaches(RayCaster(mesh), grasps, HAND, palm)
     for ours, theirs in zip(found, expected, strict=True):
         np.testing.assert_array_equal(ours, theirs)
     assert 0.1 < expected.fits.mean() < 0.95

@@ -7,6 +7,7 @@ from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
 from egad.grasps.labels import found, rated, tally_row
+from egad.grasps.rays import RayCaster
 from egad.settings import GraspLabel, Settings
 from egad.stage_settings import GraspLabels, select
 
@@ -35,10 +36,11 @@ OBJECTS = {
 @pytest.fixture(params=OBJECTS)
 def labelled(request):
     mesh = OBJECTS[request.param]
+    caster = RayCaster(mesh)
     rng = np.random.default_rng(7)
-    grasps, tally = found(mesh, SETTINGS, rng)
+    grasps, tally = found(caster, SETTINGS, rng)
     state = rng.bit_generator.state
-    frame = rated(mesh, mesh.center_mass, grasps, SETTINGS, rng)
+    frame = rated(caster, mesh.center_mass, grasps, SETTINGS, rng)
     again = np.random.default_rng()
     again.bit_generator.state = state
     return mesh, frame, tally, again

@@ -4,6 +4,7 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.grasps.labels import found, label
+from egad.grasps.rays import RayCaster
 from egad.grasps.sampler import sample
 from egad.settings import GraspLabel, Settings
 from egad.stage_settings import GraspLabels, select
@@ -63,7 +64,7 @@ def test_an_object_without_grasps_is_rejected_with_the_reason():
 def test_grasps_are_kept_that_no_horizontal_approach_reaches():
     ring = trimesh.creation.torus(0.03, 0.008)
     rng = np.random.default_rng
-    _, sampled = sample(ring, SETTINGS.gripper.opening, 40, SETTINGS.sampling, rng(0))
-    _, tally = found(ring, SETTINGS, rng(0))
+    _, sampled = sample(RayCaster(ring), SETTINGS.gripper.opening, 40, SETTINGS.sampling, rng(0))
+    _, tally = found(RayCaster(ring), SETTINGS, rng(0))
     assert sampled.blocked > 0
     assert tally.blocked == 0

@@ -5,6 +5,7 @@ import trimesh
 from egad.grasps.approach import best_approaches
 from egad.grasps.hand import finger_span
 from egad.grasps.opening import needed_openings
+from egad.grasps.rays import RayCaster
 from egad.grasps.sampler import Grasps, sample
 from egad.settings import Gripper, Sampling
 
@@ -19,7 +20,7 @@ def across_x(width):
 
 
 def needed(mesh, width, hand=HAND):
-    return needed_openings(mesh, across_x(width), DOWN, hand)[0]
+    return needed_openings(RayCaster(mesh), across_x(width), DOWN, hand)[0]
 
 
 def box(sides, place=(0, 0, 0)):
@@ -66,9 +67,9 @@ def test_openings_equal_trying_one_after_another():
     """Points all over the object, against fingers that open by steps."""
     mesh = trimesh.creation.torus(0.03, 0.012, major_sections=48, minor_sections=24)
     rng = np.random.default_rng(0)
-    grasps, _ = sample(mesh, HAND.opening, 25, Sampling(), rng)
-    best = best_approaches(mesh, grasps, HAND)
-    found = needed_openings(mesh, grasps, best.directions, HAND)
+    grasps, _ = sample(RayCaster(mesh), HAND.opening, 25, Sampling(), rng)
+    best = best_approaches(RayCaster(mesh), grasps, HAND)
+    found = needed_openings(RayCaster(mesh), grasps, best.directions, HAND)
     points = trimesh.sample.sample_surface(mesh, 400_000, seed=1)[0]
     base, tip = finger_span(HAND)
     for i, approach in enumerate(best.directions):

@@ -21,7 +21,7 @@ CEILING = np.pi * 0.005**2 * 0.5 * 1000
 
 def rate(mesh, grasps, opening=0.05, com=(0, 0, 0), seed=0, **robust):
     return robust_ferrari_canny(
-        mesh,
+        RayCaster(mesh),
         grasps,
         np.array(com, dtype=float),
         opening,
@@ -41,7 +41,7 @@ def pinch(width, count=1):
 
 def test_without_disturbance_it_is_the_plain_quality():
     mesh = trimesh.creation.icosphere(subdivisions=3, radius=0.02)
-    grasps, _ = sample(mesh, 0.05, 50, Sampling(), np.random.default_rng(0))
+    grasps, _ = sample(RayCaster(mesh), 0.05, 50, Sampling(), np.random.default_rng(0))
     plain = ferrari_canny(
         grasps.points, grasps.normals, grasps.axes, np.zeros(3), torque_scaling=1000
     )

@@ -15,7 +15,7 @@ OPENING = 0.05
 
 
 def draw(mesh, count=100, seed=0, **rules):
-    return sample(mesh, OPENING, count, Sampling(**rules), np.random.default_rng(seed))
+    return sample(RayCaster(mesh), OPENING, count, Sampling(**rules), np.random.default_rng(seed))
 
 
 def box(*sides):

@@ -29,6 +29,8 @@ rule simulated_trial:
     conda:
         ENVIRONMENT
     threads: 1
+    # Some take five times as long as others: begun early, or cores wait for the last one.
+    priority: 1
     resources:
         mem_mb=2000,
         runtime=120,
