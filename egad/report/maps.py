@@ -15,6 +15,7 @@ from egad.report.style import scale_colour
 from egad.settings import SelectEval, Space
 
 SHOWN = 4
+CELL = ["difficulty_cell", "complexity_cell"]
 STOPS = 11
 CLIPPED = 0.02
 
@@ -72,14 +73,24 @@ def data_uri(content: bytes, kind: str = "image/png") -> str:
     return f"data:{kind};base64,{base64.b64encode(content).decode()}" if content else ""
 
 
+def shown_objects(objects: pd.DataFrame) -> list[str]:
+    """Labels of the objects that the map has pictures of: the most diverse ones of each cell."""
+    labels: list[str] = _ordered(objects).groupby(CELL).head(SHOWN)["label"].tolist()
+    return labels
+
+
+def _ordered(objects: pd.DataFrame) -> pd.DataFrame:
+    return objects.sort_values(["diversity", "label"], ascending=[False, True])
+
+
 def space_map(data: DatasetReport, space: Space) -> SpaceMap:
     """Lay out the objects of a dataset over the space.
 
     A cell has the colour of the mean diversity of its objects and the picture of the most
     diverse one.
     """
-    ordered = data.objects.sort_values(["diversity", "label"], ascending=[False, True])
-    groups = list(ordered.groupby(["difficulty_cell", "complexity_cell"], sort=True))
+    ordered = _ordered(data.objects)
+    groups = list(ordered.groupby(CELL, sort=True))
     means = [float(group["diversity"].mean()) for _, group in groups]
     known = [mean for mean in means if not np.isnan(mean)]
     low, high = np.quantile(known, [CLIPPED, 1 - CLIPPED]) if known else (0.0, 0.0)

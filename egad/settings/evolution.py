@@ -13,13 +13,13 @@ class Schedule(Section):
     islands: int = Field(
         1, ge=1, le=1024, description="archives that evolve apart within an epoch, then merge"
     )
-    epochs: int = Field(2, ge=1, le=200, description="rounds of evolving apart and merging")
+    epochs: int = Field(1, ge=1, le=200, description="rounds of evolving apart and merging")
 
 
 class Evolution(Section):
     """Breeding: MAP-Elites over CPPN genomes; config/paper.yaml has the paper's values."""
 
-    steps_per_epoch: int = Field(100, ge=1, description="steps of an island in one epoch")
+    steps_per_epoch: int = Field(200, ge=1, description="steps of an island in one epoch")
     population: int = Field(100, ge=1, description="children an island evaluates in one step")
     crossover_probability: Fraction = Field(
         0.5, description="chance that a child has two parents; else it is a mutated copy of one"

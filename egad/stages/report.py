@@ -12,6 +12,7 @@ from egad.exchange.meshes import read_mesh
 from egad.files import write_text
 from egad.progress import progress
 from egad.report.data import DatasetReport, ReportData
+from egad.report.maps import shown_objects
 from egad.report.page import build
 from egad.report.render import png_bytes, render
 from egad.settings import Settings
@@ -70,7 +71,7 @@ def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> Dat
     rejected = _rejected(
         folder, settings.targets.grippers if name in settings.targets.datasets else []
     )
-    pictures = _pictures(folder / "meshes", objects["label"].tolist(), THUMBNAIL, mapper)
+    pictures = _pictures(folder / "meshes", shown_objects(objects), THUMBNAIL, mapper)
     if name not in settings.targets.datasets:
         return DatasetReport(objects, rejected, pictures, history=history)
     evalset = parquet.read(folder / "eval49.parquet", EVAL49)

@@ -3,7 +3,9 @@ from xml.etree import ElementTree
 
 import pytest
 
+from egad.report.data import DatasetReport
 from egad.report.dataset_maps import dataset_maps
+from egad.report.maps import shown_objects, space_map
 from egad.settings import Space
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -72,3 +74,13 @@ def test_the_same_objects_give_the_same_bytes_and_no_date(objects):
     svg = dataset_maps({"egad": objects}, Space())
     assert svg == dataset_maps({"egad": objects.copy()}, Space())
     assert "date" not in svg.lower()
+
+
+def test_the_map_needs_pictures_of_the_objects_that_it_shows_only(objects, pictures):
+    shown = shown_objects(objects)
+    assert len(shown) < len(objects)
+    few = {label: pictures[label] for label in shown}
+    tables = {"objects": objects, "rejected": objects[:0]}
+    assert space_map(DatasetReport(**tables, pictures=few), Space()) == space_map(
+        DatasetReport(**tables, pictures=pictures), Space()
+    )
