@@ -22,6 +22,7 @@ from egad.settings import (
     Neat,
     Part,
     Postprocess,
+    PrintCheck,
     PrintExport,
     Quality,
     Rescale,
@@ -132,12 +133,29 @@ class EvalSelection(StageSettings):
     space: Space
     similarity: Similarity
     select_eval: SelectEval
+    gripper: Gripper
+    rescale: Rescale
+    print_check: PrintCheck
 
 
 class PrintFiles(StageSettings):
     """Files for printers."""
 
+    gripper: Gripper
+    rescale: Rescale
+    print_check: PrintCheck
     print_export: PrintExport
+
+
+class DataSheets(StageSettings):
+    """The datasheet of an evaluation set."""
+
+    space: Space
+    axes: Axes
+    select_eval: SelectEval
+    print_check: PrintCheck
+    print_export: PrintExport
+    trials: Trials
 
 
 class SimulatedTrials(StageSettings):
@@ -172,5 +190,6 @@ def select(settings: Settings, stage: type[S], gripper: str | None = None) -> S:
     if issubclass(stage, Measuring) and settings.difficulty.metric == "plain":
         values["robust"] = None
     if "gripper" in stage.model_fields:
-        values["gripper"] = settings.grippers[gripper or settings.difficulty.gripper]
+        own = settings.select_eval if stage is EvalSelection else settings.difficulty
+        values["gripper"] = settings.grippers[gripper or own.gripper]
     return stage(**values)

@@ -129,12 +129,13 @@ def select_eval(
     objects: Annotated[Path, typer.Option(help="objects of the dataset")],
     solids: Annotated[list[Path], typer.Option(help="shards of postprocess")],
     out: Out,
+    rejected: Rejected,
 ) -> None:
     """Choose the evaluation set."""
     from egad.stage_settings import EvalSelection
     from egad.stages import select_eval as stage
 
-    stage.run(parse(EvalSelection, settings), objects, solids, out)
+    stage.run(parse(EvalSelection, settings), objects, solids, out, rejected)
 
 
 @app.command(name="print-export", rich_help_panel=STAGE)
@@ -143,13 +144,14 @@ def print_export(
     evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
     meshes: Annotated[Path, typer.Option(help="folder of the scaled meshes")],
     scales: Annotated[Path, typer.Option(help="table of the scales")],
+    gripper: Annotated[str, typer.Option(help="name of the gripper, for the plates")],
     out: OutFolder,
 ) -> None:
     """Write STL and 3MF files of the evaluation set, in millimetres."""
     from egad.stage_settings import PrintFiles
     from egad.stages import print_export as stage
 
-    stage.run(parse(PrintFiles, settings), evaluation, meshes, scales, out)
+    stage.run(parse(PrintFiles, settings), gripper, evaluation, meshes, scales, out)
 
 
 @app.command(rich_help_panel=STAGE)

@@ -11,7 +11,14 @@ from egad.settings.evolution import Evolution, Neat, Schedule
 from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
-from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
+from egad.settings.objects import (
+    Material,
+    Postprocess,
+    PrintCheck,
+    PrintExport,
+    Rescale,
+    SelectEval,
+)
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Shape, Symmetry
 from egad.settings.trials import Trials
 
@@ -49,6 +56,7 @@ class Settings(Section):
     grasp_label: GraspLabel = GraspLabel()
     rescale: Rescale = Rescale()
     select_eval: SelectEval = SelectEval()
+    print_check: PrintCheck = PrintCheck()
     print_export: PrintExport = PrintExport()
     trials: Trials = Trials()
     grippers: dict[Name, Gripper] = Field(
@@ -61,6 +69,7 @@ class Settings(Section):
             *_unknown("targets.datasets", self.targets.datasets, self.datasets),
             *_unknown("targets.grippers", self.targets.grippers, self.grippers),
             *_unknown("difficulty.gripper", [self.difficulty.gripper], self.grippers),
+            *_unknown("select_eval.gripper", [self.select_eval.gripper], self.grippers),
         ]
         evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]
         if len(evolved) > 1:

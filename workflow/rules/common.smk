@@ -53,7 +53,7 @@ wildcard_constraints:
 def settings_of(stage):
     """The settings that a stage reads, as JSON: its command gets them, its rule re-runs for them.
 
-    A stage that reads a gripper gets the one in the file name, else that of the difficulty.
+    A stage that reads a gripper gets the one in the file name, else the one of its own settings.
     """
 
     def chosen(wildcards):
