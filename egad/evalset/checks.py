@@ -34,7 +34,7 @@ def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
     wall = f"{1000 * check.wall:g} mm"
     if found.reach > check.blunting:
         problems.append(f"walls thinner than {wall}")
-    elif found.pieces != 1:
+    elif found.pieces != 1 and not problems:  # the wall of a void is a piece of its own
         problems.append(f"parts joined by less than {wall}")
     return problems
 

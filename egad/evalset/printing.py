@@ -11,7 +11,7 @@ from egad.evalset.thickness import thinnest
 from egad.settings import PrintCheck, PrintExport
 
 MOST = 0.01  # metres: thicker walls are all alike
-HALVINGS = 5  # of the range of walls: to 7 %
+HALVINGS = 3  # of the range of walls
 SMALL_CONTACT = 1e-4  # m2: a smaller first layer comes off the bed easily
 
 
@@ -74,9 +74,14 @@ def _item(
     check: PrintCheck,
 ) -> PrintItem:
     plate, where = (None, None) if place is None else (place[0], place[1:])
-    wall = 0.0 if problems else thinnest(pose.mesh, check.blunting, (check.wall, MOST), HALVINGS)
+    wall = 0.0 if problems else _wall(pose.mesh, check)
     filament = filament_mass(pose.mesh, settings)
     return PrintItem(pose, filament, wall, plate, where, _note(pose, problems, plate, settings.bed))
+
+
+def _wall(mesh: trimesh.Trimesh, check: PrintCheck) -> float:
+    sharpness = check.blunting / check.wall
+    return thinnest(mesh, sharpness, (check.wall, MOST), HALVINGS)
 
 
 def _note(pose: Pose, problems: list[str], plate: int | None, bed: tuple[float, float]) -> str:

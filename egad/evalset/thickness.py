@@ -61,13 +61,13 @@ def thinness(mesh: trimesh.Trimesh, diameter: float) -> Thinness:
 
 
 def thinnest(
-    mesh: trimesh.Trimesh, allowed: float, bounds: tuple[float, float], steps: int
+    mesh: trimesh.Trimesh, sharpness: float, bounds: tuple[float, float], steps: int
 ) -> float:
     """The largest ball that a solid is thick enough for, by bisection: its wall thickness.
 
     Args:
         mesh: A closed surface, wound outwards.
-        allowed: The largest reach that is no wall but a blunted edge or tip.
+        sharpness: The largest reach, in diameters, that is no wall but an edge or a tip.
         bounds: Diameters to look between.
         steps: Halvings.
 
@@ -78,7 +78,7 @@ def thinnest(
     for _ in range(steps):
         middle = (low * high) ** 0.5
         found = thinness(mesh, middle)
-        if found.reach <= allowed and found.pieces == 1:
+        if found.reach <= sharpness * middle and found.pieces == 1:
             low = middle
         else:
             high = middle
@@ -122,8 +122,8 @@ def _distances(mesh: trimesh.Trimesh, samples: _Samples, points: Floats) -> Floa
 
 
 def _pieces(balls: Floats, diameter: float) -> int:
-    """Bodies that balls make up: they hang together where their centres lie within a radius."""
-    cells, count = np.unique(np.floor(2 / diameter * balls), axis=0, return_counts=True)
+    """Bodies that balls make up: those that lie about a diameter apart hang together."""
+    cells, count = np.unique(np.floor(balls / diameter), axis=0, return_counts=True)
     links = cKDTree(cells).query_pairs(1.0, p=np.inf, output_type="ndarray")
     size = (len(cells), len(cells))
     graph = coo_array((np.ones(len(links)), (links[:, 0], links[:, 1])), shape=size)

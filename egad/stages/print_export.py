@@ -58,7 +58,9 @@ def run(
         for label, item in items.items():
             write_stl_mm(item.pose.mesh, folder / f"{label}.stl")
         for plate in sorted({item.plate for item in items.values() if item.plate is not None}):
-            told = {str(row["label"]): float(row["factor"]) for row in rows if row["plate"] == plate}
+            told = {
+                str(row["label"]): float(row["factor"]) for row in rows if row["plate"] == plate
+            }
             _write_plate(plate, items, folder / f"plate-{plate}.3mf", told, name, settings)
         parquet.write(pd.DataFrame(rows), MANIFEST, folder / "manifest.parquet")
     _log_result(rows, name, settings)

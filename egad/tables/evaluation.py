@@ -43,7 +43,9 @@ MANIFEST = pa.schema(
         column("pose_probability", FLOAT, "chance of coming to rest in this pose when dropped"),
         column("overhang", FLOAT, "area that needs support", "mm2"),
         column("contact", FLOAT, "area of the first layer", "mm2"),
-        column("wall", FLOAT, "thickness of the thinnest wall, at most 10; 0: cannot be printed", "mm"),
+        column(
+            "wall", FLOAT, "thickness of the thinnest wall, at most 10; 0: cannot be printed", "mm"
+        ),
         column("factor", FLOAT, "scaled size / size in meshes/"),
         column("settings", STRING, "how to print it"),
         column("note", STRING, "what to know before printing; empty if nothing"),
