@@ -150,12 +150,9 @@ class PrintFiles(StageSettings):
 class DataSheets(StageSettings):
     """The datasheet of an evaluation set."""
 
-    space: Space
-    axes: Axes
     select_eval: SelectEval
     print_check: PrintCheck
     print_export: PrintExport
-    trials: Trials
 
 
 class SimulatedTrials(StageSettings):

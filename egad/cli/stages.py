@@ -155,6 +155,26 @@ def print_export(
 
 
 @app.command(rich_help_panel=STAGE)
+def datasheet(
+    settings: SettingsText,
+    dataset: Annotated[str, typer.Option(help="name of the dataset")],
+    evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
+    manifest: Annotated[list[str], typer.Option(help="GRIPPER=manifest.parquet")],
+    grasps: Annotated[list[str], typer.Option(help="GRIPPER=grasps.parquet")],
+    out: OutFolder,
+) -> None:
+    """Write what there is to know about an evaluation set, for people."""
+    from egad.stage_settings import DataSheets
+    from egad.stages import datasheet as stage
+
+    manifests, labelled = (
+        {name: Path(path) for name, _, path in (each.partition("=") for each in named)}
+        for named in (manifest, grasps)
+    )
+    stage.run(parse(DataSheets, settings), dataset, evaluation, manifests, labelled, out)
+
+
+@app.command(rich_help_panel=STAGE)
 def simulate(
     settings: SettingsText,
     policy: Annotated[str, typer.Option(help="grasp detector")],

@@ -71,6 +71,12 @@ def each(option, name):
     ]
 
 
+def named_grippers(option, files):
+    """An option with a file of each target gripper: `--grasps G=A --grasps H=B`."""
+    pairs = zip(SETTINGS.targets.grippers, files)
+    return [word for gripper, file in pairs for word in (option, f"{gripper}={file}")]
+
+
 def parts(pattern):
     """The files of all shards."""
     return lambda wildcards: expand(pattern, shard=SHARDS, **wildcards)
@@ -146,6 +152,10 @@ def published():
     trials = "trials/{gripper}/{policy}.parquet"
     of_target = [
         "eval49.parquet",
+        "eval49.rejected.parquet",
+        "eval49/README.md",
+        "eval49/contact-sheet.pdf",
+        "eval49/trials.csv",
         *expand(of_gripper, gripper=targets.grippers),
         *expand(trials, gripper=targets.grippers, policy=targets.policies),
     ]
