@@ -36,8 +36,8 @@ columns 0, 1, ... from simple to complex. `contact-sheet.pdf` shows all objects 
 REPORTING = """
 ## How to report results
 
-1. Print the objects for your gripper, {advice}. An object that is not printable at its size is
-   named above; leave it out and say so.
+1. Print the objects for your gripper, {advice}. An object that is
+   not printable at its size is named above; leave it out and say so.
 2. As in the paper, make {attempts} attempts an object: drop it into the workspace alone, let the
    detector choose one grasp, close, lift. It is a success if the object is held until the end.
    Put it back at random between attempts, and count every attempt, the aborted ones too.
@@ -78,7 +78,7 @@ def page(
         f"| {row['complexity']:.2f} | {1000 * row['difficulty']:.2f} | {row['nearest']:.2f} |"
         for row in parquet.records(chosen)
     ]
-    names = chosen.set_index("label")["object_label"].to_dict()
+    names = dict(zip(chosen["label"], chosen["object_label"], strict=True))
     tables = [_gripper_section(name, each, names, check) for name, each in grippers.items()]
     advice = f"with {100 * export.infill:g} % infill in 0.2 mm layers"
     return head + "\n".join([*rows, *tables, REPORTING.format(advice=advice, attempts=ATTEMPTS)])
@@ -90,7 +90,8 @@ def _gripper_section(
     lines = [
         f"\n## For {name}\n",
         "Sizes are those of the box as printed. Mass is that of the filament, without "
-        "supports. The best quality is that of the best labelled grasp that the hand reaches. Walls are at "
+        "supports. The best "
+        "quality is that of the best labelled grasp that the hand reaches. Walls are at "
         f"least {1000 * check.wall:g} mm thick.\n",
         "| label | scale | size, mm | mass, g | wall, mm | best quality, 1e-3 | plate | note |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",

@@ -34,10 +34,9 @@ def contact_sheet(
     with matplotlib.rc_context({**STYLE, "pdf.fonttype": 42}):
         figure = Figure(figsize=PAGE)
         figure.suptitle(title, fontsize=12, y=0.98)
-        grid = figure.subplots(rows, columns, squeeze=False)
         figure.subplots_adjust(0.03, 0.03, 0.97, 0.94, 0.05, 0.35)
         for place in np.ndindex(rows, columns):
-            axes = grid[place]
+            axes = figure.add_subplot(rows, columns, place[0] * columns + place[1] + 1)
             axes.set_axis_off()
             if place in meshes:
                 axes.imshow(render(meshes[place], PIXELS))
