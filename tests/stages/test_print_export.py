@@ -27,7 +27,7 @@ def exported(folder, sides):
     parquet.write(chosen, EVAL49, folder / "eval49.parquet")
     parquet.write(parquet.empty(SCALES), SCALES, folder / "scales.parquet")
     print_export.run(
-        select(Settings(), PrintFiles, "yumi"),
+        select(Settings(print_export={"bed": (0.05, 0.05)}), PrintFiles, "yumi"),
         "yumi",
         folder / "eval49.parquet",
         folder,
@@ -38,11 +38,11 @@ def exported(folder, sides):
 
 
 def test_what_cannot_be_printed_is_a_row_with_a_note_and_the_rest_is_made(tmp_path):
-    rows = exported(tmp_path / "a", [0.02, None, 0.001, 0.3])
+    rows = exported(tmp_path / "a", [0.02, None, 0.001, 0.06])
     assert rows["note"]["A0"] == ""
     assert rows["note"]["A1"] == "no mesh box1.obj: no such file"
     assert rows["note"]["A2"] == "not printable at this size: walls thinner than 1.2 mm"
-    assert rows["note"]["A3"] == "300 x 300 mm is larger than the bed of 220 x 220 mm"
+    assert rows["note"]["A3"] == "60 x 60 mm is larger than the bed of 50 x 50 mm"
     assert rows["plate"].tolist()[0] == 1
     assert rows["plate"][1:].isna().all()
     assert rows["volume"]["A0"] == pytest.approx(8000)
