@@ -25,6 +25,7 @@ from egad.settings import (
     Part,
     Policy,
     Postprocess,
+    PrintCheck,
     PrintExport,
     Quality,
     Rescale,
@@ -152,11 +153,25 @@ class EvalSelection(StageSettings):
     space: Space
     similarity: Similarity
     select_eval: SelectEval
+    gripper: Gripper
+    rescale: Rescale
+    print_check: PrintCheck
 
 
 class PrintFiles(StageSettings):
     """Files for printers."""
 
+    gripper: Gripper
+    rescale: Rescale
+    print_check: PrintCheck
+    print_export: PrintExport
+
+
+class DataSheets(StageSettings):
+    """The datasheet of an evaluation set."""
+
+    select_eval: SelectEval
+    print_check: PrintCheck
     print_export: PrintExport
 
 
@@ -219,7 +234,8 @@ def select(
     if issubclass(stage, Measuring) and settings.difficulty.metric == "plain":
         values["robust"] = None
     if "gripper" in stage.model_fields:
-        values["gripper"] = settings.grippers[gripper or settings.difficulty.gripper]
+        own = settings.select_eval if stage is EvalSelection else settings.difficulty
+        values["gripper"] = settings.grippers[gripper or own.gripper]
     if "policy" in stage.model_fields:
         values["policy"] = settings.policies[policy or settings.targets.policies[0]]
     return stage(**values)

@@ -131,13 +131,14 @@ def select_eval(
     objects: Annotated[Path, typer.Option(help="objects of the dataset")],
     solids: Annotated[list[Path], typer.Option(help="shards of postprocess")],
     out: Out,
+    rejected: Rejected,
     jobs: Jobs = 1,
 ) -> None:
     """Choose the evaluation set."""
     from egad.stage_settings import EvalSelection
     from egad.stages import select_eval as stage
 
-    stage.run(parse(EvalSelection, settings), objects, solids, out, jobs)
+    stage.run(parse(EvalSelection, settings), objects, solids, out, rejected, jobs)
 
 
 @app.command(name="size-effect-eval", rich_help_panel=STAGE)
@@ -160,13 +161,34 @@ def print_export(
     evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
     meshes: Annotated[Path, typer.Option(help="folder of the scaled meshes")],
     scales: Annotated[Path, typer.Option(help="table of the scales")],
+    gripper: Annotated[str, typer.Option(help="name of the gripper, for the plates")],
     out: OutFolder,
 ) -> None:
     """Write STL and 3MF files of the evaluation set, in millimetres."""
     from egad.stage_settings import PrintFiles
     from egad.stages import print_export as stage
 
-    stage.run(parse(PrintFiles, settings), evaluation, meshes, scales, out)
+    stage.run(parse(PrintFiles, settings), gripper, evaluation, meshes, scales, out)
+
+
+@app.command(rich_help_panel=STAGE)
+def datasheet(
+    settings: SettingsText,
+    dataset: Annotated[str, typer.Option(help="name of the dataset")],
+    evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
+    manifest: Annotated[list[str], typer.Option(help="GRIPPER=manifest.parquet")],
+    grasps: Annotated[list[str], typer.Option(help="GRIPPER=grasps.parquet")],
+    out: OutFolder,
+) -> None:
+    """Write what there is to know about an evaluation set, for people."""
+    from egad.stage_settings import DataSheets
+    from egad.stages import datasheet as stage
+
+    manifests, labelled = (
+        {name: Path(path) for name, _, path in (each.partition("=") for each in named)}
+        for named in (manifest, grasps)
+    )
+    stage.run(parse(DataSheets, settings), dataset, evaluation, manifests, labelled, out)
 
 
 @app.command(name="dexnet-objects", rich_help_panel=STAGE)

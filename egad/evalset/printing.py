@@ -1,84 +1,110 @@
-"""Plates for 3D printers: every object lying stably, packed onto beds."""
+"""Plates for 3D printers: every object checked, lying stably, packed onto beds."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
 import trimesh
-from numpy.typing import NDArray
+
+from egad.evalset.checks import print_problems
+from egad.evalset.poses import Pose, lie_down
+from egad.evalset.thickness import thinnest
+from egad.settings import PrintCheck, PrintExport
+
+MOST = 0.01  # metres: thicker walls are all alike
+HALVINGS = 3  # of the range of walls
+SMALL_CONTACT = 1e-4  # m2: a smaller first layer comes off the bed easily
 
 
 @dataclass(frozen=True)
 class PrintItem:
-    """An object lying as it will be printed, in metres, lowest corner of its box at the origin.
+    """An object as it will be printed; lengths in metres.
 
-    `plate` and `place` (x and y of the lowest corner on it) are None if it does not fit the bed.
+    Attributes:
+        pose: How it lies, the lowest corner of its box at the origin.
+        filament: Mass, kg, without supports.
+        wall: Thickness of its thinnest wall, at most `MOST`; 0 if it cannot be printed.
+        plate: Number from 1; None if it is on none.
+        place: x and y of its lowest corner on the plate; None if it is on none.
+        note: What to know before printing.
     """
 
-    mesh: trimesh.Trimesh
+    pose: Pose
+    filament: float
+    wall: float
     plate: int | None
     place: tuple[float, float] | None
     note: str
 
 
 def plan_prints(
-    meshes: Mapping[str, trimesh.Trimesh], bed: tuple[float, float], gap: float
+    meshes: Mapping[str, trimesh.Trimesh], settings: PrintExport, check: PrintCheck
 ) -> dict[str, PrintItem]:
-    """Turn every object to its most stable pose and pack all onto as few plates as come easily.
+    """Turn every object to its pose and pack all that can be printed onto few plates.
 
     Args:
-        meshes: Watertight meshes in metres, by label.
-        bed: Sides of the bed, metres.
-        gap: Free space between objects, and to the edge of the bed, metres.
+        meshes: Closed meshes in metres, by label.
+        settings: Bed, gap, pose, filament.
+        check: What can be printed.
 
     Returns:
         One item for each label, in the order given.
     """
-    lying = {label: lie_down(mesh) for label, mesh in meshes.items()}
-    sizes = {label: (mesh.extents[0], mesh.extents[1]) for label, mesh in lying.items()}
-    places = pack(sizes, bed, gap)
-    return {label: _item(mesh, places.get(label), bed) for label, mesh in lying.items()}
+    lying = {
+        label: lie_down(mesh, settings.pose, settings.overhang_angle)
+        for label, mesh in meshes.items()
+    }
+    problems = {label: print_problems(pose.mesh, check) for label, pose in lying.items()}
+    sizes = {
+        label: (pose.mesh.extents[0], pose.mesh.extents[1])
+        for label, pose in lying.items()
+        if not problems[label]
+    }
+    places = pack(sizes, settings.bed, settings.gap)
+    return {
+        label: _item(pose, problems[label], places.get(label), settings, check)
+        for label, pose in lying.items()
+    }
 
 
 def _item(
-    mesh: trimesh.Trimesh, place: tuple[int, float, float] | None, bed: tuple[float, float]
+    pose: Pose,
+    problems: list[str],
+    place: tuple[int, float, float] | None,
+    settings: PrintExport,
+    check: PrintCheck,
 ) -> PrintItem:
-    if place is None:
-        size = " x ".join(f"{1000 * side:.0f}" for side in mesh.extents[:2])
-        note = f"{size} mm is larger than the bed of {1000 * bed[0]:.0f} x {1000 * bed[1]:.0f} mm"
-        return PrintItem(mesh, None, None, note)
-    plate, x, y = place
-    return PrintItem(mesh, plate, (x, y), "")
+    plate, where = (None, None) if place is None else (place[0], place[1:])
+    wall = 0.0 if problems else _wall(pose.mesh, check)
+    filament = filament_mass(pose.mesh, settings)
+    return PrintItem(pose, filament, wall, plate, where, _note(pose, problems, plate, settings.bed))
 
 
-def lie_down(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """A copy turned to its most probable resting pose, box corner at the origin.
-
-    Turned about the vertical until its footprint's rectangle is smallest, longer side along x.
-    """
-    poses, probabilities = trimesh.poses.compute_stable_poses(mesh, sigma=0, n_samples=1)
-    turned = mesh.copy()
-    if len(poses):
-        turned.apply_transform(poses[int(np.argmax(probabilities))])
-    turned.apply_transform(_align_with_bed(turned))
-    turned.apply_translation(-turned.bounds[0])
-    return trimesh.Trimesh(turned.vertices, turned.faces, process=False)
+def _wall(mesh: trimesh.Trimesh, check: PrintCheck) -> float:
+    sharpness = check.blunting / check.wall
+    return thinnest(mesh, sharpness, (check.wall, MOST), HALVINGS)
 
 
-def _align_with_bed(mesh: trimesh.Trimesh) -> NDArray[np.float64]:
-    """The turn about the vertical that makes the rectangle around a mesh smallest."""
-    flat, sides = trimesh.bounds.oriented_bounds_2D(mesh.vertices[:, :2])
-    turn = np.eye(4)
-    turn[:2, :2] = flat[:2, :2]
-    if sides[1] > sides[0]:
-        turn[:2] = [-turn[1], turn[0]]
-    return turn
+def _note(pose: Pose, problems: list[str], plate: int | None, bed: tuple[float, float]) -> str:
+    """What to know before printing."""
+    if problems:
+        return f"not printable at this size: {', '.join(problems)}"
+    if plate is None:
+        size = " x ".join(f"{1000 * side:.0f}" for side in pose.mesh.extents[:2])
+        return f"{size} mm is larger than the bed of {1000 * bed[0]:.0f} x {1000 * bed[1]:.0f} mm"
+    return "stands on little: use a brim" if pose.contact < SMALL_CONTACT else ""
+
+
+def filament_mass(mesh: trimesh.Trimesh, settings: PrintExport) -> float:
+    """Mass of a print without supports, kg: a solid shell around a part-filled inside."""
+    shell = min(mesh.volume, mesh.area * settings.shell)
+    filled = shell + settings.infill * (mesh.volume - shell)
+    return float(settings.filament_density * filled)
 
 
 def pack(
     sizes: Mapping[str, tuple[float, float]], bed: tuple[float, float], gap: float
 ) -> dict[str, tuple[int, float, float]]:
-    """Place rectangles on shelves, deepest first, plate after plate.
+    """Place rectangles on shelves, deepest first, each on the first shelf with room for it.
 
     Args:
         sizes: Width and depth by label.
@@ -89,14 +115,33 @@ def pack(
         Plate number from 1, and x and y of the lowest corner, for each that fits a bed.
     """
     places = {}
-    plate, x, y, shelf = 1, gap, gap, 0.0
+    shelves: list[_Shelf] = []
     for label, (width, depth) in sorted(sizes.items(), key=lambda item: (-item[1][1], item[0])):
         if width + 2 * gap > bed[0] or depth + 2 * gap > bed[1]:
             continue
-        if x + width + gap > bed[0]:
-            x, y, shelf = gap, y + shelf + gap, 0.0
-        if y + depth + gap > bed[1]:
-            plate, x, y, shelf = plate + 1, gap, gap, 0.0
-        places[label] = (plate, x, y)
-        x, shelf = x + width + gap, max(shelf, depth)
+        fitting = (shelf for shelf in shelves if shelf.end + width + gap <= bed[0])
+        shelf = next(fitting, None) or _new_shelf(shelves, depth, bed, gap)
+        places[label] = (shelf.plate, shelf.end, shelf.y)
+        shelf.end += width + gap
     return places
+
+
+@dataclass
+class _Shelf:
+    """A row of objects on a plate: where it begins, how deep it is, how far it is filled."""
+
+    plate: int
+    y: float
+    depth: float
+    end: float
+
+
+def _new_shelf(shelves: list[_Shelf], depth: float, bed: tuple[float, float], gap: float) -> _Shelf:
+    """Open a shelf on the first plate with room, or on a new one."""
+    last = {shelf.plate: shelf for shelf in shelves}  # of each plate, the one furthest back
+    tops = {plate: shelf.y + shelf.depth + gap for plate, shelf in last.items()}
+    room = (plate for plate, y in tops.items() if y + depth + gap <= bed[1])
+    plate = next(room, len(tops) + 1)
+    shelf = _Shelf(plate, tops.get(plate, gap), depth, gap)
+    shelves.append(shelf)
+    return shelf

@@ -3,7 +3,9 @@
 Source: EGAD, section IV-A, but optimised over the whole set at once (ours).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,11 +14,27 @@ from numpy.typing import NDArray
 from egad.evalset.labels import label_at, labels_of
 from egad.measures.space import complexity_cells, difficulty_cells
 from egad.settings import SelectEval, Space
-from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 
 Indices = NDArray[np.int64]
 Distances = NDArray[np.float64]
+Check = Callable[[int], list[str]]
+
+
+class Selection(NamedTuple):
+    """What was chosen.
+
+    Attributes:
+        table: Columns of `tables.evaluation.EVAL49`, sorted by label.
+        chosen: Row numbers of the objects, cell by cell.
+        candidates: Row numbers of all that could have been chosen, cell by cell.
+        left_out: Row numbers of the objects with problems, and these.
+    """
+
+    table: pd.DataFrame
+    chosen: Indices
+    candidates: list[Indices]
+    left_out: dict[int, list[str]]
 
 
 def select(
@@ -25,11 +43,14 @@ def select(
     settings: SelectEval,
     space: Space,
     rng: np.random.Generator,
-) -> pd.DataFrame:
+    problems: Check | None = None,
+) -> Selection:
     """Choose one object for every coarse cell that has any.
 
-    The sum of the distances of all pairs is a local maximum: no exchange of one object for
-    another of its cell makes it larger. The best of several random starts is taken.
+    The sum of the distances of all pairs is a local maximum: no exchange of one or two objects
+    for others of their cells makes it larger. The best of several random starts is taken. An
+    object with problems is left out and the rest chosen again, so only those are looked at that
+    would be chosen.
 
     Args:
         objects: Columns of `tables.objects.OBJECTS`.
@@ -37,18 +58,36 @@ def select(
         settings: Rows, columns, restarts.
         space: Ranges of the grid.
         rng: For the random starts.
-
-    Returns:
-        Columns of `tables.evaluation.EVAL49`, sorted by label.
+        problems: What is wrong with the object of a row number; nothing if it may be chosen.
     """
-    if len(objects) == 0:
-        return parquet.empty(EVAL49)
-    rows, columns = _coarse_cells(objects, settings, space)
-    candidates = candidates_by_cell(objects, settings, space)
-    starts = (random_choice(candidates, rng) for _ in range(settings.restarts))
+    left_out: dict[int, list[str]] = {}
+    fine: set[int] = set()
+    while True:
+        candidates = without(candidates_by_cell(objects, settings, space), left_out)
+        chosen = _best_of_restarts(candidates, distances, settings.restarts, rng)
+        found = {int(each): problems(int(each)) if problems else [] for each in set(chosen) - fine}
+        fine |= {each for each, wrong in found.items() if not wrong}
+        bad = {each: wrong for each, wrong in found.items() if wrong}
+        if not bad:
+            rows, columns = _coarse_cells(objects, settings, space)
+            nearest = _nearest(chosen, distances)
+            table = _frame(objects.iloc[chosen], rows[chosen], columns[chosen], nearest)
+            return Selection(table, chosen, candidates, left_out)
+        left_out |= bad
+
+
+def _best_of_restarts(
+    candidates: Sequence[Indices], distances: Distances, restarts: int, rng: np.random.Generator
+) -> Indices:
+    starts = (random_choice(candidates, rng) for _ in range(restarts))
     found = [improve(start, candidates, distances) for start in starts]
-    best = max(found, key=lambda chosen: total(chosen, distances))
-    return _frame(objects.iloc[best], rows[best], columns[best], _nearest(best, distances))
+    return max(found, key=lambda chosen: total(chosen, distances))
+
+
+def without(candidates: Sequence[Indices], left_out: Iterable[int]) -> list[Indices]:
+    """The candidates of each cell but those left out, for the cells that still have any."""
+    kept = [cell[~np.isin(cell, list(left_out))] for cell in candidates]
+    return [cell for cell in kept if len(cell)]
 
 
 def candidates_by_cell(objects: pd.DataFrame, settings: SelectEval, space: Space) -> list[Indices]:
@@ -60,11 +99,39 @@ def candidates_by_cell(objects: pd.DataFrame, settings: SelectEval, space: Space
 
 def random_choice(candidates: Sequence[Indices], rng: np.random.Generator) -> Indices:
     """One candidate of each cell, drawn uniformly."""
-    return np.array([cell[rng.integers(len(cell))] for cell in candidates])
+    return np.array([cell[rng.integers(len(cell))] for cell in candidates], dtype=np.int64)
 
 
 def improve(start: Indices, candidates: Sequence[Indices], distances: Distances) -> Indices:
-    """Exchange single objects until none makes the sum of all distances larger."""
+    """Exchange one or two objects until no such exchange makes the sum of distances larger."""
+    chosen = _exchange_singles(start, candidates, distances)
+    while (better := _exchange_pair(chosen, candidates, distances)) is not None:
+        chosen = _exchange_singles(better, candidates, distances)
+    return chosen
+
+
+def _exchange_pair(
+    chosen: Indices, candidates: Sequence[Indices], distances: Distances
+) -> Indices | None:
+    """The set after the first exchange of two objects that makes it better; None: there is none."""
+    gains = distances[:, chosen].sum(axis=1)
+    for first, second in combinations(range(len(candidates)), 2):
+        rows, columns = candidates[first], candidates[second]
+        old = chosen[[first, second]]
+        alone = [gains[cell] - distances[np.ix_(cell, old)].sum(axis=1) for cell in (rows, columns)]
+        value = alone[0][:, None] + alone[1] + distances[np.ix_(rows, columns)]
+        now = gains[old].sum() - distances[old[0], old[1]]
+        if value.max() > now + 1e-9:
+            row, column = np.unravel_index(value.argmax(), value.shape)
+            better = chosen.copy()
+            better[[first, second]] = rows[row], columns[column]
+            return better
+    return None
+
+
+def _exchange_singles(
+    start: Indices, candidates: Sequence[Indices], distances: Distances
+) -> Indices:
     chosen = start.copy()
     gains = distances[:, chosen].sum(axis=1)  # of every object to the whole set
     changed = True
@@ -90,6 +157,22 @@ def mean_distance(chosen: Indices, distances: Distances) -> float:
     """Mean distance of all pairs of a set; NaN for fewer than two objects."""
     pairs = len(chosen) * (len(chosen) - 1) / 2
     return total(chosen, distances) / pairs if pairs else float("nan")
+
+
+def bound(candidates: Sequence[Indices], distances: Distances) -> float:
+    """What the mean distance of no set can exceed.
+
+    Each object of a set lies at most as far from the others as from the farthest of their cells.
+    """
+    pairs = len(candidates) * (len(candidates) - 1)
+    if not pairs:
+        return float("nan")
+    farthest = np.array([distances[:, cell].max(axis=1) for cell in candidates])
+    best = [
+        (farthest[:, cell].sum(axis=0) - farthest[n, cell]).max()
+        for n, cell in enumerate(candidates)
+    ]
+    return float(sum(best)) / pairs
 
 
 def best_of_random(
@@ -118,8 +201,8 @@ def _coarse_cells(
 
 def _nearest(chosen: Indices, distances: Distances) -> NDArray[np.float64]:
     """Distance of each to the nearest other; NaN for a single one."""
-    if len(chosen) == 1:
-        return np.array([np.nan])
+    if len(chosen) < 2:
+        return np.full(len(chosen), np.nan)
     among = distances[np.ix_(chosen, chosen)].copy()
     np.fill_diagonal(among, np.inf)
     return np.asarray(among.min(axis=1))

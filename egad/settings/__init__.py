@@ -12,7 +12,14 @@ from egad.settings.exchange import Acronym, DexNet
 from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling, SizeEffect
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
-from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
+from egad.settings.objects import (
+    Material,
+    Postprocess,
+    PrintCheck,
+    PrintExport,
+    Rescale,
+    SelectEval,
+)
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Region, Shape, Symmetry
 from egad.settings.trials import POLICIES, Policy, Trials
 from egad.settings.whole import Settings
@@ -39,6 +46,7 @@ __all__ = [
     "Part",
     "Policy",
     "Postprocess",
+    "PrintCheck",
     "PrintExport",
     "Quality",
     "Range",

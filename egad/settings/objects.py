@@ -1,8 +1,10 @@
 """What is made of the objects: repair, scaling, the evaluation set, prints."""
 
+from typing import Literal
+
 from pydantic import Field
 
-from egad.settings.base import Length, PositiveFraction, ScaleRule, Section
+from egad.settings.base import Length, Name, PositiveFraction, ScaleRule, Section
 
 
 class Material(Section):
@@ -37,10 +39,43 @@ class SelectEval(Section):
     rows: int = Field(7, ge=1, le=26, description="rows = letters = difficulty")
     columns: int = Field(7, ge=1, le=10, description="columns = digits = complexity")
     restarts: int = Field(20, ge=1, description="random starts of the local search")
+    gripper: Name = Field(
+        "yumi",
+        description="gripper of the table that all chosen objects must be printable for: "
+        "a narrow one, since scaling makes walls thinner",
+    )
+
+
+class PrintCheck(Section):
+    """What a printer can make."""
+
+    wall: Length = Field(0.0012, description="thinnest wall, metres: some nozzle widths")
+    blunting: float = Field(
+        0.0015,
+        ge=0,
+        description="edges and tips may become blunter by this much, metres; "
+        "thin parts that reach further are walls",
+    )
 
 
 class PrintExport(Section):
     """Files for 3D printers."""
 
-    bed: tuple[Length, Length] = Field((0.22, 0.22), description="print bed, metres")
+    bed: tuple[Length, Length] = Field(
+        (0.22, 0.22), description="print bed, metres; another common one: [0.256, 0.256]"
+    )
     gap: float = Field(0.005, ge=0, description="free space between objects on a plate, metres")
+    pose: Literal["stable", "overhang"] = Field(
+        "overhang",
+        description="stable: the most probable resting pose; overhang: of all that an object can "
+        "rest in, the one with the least surface to support",
+    )
+    overhang_angle: float = Field(
+        40.0,
+        gt=0,
+        lt=90,
+        description="surface that leans out further from the vertical is supported, degrees",
+    )
+    infill: PositiveFraction = Field(0.2, description="part of the inside that is filled")
+    shell: Length = Field(0.0009, description="solid layer below the surface, metres")
+    filament_density: float = Field(1240.0, gt=0, description="of solid filament, kg/m3: PLA 1240")

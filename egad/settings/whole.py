@@ -12,7 +12,14 @@ from egad.settings.exchange import Acronym, DexNet
 from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling, SizeEffect
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
-from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
+from egad.settings.objects import (
+    Material,
+    Postprocess,
+    PrintCheck,
+    PrintExport,
+    Rescale,
+    SelectEval,
+)
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Shape, Symmetry
 from egad.settings.trials import POLICIES, Policy, Trials
 
@@ -51,6 +58,7 @@ class Settings(Section):
     size_effect: SizeEffect = SizeEffect()
     rescale: Rescale = Rescale()
     select_eval: SelectEval = SelectEval()
+    print_check: PrintCheck = PrintCheck()
     print_export: PrintExport = PrintExport()
     dexnet: DexNet = DexNet()
     acronym: Acronym = Acronym()
@@ -69,6 +77,7 @@ class Settings(Section):
             *_unknown("targets.grippers", self.targets.grippers, self.grippers),
             *_unknown("targets.policies", self.targets.policies, self.policies),
             *_unknown("difficulty.gripper", [self.difficulty.gripper], self.grippers),
+            *_unknown("select_eval.gripper", [self.select_eval.gripper], self.grippers),
         ]
         evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]
         if len(evolved) > 1:

@@ -2,27 +2,39 @@
 
 import logging
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
+import trimesh
 
+from egad.errors import RejectedError
+from egad.evalset.poses import LAYER
 from egad.evalset.printing import PrintItem, plan_prints
 from egad.exchange.meshes import read_mesh, write_stl_mm
 from egad.exchange.threemf import Placed, write_3mf
 from egad.files import replacing
+from egad.settings import PrintExport
 from egad.stage_settings import PrintFiles
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import SCALES
 
 log = logging.getLogger(__name__)
+Row = dict[str, Any]
 
 
-def run(settings: PrintFiles, evaluation: Path, meshes: Path, scales: Path, out: Path) -> None:
+def run(
+    settings: PrintFiles, name: str, evaluation: Path, meshes: Path, scales: Path, out: Path
+) -> None:
     """Write everything that a printer needs.
 
+    An object without a mesh, too thin or too large for the bed is a row with a note; the rest is
+    made.
+
     Args:
-        settings: Bed and gap.
+        settings: Gripper, bed, pose, what can be printed.
+        name: Name of the gripper.
         evaluation: Table with the columns of `tables.evaluation.EVAL49`.
         meshes: Folder of the meshes, scaled to the gripper.
         scales: Table with the columns of `tables.grasping.SCALES`.
@@ -30,42 +42,120 @@ def run(settings: PrintFiles, evaluation: Path, meshes: Path, scales: Path, out:
     """
     chosen = parquet.records(parquet.read(evaluation, EVAL49))
     factors = parquet.read(scales, SCALES).set_index("label")["factor"]
-    solids = {row["label"]: read_mesh(meshes / f"{row['object_label']}.obj", "m") for row in chosen}
-    items = plan_prints(solids, settings.print_export.bed, settings.print_export.gap)
+    solids, missing = _read(chosen, meshes)
+    items = plan_prints(solids, settings.print_export, settings.print_check)
     rows = [
-        _manifest_row(row["label"], row["id"], items[row["label"]], factors[row["object_label"]])
+        _base_row(row, float(factors.get(row["object_label"], np.nan)), settings.print_export)
+        | (
+            _printed(row["label"], items[row["label"]])
+            if row["label"] in items
+            else {"note": missing[row["label"]]}
+        )
         for row in chosen
     ]
     with replacing(out) as folder:
         folder.mkdir()
         for label, item in items.items():
-            write_stl_mm(item.mesh, folder / f"{label}.stl")
+            write_stl_mm(item.pose.mesh, folder / f"{label}.stl")
         for plate in sorted({item.plate for item in items.values() if item.plate is not None}):
-            _write_plate(plate, items, folder / f"plate-{plate}.3mf")
+            told = {
+                str(row["label"]): float(row["factor"]) for row in rows if row["plate"] == plate
+            }
+            _write_plate(plate, items, folder / f"plate-{plate}.3mf", told, name, settings)
         parquet.write(pd.DataFrame(rows), MANIFEST, folder / "manifest.parquet")
-    log.info("%d objects", len(items))
+    _log_result(rows, name, settings)
 
 
-def _write_plate(plate: int, items: dict[str, PrintItem], path: Path) -> None:
+def _read(chosen: list[Row], meshes: Path) -> tuple[dict[str, trimesh.Trimesh], dict[str, str]]:
+    """The meshes by label, and why there is none for the others."""
+    solids, missing = {}, {}
+    for row in chosen:
+        try:
+            solids[row["label"]] = read_mesh(meshes / f"{row['object_label']}.obj", "m")
+        except RejectedError as reason:
+            missing[row["label"]] = f"no mesh {row['object_label']}.obj: {reason}"
+    return solids, missing
+
+
+def _write_plate(
+    plate: int,
+    items: dict[str, PrintItem],
+    path: Path,
+    factors: dict[str, float],
+    name: str,
+    settings: PrintFiles,
+) -> None:
     placed = {
-        label: Placed(item.mesh, np.array([*item.place, 0.0]))
+        label: Placed(item.pose.mesh, np.array([*item.place, 0.0]))
         for label, item in items.items()
         if item.plate == plate and item.place is not None
     }
-    write_3mf(placed, path, {"Title": f"EGAD evaluation set, plate {plate}"})
+    opening = f"{1000 * settings.gripper.opening:g} mm"
+    scales = ", ".join(f"{label} {factor:.4f}" for label, factor in factors.items())
+    metadata = {
+        "Title": f"EGAD evaluation set, plate {plate}, gripper {name}",
+        "Application": "egad",
+        "Description": f"Scaled for gripper {name} (opening {opening}) by rule "
+        f"{settings.rescale.rule}. Scale of each object: {scales}. "
+        f"Print with {_advice(settings.print_export)}.",
+    }
+    write_3mf(placed, path, metadata)
 
 
-def _manifest_row(label: str, object_id: str, item: PrintItem, factor: float) -> dict[str, object]:
-    x, y = item.place or (np.nan, np.nan)
+def _advice(settings: PrintExport) -> str:
+    """How to print."""
+    return (
+        f"{1000 * LAYER:g} mm layers, {100 * settings.infill:g} % infill, "
+        f"supports beyond {settings.overhang_angle:g} degrees from the vertical"
+    )
+
+
+def _base_row(row: Row, factor: float, settings: PrintExport) -> Row:
+    """The row of an object that nothing could be made of."""
+    numbers = [field.name for field in MANIFEST if str(field.type) == "double"]
     return {
-        "label": label,
-        "id": object_id,
+        **dict.fromkeys(numbers, np.nan),
+        "label": row["label"],
+        "id": row["id"],
+        "file": "",
+        "plate": None,
+        "pose": settings.pose,
+        "factor": factor,
+        "settings": _advice(settings),
+        "note": "",
+    }
+
+
+def _printed(label: str, item: PrintItem) -> Row:
+    """What is known of an object as it will be printed."""
+    x, y = item.place or (np.nan, np.nan)
+    mesh = item.pose.mesh
+    return {
         "file": f"{label}.stl",
         "plate": item.plate,
         "place_x": 1e3 * x,
         "place_y": 1e3 * y,
-        **dict(zip(("extents_x", "extents_y", "extents_z"), 1e3 * item.mesh.extents, strict=True)),
-        "volume": 1e9 * item.mesh.volume,
-        "factor": factor,
+        **dict(zip(("extents_x", "extents_y", "extents_z"), 1e3 * mesh.extents, strict=True)),
+        "volume": 1e9 * mesh.volume,
+        "filament": 1e3 * item.filament,
+        "pose_probability": item.pose.probability,
+        "overhang": 1e6 * item.pose.overhang,
+        "contact": 1e6 * item.pose.contact,
+        "wall": 1e3 * item.wall,
         "note": item.note,
     }
+
+
+def _log_result(rows: list[Row], name: str, settings: PrintFiles) -> None:
+    plates = {row["plate"] for row in rows} - {None}
+    log.info("%d objects, %d plates", len(rows), len(plates))
+    for row in rows:
+        if row["plate"] is None:
+            log.info("%s is on no plate: %s", row["label"], row["note"])
+    if rows and not plates:
+        log.warning(
+            "No object can be printed for gripper %s with its opening of %g mm: "
+            "take a wider gripper, a finer nozzle (print_check.wall) or a larger bed",
+            name,
+            1000 * settings.gripper.opening,
+        )

@@ -5,11 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+import trimesh
 
+from egad.errors import RejectedError
+from egad.evalset.checks import print_problems
 from egad.evalset.selection import (
+    Distances,
+    Selection,
     best_of_random,
-    candidates_by_cell,
+    bound,
     empty_cells,
     mean_distance,
     select,
@@ -17,52 +21,84 @@ from egad.evalset.selection import (
 from egad.measures import reeb
 from egad.measures.similarity import similarity_matrix
 from egad.seeds import generator
+from egad.shapes.scale import rescale
 from egad.stage_settings import EvalSelection
-from egad.stages.shards import join
+from egad.stages.shards import join, rejection
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
-from egad.tables.objects import OBJECTS, SOLIDS
+from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
 
 log = logging.getLogger(__name__)
 
 
 def run(
-    settings: EvalSelection, objects: Path, solids: list[Path], out: Path, threads: int
+    settings: EvalSelection,
+    objects: Path,
+    solids: list[Path],
+    out: Path,
+    rejected: Path,
+    threads: int,
 ) -> None:
-    """Choose one object a cell so that the set looks least alike.
+    """Choose one printable object a cell so that the set looks least alike.
 
     Args:
         settings: What this stage reads.
         objects: Table with the columns of `tables.objects.OBJECTS`.
-        solids: The shards of the dataset, for the Reeb graphs.
+        solids: The shards of the dataset, for the Reeb graphs and the meshes.
         out: Table with the columns of `tables.evaluation.EVAL49`.
+        rejected: Table of the candidates that cannot be printed, with the reasons.
         threads: Objects compared at once; the result does not depend on it.
     """
     frame = parquet.read(objects, OBJECTS)
-    packed = join(solids, SOLIDS, ["id"]).set_index("id")["graph"]
-    graphs = [reeb.unpack(packed[object_id]) for object_id in frame["id"]]
+    rows = join(solids, SOLIDS, ["id"]).set_index("id").loc[frame["id"]]
+    graphs = [reeb.unpack(packed) for packed in rows["graph"]]
     distances = 1 - similarity_matrix(graphs, settings.similarity.weight, threads)
-    rng = generator(settings.seed, "select-eval")
-    chosen = select(frame, distances, settings.select_eval, settings.space, rng)
-    parquet.write(chosen, EVAL49, out)
-    _log_distances(frame, chosen, distances, settings)
-    if empty := empty_cells(chosen, settings.select_eval):
-        log.info("%d cells that no object lies in: %s", len(empty), " ".join(empty))
+    found = select(
+        frame,
+        distances,
+        settings.select_eval,
+        settings.space,
+        generator(settings.seed, "select-eval"),
+        lambda place: _problems(rows.iloc[place], settings),
+    )
+    left_out = [
+        rejection(frame["id"][place], "select-eval", _reason(problems, settings))
+        for place, problems in sorted(found.left_out.items())
+    ]
+    parquet.write(found.table, EVAL49, out)
+    parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
+    _log_result(found, distances, settings)
 
 
-def _log_distances(
-    objects: pd.DataFrame,
-    chosen: pd.DataFrame,
-    distances: NDArray[np.float64],
-    settings: EvalSelection,
-) -> None:
-    """Say how much less alike the chosen objects are than the best of 1000 random sets."""
-    places = objects.reset_index().set_index("id").loc[chosen["id"], "index"].to_numpy()
-    candidates = candidates_by_cell(objects, settings.select_eval, settings.space)
+def _problems(row: pd.Series, settings: EvalSelection) -> list[str]:
+    """What keeps an object from being printed for the gripper that all must be printed for."""
+    vertices, faces = np.reshape(row["vertices"], (-1, 3)), np.reshape(row["faces"], (-1, 3))
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    rule, opening = settings.rescale, settings.gripper.opening
+    try:
+        scaled, _ = rescale(mesh, rule.rule, opening, rule.side_fraction)
+    except RejectedError as reason:
+        return [str(reason)]
+    return print_problems(scaled, settings.print_check)
+
+
+def _reason(problems: list[str], settings: EvalSelection) -> str:
+    """A sentence about an object that was left out."""
+    opening = f"{1000 * settings.gripper.opening:g} mm"
+    return f"not printable for an opening of {opening}: {', '.join(problems)}"
+
+
+def _log_result(found: Selection, distances: Distances, settings: EvalSelection) -> None:
+    """Say how much less alike the chosen objects are than others could be, and what is missing."""
     rng = generator(settings.seed, "random-eval-sets")
     log.info(
-        "%d objects, mean distance %.3f; best of 1000 random sets %.3f",
-        len(chosen),
-        mean_distance(places, distances),
-        best_of_random(candidates, distances, rng),
+        "%d objects, mean distance %.4f; best of 1000 random sets %.4f; no set exceeds %.4f",
+        len(found.chosen),
+        mean_distance(found.chosen, distances),
+        best_of_random(found.candidates, distances, rng),
+        bound(found.candidates, distances),
     )
+    if found.left_out:
+        log.info("%d candidates cannot be printed", len(found.left_out))
+    if empty := empty_cells(found.table, settings.select_eval):
+        log.info("%d cells without a printable object: %s", len(empty), " ".join(empty))

@@ -38,7 +38,16 @@ MANIFEST = pa.schema(
         *vector("place", "lowest corner on the plate", "mm", "xy"),
         *vector("extents", "sides of the axis-aligned box as printed", "mm"),
         column("volume", FLOAT, "volume of the solid", "mm3"),
+        column("filament", FLOAT, "mass of the filament, without supports, estimated", "g"),
+        column("pose", STRING, "how the pose was chosen: stable or overhang"),
+        column("pose_probability", FLOAT, "chance of coming to rest in this pose when dropped"),
+        column("overhang", FLOAT, "area that needs support", "mm2"),
+        column("contact", FLOAT, "area of the first layer", "mm2"),
+        column(
+            "wall", FLOAT, "thickness of the thinnest wall, at most 10; 0: cannot be printed", "mm"
+        ),
         column("factor", FLOAT, "scaled size / size in meshes/"),
+        column("settings", STRING, "how to print it"),
         column("note", STRING, "what to know before printing; empty if nothing"),
     ]
 )

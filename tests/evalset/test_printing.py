@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.evalset.printing import lie_down, pack, plan_prints
+from egad.evalset.poses import first_layer_area, lie_down, overhang_area
+from egad.evalset.printing import filament_mass, pack, plan_prints
+from egad.settings import PrintCheck, PrintExport
 
-BED = (0.2, 0.2)
+CHECK = PrintCheck()
+BEDS = [(0.2, 0.2), (0.22, 0.22), (0.256, 0.256)]
 
 
 def boxes(count, seed=0):
@@ -17,42 +20,94 @@ def boxes(count, seed=0):
     }
 
 
-def test_nothing_overlaps_and_nothing_leaves_the_bed():
-    items = plan_prints(boxes(40), BED, gap=0.005)
-    footprints = {}
-    for label, item in items.items():
-        low = np.array(item.place)
-        high = low + item.mesh.extents[:2]
+def planned(meshes, bed=BEDS[0], gap=0.005):
+    return plan_prints(meshes, PrintExport(bed=bed, gap=gap), CHECK)
+
+
+@pytest.mark.parametrize("bed", BEDS)
+def test_nothing_overlaps_and_nothing_leaves_the_bed(bed):
+    rng = np.random.default_rng(1)
+    sizes = {f"{n}": tuple(rng.uniform(0.02, 0.09, 2)) for n in range(60)}
+    places = pack(sizes, bed, 0.005)
+    boxes_of = {
+        label: (plate, np.array(at), sizes[label]) for label, (plate, *at) in places.items()
+    }
+    assert set(boxes_of) == set(sizes)
+    for _, low, size in boxes_of.values():
         assert (low >= 0.005 - 1e-9).all()
-        assert (high <= 0.2 - 0.005 + 1e-9).all()
-        footprints[label] = item.plate, low, high
-    for (_, one), (_, other) in itertools.combinations(footprints.items(), 2):
+        assert (low + size <= np.array(bed) - 0.005 + 1e-9).all()
+    for one, other in itertools.combinations(boxes_of.values(), 2):
         if one[0] == other[0]:
-            gaps = np.maximum(other[1] - one[2], one[1] - other[2])
+            gaps = np.maximum(other[1] - one[1] - one[2], one[1] - other[1] - other[2])
             assert gaps.max() >= 0.005 - 1e-9
-    plates = {item.plate for item in items.values()}
+    plates = {plate for plate, _, _ in boxes_of.values()}
     assert plates == set(range(1, len(plates) + 1))
+    area = sum(width * depth for width, depth in sizes.values())
+    assert len(plates) <= 2 * area / (bed[0] * bed[1]) + 1
 
 
 def test_an_object_larger_than_the_bed_is_left_out_with_a_note():
-    items = plan_prints(
-        {"big": trimesh.creation.box(extents=(0.3, 0.25, 0.21)), **boxes(2)}, BED, 0
-    )
+    items = planned({"big": trimesh.creation.box(extents=(0.3, 0.25, 0.21)), **boxes(2)}, gap=0)
     assert items["big"].plate is None
-    assert "300 x 250 mm is larger than the bed of 200 x 200 mm" in items["big"].note
+    assert "is larger than the bed of 200 x 200 mm" in items["big"].note
     assert items["box0"].plate == 1
+
+
+def test_an_object_too_thin_to_print_is_on_no_plate_and_says_why():
+    items = planned({"foil": trimesh.creation.box(extents=(0.03, 0.03, 0.001)), **boxes(1)})
+    assert items["foil"].plate is None
+    assert items["foil"].note == "not printable at this size: walls thinner than 1.2 mm"
+    assert items["foil"].wall == 0
+    assert items["box0"].plate == 1
+    assert items["box0"].note == ""
 
 
 def test_objects_lie_flat_on_the_bed():
     plank = trimesh.creation.box(extents=(0.01, 0.03, 0.1))
     plank.apply_transform(trimesh.transformations.rotation_matrix(0.5, [1, 2, 3], [0.4, 0, 0]))
-    lying = lie_down(plank)
-    assert lying.bounds[0] == pytest.approx([0, 0, 0], abs=1e-9)
-    assert lying.extents == pytest.approx([0.1, 0.03, 0.01])
-    assert lying.volume == pytest.approx(plank.volume)
+    lying = lie_down(plank, "stable", 40)
+    assert lying.mesh.bounds[0] == pytest.approx([0, 0, 0], abs=1e-9)
+    assert lying.mesh.extents == pytest.approx([0.1, 0.03, 0.01])
+    assert lying.mesh.volume == pytest.approx(plank.volume)
+    assert lying.contact == pytest.approx(0.003)
+    assert lying.overhang == 0
+
+
+def test_the_least_overhanging_pose_may_be_another_than_the_most_stable():
+    """A low table: only on its top it needs no support."""
+    parts = [trimesh.creation.box(extents=(0.08, 0.08, 0.01))]
+    for x, y in itertools.product((-0.03, 0.03), repeat=2):
+        leg = trimesh.creation.box(extents=(0.01, 0.01, 0.03))
+        parts.append(leg.apply_translation([x, y, -0.015]))
+    table = trimesh.boolean.union(parts, engine="manifold")
+    best = lie_down(table, "overhang", 40)
+    assert best.overhang == pytest.approx(0, abs=1e-9)
+    assert best.contact == pytest.approx(0.0064, rel=1e-6)
+    standing = overhang_area(table, np.eye(4), 40)
+    assert standing == pytest.approx(0.0064 - 4 * 0.0001, rel=1e-6)
+    assert first_layer_area(table) == pytest.approx(0.0004, rel=1e-4)
+    assert lie_down(table, "stable", 40).probability >= best.probability
+
+
+def test_surface_counts_as_overhang_from_the_angle_on():
+    cone = trimesh.creation.cone(radius=0.01, height=0.01, sections=64)  # 45 degrees
+    upside_down = np.diag([1.0, -1, -1, 1])
+    assert overhang_area(cone, upside_down, 40) == pytest.approx(np.pi * 2**0.5 * 1e-4, rel=0.01)
+    assert overhang_area(cone, upside_down, 50) == 0
+    assert overhang_area(cone, np.eye(4), 40) == 0
+
+
+def test_filament_is_a_solid_shell_and_a_part_filled_inside():
+    settings = PrintExport(infill=0.2, shell=0.001, filament_density=1000)  # noqa: S604
+    cube = trimesh.creation.box(extents=(0.1, 0.1, 0.1))
+    assert filament_mass(cube, settings) == pytest.approx(0.06 + 0.2 * 0.94)
+    full = PrintExport(infill=1, filament_density=1000)
+    assert filament_mass(cube, full) == pytest.approx(1)
+    sheet = trimesh.creation.box(extents=(0.1, 0.1, 0.0005))
+    assert filament_mass(sheet, settings) == pytest.approx(0.005)
 
 
 def test_packing_is_the_same_every_time_and_in_any_order():
     sizes = {f"{n}": (0.03 + 0.001 * n, 0.05 - 0.001 * n) for n in range(30)}
     backwards = dict(reversed(sizes.items()))
-    assert pack(sizes, BED, 0.002) == pack(backwards, BED, 0.002)
+    assert pack(sizes, BEDS[0], 0.002) == pack(backwards, BEDS[0], 0.002)

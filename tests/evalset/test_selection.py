@@ -6,6 +6,7 @@ import pytest
 
 from egad.evalset.selection import (
     best_of_random,
+    bound,
     candidates_by_cell,
     empty_cells,
     improve,
@@ -44,7 +45,12 @@ def dataset(count, seed=0, cells=4):
 
 
 def chosen_by(objects, distances, settings=GRID, seed=0):
-    return select(objects, distances, settings, SPACE, np.random.default_rng(seed))
+    return selected(objects, distances, settings=settings, seed=seed).table
+
+
+def selected(objects, distances, problems=None, settings=GRID, seed=0):
+    rng = np.random.default_rng(seed)
+    return select(objects, distances, settings, SPACE, rng, problems)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -119,3 +125,53 @@ def test_the_chosen_set_beats_the_best_of_a_thousand_random_ones():
     everything = mean_distance(np.arange(200), distances)
     assert ours > best_of_random(candidates, distances, np.random.default_rng(0)) > everything
     assert np.isnan(mean_distance(np.array([3]), distances))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_one_start_and_pair_exchanges_come_close_to_the_optimum_and_below_the_bound(seed):
+    _, distances = dataset(30, seed)
+    cells = [np.flatnonzero(np.arange(30) % 6 == cell) for cell in range(6)]
+    best = max(mean_distance(np.array(each), distances) for each in itertools.product(*cells))
+    found = improve(random_choice(cells, np.random.default_rng(seed)), cells, distances)
+    assert 0.97 * best <= mean_distance(found, distances) <= best + 1e-12
+    assert best <= bound(cells, distances)
+
+
+def test_no_exchange_of_two_improves_the_set():
+    _, distances = dataset(60, 2)
+    cells = [np.flatnonzero(np.arange(60) % 6 == cell) for cell in range(6)]
+    found = improve(random_choice(cells, np.random.default_rng(0)), cells, distances)
+    for first, second in itertools.combinations(range(6), 2):
+        for one, other in itertools.product(cells[first], cells[second]):
+            exchanged = found.copy()
+            exchanged[[first, second]] = one, other
+            assert total(exchanged, distances) <= total(found, distances) + 1e-6
+
+
+def test_only_objects_without_problems_are_chosen():
+    """The best set among the objects that pass, though only those that were chosen are checked."""
+    objects, distances = dataset(24, 5)
+    looked_at = []
+
+    def odd_ones_fail(place):
+        looked_at.append(place)
+        return ["too thin"] if place % 8 < 4 else []
+
+    found = selected(objects, distances, odd_ones_fail)
+    good = [np.flatnonzero((np.arange(24) % 4 == c) & (np.arange(24) % 8 >= 4)) for c in range(4)]
+    best = max(total(np.array(each), distances) for each in itertools.product(*good))
+    assert total(found.chosen, distances) == pytest.approx(best)
+    assert all(place % 8 < 4 for place in found.left_out)
+    assert len(looked_at) == len(set(looked_at))
+
+
+def test_a_cell_whose_objects_all_have_problems_is_empty():
+    found = selected(*dataset(12), lambda place: ["too thin"] if place % 4 == 0 else [])
+    assert list(found.table["label"]) == ["A1", "B0", "B1"]
+    assert sorted(found.left_out) == [0, 4, 8]
+
+
+def test_a_dataset_without_any_printable_object_gives_an_empty_set():
+    found = selected(*dataset(12), lambda _: ["too thin"])
+    assert len(found.table) == 0
+    assert len(found.left_out) == 12

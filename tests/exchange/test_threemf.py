@@ -50,3 +50,31 @@ def test_same_bytes_every_time(plate, tmp_path):
     path, objects = plate
     write_3mf(objects, tmp_path / "again.3mf", {"Title": "R & D"})
     assert (tmp_path / "again.3mf").read_bytes() == path.read_bytes()
+
+
+def strict_model(path):
+    """What lib3mf reads in strict mode; any deviation from the specification is an error."""
+    lib3mf = pytest.importorskip("lib3mf")
+    wrapper = lib3mf.get_wrapper() if hasattr(lib3mf, "get_wrapper") else lib3mf.Wrapper()
+    model = wrapper.CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.SetStrictModeActive(True)
+    reader.ReadFromFile(str(path))
+    assert reader.GetWarningCount() == 0
+    return model
+
+
+def test_strict_readers_find_named_solids_in_millimetres(tmp_path):
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.02).apply_translation([0.02] * 3)
+    box = trimesh.creation.box((0.01, 0.02, 0.03)).apply_translation([0.005, 0.01, 0.015])
+    placed = {"A0": Placed(ball, np.array([0.005, 0.005, 0])), "G6": Placed(box, np.full(3, 0.0))}
+    write_3mf(placed, tmp_path / "plate.3mf", {"Title": "A plate", "Description": "A0 <1 & 2>"})
+    model = strict_model(tmp_path / "plate.3mf")
+    assert model.GetUnit() == type(model.GetUnit()).MilliMeter
+    objects, names = model.GetMeshObjects(), []
+    while objects.MoveNext():
+        each = objects.GetCurrentMeshObject()
+        names.append(each.GetName())
+        assert each.IsManifoldAndOriented()
+    assert names == ["A0", "G6"]
+    assert model.GetMetaDataGroup().GetMetaDataCount() == 2

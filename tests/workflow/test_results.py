@@ -32,6 +32,7 @@ PUBLISHED = {
     "egad/objects.parquet": OBJECTS,
     "egad/rejected.parquet": REJECTED,
     "egad/eval49.parquet": EVAL49,
+    "egad/eval49.rejected.parquet": REJECTED,
     f"egad/grasps/{GRIPPER}.parquet": GRASPS,
     f"egad/grasps/{GRIPPER}.tally.parquet": TALLY,
     f"egad/grasps/{GRIPPER}.rejected.parquet": REJECTED,

@@ -57,8 +57,8 @@ wildcard_constraints:
 def settings_of(stage):
     """The settings that a stage reads, as JSON: its command gets them, its rule re-runs for them.
 
-    A stage that reads a gripper gets the one in the file name, else that of the difficulty; the
-    detector of the trials is also in the file name.
+    A stage that reads a gripper gets the one in the file name, else the one of its own settings;
+    the detector of the trials is also in the file name.
     """
 
     def chosen(wildcards):
@@ -89,6 +89,12 @@ def each(option, name):
     return lambda wildcards, input: [
         word for file in getattr(input, name) for word in (option, str(file))
     ]
+
+
+def named_grippers(option, files):
+    """An option with a file of each target gripper: `--grasps G=A --grasps H=B`."""
+    pairs = zip(SETTINGS.targets.grippers, files)
+    return [word for gripper, file in pairs for word in (option, f"{gripper}={file}")]
 
 
 def parts(pattern):
@@ -174,6 +180,10 @@ def published():
     trials = "trials/{gripper}/{policy}.parquet"
     of_target = [
         "eval49.parquet",
+        "eval49.rejected.parquet",
+        "eval49/README.md",
+        "eval49/contact-sheet.pdf",
+        "eval49/trials.csv",
         *expand(of_gripper, gripper=targets.grippers),
         *expand(trials, gripper=targets.grippers, policy=targets.policies),
     ]

@@ -31,5 +31,6 @@ rule print_export:
         "Writing print files of {wildcards.dataset} for {wildcards.gripper}"
     shell:
         "egad print-export --settings {params.settings:q} --eval {input.evaluation:q}"
-        " --meshes {params.meshes:q} --scales {input.scales:q} --out {params.folder:q}"
+        " --meshes {params.meshes:q} --scales {input.scales:q} --gripper {wildcards.gripper:q}"
+        " --out {params.folder:q}"
         " > {log:q} 2>&1"

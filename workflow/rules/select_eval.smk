@@ -1,7 +1,7 @@
 """Select-eval: the evaluation set, one object a cell of a coarse grid.
 
 Inputs: results/D/objects.parquet, and the shards of postprocess for their Reeb graphs.
-Outputs: results/D/eval49.parquet.
+Outputs: results/D/eval49.parquet, and eval49.rejected.parquet for candidates that cannot be printed.
 """
 
 
@@ -11,7 +11,8 @@ rule select_eval:
         objects="results/{dataset}/objects.parquet",
         solids=parts("results/{dataset}/parts/solids-{shard}.parquet"),
     output:
-        ensure("results/{dataset}/eval49.parquet", non_empty=True),
+        chosen=ensure("results/{dataset}/eval49.parquet", non_empty=True),
+        rejected=ensure("results/{dataset}/eval49.rejected.parquet", non_empty=True),
     log:
         "logs/{dataset}/select_eval.log",
     benchmark:
@@ -30,4 +31,5 @@ rule select_eval:
         "Choosing the evaluation set of {wildcards.dataset}"
     shell:
         "egad select-eval --settings {params.settings:q} --objects {input.objects:q}"
-        " {params.solids:q} --out {output:q} --jobs {threads} > {log:q} 2>&1"
+        " {params.solids:q} --out {output.chosen:q} --rejected {output.rejected:q}"
+        " --jobs {threads} > {log:q} 2>&1"

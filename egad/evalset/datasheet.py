@@ -1,0 +1,118 @@
+"""The datasheet of an evaluation set, in words and tables (ours)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import pandas as pd
+
+from egad.settings import PrintCheck, PrintExport
+from egad.tables import parquet
+
+ATTEMPTS = 20
+TRIAL_COLUMNS = ["label", "attempt", "success", "outcome", "note"]
+
+
+@dataclass(frozen=True)
+class ForGripper:
+    """What is known of the set scaled for a gripper.
+
+    Attributes:
+        manifest: Columns of `tables.evaluation.MANIFEST`.
+        best: Best collision-free grasp quality by the name of the object in its dataset.
+    """
+
+    manifest: pd.DataFrame
+    best: Mapping[str, float]
+
+
+INTRODUCTION = """# Evaluation set of {dataset}
+
+{count} of {places} places of the grid are filled. Rows A, B, ... go from easy to hard to grasp,
+columns 0, 1, ... from simple to complex. `contact-sheet.pdf` shows all objects on one page.
+{missing}
+| label | object | row | column | complexity, bit | difficulty, 1e-3 | distance to the nearest |
+| --- | --- | --- | --- | --- | --- | --- |
+"""
+REPORTING = """
+## How to report results
+
+1. Print the objects for your gripper, {advice}. An object that is
+   not printable at its size is named above; leave it out and say so.
+2. As in the paper, make {attempts} attempts an object: drop it into the workspace alone, let the
+   detector choose one grasp, close, lift. It is a success if the object is held until the end.
+   Put it back at random between attempts, and count every attempt, the aborted ones too.
+3. Write every attempt into a copy of `trials.csv`: `success` is 1 or 0; `outcome` is success,
+   no_grasp, collided, missed, slipped, dropped or failed; `note` is free.
+4. Report the success rate over all attempts and that of each object, row and column, the gripper
+   with its opening, the scale rule and the factors, the filament and the friction of the fingers,
+   the sensor, and the version of the detector. {attempts} attempts leave an object's rate uncertain
+   by 20 points (95 %); compare detectors over the whole set.
+"""
+
+
+def page(
+    dataset: str,
+    chosen: pd.DataFrame,
+    empty: list[str],
+    grippers: Mapping[str, ForGripper],
+    export: PrintExport,
+    check: PrintCheck,
+) -> str:
+    """The datasheet as Markdown.
+
+    Args:
+        dataset: Its name.
+        chosen: Columns of `tables.evaluation.EVAL49`.
+        empty: Labels of the cells without an object.
+        grippers: What is known of the set for each gripper.
+        export: How it is printed.
+        check: What can be printed.
+    """
+    missing = f"\nNo printable object lies in {' '.join(empty)}.\n" if empty else ""
+    count = len(chosen)
+    head = INTRODUCTION.format(
+        dataset=dataset, count=count, places=count + len(empty), missing=missing
+    )
+    rows = [
+        f"| {row['label']} | {row['object_label']} | {row['row']} | {row['column']} "
+        f"| {row['complexity']:.2f} | {1000 * row['difficulty']:.2f} | {row['nearest']:.2f} |"
+        for row in parquet.records(chosen)
+    ]
+    names = dict(zip(chosen["label"], chosen["object_label"], strict=True))
+    tables = [_gripper_section(name, each, names, check) for name, each in grippers.items()]
+    advice = f"with {100 * export.infill:g} % infill in 0.2 mm layers"
+    return head + "\n".join([*rows, *tables, REPORTING.format(advice=advice, attempts=ATTEMPTS)])
+
+
+def _gripper_section(
+    name: str, known: ForGripper, objects: Mapping[str, str], check: PrintCheck
+) -> str:
+    lines = [
+        f"\n## For {name}\n",
+        "Sizes are those of the box as printed. Mass is that of the filament, without "
+        "supports. The best "
+        "quality is that of the best labelled grasp that the hand reaches. Walls are at "
+        f"least {1000 * check.wall:g} mm thick.\n",
+        "| label | scale | size, mm | mass, g | wall, mm | best quality, 1e-3 | plate | note |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for row in parquet.records(known.manifest):
+        size = " x ".join(_number(row[f"extents_{axis}"], 0) for axis in "xyz")
+        best = 1000 * known.best.get(objects.get(row["label"], ""), float("nan"))
+        plate = "" if pd.isna(row["plate"]) else f"{row['plate']:.0f}"
+        lines.append(
+            f"| {row['label']} | {_number(row['factor'], 3)} | {size} "
+            f"| {_number(row['filament'], 0)} | {_number(row['wall'], 1)} | {_number(best, 2)} "
+            f"| {plate} | {row['note']} |"
+        )
+    return "\n".join(lines)
+
+
+def _number(value: float, digits: int) -> str:
+    return "" if pd.isna(value) else f"{value:.{digits}f}"
+
+
+def trials_template(labels: list[str]) -> str:
+    """An empty CSV table of the attempts on a real robot, one a row."""
+    rows = [f"{label},{attempt},,," for label in labels for attempt in range(1, ATTEMPTS + 1)]
+    return "\n".join([",".join(TRIAL_COLUMNS), *rows, ""])

@@ -1,0 +1,47 @@
+"""Datasheet: what there is to know about an evaluation set, for people.
+
+Inputs: results/D/eval49.parquet; of every target gripper results/D/print/G and results/D/grasps/G.parquet.
+Outputs: results/D/eval49/README.md, contact-sheet.pdf and trials.csv.
+"""
+
+
+rule datasheet:
+    """Table of the set, how to report results, a picture, and a table to fill in."""
+    input:
+        evaluation="results/{dataset}/eval49.parquet",
+        manifests=lambda wildcards: expand(
+            "results/{dataset}/print/{gripper}/manifest.parquet",
+            gripper=SETTINGS.targets.grippers,
+            **wildcards,
+        ),
+        grasps=lambda wildcards: expand(
+            "results/{dataset}/grasps/{gripper}.parquet",
+            gripper=SETTINGS.targets.grippers,
+            **wildcards,
+        ),
+    output:
+        page=ensure("results/{dataset}/eval49/README.md", non_empty=True),
+        sheet=ensure("results/{dataset}/eval49/contact-sheet.pdf", non_empty=True),
+        trials=ensure("results/{dataset}/eval49/trials.csv", non_empty=True),
+    log:
+        "logs/{dataset}/datasheet.log",
+    benchmark:
+        "benchmarks/{dataset}/datasheet.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    params:
+        settings=settings_of("DataSheets"),
+        manifests=lambda wildcards, input: named_grippers("--manifest", input.manifests),
+        grasps=lambda wildcards, input: named_grippers("--grasps", input.grasps),
+        folder=subpath(output.page, parent=True),
+        code=code_version("egad.stages.datasheet"),
+    message:
+        "Writing the datasheet of {wildcards.dataset}"
+    shell:
+        "egad datasheet --settings {params.settings:q} --dataset {wildcards.dataset:q}"
+        " --eval {input.evaluation:q} {params.manifests:q} {params.grasps:q}"
+        " --out {params.folder:q} > {log:q} 2>&1"
