@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict
 
 from egad.settings import (
     Axes,
+    Bundle,
     Complexity,
     Difficulty,
     Envelope,
@@ -138,6 +139,13 @@ class PrintFiles(StageSettings):
     """Files for printers."""
 
     print_export: PrintExport
+
+
+class SimulationBundle(StageSettings):
+    """Files for simulators."""
+
+    material: Material
+    bundle: Bundle
 
 
 class SimulatedTrials(StageSettings):

@@ -11,7 +11,7 @@ from egad.settings.evolution import Evolution, Neat, Schedule
 from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
-from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
+from egad.settings.objects import Bundle, Material, Postprocess, PrintExport, Rescale, SelectEval
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Region, Shape, Symmetry
 from egad.settings.trials import Trials
 from egad.settings.whole import Settings
@@ -20,6 +20,7 @@ __all__ = [
     "GRIPPERS",
     "Axes",
     "Axis",
+    "Bundle",
     "Complexity",
     "Dataset",
     "Difficulty",

@@ -1,5 +1,7 @@
 """What is made of the objects: repair, scaling, the evaluation set, prints."""
 
+from typing import Literal
+
 from pydantic import Field
 
 from egad.settings.base import Length, PositiveFraction, ScaleRule, Section
@@ -44,3 +46,24 @@ class PrintExport(Section):
 
     bed: tuple[Length, Length] = Field((0.22, 0.22), description="print bed, metres")
     gap: float = Field(0.005, ge=0, description="free space between objects on a plate, metres")
+
+
+class Bundle(Section):
+    """Files for simulators: convex parts, URDF and MJCF."""
+
+    method: Literal["cut", "coacd"] = Field(
+        "cut",
+        description="how the convex parts are made: cut by planes, or by CoACD, which is installed "
+        "with `pip install 'egad[coacd]'`",
+    )
+    max_parts: int = Field(256, ge=1, description="most convex parts of an object")
+    volume_error: float = Field(
+        0.06,
+        gt=0,
+        lt=1,
+        description="bound of the parts' excess volume; objects beyond are marked",
+    )
+    coacd_threshold: float = Field(
+        0.05, ge=0.01, le=1, description="concavity of a part (method: coacd)"
+    )
+    friction: float = Field(0.5, gt=0, le=2, description="sliding friction of the objects")

@@ -11,7 +11,7 @@ from egad.settings.evolution import Evolution, Neat, Schedule
 from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
-from egad.settings.objects import Material, Postprocess, PrintExport, Rescale, SelectEval
+from egad.settings.objects import Bundle, Material, Postprocess, PrintExport, Rescale, SelectEval
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Shape, Symmetry
 from egad.settings.trials import Trials
 
@@ -50,6 +50,7 @@ class Settings(Section):
     rescale: Rescale = Rescale()
     select_eval: SelectEval = SelectEval()
     print_export: PrintExport = PrintExport()
+    bundle: Bundle = Bundle()
     trials: Trials = Trials()
     grippers: dict[Name, Gripper] = Field(
         GRIPPERS, min_length=1, description="all grippers, by name"

@@ -97,6 +97,28 @@ def stable_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
     return [_pose(facets, face, float(chances[face]), float(margins[face])) for face in order]
 
 
+def grouped(poses: list[StablePose], angle: float) -> list[StablePose]:
+    """Poses that are nearly the same as one: a rounded bottom has many small faces.
+
+    Args:
+        poses: The most probable first.
+        angle: Each joins the first one whose resting face is turned by less than this, radians.
+
+    Returns:
+        Those that others joined, with the probabilities of these; again the most probable first.
+    """
+    kept: list[StablePose] = []
+    for pose in poses:
+        near = (k for k, other in enumerate(kept) if other.normal @ pose.normal > np.cos(angle))
+        place = next(near, None)
+        if place is None:
+            kept.append(pose)
+        else:
+            chance = kept[place].probability + pose.probability
+            kept[place] = kept[place]._replace(probability=chance)
+    return sorted(kept, key=lambda pose: -pose.probability)
+
+
 def _pose(facets: _Facets, face: int, chance: float, margin: float) -> StablePose:
     normal, height = facets.normals[face], float(facets.heights[face])
     return StablePose(chance, facets.corners[face], normal, turned_down(normal), height, margin)

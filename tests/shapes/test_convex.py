@@ -152,8 +152,8 @@ def test_what_is_no_solid_is_rejected(name: str) -> None:
 
 
 def shell() -> trimesh.Trimesh:
-    """A cup: half a ball of 30 mm with a wall of 2.5 mm."""
-    outer, inner = trimesh.creation.icosphere(4, 0.03), trimesh.creation.icosphere(4, 0.0275)
+    """A cup: half a ball of 30 mm with a wall of 5 mm."""
+    outer, inner = trimesh.creation.icosphere(4, 0.03), trimesh.creation.icosphere(4, 0.025)
     lower = box((0.1, 0.1, 0.05), (0, 0, -0.025))
     hollow = trimesh.boolean.difference([outer, inner], engine="manifold")
     return trimesh.boolean.intersection([hollow, lower], engine="manifold")
@@ -164,7 +164,7 @@ def test_a_thin_cup_is_covered_within_the_error() -> None:
     parts = convex_parts(cup, 256, 0.06)
     assert len(parts) < 200
     assert excess_volume(parts, cup) <= 0.06
-    bowl = trimesh.creation.icosphere(2, 0.026).vertices
+    bowl = trimesh.creation.icosphere(2, 0.023).vertices
     assert min(outside(part, bowl).min() for part in parts) > 0  # nothing fills it
     whole, together = (solid_of([cup]), solid_of(parts))
     assert (whole - together).volume() < 0.02 * whole.volume()
