@@ -19,9 +19,12 @@ Plane = tuple[Floats, float]  # unit normal, distance from the origin
 
 SIMPLIFICATION = 0.005  # of the longest side: finer detail costs time and changes no contact
 SLIVER = 1e-6  # of the volume: thinner crumbs have no usable hull
+FLUSH_PLANES = 4  # largest faces at the deepest point, whose planes are tried
+GRAZE = 1e-3  # of the longest side: thinner is nothing to cut off
 EVEN_PLANES = 3  # a coordinate axis
 # Cutting goes on to this part of the allowed error; then parts are joined again until it is spent.
 OVERCUT = 0.7
+LEAST_EXCESS = 0.3  # of the allowed error, for solids that simplification made larger
 SPARE = 2  # times as many pieces as parts are allowed are cut at most
 
 
@@ -49,10 +52,10 @@ def convex_parts(
     """Convex hulls that together stand for a solid (ours).
 
     The solid is cut again and again: always the piece whose hull exceeds it by the largest
-    volume, at the plane that leaves least. The planes tried go through the point
-    that lies deepest below the hull, in 13 directions, and in even steps along the axes. Then
-    pieces whose common hull adds least are joined again, which makes good for unlucky cuts. Cuts
-    are exact, so nothing of the solid is lost but a simplification by at most 0.5 % of its
+    volume, at the plane that leaves least. The planes tried go through the point that lies deepest
+    below the hull, in 13 directions and along the faces there, and in even steps along the axes.
+    Then pieces whose common hull adds least are joined again, which makes good for unlucky cuts.
+    Cuts are exact, so nothing of the solid is lost but a simplification by at most 0.5 % of its
     longest side.
 
     Args:
@@ -67,8 +70,10 @@ def convex_parts(
         RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
     """
     whole = _solid(mesh)
-    volume = whole.volume()
-    pieces = _split(whole, max_parts, OVERCUT * volume_error * volume)
+    volume = abs(float(mesh.volume))
+    gained = whole.volume() - volume  # by simplification
+    least = LEAST_EXCESS * volume_error * volume
+    pieces = _split(whole, max_parts, max(OVERCUT * volume_error * volume - gained, least))
     hulls = [hull_of(arrays(piece)[0]) for piece in pieces]
     return [hull_mesh(hull) for hull in merged(hulls, (1 + volume_error) * volume, max_parts)]
 
@@ -124,7 +129,7 @@ def _best_cut(solid: Solid) -> tuple[Solid, Solid]:
     vertices, faces = arrays(solid)
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges = edges[edges[:, 0] < edges[:, 1]]  # each once
-    planes = _planes(vertices)
+    planes = _planes(vertices, faces)
     sides = [_sides(vertices, edges, plane) for plane in planes]
     best = _smallest(sides)
     normal, offset = planes[best]
@@ -146,11 +151,11 @@ def _smallest(sides: list[list[Floats]]) -> int:
 
 
 def _sides(vertices: Floats, edges: NDArray[np.int64], plane: Plane) -> list[Floats]:
-    """Points whose hulls are those of the two sides of a cut; none if the plane misses."""
+    """Points whose hulls are those of the two sides of a cut; none if it misses or grazes."""
     normal, offset = plane
     heights = vertices @ normal - offset
     above = heights > 0
-    if above.all() or not above.any():
+    if min(heights.max(), -heights.min()) <= GRAZE * float(np.ptp(vertices, axis=0).max()):
         return []
     first, second = edges[above[edges[:, 0]] != above[edges[:, 1]]].T
     part = (heights[first] / (heights[first] - heights[second]))[:, None]
@@ -158,9 +163,11 @@ def _sides(vertices: Floats, edges: NDArray[np.int64], plane: Plane) -> list[Flo
     return [np.concatenate([vertices[side], rim]) for side in (above, ~above)]
 
 
-def _planes(vertices: Floats) -> list[Plane]:
-    deepest = vertices[_depths(vertices).argmax()]
-    through = [(normal, float(normal @ deepest)) for normal in DIRECTIONS]
+def _planes(vertices: Floats, faces: NDArray[np.int64]) -> list[Plane]:
+    place = int(_depths(vertices).argmax())
+    deepest = vertices[place]
+    normals = [*DIRECTIONS, *_flush(vertices, faces[(faces == place).any(axis=1)])]
+    through = [(normal, float(normal @ deepest)) for normal in normals]
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     steps = np.arange(1, EVEN_PLANES + 1) / (EVEN_PLANES + 1)
     even = [
@@ -169,6 +176,18 @@ def _planes(vertices: Floats) -> list[Plane]:
         for step in steps
     ]
     return through + even
+
+
+def _flush(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
+    """Normals of the largest of some faces, (n, 3): cuts along them open a notch."""
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    areas = np.cross(b - a, c - a)
+    sizes = np.linalg.norm(areas, axis=1)
+    largest = np.argsort(-sizes, kind="stable")[:FLUSH_PLANES]
+    normals: Floats = (
+        areas[largest] / np.maximum(sizes[largest], np.finfo(np.float64).tiny)[:, None]
+    )
+    return normals
 
 
 def _depths(points: Floats) -> Floats:

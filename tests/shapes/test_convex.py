@@ -170,5 +170,14 @@ def test_a_thin_cup_is_covered_within_the_error() -> None:
     assert (whole - together).volume() < 0.02 * whole.volume()
 
 
+def test_a_straight_cup_is_cut_although_its_rim_lies_deepest_in_its_hull() -> None:
+    outer = trimesh.creation.cylinder(0.025, 0.06, sections=12)
+    inner = trimesh.creation.cylinder(0.020, 0.06, sections=12).apply_translation([0, 0, 0.005])
+    cup = trimesh.boolean.difference([outer, inner], engine="manifold")
+    parts = convex_parts(cup, 64, 0.06)
+    assert len(parts) < 40
+    assert excess_volume(parts, cup) <= 0.06
+
+
 def solid_of(meshes: list[trimesh.Trimesh]) -> Solid:
     return union(to_solid(mesh.vertices, mesh.faces) for mesh in meshes)
