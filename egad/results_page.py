@@ -10,7 +10,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from egad.files import write_text
-from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
+from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT, TALLY
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
@@ -77,6 +77,18 @@ ARTEFACTS = [
     Artefact("D/print/G/LABEL.stl", "The evaluation set for gripper G, in millimetres."),
     Artefact("D/print/G/plate-N.3mf", "Print plates with one named object each, in millimetres."),
     Artefact("D/print/G/manifest.parquet", "What is on which plate.", MANIFEST),
+    Artefact(
+        "D/bundle/G/LABEL/",
+        "The evaluation set for simulators, scaled to gripper G: meshes, URDF, MJCF, poses at "
+        "rest. Made when asked for: `snakemake --cores 2 results/D/bundle/G/bundle.parquet`. "
+        "`docs/bundle.md` says what is in it.",
+    ),
+    Artefact(
+        "D/bundle/G/bundle.parquet",
+        "The objects in it, their parts and masses. `rejected.parquet` beside it names those "
+        "that could not be made ready.",
+        BUNDLE,
+    ),
     Artefact(
         "D/trials/G/P.parquet",
         "Simulated trials of detector P with gripper G, one attempt a row.",

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict
 from egad.settings import (
     Acronym,
     Axes,
+    Bundle,
     Complexity,
     DexNet,
     Difficulty,
@@ -173,6 +174,13 @@ class DataSheets(StageSettings):
     select_eval: SelectEval
     print_check: PrintCheck
     print_export: PrintExport
+
+
+class SimulationBundle(StageSettings):
+    """Files for simulators."""
+
+    material: Material
+    bundle: Bundle
 
 
 class DexNetObjects(StageSettings):

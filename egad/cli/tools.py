@@ -63,6 +63,39 @@ def rescale(
 
 
 @app.command(rich_help_panel=TOOL)
+def bundle(
+    meshes: Meshes,
+    out: OutFolder,
+    settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
+    evaluation: Annotated[
+        Path | None, typer.Option("--eval", help="evaluation set, of a folder of scaled meshes")
+    ] = None,
+    units: Units = "m",
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Make any meshes ready for simulators: convex parts, URDF, MJCF, poses at rest."""
+    from egad.stage_settings import SimulationBundle, select
+    from egad.stages import bundle as stage
+
+    if settings is not None:
+        parsed = parse(SimulationBundle, settings)
+    else:
+        parsed = select(settings_in(config), SimulationBundle)
+    if evaluation is not None:
+        if len(meshes) != 1 or not meshes[0].is_dir():
+            raise UserError("bundle --eval takes one folder of meshes, those of the evaluation set")
+        objects = stage.evaluation_objects(evaluation, meshes[0])
+    else:
+        objects = stage.any_objects(files_in(meshes))
+    if settings is None:
+        _spare(out, [item.path for item in objects], "bundle.parquet")
+    rejected = stage.run(parsed, objects, units, out, jobs)
+    if rejected:
+        typer.echo(f"{rejected} objects could not be used: see {out / 'rejected.parquet'}")
+
+
+@app.command(rich_help_panel=TOOL)
 def materialise(archive: ArchiveFile, out: OutFolder, config: Config = None) -> None:
     """Write the meshes of an archive as ID.obj, in metres, as they came out of evolution."""
     from egad.data import named
@@ -116,9 +149,9 @@ def check_config(files: list[Path]) -> None:
         typer.echo(f"{file}: fine")
 
 
-def _spare(folder: Path, files: Sequence[Path] = ()) -> None:
+def _spare(folder: Path, files: Sequence[Path] = (), table: str = "scales.parquet") -> None:
     """Refuse to replace a folder that holds anything but what this command wrote before."""
-    foreign = folder.exists() and any(folder.iterdir()) and not (folder / "scales.parquet").exists()
+    foreign = folder.exists() and any(folder.iterdir()) and not (folder / table).exists()
     inside = any(folder.resolve() in file.resolve().parents for file in files)
     if foreign or inside:
         raise UserError(f"--out {folder} holds files that would be lost; name a folder of its own")

@@ -13,6 +13,7 @@ from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling, SizeEffe
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
 from egad.settings.objects import (
+    Bundle,
     Material,
     Postprocess,
     PrintCheck,
@@ -30,6 +31,7 @@ __all__ = [
     "Acronym",
     "Axes",
     "Axis",
+    "Bundle",
     "Complexity",
     "Dataset",
     "DexNet",

@@ -79,3 +79,24 @@ class PrintExport(Section):
     infill: PositiveFraction = Field(0.2, description="part of the inside that is filled")
     shell: Length = Field(0.0009, description="solid layer below the surface, metres")
     filament_density: float = Field(1240.0, gt=0, description="of solid filament, kg/m3: PLA 1240")
+
+
+class Bundle(Section):
+    """Files for simulators: convex parts, URDF and MJCF."""
+
+    method: Literal["cut", "coacd"] = Field(
+        "cut",
+        description="how the convex parts are made: cut by planes, or by CoACD, which is installed "
+        "with `pip install 'egad[coacd]'`",
+    )
+    max_parts: int = Field(256, ge=1, description="most convex parts of an object")
+    volume_error: float = Field(
+        0.06,
+        gt=0,
+        lt=1,
+        description="bound of the parts' excess volume; objects beyond are marked",
+    )
+    coacd_threshold: float = Field(
+        0.05, ge=0.01, le=1, description="concavity of a part (method: coacd)"
+    )
+    friction: float = Field(0.5, gt=0, le=2, description="sliding friction of the objects")

@@ -13,6 +13,7 @@ from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling, SizeEffe
 from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
 from egad.settings.objects import (
+    Bundle,
     Material,
     Postprocess,
     PrintCheck,
@@ -60,6 +61,7 @@ class Settings(Section):
     select_eval: SelectEval = SelectEval()
     print_check: PrintCheck = PrintCheck()
     print_export: PrintExport = PrintExport()
+    bundle: Bundle = Bundle()
     dexnet: DexNet = DexNet()
     acronym: Acronym = Acronym()
     trials: Trials = Trials()

@@ -1,4 +1,4 @@
-"""Tables of the evaluation set: its objects, their print files, their trials."""
+"""Tables of the evaluation set: objects, files for printers and simulators, trials."""
 
 import pyarrow as pa
 
@@ -49,6 +49,30 @@ MANIFEST = pa.schema(
         column("factor", FLOAT, "scaled size / size in meshes/"),
         column("settings", STRING, "how to print it"),
         column("note", STRING, "what to know before printing; empty if nothing"),
+    ]
+)
+
+BUNDLE = pa.schema(
+    [
+        column("label", STRING, "name in the evaluation set, and of its folder"),
+        ID,
+        column("method", STRING, "how the convex parts were made: cut or coacd"),
+        column("parts", INT, "convex parts"),
+        column("volume_error", FLOAT, "volume of the parts together / volume of the object - 1"),
+        column("deviation", FLOAT, "how far the parts stick out of the object at most", "m"),
+        column("within", BOOL, "whether the volume error is within the bound of the settings"),
+        column("poses", INT, "poses at rest in poses.json"),
+        column("volume", FLOAT, "volume of the solid", "m3"),
+        column("density", FLOAT, "density that mass and inertia are for", "kg/m3"),
+        column("friction", FLOAT, "sliding friction in the descriptions"),
+        column("mass", FLOAT, "mass", "kg"),
+        *vector("com", "centre of mass in the frame of the mesh", "m"),
+        *vector(
+            "inertia",
+            "moment of inertia about the centre of mass",
+            "kg m2",
+            ("xx", "yy", "zz", "xy", "xz", "yz"),
+        ),
     ]
 )
 

@@ -6,6 +6,7 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.shapes.convex import convex_parts, excess_volume
+from egad.shapes.manifold import Solid, to_solid, union
 
 RING, TUBE = 0.03, 0.01  # radii of the torus
 
@@ -148,3 +149,35 @@ def broken() -> dict[str, trimesh.Trimesh]:
 def test_what_is_no_solid_is_rejected(name: str) -> None:
     with pytest.raises(RejectedError):
         convex_parts(broken()[name], 64, 0.06)
+
+
+def shell() -> trimesh.Trimesh:
+    """A cup: half a ball of 30 mm with a wall of 5 mm."""
+    outer, inner = trimesh.creation.icosphere(4, 0.03), trimesh.creation.icosphere(4, 0.025)
+    lower = box((0.1, 0.1, 0.05), (0, 0, -0.025))
+    hollow = trimesh.boolean.difference([outer, inner], engine="manifold")
+    return trimesh.boolean.intersection([hollow, lower], engine="manifold")
+
+
+def test_a_thin_cup_is_covered_within_the_error() -> None:
+    cup = shell()
+    parts = convex_parts(cup, 256, 0.06)
+    assert len(parts) < 200
+    assert excess_volume(parts, cup) <= 0.06
+    bowl = trimesh.creation.icosphere(2, 0.023).vertices
+    assert min(outside(part, bowl).min() for part in parts) > 0  # nothing fills it
+    whole, together = (solid_of([cup]), solid_of(parts))
+    assert (whole - together).volume() < 0.02 * whole.volume()
+
+
+def test_a_straight_cup_is_cut_although_its_rim_lies_deepest_in_its_hull() -> None:
+    outer = trimesh.creation.cylinder(0.025, 0.06, sections=12)
+    inner = trimesh.creation.cylinder(0.020, 0.06, sections=12).apply_translation([0, 0, 0.005])
+    cup = trimesh.boolean.difference([outer, inner], engine="manifold")
+    parts = convex_parts(cup, 64, 0.06)
+    assert len(parts) < 40
+    assert excess_volume(parts, cup) <= 0.06
+
+
+def solid_of(meshes: list[trimesh.Trimesh]) -> Solid:
+    return union(to_solid(mesh.vertices, mesh.faces) for mesh in meshes)

@@ -1,62 +1,110 @@
+"""Stable poses: known solids, and what being at rest means."""
+
 import numpy as np
 import pytest
 import trimesh
 
 from egad.errors import RejectedError
-from egad.shapes.poses import stable_poses
+from egad.shapes.mass import mass_properties
+from egad.shapes.stable_poses import stable_poses, turned_down
 
 
-def test_a_cube_rests_on_each_of_its_faces_alike():
-    cube = trimesh.creation.box((0.04, 0.04, 0.04))
-    poses = stable_poses(cube, cube.center_mass, 0.01)
-    assert [pose.probability for pose in poses] == pytest.approx([1 / 6] * 6)
+def poses_of(mesh):
+    return stable_poses(mesh, mass_properties(mesh, 1.0).com)
 
 
-def test_poses_put_the_object_on_the_table(spiky_box):
-    mesh = spiky_box(3)
-    poses = stable_poses(mesh, mesh.center_mass, 0.0)
-    assert sum(pose.probability for pose in poses) == pytest.approx(1, abs=0.01)
+def blob(seed):
+    rng = np.random.default_rng(seed)
+    return trimesh.Trimesh(rng.normal(size=(14, 3)) * [0.02, 0.03, 0.05]).convex_hull
+
+
+def face_share(a, b, h):
+    """Part of all directions that meet a face of 2 a x 2 b at distance h."""
+    return np.arctan(a * b / (h * np.sqrt(a * a + b * b + h * h))) / np.pi
+
+
+def test_a_cube_rests_on_each_of_its_six_faces_alike():
+    poses = poses_of(trimesh.creation.box((0.04, 0.04, 0.04)).apply_translation([1, 2, 3]))
+    assert len(poses) == 6
+    assert sorted(tuple(pose.normal.round(9) + 0.0) for pose in poses) == sorted(
+        tuple(sign * axis) for axis in np.eye(3) for sign in (-1.0, 1.0)
+    )
     for pose in poses:
+        assert pose.probability == pytest.approx(1 / 6)
+        assert pose.height == pytest.approx(0.02)
+        assert pose.margin == pytest.approx(np.pi / 4)
+        assert len(pose.face) == 4
+
+
+def test_a_block_rests_on_a_face_as_often_as_its_solid_angle_says():
+    half = np.array([0.01, 0.02, 0.04])
+    poses = poses_of(trimesh.creation.box(2 * half))
+    assert [np.abs(pose.normal).argmax() for pose in poses] == [0, 0, 1, 1, 2, 2]
+    for pose in poses:
+        axis = np.abs(pose.normal).argmax()
+        a, b = np.delete(half, axis)
+        assert pose.probability == pytest.approx(face_share(a, b, half[axis]), rel=1e-9)
+        assert pose.margin == pytest.approx(np.arctan(min(a, b) / half[axis]))
+
+
+def test_a_leaning_prism_falls_off_its_small_faces():
+    base = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    prism = trimesh.Trimesh(np.concatenate([base, base + np.array([2.5, 0, 1])])).convex_hull
+    poses = poses_of(prism)
+    assert not any(abs(pose.normal[2]) > 0.999 for pose in poses)
+    assert sum(pose.probability for pose in poses) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_poses_stand_on_the_table_and_their_chances_add_up(seed):
+    mesh = blob(seed)
+    center = mass_properties(mesh, 1.0).com
+    poses = stable_poses(mesh, center)
+    assert sum(pose.probability for pose in poses) == pytest.approx(1)
+    for pose in poses:
+        placed = trimesh.transform_points(mesh.vertices, pose.transform(center))
+        assert np.abs(placed[pose.face, 2]).max() < 1e-12
+        assert placed[:, 2].min() > -1e-12
+        moved = trimesh.transform_points([center], pose.transform(center))[0]
+        np.testing.assert_allclose(moved, [0, 0, pose.height], atol=1e-12)
+        assert 0 <= pose.margin < np.pi / 2
         assert np.linalg.det(pose.rotation) == pytest.approx(1)
-        assert pose.rotation @ pose.rotation.T == pytest.approx(np.eye(3), abs=1e-9)
-        heights = (np.asarray(mesh.vertices) - pose.point) @ pose.rotation[2]
-        assert heights.min() == pytest.approx(0, abs=1e-9)
-        assert (heights < 1e-6 * mesh.scale).sum() >= 3
 
 
-def test_the_likely_come_first_and_the_unlikely_are_left_out():
-    slab = trimesh.creation.box((0.1, 0.1, 0.01))
-    everything = stable_poses(slab, slab.center_mass, 0.0)
-    likely = stable_poses(slab, slab.center_mass, 0.1)
-    assert (len(everything), len(likely)) == (6, 2)
-    assert abs(likely[0].rotation[2, 2]) == pytest.approx(1)
+@pytest.mark.parametrize("seed", range(6))
+def test_at_rest_the_centre_of_mass_is_lower_than_in_any_pose_nearby(seed):
+    mesh = blob(seed)
+    center = mass_properties(mesh, 1.0).com
+    nearby = np.random.default_rng(seed).normal(scale=1e-3, size=(500, 3))
+    for pose in stable_poses(mesh, center):
+        if pose.margin < 0.01:
+            continue
+        tilted = pose.normal + nearby
+        tilted /= np.linalg.norm(tilted, axis=1, keepdims=True)
+        heights = ((mesh.vertices - center) @ tilted.T).max(axis=0)
+        assert heights.min() > pose.height
 
 
-def test_a_heavy_end_lies_below():
-    bar = trimesh.creation.box((0.02, 0.02, 0.1))
-    poses = stable_poses(bar, np.array([0.0, 0.0, -0.049]), 0.0)
-    down = next(pose for pose in poses if pose.rotation[2, 2] > 0.99)
-    assert down.point[2] == pytest.approx(-0.05)
-    assert down.probability > 0.3
+@pytest.mark.parametrize("normal", [[0, 0, 1], [0, 0, -1], [1, 0, 0], [0.6, 0, 0.8], [0, 1e-9, 1]])
+def test_the_resting_face_is_turned_down(normal):
+    unit = np.array(normal, float) / np.linalg.norm(normal)
+    turn = turned_down(unit)
+    np.testing.assert_allclose(turn @ unit, [0, 0, -1], atol=1e-12)
+    np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(turn) == pytest.approx(1)
 
 
-@pytest.mark.parametrize("com", [(0, 0, 0.06), (1, 1, 1), (np.nan, 0, 0)])
-def test_a_centre_of_mass_that_is_not_inside_is_refused(com):
-    bar = trimesh.creation.box((0.02, 0.02, 0.1))
-    with pytest.raises(RejectedError, match="centre of mass is not inside"):
-        stable_poses(bar, np.array(com, dtype=float), 0.0)
+def test_units_and_order_do_not_matter():
+    mesh = blob(3)
+    poses = poses_of(mesh)
+    big = trimesh.Trimesh(1000 * mesh.vertices[::-1], len(mesh.vertices) - 1 - mesh.faces)
+    assert [p.probability for p in poses_of(big)] == pytest.approx([p.probability for p in poses])
 
 
-def test_a_flat_solid_is_refused():
-    box = trimesh.creation.box((0.02, 0.03, 0.04))
-    flat = trimesh.Trimesh(box.vertices * [1, 1, 0], box.faces, process=False)
-    line = trimesh.Trimesh(box.vertices * [1, 0, 0], box.faces, process=False)
-    for mesh in (flat, line):
-        with pytest.raises(RejectedError):
-            stable_poses(mesh, np.zeros(3), 0.0)
-
-
-def test_a_sheet_of_no_thickness_to_speak_of_ends():
-    sheet = trimesh.creation.box((0.1, 0.1, 1e-12))
-    with pytest.raises(RejectedError):
-        stable_poses(sheet, np.zeros(3), 0.0)
+def test_what_cannot_rest_is_rejected():
+    cube = trimesh.creation.box((1, 1, 1))
+    with pytest.raises(RejectedError, match="not inside"):
+        stable_poses(cube, np.array([0, 0, 2.0]))
+    flat = trimesh.Trimesh(cube.vertices * [1, 1, 0], cube.faces, process=False)
+    with pytest.raises(RejectedError, match="flat"):
+        stable_poses(flat, np.zeros(3))

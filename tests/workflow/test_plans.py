@@ -94,6 +94,16 @@ def test_an_edited_module_re_runs_its_stages(copy, module, rules):
     assert set(copy.planned()) == rules
 
 
+BUNDLE = "results/egad/bundle/egad_75mm/bundle.parquet"
+
+
+@pytest.mark.parametrize("settings", [{}, {"bundle": {"max_parts": 9}}])
+def test_a_bundle_is_made_when_it_is_asked_for(copy, settings):
+    configs = ["config/test.yaml", copy.overlay("bundle.yaml", settings)]
+    assert copy.planned(configs=configs) in ({}, {"report": 1, "all": 1})
+    assert copy.planned(BUNDLE, configs=configs) == {"bundle": 1}
+
+
 def test_a_touched_or_commented_module_re_runs_nothing(copy):
     copy.take_library()
     for module in ("egad/tables/objects.py", "egad/seeds.py", "egad/evolution/island.py"):

@@ -18,7 +18,7 @@ import trimesh
 
 from egad.settings import Settings
 from egad.tables import parquet
-from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
+from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT, TALLY
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED, SOLIDS
@@ -154,6 +154,20 @@ def test_the_evaluation_set_is_printed_and_tried(finished, load):
         assert (finished.results / f"egad/print/{GRIPPER}" / name).stat().st_size > 84
     trials = load(f"egad/trials/{GRIPPER}/{POLICY}.parquet")
     assert trials.groupby("label").size().to_dict() == dict.fromkeys(evalset["label"], 2)
+
+
+def test_the_evaluation_set_is_made_ready_for_simulators(copy, load):
+    path = f"egad/bundle/{GRIPPER}"
+    copy.make("--cores", 1, f"results/{path}/bundle.parquet")
+    folder = copy.results / path
+    table = parquet.read(folder / "bundle.parquet", BUNDLE)
+    rejected = parquet.read(folder / "rejected.parquet", REJECTED)
+    assert set(table["id"]) | set(rejected["id"]) == set(load("egad/eval49.parquet")["id"])
+    for label in table["label"]:
+        assert (folder / label / f"{label}.urdf").exists()
+    for line in (folder / "SHA256SUMS").read_text().splitlines():
+        value, name = line.split("  ")
+        assert hashlib.sha256((folder / name).read_bytes()).hexdigest() == value
 
 
 def test_the_comparison_counts_the_objects(load):

@@ -1,0 +1,34 @@
+"""Bundle: the evaluation set for simulators, made when it is asked for.
+
+Inputs: results/D/eval49.parquet, results/D/rescaled/G.
+Outputs: results/D/bundle/G, a folder with bundle.parquet and rejected.parquet in it.
+"""
+
+
+rule bundle:
+    """Convex parts, descriptions and poses at rest, for one gripper."""
+    input:
+        evaluation="results/{dataset}/eval49.parquet",
+        scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
+    output:
+        table=ensure("results/{dataset}/bundle/{gripper}/bundle.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/bundle/{gripper}.log",
+    benchmark:
+        "benchmarks/{dataset}/bundle/{gripper}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: side_by_side
+    resources:
+        mem_mb=worker_memory,
+        runtime=240,
+    params:
+        settings=settings_of("SimulationBundle"),
+        meshes=subpath(input.scales, parent=True),
+        folder=subpath(output.table, parent=True),
+        code=code_version("egad.stages.bundle"),
+    message:
+        "Making {wildcards.dataset} ready for simulators, for {wildcards.gripper}"
+    shell:
+        "egad bundle --settings {params.settings:q} --eval {input.evaluation:q}"
+        " --out {params.folder:q} --jobs {threads} {params.meshes:q} > {log:q} 2>&1"
