@@ -61,15 +61,15 @@ ARTEFACTS = [
     ),
     Artefact("D/eval49.parquet", "The evaluation set.", EVAL49),
     Artefact(
+        "D/eval49.rejected.parquet",
+        "Candidates for it that cannot be printed, and why.",
+        REJECTED,
+    ),
+    Artefact(
         "D/size_effect/G.parquet",
         "Grasp quality over size for gripper G, of the easiest, the middle and the hardest object "
         "of the evaluation set.",
         SIZE_EFFECT,
-    ),
-    Artefact(
-        "D/eval49.rejected.parquet",
-        "Candidates for it that cannot be printed, and why.",
-        REJECTED,
     ),
     Artefact("D/eval49/README.md", "Its datasheet: objects, sizes, how to report results."),
     Artefact("D/eval49/contact-sheet.pdf", "Its objects on one page, with names and sizes."),

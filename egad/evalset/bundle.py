@@ -12,7 +12,7 @@ from egad.shapes.convex import convex_parts
 from egad.shapes.deviation import largest_deviation
 from egad.shapes.manifold import is_solid, to_mesh, to_solid, union
 from egad.shapes.mass import MassProperties, mass_properties
-from egad.shapes.stable_poses import StablePose, grouped, stable_poses
+from egad.shapes.poses import StablePose, grouped, stable_poses
 
 LEAST_PROBABILITY = 0.001  # of the poses that are listed
 SAME_POSE = np.radians(5)

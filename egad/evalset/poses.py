@@ -6,7 +6,10 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad.errors import RejectedError
 from egad.shapes.manifold import to_solid
+from egad.shapes.mass import mass_properties
+from egad.shapes.poses import stable_poses
 
 Floats = NDArray[np.float64]
 
@@ -39,36 +42,34 @@ def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float) -> Pose:
             one with the least area to support.
         angle: Surface that leans out further from the vertical is supported, degrees.
     """
-    poses, chances = trimesh.poses.compute_stable_poses(mesh, sigma=0, n_samples=1)
-    if len(poses) == 0:
-        return _pose(mesh, np.eye(4), np.nan, angle)
-    order = np.argsort(-np.asarray(chances), kind="stable")
-    likely = [place for place in order if chances[place] >= LIKELY] or [order[0]]
+    try:
+        poses = stable_poses(mesh, mass_properties(mesh, 1.0).com)
+    except RejectedError:
+        return _pose(mesh, np.eye(3), np.nan, angle)
+    chosen = poses[0]
     if choice == "overhang":
-        areas = [overhang_area(mesh, poses[place], angle) for place in likely]
-        likely = [likely[int(np.argmin(areas))]]
-    return _pose(mesh, poses[likely[0]], float(chances[likely[0]]), angle)
+        likely = [pose for pose in poses if pose.probability >= LIKELY] or [chosen]
+        chosen = min(likely, key=lambda pose: overhang_area(mesh, pose.rotation, angle))
+    return _pose(mesh, chosen.rotation, chosen.probability, angle)
 
 
-def _pose(mesh: trimesh.Trimesh, turn: Floats, probability: float, angle: float) -> Pose:
-    turned = mesh.copy()
-    turned.apply_transform(turn)
-    turned.apply_transform(_align_with_bed(turned))
-    turned.apply_translation(-turned.bounds[0])
-    clean = trimesh.Trimesh(turned.vertices, turned.faces, process=False)
-    area = overhang_area(clean, np.eye(4), angle)
+def _pose(mesh: trimesh.Trimesh, rotation: Floats, probability: float, angle: float) -> Pose:
+    standing = np.asarray(mesh.vertices, dtype=np.float64) @ rotation.T
+    turned = standing @ _align_with_bed(standing).T
+    clean = trimesh.Trimesh(turned - turned.min(axis=0), mesh.faces, process=False)
+    area = overhang_area(clean, np.eye(3), angle)
     return Pose(clean, probability, area, first_layer_area(clean))
 
 
-def overhang_area(mesh: trimesh.Trimesh, turn: Floats, angle: float) -> float:
+def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float) -> float:
     """Area of the surface that needs support: it faces down and does not lie on the bed.
 
     Args:
         mesh: A closed surface, wound outwards.
-        turn: (4, 4); after it z points up.
+        rotation: (3, 3); after it z points up.
         angle: Surface that leans out further from the vertical counts, degrees.
     """
-    up = np.asarray(turn)[2, :3]
+    up = rotation[2]
     heights = np.asarray(mesh.vertices) @ up
     above = heights[mesh.faces].max(axis=1) > heights.min() + LAYER
     leaning = np.asarray(mesh.face_normals) @ up < -np.sin(np.radians(angle))
@@ -81,10 +82,10 @@ def first_layer_area(mesh: trimesh.Trimesh) -> float:
     return float(solid.slice(float(mesh.bounds[0, 2]) + LAYER / 2).area())
 
 
-def _align_with_bed(mesh: trimesh.Trimesh) -> Floats:
-    """The turn about the vertical that makes the rectangle around a mesh smallest."""
-    flat, sides = trimesh.bounds.oriented_bounds_2D(mesh.vertices[:, :2])
-    turn = np.eye(4)
+def _align_with_bed(points: Floats) -> Floats:
+    """The rotation about the vertical that makes the rectangle around points smallest, (3, 3)."""
+    flat, sides = trimesh.bounds.oriented_bounds_2D(points[:, :2])
+    turn = np.eye(3)
     turn[:2, :2] = flat[:2, :2]
     if sides[1] > sides[0]:
         turn[:2] = [-turn[1], turn[0]]

@@ -95,16 +95,16 @@ def add_object(objects: h5py.Group, key: str, solid: Solid) -> None:
     add_array(field, "data", solid.field.values)
     field.attrs["origin"] = solid.field.origin
     field.attrs["resolution"] = solid.field.resolution
-    _add_poses(group.create_group("stable_poses"), solid.poses)
+    _add_poses(group.create_group("stable_poses"), solid)
 
 
-def _add_poses(group: h5py.Group, poses: list[StablePose]) -> None:
-    group.attrs["num_stable_poses"] = len(poses)
-    for number, pose in enumerate(poses):
+def _add_poses(group: h5py.Group, solid: Solid) -> None:
+    group.attrs["num_stable_poses"] = len(solid.poses)
+    for number, pose in enumerate(solid.poses):
         one = group.create_group(f"pose_{number}")
         one.attrs["p"] = pose.probability
         one.attrs["r"] = pose.rotation
-        one.attrs["x0"] = pose.point
+        one.attrs["x0"] = np.asarray(solid.mesh.vertices[pose.face[0]], dtype=np.float64)
 
 
 def add_grasps(

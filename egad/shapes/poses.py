@@ -1,69 +1,204 @@
-"""How a solid comes to rest on a table."""
+"""How a solid comes to rest on a table: the faces of its hull that it stays on, and how often."""
 
 from typing import NamedTuple
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from scipy.spatial import QhullError
+from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial.transform import Rotation
 
 from egad.errors import RejectedError
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
 class StablePose(NamedTuple):
-    """A face of the convex hull that a solid rests on.
+    """An object at rest on the table z = 0, its centre of mass above the origin.
+
+    The turn about the vertical is free; it is the one that comes from the shortest turn that
+    brings the resting face down.
 
     Attributes:
-        probability: That it comes to rest on this face when it is dropped at random.
-        rotation: (3, 3), from the object's frame to the table's, whose z points upwards.
-        point: (3,) a vertex that touches the table, in the object's frame, metres.
+        probability: That a drop in a random orientation, without bouncing, ends here.
+        face: Indices of the vertices of the mesh at the corners of the resting face, ascending.
+        normal: Outward normal of this face in the frame of the mesh, (3,).
+        rotation: From the frame of the mesh to that of the table, (3, 3).
+        height: Of the centre of mass above the table, in the unit of the mesh.
+        margin: The least angle by which the table must be tilted for it to topple, radians.
     """
 
     probability: float
+    face: Ints
+    normal: Floats
     rotation: Floats
-    point: Floats
+    height: float
+    margin: float
+
+    def transform(self, center: Floats) -> Floats:
+        """The (4, 4) transform from the frame of the mesh to that of the table.
+
+        Args:
+            center: Centre of mass in the frame of the mesh, (3,).
+        """
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.rotation
+        matrix[:3, 3] = [0, 0, self.height] - self.rotation @ center
+        return matrix
 
 
-def stable_poses(mesh: trimesh.Trimesh, com: Floats, least: float) -> list[StablePose]:
-    """The stable poses of a solid, the most likely first; one for each face it can rest on.
+class _Facets(NamedTuple):
+    """The flat faces of a hull; m of them, each of one or more triangles of the hull.
 
-    Triangles of the hull that lie in one plane are one face. (Dex-Net lists each of them.)
+    `start`, `end`, `owner` and `beyond` are of the edges between two faces: end points, (k, 3),
+    the face whose outline it is part of, anticlockwise, and the face behind it.
+    """
+
+    normals: Floats
+    heights: Floats
+    solid_angles: Floats
+    corners: list[Ints]
+    start: Floats
+    end: Floats
+    owner: Ints
+    beyond: Ints
+
+
+def stable_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
+    """All faces of the convex hull that a solid can rest on, the most probable first.
+
+    An object in a random orientation comes down on the face that the vertical through its centre
+    of mass meets: with a chance of that face's solid angle / 4 pi. If the centre of mass is not
+    above the face, it rolls over the edge nearest to the foot of the vertical, and on from there:
+    every roll lowers the centre of mass. Nothing slides, bounces or swings through.
 
     Args:
-        mesh: The solid, metres.
-        com: (3,) its centre of mass, metres.
-        least: Poses less likely than this are left out.
+        mesh: Any surface, in any unit; only its hull counts.
+        center: Centre of mass, (3,), strictly inside the hull.
+
+    Returns:
+        At least one pose; the probabilities add up to 1.
 
     Raises:
-        RejectedError: The solid is flat, or its centre of mass is not inside its convex hull.
+        RejectedError: The mesh is flat, or the centre is not inside its hull.
 
-    Source: trimesh, after Goldberg et al., Part pose statistics, 1999. Probabilities are the solid
-    angles from which the faces are seen, handed on along the way that the solid topples.
+    Source: after Goldberg et al., Part pose statistics, 1999 (quasi-static estimate).
     """
-    corners = _hull_around(mesh, com)
-    transforms, probabilities = trimesh.poses.compute_stable_poses(
-        mesh, center_mass=com, sigma=0, n_samples=1, threshold=least
-    )
-    poses = []
-    for transform, probability in zip(transforms, probabilities, strict=True):
-        rotation = np.asarray(transform, dtype=np.float64)[:3, :3]
-        lowest = corners[np.argmin(corners @ rotation[2])]
-        poses.append(StablePose(float(probability), rotation, lowest))
-    return sorted(poses, key=lambda pose: -pose.probability)
+    facets = _facets(np.asarray(mesh.vertices, dtype=np.float64), center)
+    margins, target = _rolls(facets)
+    chances = facets.solid_angles / facets.solid_angles.sum()
+    for face in np.argsort(-facets.heights, kind="stable"):  # highest first: they roll downwards
+        if target[face] != face:
+            chances[target[face]] += chances[face]
+            chances[face] = 0.0
+    resting = np.flatnonzero((target == np.arange(len(target))) & (chances > 0))
+    order = resting[np.argsort(-chances[resting], kind="stable")]
+    return [_pose(facets, face, float(chances[face]), float(margins[face])) for face in order]
 
 
-def _hull_around(mesh: trimesh.Trimesh, com: Floats) -> Floats:
-    """Vertices of the convex hull; trimesh's search would not end for a point that is not inside.
+def grouped(poses: list[StablePose], angle: float) -> list[StablePose]:
+    """Poses that are nearly the same as one: a rounded bottom has many small faces.
 
-    The comparison is its own: a triangle without area, and so without a normal, has no inside.
+    Args:
+        poses: The most probable first.
+        angle: Each joins the first one whose resting face is turned by less than this, radians.
+
+    Returns:
+        Those that others joined, with the probabilities of these; again the most probable first.
     """
+    kept: list[StablePose] = []
+    for pose in poses:
+        near = (k for k, other in enumerate(kept) if other.normal @ pose.normal > np.cos(angle))
+        place = next(near, None)
+        if place is None:
+            kept.append(pose)
+        else:
+            chance = kept[place].probability + pose.probability
+            kept[place] = kept[place]._replace(probability=chance)
+    return sorted(kept, key=lambda pose: -pose.probability)
+
+
+def _pose(facets: _Facets, face: int, chance: float, margin: float) -> StablePose:
+    normal, height = facets.normals[face], float(facets.heights[face])
+    return StablePose(chance, facets.corners[face], normal, turned_down(normal), height, margin)
+
+
+def turned_down(normal: Floats) -> Floats:
+    """The rotation by the smallest angle that turns a unit vector to -z, (3, 3)."""
+    axis = np.cross(normal, [0.0, 0.0, -1.0])
+    sine, cosine = float(np.linalg.norm(axis)), float(-normal[2])
+    if sine == 0:
+        return np.eye(3) if cosine > 0 else np.diag([1.0, -1.0, -1.0])
+    turn: Floats = Rotation.from_rotvec(axis / sine * np.arctan2(sine, cosine)).as_matrix()
+    return turn
+
+
+def _facets(vertices: Floats, center: Floats) -> _Facets:
     try:
-        hull = mesh.convex_hull
-    except QhullError as error:
-        raise RejectedError("the solid is flat") from error
-    heights = np.einsum("ij,ij->i", com - hull.triangles_center, hull.face_normals)
-    if len(heights) == 0 or not (heights < 0).all():
-        raise RejectedError("its centre of mass is not inside its convex hull")
-    return np.asarray(hull.vertices, dtype=np.float64)
+        hull = ConvexHull(vertices)
+    except (QhullError, ValueError) as error:
+        raise RejectedError("no hull to rest on: flat, or not finite") from error
+    # Qhull joins what is flat to its precision, and gives its triangles the very same plane.
+    planes, face = np.unique(hull.equations, axis=0, return_inverse=True)
+    face = face.ravel()
+    heights = -(planes[:, :3] @ center + planes[:, 3])
+    if not heights.min() > 0:
+        raise RejectedError("the centre of mass is not inside the hull")
+    triangles, neighbours = _outward(hull, vertices)
+    angles = np.zeros(len(planes))
+    np.add.at(angles, face, _solid_angles(vertices[triangles] - center))
+    corners = [np.unique(triangles[face == each]) for each in range(len(planes))]
+    sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2)  # 01, 12, 20
+    behind = face[np.roll(neighbours, -2, axis=1)]  # a neighbour is named after the far corner
+    rim = behind != face[:, None]
+    ends = vertices[sides[rim]] - center
+    owner = np.broadcast_to(face[:, None], behind.shape)[rim]
+    return _Facets(
+        planes[:, :3], heights, angles, corners, ends[:, 0], ends[:, 1], owner, behind[rim]
+    )
+
+
+def _outward(hull: ConvexHull, vertices: Floats) -> tuple[Ints, Ints]:
+    """The triangles of a hull, anticlockwise seen from outside, and their neighbours."""
+    triangles, neighbours = hull.simplices.astype(np.int64), hull.neighbors.astype(np.int64)
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    inward = _dot(np.cross(b - a, c - a), hull.equations[:, :3]) < 0
+    triangles[inward] = triangles[inward][:, ::-1]
+    neighbours[inward] = neighbours[inward][:, ::-1]
+    return triangles, neighbours
+
+
+def _rolls(facets: _Facets) -> tuple[Floats, Ints]:
+    """Tipping angle of each face, and the face that an object on it rolls to; itself if none."""
+    normals, heights = facets.normals[facets.owner], facets.heights[facets.owner]
+    foot = heights[:, None] * normals
+    along = facets.end - facets.start
+    length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(np.float64).tiny)
+    along = along / length[:, None]
+    depth = _dot(foot - facets.start, np.cross(normals, along))  # of the foot within the outline
+    place = np.clip(_dot(foot - facets.start, along), 0, length)
+    away = np.linalg.norm(foot - facets.start - place[:, None] * along, axis=1)
+    least = np.full(len(facets.heights), np.inf)
+    np.minimum.at(least, facets.owner, depth)
+    target = np.arange(len(facets.heights))
+    falls = np.flatnonzero((depth < 0) & (facets.heights[facets.beyond] < heights))
+    # The last of a face wins: the nearest edge, and of those that meet there the one overstepped.
+    order = falls[np.lexsort((-depth[falls], -away[falls]))]
+    target[facets.owner[order]] = facets.beyond[order]
+    return np.arctan2(np.maximum(least, 0), facets.heights), target
+
+
+def _solid_angles(triangles: Floats) -> Floats:
+    """Solid angles of triangles seen from the origin (n,), after Van Oosterom and Strackee."""
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
+    volume = np.abs(_dot(a, np.cross(b, c)))
+    flat = la * lb * lc + _dot(a, b) * lc + _dot(b, c) * la + _dot(c, a) * lb
+    angles: Floats = 2 * np.arctan2(volume, flat)
+    return angles
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    products: Floats = np.einsum("ij,ij->i", a, b)
+    return products

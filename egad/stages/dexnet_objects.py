@@ -69,7 +69,7 @@ def _solid(settings: DexNetObjects, row: Mapping[str, Any], path: Path) -> Solid
 
 def _poses(mesh: trimesh.Trimesh, com: Floats, least: float, label: str) -> list[StablePose]:
     try:
-        return stable_poses(mesh, com, least)
+        return [pose for pose in stable_poses(mesh, com) if pose.probability >= least]
     except RejectedError as reason:
         log.warning("%s is written without stable poses: %s", label, reason)
         return []

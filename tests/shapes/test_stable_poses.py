@@ -6,7 +6,7 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.shapes.mass import mass_properties
-from egad.shapes.stable_poses import stable_poses, turned_down
+from egad.shapes.poses import grouped, stable_poses, turned_down
 
 
 def poses_of(mesh):
@@ -55,6 +55,33 @@ def test_a_leaning_prism_falls_off_its_small_faces():
     assert sum(pose.probability for pose in poses) == pytest.approx(1)
 
 
+def test_a_heavy_end_lies_below():
+    bar = trimesh.creation.box((0.02, 0.02, 0.1))
+    poses = stable_poses(bar, np.array([0.0, 0.0, -0.049]))
+    down = next(pose for pose in poses if pose.normal[2] < -0.99)
+    assert down.height == pytest.approx(0.001)
+    assert bar.vertices[down.face][:, 2] == pytest.approx([-0.05] * 4)
+    assert down.probability > 0.3
+
+
+def test_dents_and_spikes_leave_three_corners_or_more_on_the_table(spiky_box):
+    mesh = spiky_box(3)
+    for pose in poses_of(mesh):
+        heights = (mesh.vertices - mesh.vertices[pose.face[0]]) @ pose.rotation[2]
+        assert heights.min() == pytest.approx(0, abs=1e-9)
+        assert (heights < 1e-6 * mesh.scale).sum() >= 3
+
+
+def test_nearly_the_same_poses_of_a_round_object_are_joined_with_all_their_chances():
+    poses = poses_of(trimesh.creation.icosphere(subdivisions=3))
+    joined = grouped(poses, np.radians(30))
+    assert len(joined) < len(poses)
+    assert sum(pose.probability for pose in joined) == pytest.approx(1)
+    normals = np.array([pose.normal for pose in joined])
+    apart = np.degrees(np.arccos(np.clip(normals @ normals.T, -1, 1)))
+    assert apart[~np.eye(len(joined), dtype=bool)].min() >= 30 - 1e-9
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_poses_stand_on_the_table_and_their_chances_add_up(seed):
     mesh = blob(seed)
@@ -101,10 +128,28 @@ def test_units_and_order_do_not_matter():
     assert [p.probability for p in poses_of(big)] == pytest.approx([p.probability for p in poses])
 
 
-def test_what_cannot_rest_is_rejected():
-    cube = trimesh.creation.box((1, 1, 1))
-    with pytest.raises(RejectedError, match="not inside"):
-        stable_poses(cube, np.array([0, 0, 2.0]))
-    flat = trimesh.Trimesh(cube.vertices * [1, 1, 0], cube.faces, process=False)
-    with pytest.raises(RejectedError, match="flat"):
+@pytest.mark.parametrize("center", [(0, 0, 0.06), (0, 0, 0.05), (1, 1, 1), (np.nan, 0, 0)])
+def test_a_centre_of_mass_that_is_not_inside_is_rejected(center):
+    bar = trimesh.creation.box((0.02, 0.02, 0.1))
+    with pytest.raises(RejectedError, match="centre of mass is not inside"):
+        stable_poses(bar, np.array(center, dtype=float))
+
+
+@pytest.mark.parametrize("squeeze", [(1, 1, 0), (1, 0, 0), (0, 0, 0), (1, 1, np.nan)])
+def test_what_has_no_hull_is_rejected(squeeze):
+    box = trimesh.creation.box((0.02, 0.03, 0.04))
+    flat = trimesh.Trimesh(box.vertices * squeeze, box.faces, process=False)
+    with pytest.raises(RejectedError, match="flat, or not finite"):
         stable_poses(flat, np.zeros(3))
+
+
+@pytest.mark.parametrize("thickness", [1e-6, 1e-9, 1e-12, 1e-15])
+def test_a_sheet_of_no_thickness_to_speak_of_lies_on_its_sides_or_is_rejected(thickness):
+    sheet = trimesh.creation.box((0.1, 0.1, thickness))
+    try:
+        poses = stable_poses(sheet, np.zeros(3))
+    except RejectedError:
+        assert thickness < 1e-9
+    else:
+        assert sum(pose.probability for pose in poses) == pytest.approx(1)
+        assert {abs(round(pose.normal[2])) for pose in poses[:2]} == {1}
