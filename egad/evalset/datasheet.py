@@ -8,8 +8,7 @@ import pandas as pd
 from egad.settings import PrintCheck, PrintExport
 from egad.tables import parquet
 
-ATTEMPTS = 20
-TRIAL_COLUMNS = ["label", "attempt", "success", "outcome", "note"]
+ATTEMPTS = 20  # as in the paper
 
 
 @dataclass(frozen=True)
@@ -41,8 +40,9 @@ REPORTING = """
 2. As in the paper, make {attempts} attempts an object: drop it into the workspace alone, let the
    detector choose one grasp, close, lift. It is a success if the object is held until the end.
    Put it back at random between attempts, and count every attempt, the aborted ones too.
-3. Write every attempt into a copy of `trials.csv`: `success` is 1 or 0; `outcome` is success,
-   no_grasp, collided, missed, slipped, dropped or failed; `note` is free.
+3. Write every attempt into a copy of `trials.csv`: `success` is 1 or 0. If you like, `outcome` is
+   success, slipped, dropped, missed, collided, no_grasp, failed or other, and `detector` its name.
+   `egad trials import` reads the file, `egad trials compare` holds it against others.
 4. Report the success rate over all attempts and that of each object, row and column, the gripper
    with its opening, the scale rule and the factors, the filament and the friction of the fingers,
    the sensor, and the version of the detector. {attempts} attempts leave an object's rate uncertain
@@ -110,9 +110,3 @@ def _gripper_section(
 
 def _number(value: float, digits: int) -> str:
     return "" if pd.isna(value) else f"{value:.{digits}f}"
-
-
-def trials_template(labels: list[str]) -> str:
-    """An empty CSV table of the attempts on a real robot, one a row."""
-    rows = [f"{label},{attempt},,," for label in labels for attempt in range(1, ATTEMPTS + 1)]
-    return "\n".join([",".join(TRIAL_COLUMNS), *rows, ""])

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from egad.evalset.datasheet import ForGripper, page, trials_template
+from egad.evalset.datasheet import ATTEMPTS, ForGripper, page
 from egad.evalset.selection import empty_cells
 from egad.exchange.meshes import read_mesh
 from egad.files import replacing, write_text
@@ -13,6 +13,7 @@ from egad.stage_settings import DataSheets
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import GRASPS
+from egad.trials.records import template
 
 
 def run(
@@ -51,7 +52,8 @@ def run(
         manifests[first].parent,
     )
     write_text(out / "README.md", text)
-    write_text(out / "trials.csv", trials_template(chosen["label"].tolist()))
+    empty_results = template(chosen["label"].tolist(), ATTEMPTS, "")
+    write_text(out / "trials.csv", empty_results.to_csv(index=False))
     with replacing(out / "contact-sheet.pdf") as temporary:
         temporary.write_bytes(picture)
 

@@ -11,9 +11,10 @@ from egad.tables.evaluation import TRIALS
 
 TRIED = {"simulated_trial", "join_trials"}
 AFTER_TRIALS = {"join_trials", "report", "all"}
-AFTER_GRASPS = {"join_grasps", "join_tallies", "join_ungraspable", "report", "all"}
+AFTER_PRINTS = {"datasheet", "report", "all"}
+AFTER_GRASPS = {"join_grasps", "join_tallies", "join_ungraspable"} | AFTER_PRINTS
 AFTER_SIZES = {"size_effect", "report", "all"}
-AFTER_SELECTION = {"print_export", "simulated_trial"} | AFTER_SIZES | AFTER_TRIALS
+AFTER_SELECTION = {"print_export", "simulated_trial"} | AFTER_PRINTS | AFTER_SIZES | AFTER_TRIALS
 AFTER_RESCALE = {"grasp_label", "print_export", "simulated_trial"} | AFTER_GRASPS | AFTER_TRIALS
 AFTER_COLLECT = {"compare", "rescale", "select_eval"} | AFTER_RESCALE | AFTER_SELECTION
 AFTER_POSTPROCESS = {"collect"} | AFTER_COLLECT
@@ -47,11 +48,15 @@ def test_a_finished_run_has_nothing_to_do(finished):
     ("settings", "rules"),
     [
         ({"trials": {"attempts": 3}}, {"simulated_trial"} | AFTER_TRIALS),
-        ({"print_export": {"gap": 0.006}}, {"print_export", "report", "all"}),
+        ({"print_export": {"gap": 0.006}}, {"print_export"} | AFTER_PRINTS),
+        ({"print_check": {"wall": 0.001}}, {"select_eval"} | AFTER_SELECTION),
         ({"robust": {"samples": 6}}, {"grasp_label"} | AFTER_GRASPS),
         ({"size_effect": {"repeats": 3}}, AFTER_SIZES),
         ({"select_eval": {"restarts": 3}}, {"select_eval"} | AFTER_SELECTION),
-        ({"rescale": {"side_fraction": 0.7}}, {"rescale"} | AFTER_RESCALE),
+        (
+            {"rescale": {"side_fraction": 0.7}},
+            {"rescale", "select_eval"} | AFTER_RESCALE | AFTER_SELECTION,
+        ),
         ({"postprocess": {"grasps": 21}}, {"postprocess"} | AFTER_POSTPROCESS),
         ({"shards": 3}, {"postprocess"} | AFTER_POSTPROCESS),
         ({"evolution": {"population": 11}}, EVERYTHING),
