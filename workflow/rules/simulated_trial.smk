@@ -26,11 +26,11 @@ rule simulated_trial:
         "logs/{dataset}/simulated_trial/{gripper}-{policy}-{shard}.log",
     benchmark:
         "benchmarks/{dataset}/simulated_trial/{gripper}-{policy}-{shard}.tsv"
+    # Some take five times as long as others: begun early, or cores wait for the last one.
+    priority: 1
     conda:
         ENVIRONMENT
     threads: 1
-    # Some take five times as long as others: begun early, or cores wait for the last one.
-    priority: 1
     resources:
         mem_mb=2000,
         runtime=120,
