@@ -13,7 +13,8 @@ __all__ = ["exchange", "grasping", "main", "measuring", "stages", "tools", "tria
 
 def main() -> None:
     """Run the command; say what went wrong in a sentence, without a traceback."""
-    logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
+    logging.basicConfig(level=logging.WARNING, format="%(message)s", stream=sys.stderr)
+    logging.getLogger("egad").setLevel(logging.INFO)
     try:
         app()
     except (UserError, TableError, RejectedError) as error:

@@ -91,9 +91,9 @@ def _gripper_section(
         f"\n## For {name}\n",
         "Sizes are those of the box as printed. Mass is that of the filament, without "
         "supports. The best "
-        "quality is that of the best labelled grasp that the hand reaches. Walls are at "
-        f"least {1000 * check.wall:g} mm thick.\n",
-        "| label | scale | size, mm | mass, g | wall, mm | best quality, 1e-3 | plate | note |",
+        "quality is that of the best labelled grasp that the hand reaches. Walls are looked at "
+        f"in steps from {1000 * check.wall:g} to 8 mm.\n",
+        "| label | scale | size, mm | mass, g | walls at least, mm | best quality, 1e-3 | plate | note |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for row in parquet.records(known.manifest):

@@ -77,6 +77,6 @@ def _sheet(
             continue
         meshes[place] = read_mesh(prints / row["file"], "mm")
         sides = " x ".join(f"{row[f'extents_{axis}']:.0f}" for axis in "xyz")
-        captions[place] = (each["label"], f"{sides} mm, {row['filament']:.0f} g")
+        captions[place] = (each["label"], f"{sides} mm\n{row['filament']:.0f} g")
     grid = settings.select_eval
     return contact_sheet(title, grid.rows, grid.columns, meshes, captions)

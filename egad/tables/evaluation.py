@@ -44,7 +44,10 @@ MANIFEST = pa.schema(
         column("overhang", FLOAT, "area that needs support", "mm2"),
         column("contact", FLOAT, "area of the first layer", "mm2"),
         column(
-            "wall", FLOAT, "thickness of the thinnest wall, at most 10; 0: cannot be printed", "mm"
+            "wall",
+            FLOAT,
+            "what all walls are at least as thick as, found in steps up to 8; 0: cannot be printed",
+            "mm",
         ),
         column("factor", FLOAT, "scaled size / size in meshes/"),
         column("settings", STRING, "how to print it"),
