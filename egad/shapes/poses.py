@@ -57,7 +57,7 @@ def stable_poses(mesh: trimesh.Trimesh, com: Floats, least: float) -> list[Stabl
 def _hull_around(mesh: trimesh.Trimesh, com: Floats) -> Floats:
     """Vertices of the convex hull; trimesh's search would not end for a point that is not inside.
 
-    The comparison is its own: a triangle without area, and so without a normal, has no inside.
+    This is the same comparison as trimesh's, which a triangle without area always fails.
     """
     try:
         hull = mesh.convex_hull
@@ -65,5 +65,7 @@ def _hull_around(mesh: trimesh.Trimesh, com: Floats) -> Floats:
         raise RejectedError("the solid is flat") from error
     heights = np.einsum("ij,ij->i", com - hull.triangles_center, hull.face_normals)
     if len(heights) == 0 or not (heights < 0).all():
-        raise RejectedError("its centre of mass is not inside its convex hull")
+        raise RejectedError(
+            "its centre of mass is not inside its convex hull, or the hull has an empty triangle"
+        )
     return np.asarray(hull.vertices, dtype=np.float64)

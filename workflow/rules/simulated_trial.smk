@@ -29,7 +29,7 @@ rule simulated_trial:
     conda:
         ENVIRONMENT
     threads: 1
-    # Some take five times as long as others: begun early, or cores wait for the last one.
+    # Start these first: one can take five times as long as another.
     priority: 1
     resources:
         mem_mb=2000,
