@@ -26,11 +26,11 @@ rule simulated_trial:
         "logs/{dataset}/simulated_trial/{gripper}-{policy}-{shard}.log",
     benchmark:
         "benchmarks/{dataset}/simulated_trial/{gripper}-{policy}-{shard}.tsv"
+    # Start these first: one can take five times as long as another.
+    priority: 1
     conda:
         ENVIRONMENT
     threads: 1
-    # Start these first: one can take five times as long as another.
-    priority: 1
     resources:
         mem_mb=2000,
         runtime=120,
