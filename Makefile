@@ -25,9 +25,8 @@ setup: $(READY)
 test: setup
 	pytest
 
-# Numba does not see by its cache whether code checks its indices: this one has a cache of its own.
 bounds: setup
-	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=build/bounds pytest \
+	NUMBA_BOUNDSCHECK=1 pytest \
 		tests/evolution tests/measures tests/grasps tests/shapes tests/trials
 
 bench: setup

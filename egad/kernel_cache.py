@@ -2,7 +2,7 @@
 
 numba looks only at the file of a kernel when it decides whether its cached machine code is still
 good, not at the kernels of other files that were compiled into it. After an edit or an update it
-would run stale code with new data.
+would run stale code with new data. Nor does it look at whether the code checks its indices.
 """
 
 import hashlib
@@ -24,5 +24,6 @@ def kernel_sources_version(package: Path = PACKAGE) -> str:
 
 def use_own_cache() -> None:
     """Tell numba, before it is imported, unless the user has told it already."""
-    folder = PACKAGE / "__pycache__" / f"kernels-{kernel_sources_version()}"
+    checked = "-bounds" if os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0" else ""
+    folder = PACKAGE / "__pycache__" / f"kernels-{kernel_sources_version()}{checked}"
     os.environ.setdefault("NUMBA_CACHE_DIR", str(folder))

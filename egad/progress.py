@@ -18,7 +18,7 @@ def progress(
     total: int,
     *,
     scale: int = 1,
-    state: Callable[[], str] = str,
+    state: Callable[[], str] = lambda: "",
 ) -> Iterator[T]:
     """Pass items through and show on stderr how far the work is.
 

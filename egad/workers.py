@@ -18,13 +18,20 @@ Mapper = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
 def workers(count: int) -> Iterator[Mapper]:
     """A `map` that keeps order and runs in `count` processes (in this one if 1)."""
     if count == 1:
-        yield map
+        with _one_thread():
+            yield map
         return
     try:
-        # Else each process would have as many threads for algebra, waiting for one another.
-        with ProcessPoolExecutor(count, initializer=threadpool_limits, initargs=(1,)) as pool:
+        with ProcessPoolExecutor(count, initializer=_one_thread) as pool:
             yield partial(pool.map, chunksize=2)
     except BrokenProcessPool as error:
         raise UserError(
             "a worker process was killed, probably for want of memory; take fewer with --jobs"
         ) from error
+
+
+def _one_thread() -> threadpool_limits:
+    """Algebra in one thread: else each process has one for every core, and they wait."""
+    import scipy.linalg  # noqa: F401, PLC0415 (only libraries that are loaded can be limited)
+
+    return threadpool_limits(1)

@@ -2,7 +2,7 @@ import os
 import subprocess
 import sys
 
-from egad.kernel_cache import kernel_sources_version
+from egad.kernel_cache import kernel_sources_version, use_own_cache
 
 KERNEL = "import numba\n\n@numba.njit(cache=True)\ndef double(x):\n    return {} * x\n"
 
@@ -33,3 +33,13 @@ def test_numba_uses_the_folder_unless_the_user_names_one():
 
     assert folder().endswith(f"kernels-{kernel_sources_version()}")
     assert folder(NUMBA_CACHE_DIR="mine") == "mine"
+
+
+def test_code_that_checks_its_indices_has_a_cache_of_its_own(monkeypatch):
+    folders = []
+    for checked in ("0", "1"):
+        monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+        monkeypatch.setenv("NUMBA_BOUNDSCHECK", checked)
+        use_own_cache()
+        folders.append(os.environ["NUMBA_CACHE_DIR"])
+    assert folders[0] != folders[1]

@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 from threadpoolctl import threadpool_info
 
 from egad.workers import workers
@@ -14,8 +15,9 @@ def test_results_are_in_order():
         assert list(mapper(abs, range(-9, 0))) == list(range(9, 0, -1))
 
 
-def test_workers_do_not_use_more_threads_than_there_are_workers():
-    with workers(2) as mapper:
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_worker_has_one_thread_for_algebra(count):
+    with workers(count) as mapper:
         found = list(mapper(threads_for_algebra, [np.eye(3)] * 4))
     assert all(found)
     assert all(count == 1 for counts in found for count in counts)

@@ -93,7 +93,7 @@ def _gripper_section(
         "supports. The best "
         "quality is that of the best labelled grasp that the hand reaches. Walls are looked at "
         f"in steps from {1000 * check.wall:g} to 8 mm.\n",
-        "| label | scale | size, mm | mass, g | walls at least, mm | best quality, 1e-3 | plate | note |",
+        "| label | scale | size, mm | mass, g | walls, mm | best quality, 1e-3 | plate | note |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for row in parquet.records(known.manifest):

@@ -113,8 +113,8 @@ class Archive:
     def _trim(self) -> None:
         """Remove the least diverse elite of an overfull cell until every cell fits.
 
-        While there are more others than neighbours, a removal can only raise a diversity: what was
-        found before is a lower bound, and is found again only when it comes first.
+        While there are more others than neighbours, a removal can only raise a diversity: one that
+        is stored is then a lower bound, and is found again when it is the least of the heap.
         """
         counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
         queue = self._queue(counts)

@@ -1,10 +1,10 @@
 """One epoch of an island: breed, evaluate side by side, keep the elites."""
 
-import logging
+import math
 from collections import Counter
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
@@ -18,7 +18,6 @@ from egad.stage_settings import Evolve
 from egad.tables.evolution import HISTORY
 from egad.workers import Mapper
 
-log = logging.getLogger(__name__)
 SCORED = 10  # the QD-score of every so many steps is computed
 LINE = "{elites} elites, coverage {coverage:.3f}, QD-score {qd_score:.1f}"
 
@@ -53,11 +52,12 @@ def evolve(
         The steps, with the columns of `tables.evolution.HISTORY`; and how many offspring were
         evaluated, empty, known already, or rejected for which reason.
     """
-    rows, total = [], Counter[str]()
+    rows: list[dict[str, Any]] = []
+    total = Counter[str]()
     steps = settings.evolution.steps_per_epoch
-    stands, size = [""], settings.evolution.population
+    size = settings.evolution.population
     what = f"evaluations of epoch {epoch}, island {island}"
-    for number in progress(range(steps), what, steps, scale=size, state=lambda: stands[-1]):
+    for number in progress(range(steps), what, steps, scale=size, state=lambda: _standing(rows)):
         step = Step(epoch, island, number)
         offspring = breed(archive.elites, settings, *step)
         elites, outcomes = _evaluated(offspring, archive, settings, epoch, rules, mapper)
@@ -65,10 +65,13 @@ def evolve(
         total += outcomes
         scored = number % SCORED == SCORED - 1 or number == steps - 1
         rows.append({**step._asdict(), **snapshot(archive, outcomes, scored)})
-        if scored:
-            stands.append(LINE.format(**rows[-1]))
-            log.info("step %d: %s", number, stands[-1])
     return pd.DataFrame(rows, columns=HISTORY.names), total
+
+
+def _standing(rows: list[dict[str, Any]]) -> str:
+    """How the search stood when its QD-score was last taken."""
+    scored = (row for row in reversed(rows) if not math.isnan(row["qd_score"]))
+    return next((LINE.format(**row) for row in scored), "")
 
 
 def _evaluated(

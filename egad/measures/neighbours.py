@@ -162,8 +162,9 @@ class Neighbourhood:
         def search(chunk: Integers) -> None:
             self._near[chunk] = _nearest_to_each(table, chunk, others, self._near.shape[1])
 
-        with ThreadPoolExecutor(self._threads) as pool:
-            mapper = map if self._threads == 1 or len(rows) <= CHUNK else pool.map
+        count = self._threads if len(rows) > CHUNK else 1
+        with ThreadPoolExecutor(count) as pool:
+            mapper = map if count == 1 else pool.map
             for batch in _cut(rows, ROUND * self._threads):
                 list(mapper(search, _cut(batch, CHUNK)))
                 _tell(table, batch)

@@ -1,7 +1,6 @@
 """The map of a dataset and its evaluation set, laid out for the templates."""
 
 import base64
-import string
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -9,13 +8,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from egad.evalset.labels import label_at
 from egad.measures.space import cell_name
 from egad.report.data import DatasetReport
 from egad.report.style import scale_colour
 from egad.settings import SelectEval, Space
 
 SHOWN = 4
-CELL = ["difficulty_cell", "complexity_cell"]
+BY_CELL = ["difficulty_cell", "complexity_cell"]
 STOPS = 11
 CLIPPED = 0.02
 
@@ -75,7 +75,7 @@ def data_uri(content: bytes, kind: str = "image/png") -> str:
 
 def shown_objects(objects: pd.DataFrame) -> list[str]:
     """Labels of the objects that the map has pictures of: the most diverse ones of each cell."""
-    labels: list[str] = _ordered(objects).groupby(CELL).head(SHOWN)["label"].tolist()
+    labels: list[str] = _ordered(objects).groupby(BY_CELL).head(SHOWN)["label"].tolist()
     return labels
 
 
@@ -90,7 +90,7 @@ def space_map(data: DatasetReport, space: Space) -> SpaceMap:
     diverse one.
     """
     ordered = _ordered(data.objects)
-    groups = list(ordered.groupby(CELL, sort=True))
+    groups = list(ordered.groupby(BY_CELL, sort=True))
     means = [float(group["diversity"].mean()) for _, group in groups]
     known = [mean for mean in means if not np.isnan(mean)]
     low, high = np.quantile(known, [CLIPPED, 1 - CLIPPED]) if known else (0.0, 0.0)
@@ -150,8 +150,8 @@ def evaluation_grid(data: DatasetReport, layout: SelectEval) -> list[list[Place]
     if data.evalset is not None:
         chosen = {item["label"]: item for item in data.evalset.to_dict("records")}
     grid = []
-    for letter in reversed(string.ascii_uppercase[: layout.rows]):
-        labels = [f"{letter}{digit}" for digit in range(layout.columns)]
+    for row in reversed(range(layout.rows)):
+        labels = [label_at(row, column) for column in range(layout.columns)]
         grid.append([_place(label, chosen.get(label), data) for label in labels])
     return grid
 

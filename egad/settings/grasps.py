@@ -45,7 +45,10 @@ class Sampling(Section):
     candidates: int = Field(200, ge=1, description="candidate axes drawn in one round")
     rounds: int = Field(10, ge=1, description="most rounds until enough grasps are found")
     approach_clearance: float = Field(
-        0.1, ge=0, description="open fingers must reach their place from this far, metres; 0: off"
+        0.1,
+        ge=0,
+        description="open fingers must reach their place from this far, metres; 0: off "
+        "(grasp labels test the whole hand instead)",
     )
 
 

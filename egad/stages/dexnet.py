@@ -61,8 +61,7 @@ def run(
         TableError: The table is damaged, or is not one of grasps.
     """
     check(dataset, gripper, grasps)
-    ours = set((dataset / "parts").glob(f"exchange-{gripper}-*.hdf5"))
-    homes, labels = _homes(parts, ours), _labels(grasps)
+    homes, labels = _homes(parts, (dataset / "parts").resolve()), _labels(grasps)
     if lost := sorted(labels - homes.keys()):
         raise UserError(f"{grasps}: object {lost[0]!r} is none of those that were written")
     found = by_object(grasps, COLUMNS)
@@ -88,11 +87,11 @@ def check(dataset: Path, gripper: str, grasps: Path) -> None:
     parquet.check_columns(grasps, ["label", *COLUMNS])
 
 
-def _homes(parts: list[Path], ours: set[Path]) -> dict[str, Path]:
-    """The part that each object is in; a damaged one is removed if it is ours."""
+def _homes(parts: list[Path], ours: Path) -> dict[str, Path]:
+    """The part that each object is in; a damaged one is removed if it is in our folder."""
     homes: dict[str, Path] = {}
     for part in parts:
-        for key in _keys(part, part in ours):
+        for key in _keys(part, part.resolve().parent == ours):
             if key in homes:
                 raise UserError(f"object {key!r} is in {homes[key]} and again in {part}")
             homes[key] = part

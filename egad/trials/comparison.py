@@ -92,9 +92,9 @@ def _check_objects(pairs: pd.DataFrame) -> None:
     one, other = pairs["id_1"], pairs["id_2"]
     differ = pairs[(one != "") & (other != "") & (one != other)]
     if len(differ):
-        label, one, other = differ.iloc[0][["label", "id_1", "id_2"]]
+        label, first, second = differ.iloc[0][["label", "id_1", "id_2"]]
         raise UserError(
-            f"{label} is the object {one} in one table and {other} in the other: "
+            f"{label} is the object {first} in one table and {second} in the other: "
             "only trials of one evaluation set can be compared"
         )
 

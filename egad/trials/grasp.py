@@ -11,7 +11,7 @@ from egad.settings import Gripper
 
 Floats = NDArray[np.float64]
 
-MOST = 50
+MOST_GRASPS = 50  # kept of the candidates of a detector
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def ranked(
     """
     angle = np.arctan2(axis[:, 1], axis[:, 0])
     columns = np.column_stack([center, angle, width, depth, quality])
-    order = np.argsort(-quality, kind="stable")[:MOST]
+    order = np.argsort(-quality, kind="stable")[:MOST_GRASPS]
     return [Grasp((x, y, z), *others) for x, y, z, *others in columns[order].tolist()]
 
 

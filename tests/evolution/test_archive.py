@@ -1,4 +1,5 @@
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -68,6 +69,16 @@ def test_equals_the_rule_done_slowly(elites, neighbours):
         archive.add(batch)
     assert {each.id for each in archive.elites} == slow_archive(batches, space)
     assert len(archive) == 6
+
+
+def test_of_equally_diverse_ones_the_first_name_goes(elites):
+    twins = [replace(each, id=f"twin {each.id}") for each in elites]
+    space = SPACE.model_copy(update={"elites_per_cell": 4})
+    batches = [elites[:9] + twins[:9], elites[9:] + twins[9:]]
+    archive = Archive(space, SIMILARITY)
+    for batch in batches:
+        archive.add(batch)
+    assert {each.id for each in archive.elites} == slow_archive(batches, space)
 
 
 def test_any_number_of_threads_keeps_the_same(elites):

@@ -26,7 +26,7 @@ rule simulated_trial:
         "logs/{dataset}/simulated_trial/{gripper}-{policy}-{shard}.log",
     benchmark:
         "benchmarks/{dataset}/simulated_trial/{gripper}-{policy}-{shard}.tsv"
-    # Some take five times as long as others: begun early, or cores wait for the last one.
+    # Start these first: one can take five times as long as another.
     priority: 1
     conda:
         ENVIRONMENT
