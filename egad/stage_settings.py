@@ -15,6 +15,7 @@ from egad.settings import (
     Complexity,
     DexNet,
     Difficulty,
+    Engraving,
     Envelope,
     Evolution,
     GraspLabel,
@@ -166,6 +167,7 @@ class PrintFiles(StageSettings):
     rescale: Rescale
     print_check: PrintCheck
     print_export: PrintExport
+    engraving: Engraving
 
 
 class DataSheets(StageSettings):

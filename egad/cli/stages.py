@@ -163,12 +163,13 @@ def print_export(
     scales: Annotated[Path, typer.Option(help="table of the scales")],
     gripper: Annotated[str, typer.Option(help="name of the gripper, for the plates")],
     out: OutFolder,
+    grasps: Annotated[Path | None, typer.Option(help="labelled grasps, for an engraving")] = None,
 ) -> None:
     """Write STL and 3MF files of the evaluation set, in millimetres."""
     from egad.stage_settings import PrintFiles
     from egad.stages import print_export as stage
 
-    stage.run(parse(PrintFiles, settings), gripper, evaluation, meshes, scales, out)
+    stage.run(parse(PrintFiles, settings), gripper, evaluation, meshes, scales, out, grasps)
 
 
 @app.command(rich_help_panel=STAGE)

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csgraph
 from scipy.spatial import cKDTree
 
+from egad.evalset.samples import Samples, spread
+
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SPACING = 0.8  # of the diameter: longest side of the pieces that triangles are cut into
 NEAREST = 6  # samples whose triangles may be the nearest one
@@ -31,14 +32,6 @@ class Thinness(NamedTuple):
     pieces: int
 
 
-class _Samples(NamedTuple):
-    """Points spread over a surface, the outward normals there, and the triangles they lie on."""
-
-    points: Floats
-    normals: Floats
-    faces: Ints
-
-
 def thinness(mesh: trimesh.Trimesh, diameter: float) -> Thinness:
     """Roll a ball inside a solid: the morphological opening, measured on the surface.
 
@@ -50,7 +43,7 @@ def thinness(mesh: trimesh.Trimesh, diameter: float) -> Thinness:
         diameter: Of the ball, in the unit of the mesh.
     """
     radius = diameter / (1 + SLACK)  # so that a plate passes if it is as thick as the diameter
-    samples = _samples(mesh, SPACING * diameter)
+    samples = spread(mesh, SPACING * diameter)
     centres = samples.points - radius * samples.normals
     reached = _distances(mesh, samples, centres) >= SLACK * radius
     if not reached.any():
@@ -85,32 +78,7 @@ def thinnest(
     return low
 
 
-def _samples(mesh: trimesh.Trimesh, spacing: float) -> _Samples:
-    """The middles of the pieces of the triangles, halved until no side exceeds the spacing."""
-    owners = np.flatnonzero(np.asarray(mesh.area_faces) > 0)  # needles have no normal
-    pieces = np.asarray(mesh.triangles)[owners]
-    middles, faces = [], []
-    while len(pieces):
-        sides = np.linalg.norm(np.roll(pieces, -1, axis=1) - pieces, axis=2)
-        small = sides.max(axis=1) <= spacing
-        middles.append(pieces[small].mean(axis=1))
-        faces.append(owners[small])
-        pieces, owners = _halves(pieces[~small], sides[~small]), np.tile(owners[~small], 2)
-    found = np.concatenate(faces)
-    return _Samples(np.concatenate(middles), np.asarray(mesh.face_normals)[found], found)
-
-
-def _halves(triangles: Floats, sides: Floats) -> Floats:
-    """Triangles cut in two from the middle of their longest side, (2n, 3, 3)."""
-    longest = sides.argmax(axis=1)
-    each = np.arange(len(triangles))
-    start, end, tip = (triangles[each, (longest + corner) % 3] for corner in range(3))
-    middle = (start + end) / 2
-    halves = [np.stack([start, middle, tip], axis=1), np.stack([middle, end, tip], axis=1)]
-    return np.concatenate(halves)
-
-
-def _distances(mesh: trimesh.Trimesh, samples: _Samples, points: Floats) -> Floats:
+def _distances(mesh: trimesh.Trimesh, samples: Samples, points: Floats) -> Floats:
     """Distances of points to the surface, (n,): to the triangles of the nearest samples."""
     nearest = min(NEAREST, len(samples.points))
     _, found = cKDTree(samples.points).query(points, k=nearest)

@@ -14,6 +14,7 @@ from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
 from egad.settings.objects import (
     Bundle,
+    Engraving,
     Material,
     Postprocess,
     PrintCheck,
@@ -36,6 +37,7 @@ __all__ = [
     "Dataset",
     "DexNet",
     "Difficulty",
+    "Engraving",
     "Envelope",
     "Evolution",
     "GraspLabel",

@@ -81,6 +81,19 @@ class PrintExport(Section):
     filament_density: float = Field(1240.0, gt=0, description="of solid filament, kg/m3: PLA 1240")
 
 
+class Engraving(Section):
+    """The label of an object, cut into its print."""
+
+    enabled: bool = Field(False, description="whether prints carry their labels")
+    depth: Length = Field(0.0006, description="below the surface, metres")
+    letters: Length = Field(0.006, description="height of the letters, metres")
+    relief: Length = Field(
+        0.001,
+        description="highest less lowest point below the label, metres; objects without a place "
+        "that even stay as they are",
+    )
+
+
 class Bundle(Section):
     """Files for simulators: convex parts, URDF and MJCF."""
 

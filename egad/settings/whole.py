@@ -14,6 +14,7 @@ from egad.settings.grippers import GRIPPERS, Gripper
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
 from egad.settings.objects import (
     Bundle,
+    Engraving,
     Material,
     Postprocess,
     PrintCheck,
@@ -61,6 +62,7 @@ class Settings(Section):
     select_eval: SelectEval = SelectEval()
     print_check: PrintCheck = PrintCheck()
     print_export: PrintExport = PrintExport()
+    engraving: Engraving = Engraving()
     bundle: Bundle = Bundle()
     dexnet: DexNet = DexNet()
     acronym: Acronym = Acronym()

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import trimesh
+from numpy.typing import NDArray
 
 from egad.errors import RejectedError
+from egad.evalset.engraving import engrave
 from egad.evalset.poses import LAYER
 from egad.evalset.printing import PrintItem, plan_prints
 from egad.exchange.meshes import read_mesh, write_stl_mm
@@ -22,10 +24,17 @@ from egad.tables.grasping import SCALES
 
 log = logging.getLogger(__name__)
 Row = dict[str, Any]
+Floats = NDArray[np.float64]
 
 
 def run(
-    settings: PrintFiles, name: str, evaluation: Path, meshes: Path, scales: Path, out: Path
+    settings: PrintFiles,
+    name: str,
+    evaluation: Path,
+    meshes: Path,
+    scales: Path,
+    out: Path,
+    grasps: Path | None = None,
 ) -> None:
     """Write everything that a printer needs.
 
@@ -38,16 +47,19 @@ def run(
         evaluation: Table with the columns of `tables.evaluation.EVAL49`.
         meshes: Folder of the meshes, scaled to the gripper.
         scales: Table with the columns of `tables.grasping.SCALES`.
+        grasps: Table with the columns of `tables.grasping.GRASPS`, from whose contacts engraved
+            labels keep away.
         out: Folder for `LABEL.stl`, `plate-N.3mf` and `manifest.parquet`.
     """
     chosen = parquet.records(parquet.read(evaluation, EVAL49))
     factors = parquet.read(scales, SCALES).set_index("label")["factor"]
     solids, missing = _read(chosen, meshes)
-    items = plan_prints(solids, settings.print_export, settings.print_check)
+    engraved = _engraved(solids, chosen, grasps, settings) if settings.engraving.enabled else {}
+    items = plan_prints(solids | engraved, settings.print_export, settings.print_check)
     rows = [
         _base_row(row, float(factors.get(row["object_label"], np.nan)), settings.print_export)
         | (
-            _printed(row["label"], items[row["label"]])
+            _printed(row["label"], items[row["label"]], row["label"] in engraved, settings)
             if row["label"] in items
             else {"note": missing[row["label"]]}
         )
@@ -75,6 +87,36 @@ def _read(chosen: list[Row], meshes: Path) -> tuple[dict[str, trimesh.Trimesh], 
         except RejectedError as reason:
             missing[row["label"]] = f"no mesh {row['object_label']}.obj: {reason}"
     return solids, missing
+
+
+def _engraved(
+    solids: dict[str, trimesh.Trimesh], chosen: list[Row], grasps: Path | None, settings: PrintFiles
+) -> dict[str, trimesh.Trimesh]:
+    """Copies that carry their labels, of the objects that have a place for it."""
+    names = {row["label"]: row["object_label"] for row in chosen}
+    touched = _contacts(grasps, set(names.values())) if grasps else {}
+    cut = {
+        label: engrave(
+            mesh,
+            label,
+            settings.engraving,
+            settings.print_check.wall,
+            touched.get(names[label], np.empty((0, 3))),
+        )
+        for label, mesh in solids.items()
+    }
+    return {label: mesh for label, mesh in cut.items() if mesh is not None}
+
+
+def _contacts(path: Path, wanted: set[str]) -> dict[str, Floats]:
+    """Contacts of the grasps that a hand can use, (n, 3), by name of the object."""
+    ends = [f"contact{end}_{axis}" for end in "01" for axis in "xyz"]
+    found: dict[str, list[Floats]] = {}
+    for batch in parquet.batches(path, ["label", "collision_free", *ends]):
+        usable = batch[batch["collision_free"] & batch["label"].isin(wanted)]
+        for label, rows in usable.groupby("label"):
+            found.setdefault(str(label), []).append(rows[ends].to_numpy().reshape(-1, 3))
+    return {label: np.concatenate(parts) for label, parts in found.items()}
 
 
 def _write_plate(
@@ -122,14 +164,17 @@ def _base_row(row: Row, factor: float, settings: PrintExport) -> Row:
         "pose": settings.pose,
         "factor": factor,
         "settings": _advice(settings),
+        "engraved": False,
         "note": "",
     }
 
 
-def _printed(label: str, item: PrintItem) -> Row:
+def _printed(label: str, item: PrintItem, engraved: bool, settings: PrintFiles) -> Row:
     """What is known of an object as it will be printed."""
     x, y = item.place or (np.nan, np.nan)
     mesh = item.pose.mesh
+    plain = settings.engraving.enabled and not engraved
+    notes = [item.note, "no place for its label" if plain else ""]
     return {
         "file": f"{label}.stl",
         "plate": item.plate,
@@ -142,7 +187,8 @@ def _printed(label: str, item: PrintItem) -> Row:
         "overhang": 1e6 * item.pose.overhang,
         "contact": 1e6 * item.pose.contact,
         "wall": 1e3 * item.wall,
-        "note": item.note,
+        "engraved": engraved,
+        "note": "; ".join(filter(None, notes)),
     }
 
 

@@ -50,6 +50,7 @@ MANIFEST = pa.schema(
             "mm",
         ),
         column("factor", FLOAT, "scaled size / size in meshes/"),
+        column("engraved", BOOL, "whether its label is cut into it"),
         column("settings", STRING, "how to print it"),
         column("note", STRING, "what to know before printing; empty if nothing"),
     ]

@@ -4,16 +4,16 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.exchange.meshes import write_obj
+from egad.exchange.meshes import read_mesh, write_obj
 from egad.settings import Settings
 from egad.stage_settings import PrintFiles, select
 from egad.stages import print_export
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
-from egad.tables.grasping import SCALES
+from egad.tables.grasping import GRASPS, SCALES
 
 
-def exported(folder, sides):
+def exported(folder, sides, grasps=None, **changes):
     """The manifest of cubes with these sides, metres; None: the mesh is missing."""
     folder.mkdir()
     for number, side in enumerate(sides):
@@ -27,12 +27,13 @@ def exported(folder, sides):
     parquet.write(chosen, EVAL49, folder / "eval49.parquet")
     parquet.write(parquet.empty(SCALES), SCALES, folder / "scales.parquet")
     print_export.run(
-        select(Settings(print_export={"bed": (0.05, 0.05)}), PrintFiles, "yumi"),
+        select(Settings(print_export={"bed": (0.05, 0.05)}, **changes), PrintFiles, "yumi"),
         "yumi",
         folder / "eval49.parquet",
         folder,
         folder / "scales.parquet",
         folder / "print",
+        grasps,
     )
     return parquet.read(folder / "print/manifest.parquet", MANIFEST).set_index("label")
 
@@ -48,6 +49,23 @@ def test_what_cannot_be_printed_is_a_row_with_a_note_and_the_rest_is_made(tmp_pa
     assert rows["volume"]["A0"] == pytest.approx(8000)
     assert (tmp_path / "a/print/plate-1.3mf").exists()
     assert not (tmp_path / "a/print/A1.stl").exists()
+
+
+def test_labels_are_cut_into_the_prints_away_from_usable_grasps(tmp_path):
+    grasps = pd.DataFrame(0, index=range(2), columns=GRASPS.names)
+    grasps["id"], grasps["label"] = "box0", "box0"
+    grasps["collision_free"] = [True, False]
+    grasps["contact0_z"], grasps["contact1_z"] = [0.01, 0.0], [-0.01, 0.0]
+    grasps["contact0_x"], grasps["contact1_x"] = [0.0, 0.01], [0.0, -0.01]
+    parquet.write(grasps, GRASPS, tmp_path / "grasps.parquet")
+    rows = exported(
+        tmp_path / "c", [0.02, 0.006], tmp_path / "grasps.parquet", engraving={"enabled": True}
+    )
+    assert rows["engraved"].tolist() == [True, False]
+    assert rows["note"]["A0"] == ""
+    assert "no place for its label" in rows["note"]["A1"]
+    assert 8000 - rows["volume"]["A0"] == pytest.approx(20, abs=8)
+    assert read_mesh(tmp_path / "c/print/A0.stl", "mm").is_watertight
 
 
 def test_a_gripper_that_nothing_can_be_printed_for_is_said(tmp_path, caplog):

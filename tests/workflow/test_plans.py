@@ -180,6 +180,14 @@ def test_the_labels_detector_waits_for_the_grasps(copy):
     assert "join_grasps" in copy.planned(target)
 
 
+def test_engraved_labels_wait_for_the_grasps_that_they_keep_away_from(copy):
+    changed = copy.overlay("engraved.yaml", {"engraving": {"enabled": True}})
+    assert set(copy.planned(configs=[changed])) == {"print_export"} | AFTER_PRINTS
+    relabelled = copy.overlay("relabelled.yaml", {"robust": {"samples": 6}})
+    assert "print_export" in copy.planned(configs=[changed, relabelled])
+    assert "print_export" not in copy.planned(configs=[relabelled])
+
+
 def test_weights_that_are_not_there_stop_the_run(clean):
     wanted = clean.overlay("ggcnn.yaml", {"targets": {"policies": ["ggcnn"]}})
     status, said = clean.snakemake("--dry-run", "--cores", 1, configs=[wanted])

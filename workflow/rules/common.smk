@@ -76,6 +76,12 @@ def labelled(wildcards):
     return [f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"] if knows else []
 
 
+def touched_surface(wildcards):
+    """The grasps that engraved labels keep away from; none without engraving."""
+    file = f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"
+    return [file] if SETTINGS.engraving.enabled else []
+
+
 def detector_code(wildcards):
     """The code and weights of a detector, so that editing them tries again."""
     try:

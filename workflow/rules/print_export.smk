@@ -1,6 +1,6 @@
 """Print-export: STL files and 3MF plates of the evaluation set, in millimetres.
 
-Inputs: results/D/eval49.parquet, results/D/rescaled/G.
+Inputs: results/D/eval49.parquet, results/D/rescaled/G; results/D/grasps/G.parquet for an engraving.
 Outputs: results/D/print/G, a folder with manifest.parquet in it.
 """
 
@@ -10,6 +10,7 @@ rule print_export:
     input:
         evaluation="results/{dataset}/eval49.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
+        grasps=touched_surface,
     output:
         manifest=ensure("results/{dataset}/print/{gripper}/manifest.parquet", non_empty=True),
     log:
@@ -25,6 +26,7 @@ rule print_export:
     params:
         settings=settings_of("PrintFiles"),
         meshes=subpath(input.scales, parent=True),
+        grasps=each("--grasps", "grasps"),
         folder=subpath(output.manifest, parent=True),
         code=code_version("egad.stages.print_export"),
     message:
@@ -32,5 +34,5 @@ rule print_export:
     shell:
         "egad print-export --settings {params.settings:q} --eval {input.evaluation:q}"
         " --meshes {params.meshes:q} --scales {input.scales:q} --gripper {wildcards.gripper:q}"
-        " --out {params.folder:q}"
+        " --out {params.folder:q} {params.grasps:q}"
         " > {log:q} 2>&1"

@@ -1,0 +1,166 @@
+"""The label of an object, cut into its surface so that prints can be told apart (ours)."""
+
+from typing import NamedTuple
+
+import manifold3d
+import numpy as np
+import trimesh
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextPath
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from egad.evalset.samples import spread
+from egad.grasps.rays import RayCaster
+from egad.settings import Engraving
+from egad.shapes.manifold import is_solid, to_mesh, to_solid
+
+Floats = NDArray[np.float64]
+
+FONT = FontProperties(family="DejaVu Sans", weight="bold")  # matplotlib brings it along
+STEP = 0.5  # of the height of the letters: between the places tried
+TURNS = 6  # of the text at each place, over half a turn
+RIM = 0.15  # of the height of the letters: room around the text
+RAYS = 8  # along each side of the text
+ALIKE = 0.9  # length of the mean of the unit normals of a place that is worth looking at
+FINGER = 0.005  # metres: contacts so close to the text count as on it
+SKIN = 1e-6  # metres below the surface, where rays start inwards
+
+
+class Patch(NamedTuple):
+    """A place for a text.
+
+    Attributes:
+        middle: Of the text, on the surface, (3,).
+        frame: Columns to the right of the text, up, and out of the surface, (3, 3).
+        relief: Height of the highest point below the text over the lowest, metres.
+        contacts: Contacts of grasps on it.
+    """
+
+    middle: Floats
+    frame: Floats
+    relief: float
+    contacts: int
+
+
+def engrave(
+    mesh: trimesh.Trimesh, text: str, settings: Engraving, wall: float, contacts: Floats
+) -> trimesh.Trimesh | None:
+    """A copy with a text cut into it, everywhere equally deep, where it disturbs grasps least.
+
+    Args:
+        mesh: A closed surface, wound outwards, metres, at the size that it is printed in.
+        text: A few letters and digits.
+        settings: Depth, height of the letters, and how uneven the place may be.
+        wall: What must be left below the text, metres.
+        contacts: Where grasps touch the object, (n, 3); the place with fewest is taken, and of
+            those the most even.
+
+    Returns:
+        None if the text finds no place, or would cut the object in pieces.
+    """
+    patch = best_patch(mesh, text, settings, wall, contacts)
+    return None if patch is None else cut_text(mesh, text, patch, settings)
+
+
+def cut_text(
+    mesh: trimesh.Trimesh, text: str, patch: Patch, settings: Engraving
+) -> trimesh.Trimesh | None:
+    """A copy with a text cut into it at a given place; None if the object falls in pieces.
+
+    The floor of the letters is the surface itself, moved inwards by the depth.
+    """
+    solid = to_solid(mesh.vertices, mesh.faces)
+    reach = settings.relief + settings.depth
+    flat = manifold3d.CrossSection(outlines(text, settings.letters), manifold3d.FillRule.EvenOdd)
+    place = np.column_stack([patch.frame, patch.middle - reach * patch.frame[:, 2]])
+    prism = flat.extrude(2 * reach).transform(place)
+    lowered = solid.translate(tuple(-settings.depth * patch.frame[:, 2]))
+    cut = solid - (prism - lowered)
+    return to_mesh(cut) if is_solid(cut) and len(cut.decompose()) == 1 else None
+
+
+def outlines(text: str, height: float) -> list[Floats]:
+    """Closed outlines of a text around the origin, each (n, 2), x to the right and y up.
+
+    Those of holes wind the other way. The highest letter has the height given.
+    """
+    glyphs = TextPath((0, 0), text, size=1, prop=FONT).to_polygons()
+    points = np.concatenate(glyphs)
+    low, high = points.min(axis=0), points.max(axis=0)
+    return [(glyph - (low + high) / 2) * height / (high[1] - low[1]) for glyph in glyphs]
+
+
+def best_patch(
+    mesh: trimesh.Trimesh, text: str, settings: Engraving, wall: float, contacts: Floats
+) -> Patch | None:
+    """The place with fewest contacts, then the most even one; None if there is none.
+
+    All of it can be seen from straight above, and the solid below is thick enough.
+    """
+    glyphs = np.concatenate(outlines(text, settings.letters))
+    size = np.ptp(glyphs, axis=0) + 2 * RIM * settings.letters
+    middles, normals = _places(mesh, settings.letters, float(np.linalg.norm(size)) / 2)
+    middles, frames = np.repeat(middles, TURNS, axis=0), _frames(normals)
+    reliefs = _reliefs(RayCaster(mesh), middles, frames, size, settings.depth + wall)
+    patches = [
+        Patch(middle, frame, float(relief), _on_it(contacts, middle, frame, size, settings.relief))
+        for middle, frame, relief in zip(middles, frames, reliefs, strict=True)
+        if relief <= settings.relief
+    ]
+    return min(patches, key=lambda patch: (patch.contacts, patch.relief), default=None)
+
+
+def _places(mesh: trimesh.Trimesh, letters: float, radius: float) -> tuple[Floats, Floats]:
+    """Points about `STEP` letters apart where the surface is about even, and normals, (n, 3)."""
+    samples = spread(mesh, STEP * letters)
+    cells = np.floor(samples.points / (STEP * letters))
+    first = np.sort(np.unique(cells, axis=0, return_index=True)[1])
+    normals = samples.normals
+    around = cKDTree(samples.points).query_ball_point(samples.points[first], radius)
+    # only what faces the same way: not the other side of a thin wall
+    means = np.array(
+        [
+            normals[near][normals[near] @ normals[one] > 0].mean(axis=0)
+            for one, near in zip(first, around, strict=True)
+        ]
+    )
+    length = np.linalg.norm(means, axis=1)
+    even = length >= ALIKE
+    return samples.points[first][even], means[even] / length[even, None]
+
+
+def _frames(normals: Floats) -> Floats:
+    """Frames (n * TURNS, 3, 3) that have the normals (n, 3) as third columns, turned about them."""
+    least = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    right = np.cross(least, normals)
+    right /= np.linalg.norm(right, axis=1, keepdims=True)
+    up = np.cross(normals, right)
+    turns = np.arange(TURNS) * np.pi / TURNS
+    across = np.cos(turns)[:, None] * right[:, None] + np.sin(turns)[:, None] * up[:, None]
+    out = np.broadcast_to(normals[:, None], across.shape)
+    frames: Floats = np.stack([across, np.cross(out, across), out], axis=3).reshape(-1, 3, 3)
+    return frames
+
+
+def _reliefs(
+    caster: RayCaster, middles: Floats, frames: Floats, size: Floats, thickness: float
+) -> Floats:
+    """How uneven each place is, metres, (n,); infinite if it is hidden or the solid too thin."""
+    across, along = (np.linspace(-0.5, 0.5, RAYS) * side for side in size)
+    grid = np.stack(np.meshgrid(across, along), axis=-1).reshape(-1, 2)
+    inwards = np.repeat(-frames[:, :, 2], len(grid), axis=0)
+    points = (middles[:, None] + grid @ np.swapaxes(frames[:, :, :2], 1, 2)).reshape(-1, 3)
+    away = float(np.linalg.norm(caster.mesh.extents))
+    heights = away - caster.first_hits(points - away * inwards, inwards).distances
+    met = np.isfinite(heights)
+    starts = points + (SKIN - np.where(met, heights, 0)[:, None]) * inwards
+    solid = caster.first_hits(starts, inwards).distances >= thickness
+    heights = np.where(met & solid, heights, np.inf).reshape(-1, len(grid))
+    return np.asarray(np.maximum(heights.max(axis=1), 0) - np.minimum(heights.min(axis=1), 0))
+
+
+def _on_it(contacts: Floats, middle: Floats, frame: Floats, size: Floats, relief: float) -> int:
+    """How many contacts lie on a place or less than a finger beside it."""
+    local = np.abs((contacts - middle) @ frame)
+    return int((local <= [*(size / 2 + FINGER), relief + FINGER]).all(axis=1).sum())
