@@ -74,7 +74,9 @@ ARTEFACTS = [
     Artefact("D/eval49/README.md", "Its datasheet: objects, sizes, how to report results."),
     Artefact("D/eval49/contact-sheet.pdf", "Its objects on one page, with names and sizes."),
     Artefact("D/eval49/trials.csv", "A table to fill in with attempts on a real robot."),
-    Artefact("D/print/G/LABEL.stl", "The evaluation set for gripper G, in millimetres."),
+    Artefact(
+        "D/print/G/LABEL_RULE_OPENING.stl", "The evaluation set for gripper G, in millimetres."
+    ),
     Artefact("D/print/G/plate-N.3mf", "Print plates with one named object each, in millimetres."),
     Artefact("D/print/G/manifest.parquet", "What is on which plate.", MANIFEST),
     Artefact(

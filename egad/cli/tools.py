@@ -39,6 +39,7 @@ def rescale(
 ) -> None:
     """Scale any meshes to a gripper."""
     from egad.config_check import check
+    from egad.shapes.scale import scale_suffix
     from egad.stage_settings import RescaleMeshes, select
     from egad.stages import rescale as stage
 
@@ -50,14 +51,15 @@ def rescale(
         parsed = select(check(config), RescaleMeshes, "yours")
     else:
         raise UserError("rescale needs --opening, the widest opening of the gripper in metres")
-    if ending not in stage.WRITERS:
-        raise UserError(f"--format is {ending!r}; allowed: {', '.join(stage.WRITERS)}")
+    if f".{ending}" not in stage.WRITERS:
+        allowed = ", ".join(each[1:] for each in stage.WRITERS)
+        raise UserError(f"--format is {ending!r}; allowed: {allowed}")
     if settings is None:
-        files = files_in(meshes)
+        files, suffix = files_in(meshes), scale_suffix(rule, parsed.gripper.opening)
         _spare(out, files)
     else:  # of the pipeline's own folder, which may be empty
-        files = [each for path in meshes for each in sorted(path.glob("*.obj"))]
-    rejected = stage.run(parsed, files, units, out, ending, jobs)
+        files, suffix = [each for path in meshes for each in sorted(path.glob("*.obj"))], ""
+    rejected = stage.run(parsed, files, units, out, ending, suffix, jobs)
     if rejected:
         typer.echo(f"{rejected} files could not be used: see {out / 'rejected.parquet'}")
 

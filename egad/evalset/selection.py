@@ -3,7 +3,7 @@
 Source: EGAD, section IV-A, but optimised over the whole set at once (ours).
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
@@ -11,12 +11,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from egad.evalset.candidates import Indices, candidates_by_cell, coarse_cells
 from egad.evalset.labels import label_at, labels_of
-from egad.measures.space import complexity_cells, difficulty_cells
 from egad.settings import SelectEval, Space
 from egad.tables.evaluation import EVAL49
 
-Indices = NDArray[np.int64]
 Distances = NDArray[np.float64]
 Check = Callable[[int], list[str]]
 
@@ -45,7 +44,7 @@ def select(
     rng: np.random.Generator,
     problems: Check | None = None,
 ) -> Selection:
-    """Choose one object for every coarse cell that has any.
+    """Choose one object for every coarse cell that has any, or one near by to borrow.
 
     The sum of the distances of all pairs is a local maximum: no exchange of one or two objects
     for others of their cells makes it larger. The best of several random starts is taken. An
@@ -63,15 +62,17 @@ def select(
     left_out: dict[int, list[str]] = {}
     fine: set[int] = set()
     while True:
-        candidates = without(candidates_by_cell(objects, settings, space), left_out)
+        by_cell = candidates_by_cell(objects, settings, space, left_out)
+        candidates = list(by_cell.values())
         chosen = _best_of_restarts(candidates, distances, settings.restarts, rng)
         found = {int(each): problems(int(each)) if problems else [] for each in set(chosen) - fine}
         fine |= {each for each, wrong in found.items() if not wrong}
         bad = {each: wrong for each, wrong in found.items() if wrong}
         if not bad:
-            rows, columns = _coarse_cells(objects, settings, space)
+            cells = np.array(list(by_cell), dtype=np.int64)
+            borrowed = coarse_cells(objects, settings, space)[chosen] != cells
             nearest = _nearest(chosen, distances)
-            table = _frame(objects.iloc[chosen], rows[chosen], columns[chosen], nearest)
+            table = _frame(objects.iloc[chosen], cells, settings.columns, borrowed, nearest)
             return Selection(table, chosen, candidates, left_out)
         left_out |= bad
 
@@ -82,19 +83,6 @@ def _best_of_restarts(
     starts = (random_choice(candidates, rng) for _ in range(restarts))
     found = [improve(start, candidates, distances) for start in starts]
     return max(found, key=lambda chosen: total(chosen, distances))
-
-
-def without(candidates: Sequence[Indices], left_out: Iterable[int]) -> list[Indices]:
-    """The candidates of each cell but those left out, for the cells that still have any."""
-    kept = [cell[~np.isin(cell, list(left_out))] for cell in candidates]
-    return [cell for cell in kept if len(cell)]
-
-
-def candidates_by_cell(objects: pd.DataFrame, settings: SelectEval, space: Space) -> list[Indices]:
-    """The row numbers of the objects in each coarse cell that has any, row by row."""
-    rows, columns = _coarse_cells(objects, settings, space)
-    cell = rows * settings.columns + columns
-    return [np.flatnonzero(cell == each) for each in np.unique(cell)]
 
 
 def random_choice(candidates: Sequence[Indices], rng: np.random.Generator) -> Indices:
@@ -192,13 +180,6 @@ def empty_cells(chosen: pd.DataFrame, settings: SelectEval) -> list[str]:
     return [label for label in labels if label not in set(chosen["label"])]
 
 
-def _coarse_cells(
-    objects: pd.DataFrame, settings: SelectEval, space: Space
-) -> tuple[Indices, Indices]:
-    rows = difficulty_cells(objects["difficulty"], space, settings.rows)
-    return rows, complexity_cells(objects["complexity"], space, settings.columns)
-
-
 def _nearest(chosen: Indices, distances: Distances) -> NDArray[np.float64]:
     """Distance of each to the nearest other; NaN for a single one."""
     if len(chosen) < 2:
@@ -209,13 +190,19 @@ def _nearest(chosen: Indices, distances: Distances) -> NDArray[np.float64]:
 
 
 def _frame(
-    chosen: pd.DataFrame, rows: Indices, columns: Indices, nearest: NDArray[np.float64]
+    chosen: pd.DataFrame,
+    cells: Indices,
+    columns: int,
+    borrowed: NDArray[np.bool_],
+    nearest: NDArray[np.float64],
 ) -> pd.DataFrame:
+    places = [divmod(int(cell), columns) for cell in cells]
     table: pd.DataFrame = chosen.assign(
         object_label=chosen["label"],
-        label=[label_at(row, column) for row, column in zip(rows, columns, strict=True)],
-        row=rows,
-        column=columns,
+        label=[label_at(row, column) for row, column in places],
+        row=cells // columns,
+        column=cells % columns,
+        borrowed=borrowed,
         nearest=nearest,
     )[EVAL49.names]
     return table.sort_values("label", ignore_index=True)

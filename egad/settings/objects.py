@@ -39,6 +39,12 @@ class SelectEval(Section):
     rows: int = Field(7, ge=1, le=26, description="rows = letters = difficulty")
     columns: int = Field(7, ge=1, le=10, description="columns = digits = complexity")
     restarts: int = Field(20, ge=1, description="random starts of the local search")
+    borrow: float = Field(
+        0.1,
+        ge=0,
+        description="a cell without an object takes the nearest one that lies at most so many "
+        "cells away",
+    )
     gripper: Name = Field(
         "yumi",
         description="gripper of the table that all chosen objects must be printable for: "

@@ -109,6 +109,11 @@ def scale_factor(rule: str, sides: Floats, opening: float, side_fraction: float)
     return factors[rule]
 
 
+def scale_suffix(rule: str, opening: float) -> str:
+    """What tells files of scaled meshes apart: rule and opening, such as `_paper_75mm`."""
+    return f"_{rule}_{1000 * opening:g}mm"
+
+
 def rescale(
     mesh: trimesh.Trimesh, rule: str, opening: float, side_fraction: float
 ) -> tuple[trimesh.Trimesh, dict[str, Any]]:

@@ -17,6 +17,7 @@ from egad.exchange.meshes import read_mesh, write_stl_mm
 from egad.exchange.threemf import Placed, write_3mf
 from egad.files import replacing
 from egad.settings import PrintExport
+from egad.shapes.scale import scale_suffix
 from egad.stage_settings import PrintFiles
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
@@ -49,7 +50,7 @@ def run(
         scales: Table with the columns of `tables.grasping.SCALES`.
         grasps: Table with the columns of `tables.grasping.GRASPS`, from whose contacts engraved
             labels keep away.
-        out: Folder for `LABEL.stl`, `plate-N.3mf` and `manifest.parquet`.
+        out: Folder for `LABEL_RULE_OPENING.stl`, `plate-N.3mf` and `manifest.parquet`.
     """
     chosen = parquet.records(parquet.read(evaluation, EVAL49))
     factors = parquet.read(scales, SCALES).set_index("label")["factor"]
@@ -68,7 +69,7 @@ def run(
     with replacing(out) as folder:
         folder.mkdir()
         for label, item in items.items():
-            write_stl_mm(item.pose.mesh, folder / f"{label}.stl")
+            write_stl_mm(item.pose.mesh, folder / _file(label, settings))
         for plate in sorted({item.plate for item in items.values() if item.plate is not None}):
             told = {
                 str(row["label"]): float(row["factor"]) for row in rows if row["plate"] == plate
@@ -176,7 +177,7 @@ def _printed(label: str, item: PrintItem, engraved: bool, settings: PrintFiles) 
     plain = settings.engraving.enabled and not engraved
     notes = [item.note, "no place for its label" if plain else ""]
     return {
-        "file": f"{label}.stl",
+        "file": _file(label, settings),
         "plate": item.plate,
         "place_x": 1e3 * x,
         "place_y": 1e3 * y,
@@ -190,6 +191,10 @@ def _printed(label: str, item: PrintItem, engraved: bool, settings: PrintFiles) 
         "engraved": engraved,
         "note": "; ".join(filter(None, notes)),
     }
+
+
+def _file(label: str, settings: PrintFiles) -> str:
+    return f"{label}{scale_suffix(settings.rescale.rule, settings.gripper.opening)}.stl"
 
 
 def _log_result(rows: list[Row], name: str, settings: PrintFiles) -> None:

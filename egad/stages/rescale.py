@@ -5,12 +5,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from egad.errors import RejectedError
 from egad.exchange.folders import object_names
 from egad.exchange.meshes import read_mesh, write_obj, write_stl_mm
 from egad.files import replacing
+from egad.grasps.pinches import fitting_part, pinch_widths
 from egad.progress import progress
 from egad.shapes.scale import rescale
 from egad.stage_settings import RescaleMeshes
@@ -21,7 +23,7 @@ from egad.tables.objects import REJECTED
 from egad.workers import workers
 
 log = logging.getLogger(__name__)
-WRITERS = {"obj": write_obj, "stl": write_stl_mm}
+WRITERS = {".obj": write_obj, ".stl": write_stl_mm}
 
 
 def run(
@@ -30,6 +32,7 @@ def run(
     units: str,
     out: Path,
     ending: str = "obj",
+    suffix: str = "",
     worker_count: int = 1,
 ) -> int:
     """Scale every mesh by the rule and write it, with a table of what was done.
@@ -41,6 +44,7 @@ def run(
         out: Folder for `NAME.obj` (metres) or `NAME.stl` (millimetres), `scales.parquet` and
             `rejected.parquet`.
         ending: `obj` or `stl`.
+        suffix: Put behind the names of the files.
         worker_count: Processes; the result does not depend on it.
 
     Returns:
@@ -50,7 +54,9 @@ def run(
     scales, left_out = [], []
     with workers(worker_count) as mapper, replacing(out) as folder:
         folder.mkdir()
-        work = partial(_scaled, units=units, settings=settings, folder=folder, ending=ending)
+        work = partial(
+            _scaled, units=units, settings=settings, folder=folder, tail=f"{suffix}.{ending}"
+        )
         results = mapper(work, named.items())
         for name, result in zip(named, progress(results, "scaling", len(named)), strict=True):
             if isinstance(result, str):
@@ -61,11 +67,21 @@ def run(
         parquet.write(pd.DataFrame(left_out), REJECTED, folder / "rejected.parquet")
     rule = settings.rescale.rule
     log.info("%d meshes scaled by rule %s, %d rejected", len(scales), rule, len(left_out))
+    if scales:
+        before, after = (
+            np.mean([row[f"fit_{when}"] for row in scales]) for when in ("before", "after")
+        )
+        log.info(
+            "%.0f %% of their surface fits into an opening of %g mm, before %.0f %%",
+            100 * after,
+            1000 * settings.gripper.opening,
+            100 * before,
+        )
     return len(left_out)
 
 
 def _scaled(
-    named: tuple[str, Path], units: str, settings: RescaleMeshes, folder: Path, ending: str
+    named: tuple[str, Path], units: str, settings: RescaleMeshes, folder: Path, tail: str
 ) -> dict[str, Any] | str:
     """Write a scaled mesh; its row, or the reason why there is none."""
     (name, path), rule = named, settings.rescale
@@ -74,5 +90,12 @@ def _scaled(
         scaled, row = rescale(mesh, rule.rule, settings.gripper.opening, rule.side_fraction)
     except RejectedError as reason:
         return str(reason)
-    WRITERS[ending](scaled, folder / f"{name}.{ending}")
-    return row
+    widths, areas = pinch_widths(mesh)
+    opening = settings.gripper.opening
+    file = folder / f"{name}{tail}"
+    WRITERS[file.suffix](scaled, file)
+    return row | {
+        "fit_before": fitting_part(widths, areas, opening),
+        "fit_after": fitting_part(row["factor"] * widths, areas, opening),
+        "file": file.name,
+    }

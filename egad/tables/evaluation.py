@@ -22,6 +22,7 @@ EVAL49 = pa.schema(
         column("object_label", STRING, "label of the object in its dataset"),
         column("row", INT, "row of the coarse grid, 0 = easiest"),
         column("column", INT, "column of the coarse grid, 0 = simplest"),
+        column("borrowed", BOOL, "whether it lies in a cell beside this one, which had no object"),
         COMPLEXITY,
         DIFFICULTY,
         *CELLS,

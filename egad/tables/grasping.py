@@ -71,6 +71,14 @@ SCALES = pa.schema(
         column("factor", FLOAT, "scaled size / size before"),
         *vector("before", "sides of the minimum-volume box before, ascending", "m", "123"),
         *vector("after", "sides of the minimum-volume box after, ascending", "m", "123"),
+        column(
+            "fit_before",
+            FLOAT,
+            "part of the surface, before, with opposite surface straight along the normal within "
+            "the opening",
+        ),
+        column("fit_after", FLOAT, "the same after"),
+        column("file", STRING, "the scaled mesh"),
     ]
 )
 

@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.evalset.candidates import candidates_by_cell
 from egad.evalset.selection import (
     best_of_random,
     bound,
-    candidates_by_cell,
     empty_cells,
     improve,
     mean_distance,
@@ -116,7 +116,7 @@ def test_nearest_is_the_smallest_distance_within_the_set():
 
 def test_the_chosen_set_beats_the_best_of_a_thousand_random_ones():
     objects, distances = dataset(200, 1)
-    candidates = candidates_by_cell(objects, GRID, SPACE)
+    candidates = list(candidates_by_cell(objects, GRID, SPACE).values())
     assert sorted(np.concatenate(candidates)) == list(range(200))
     picked = chosen_by(objects, distances)["id"].str[2:].astype(int).to_numpy()
     ours = mean_distance(picked, distances)

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from egad.cli import main
 from egad.data import released
 from egad.errors import UserError
-from egad.evalset.selection import candidates_by_cell
+from egad.evalset.candidates import candidates_by_cell
 from egad.exchange.meshes import read_mesh, write_obj
 from egad.settings import Settings
 from egad.shapes.mass import mass_properties
@@ -337,7 +337,7 @@ def test_the_released_objects_come_to_rest(tmp_path):
     """One a cell of the 7 x 7 grid, as evolution measured them."""
     whole = Settings()
     archive = parquet.read(released(), ARCHIVE)
-    for cell in candidates_by_cell(archive, whole.select_eval, whole.space):
+    for cell in candidates_by_cell(archive, whole.select_eval, whole.space).values():
         row = archive.iloc[cell[0]]
         mesh = repair(packed_surface(row["voxels"], whole.shape)).mesh
         scaled, _ = rescale(mesh, "paper", whole.grippers["egad_75mm"].opening, 0.8)

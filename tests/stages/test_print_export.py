@@ -48,7 +48,11 @@ def test_what_cannot_be_printed_is_a_row_with_a_note_and_the_rest_is_made(tmp_pa
     assert rows["plate"][1:].isna().all()
     assert rows["volume"]["A0"] == pytest.approx(8000)
     assert (tmp_path / "a/print/plate-1.3mf").exists()
-    assert not (tmp_path / "a/print/A1.stl").exists()
+    assert sorted(path.name for path in (tmp_path / "a/print").glob("*.stl")) == [
+        "A0_paper_50mm.stl",
+        "A2_paper_50mm.stl",
+        "A3_paper_50mm.stl",
+    ]
 
 
 def test_labels_are_cut_into_the_prints_away_from_usable_grasps(tmp_path):
@@ -65,7 +69,7 @@ def test_labels_are_cut_into_the_prints_away_from_usable_grasps(tmp_path):
     assert rows["note"]["A0"] == ""
     assert "no place for its label" in rows["note"]["A1"]
     assert 8000 - rows["volume"]["A0"] == pytest.approx(20, abs=8)
-    assert read_mesh(tmp_path / "c/print/A0.stl", "mm").is_watertight
+    assert read_mesh(tmp_path / "c/print/A0_paper_50mm.stl", "mm").is_watertight
 
 
 def test_a_gripper_that_nothing_can_be_printed_for_is_said(tmp_path, caplog):
