@@ -71,7 +71,9 @@ def page(
     borrowed = chosen.loc[chosen["borrowed"].astype(bool), "label"]
     missing = f"\nNo printable object lies in {' '.join(empty)}.\n" if empty else ""
     if len(borrowed):
-        missing += f"\nNone lies in {' '.join(borrowed)} itself: the nearest object of a cell beside it stands there.\n"
+        missing += (
+            f"\nNone lies in {' '.join(borrowed)} itself: one from a cell beside it stands there.\n"
+        )
     count = len(chosen)
     head = INTRODUCTION.format(
         dataset=dataset, count=count, places=count + len(empty), missing=missing
