@@ -1,6 +1,7 @@
 import zipfile
 from xml.etree import ElementTree
 
+import lib3mf
 import numpy as np
 import pytest
 import trimesh
@@ -54,9 +55,7 @@ def test_same_bytes_every_time(plate, tmp_path):
 
 def strict_model(path):
     """What lib3mf reads in strict mode; any deviation from the specification is an error."""
-    lib3mf = pytest.importorskip("lib3mf")
-    wrapper = lib3mf.get_wrapper() if hasattr(lib3mf, "get_wrapper") else lib3mf.Wrapper()
-    model = wrapper.CreateModel()
+    model = lib3mf.get_wrapper().CreateModel()
     reader = model.QueryReader("3mf")
     reader.SetStrictModeActive(True)
     reader.ReadFromFile(str(path))
