@@ -79,8 +79,14 @@ def convex_parts(
 
 
 def excess_volume(parts: list[trimesh.Trimesh], mesh: trimesh.Trimesh) -> float:
-    """Volume of the union of the parts / volume of the mesh - 1."""
+    """Volume of the union of the parts / volume of the mesh - 1.
+
+    Raises:
+        RejectedError: A part does not bound a solid.
+    """
     together = union(to_solid(part.vertices, part.faces) for part in parts)
+    if not is_solid(together):
+        raise RejectedError("a convex part does not bound a solid")
     return float(together.volume() / abs(mesh.volume) - 1)
 
 

@@ -48,11 +48,9 @@ def hull_mesh(hull: Hull) -> trimesh.Trimesh:
     solid = manifold3d.Manifold.hull_points(hull.points)
     if abs(solid.volume() - hull.volume) <= EQUAL * hull.volume:
         return to_mesh(solid)
-    found = ConvexHull(hull.points)
-    mesh = trimesh.Trimesh(hull.points, found.simplices, process=False)
-    inward = np.einsum("ij,ij->i", mesh.face_normals, found.equations[:, :3]) < 0
-    faces = np.where(inward[:, None], mesh.faces[:, ::-1], mesh.faces)
-    return trimesh.Trimesh(hull.points, faces, process=False)
+    mesh = trimesh.Trimesh(hull.points, ConvexHull(hull.points).simplices, process=False)
+    trimesh.repair.fix_normals(mesh)  # by neighbours: slivers have no normal to go by
+    return mesh
 
 
 def merged(hulls: Sequence[Hull], allowed: float, most: int) -> list[Hull]:

@@ -6,6 +6,7 @@ import trimesh
 from scipy.spatial import ConvexHull
 
 from egad.shapes.hulls import Hull, hull_mesh, hull_of, least_volume, merged
+from egad.shapes.manifold import is_solid, to_solid
 
 
 def block(low, high):
@@ -30,6 +31,19 @@ def test_a_hull_that_manifold3d_gets_wrong_is_still_whole(monkeypatch):
     mesh = hull_mesh(hull)
     assert mesh.is_volume
     assert mesh.volume == pytest.approx(hull.volume, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_hull_of_points_that_nearly_coincide_bounds_a_solid(seed):
+    rng = np.random.default_rng(seed)
+    points = rng.random((40, 3)) * [0.02, 0.007, 0.002]
+    points[:30, 2] = 0
+    twins = points[:30] + rng.normal(size=(30, 3)) * 10.0 ** -rng.integers(9, 17)
+    hull = hull_of(np.concatenate([points, twins]))
+    mesh = hull_mesh(hull)
+    solid = to_solid(mesh.vertices, mesh.faces)
+    assert is_solid(solid)
+    assert solid.volume() == pytest.approx(hull.volume, rel=1e-6)
 
 
 def test_points_in_a_plane_have_no_volume():
