@@ -244,8 +244,14 @@ def select(
     if issubclass(stage, Measuring) and settings.difficulty.metric == "plain":
         values["robust"] = None
     if "gripper" in stage.model_fields:
-        own = settings.select_eval if stage is EvalSelection else settings.difficulty
-        values["gripper"] = settings.grippers[gripper or own.gripper]
+        own = _narrowest(settings) if stage is EvalSelection else settings.difficulty.gripper
+        values["gripper"] = settings.grippers[gripper or own]
     if "policy" in stage.model_fields:
         values["policy"] = settings.policies[policy or settings.targets.policies[0]]
     return stage(**values)
+
+
+def _narrowest(settings: Settings) -> str:
+    """The gripper that the evaluation set must be printable for."""
+    named = settings.select_eval.gripper
+    return named or min(settings.grippers, key=lambda name: settings.grippers[name].opening)

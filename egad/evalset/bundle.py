@@ -8,9 +8,9 @@ import trimesh
 from egad.errors import RejectedError
 from egad.settings import Bundle
 from egad.shapes.coacd_parts import coacd_parts
-from egad.shapes.convex import convex_parts
+from egad.shapes.convex import convex_parts, joined
 from egad.shapes.deviation import largest_deviation
-from egad.shapes.manifold import is_solid, to_mesh, to_solid, union
+from egad.shapes.manifold import is_solid, to_mesh, to_solid
 from egad.shapes.mass import MassProperties, mass_properties
 from egad.shapes.poses import StablePose, grouped, stable_poses
 
@@ -57,7 +57,7 @@ def bundled(mesh: trimesh.Trimesh, density: float, settings: Bundle) -> Bundled:
     else:
         parts = convex_parts(solid, settings.max_parts, settings.volume_error)
     physics = mass_properties(solid, density)
-    together = union(to_solid(part.vertices, part.faces) for part in parts)
+    together = joined(parts)
     beyond = together - to_solid(solid.vertices, solid.faces)  # parts meet inside, with fine cracks
     poses = grouped(stable_poses(solid, physics.com), SAME_POSE)
     return Bundled(

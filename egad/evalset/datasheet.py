@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from egad.evalset.poses import LAYER
 from egad.settings import PrintCheck, PrintExport
 from egad.tables import parquet
 
@@ -46,7 +47,7 @@ REPORTING = """
 4. Report the success rate over all attempts and that of each object, row and column, the gripper
    with its opening, the scale rule and the factors, the filament and the friction of the fingers,
    the sensor, and the version of the detector. {attempts} attempts leave an object's rate uncertain
-   by 20 points (95 %); compare detectors over the whole set.
+   by up to 22 points (95 %); compare detectors over the whole set.
 """
 
 
@@ -80,12 +81,13 @@ def page(
     )
     rows = [
         f"| {row['label']} | {row['object_label']} | {row['row']} | {row['column']} "
-        f"| {row['complexity']:.2f} | {1000 * row['difficulty']:.2f} | {row['nearest']:.2f} |"
+        f"| {row['complexity']:.2f} | {1000 * row['difficulty']:.2f} "
+        f"| {_number(row['nearest'], 2)} |"
         for row in parquet.records(chosen)
     ]
     names = dict(zip(chosen["label"], chosen["object_label"], strict=True))
     tables = [_gripper_section(name, each, names, check) for name, each in grippers.items()]
-    advice = f"with {100 * export.infill:g} % infill in 0.2 mm layers"
+    advice = f"with {100 * export.infill:g} % infill in {1000 * LAYER:g} mm layers"
     return head + "\n".join([*rows, *tables, REPORTING.format(advice=advice, attempts=ATTEMPTS)])
 
 

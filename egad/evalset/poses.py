@@ -21,7 +21,7 @@ class Pose(NamedTuple):
     """An object lying on the bed, in metres, the lowest corner of its box at the origin.
 
     Attributes:
-        mesh: The turned object, the longer side of its footprint along x.
+        mesh: The turned object.
         probability: Chance of coming to rest like this when dropped; NaN if there is no pose.
         overhang: Area that needs support, m2.
         contact: Area of the first layer, m2.
@@ -33,29 +33,32 @@ class Pose(NamedTuple):
     contact: float
 
 
-def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float) -> Pose:
+def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -> Pose:
     """A copy in one of its resting poses.
 
     Args:
         mesh: A closed surface, wound outwards, metres.
-        choice: `stable`: the most probable pose; `overhang`: of all but the improbable ones, the
-            one with the least area to support.
+        choice: `stable`: on the face of its hull that it most probably comes to rest on;
+            `overhang`: of all but the improbable ones, the one with the least area to support.
         angle: Surface that leans out further from the vertical is supported, degrees.
+        along: The axis for the longer side of the footprint.
     """
     try:
         poses = stable_poses(mesh, mass_properties(mesh, 1.0).com)
     except RejectedError:
-        return _pose(mesh, np.eye(3), np.nan, angle)
+        return _pose(mesh, np.eye(3), np.nan, angle, along)
     chosen = poses[0]
     if choice == "overhang":
         likely = [pose for pose in poses if pose.probability >= LIKELY] or [chosen]
         chosen = min(likely, key=lambda pose: overhang_area(mesh, pose.rotation, angle))
-    return _pose(mesh, chosen.rotation, chosen.probability, angle)
+    return _pose(mesh, chosen.rotation, chosen.probability, angle, along)
 
 
-def _pose(mesh: trimesh.Trimesh, rotation: Floats, probability: float, angle: float) -> Pose:
+def _pose(
+    mesh: trimesh.Trimesh, rotation: Floats, probability: float, angle: float, along: int
+) -> Pose:
     standing = np.asarray(mesh.vertices, dtype=np.float64) @ rotation.T
-    turned = standing @ _align_with_bed(standing).T
+    turned = standing @ _align_with_bed(standing, along).T
     clean = trimesh.Trimesh(turned - turned.min(axis=0), mesh.faces, process=False)
     area = overhang_area(clean, np.eye(3), angle)
     return Pose(clean, probability, area, first_layer_area(clean))
@@ -82,11 +85,14 @@ def first_layer_area(mesh: trimesh.Trimesh) -> float:
     return float(solid.slice(float(mesh.bounds[0, 2]) + LAYER / 2).area())
 
 
-def _align_with_bed(points: Floats) -> Floats:
-    """The rotation about the vertical that makes the rectangle around points smallest, (3, 3)."""
+def _align_with_bed(points: Floats, along: int) -> Floats:
+    """The rotation about the vertical that makes the rectangle around points smallest, (3, 3).
+
+    Its longer side lies along an axis.
+    """
     flat, sides = trimesh.bounds.oriented_bounds_2D(points[:, :2])
     turn = np.eye(3)
     turn[:2, :2] = flat[:2, :2]
-    if sides[1] > sides[0]:
-        turn[:2] = [-turn[1], turn[0]]
+    if sides[1 - along] > sides[along]:
+        turn[:2] = np.array([-turn[1], turn[0]])
     return turn

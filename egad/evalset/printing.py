@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
 import trimesh
 
 from egad.evalset.checks import print_problems
@@ -50,7 +51,7 @@ def plan_prints(
         One item for each label, in the order given.
     """
     lying = {
-        label: lie_down(mesh, settings.pose, settings.overhang_angle)
+        label: lie_down(mesh, settings.pose, settings.overhang_angle, int(np.argmax(settings.bed)))
         for label, mesh in meshes.items()
     }
     problems = {label: print_problems(pose.mesh, check) for label, pose in lying.items()}
@@ -76,7 +77,7 @@ def _item(
     plate, where = (None, None) if place is None else (place[0], place[1:])
     wall = 0.0 if problems else _wall(pose.mesh, check)
     filament = filament_mass(pose.mesh, settings)
-    return PrintItem(pose, filament, wall, plate, where, _note(pose, problems, plate, settings.bed))
+    return PrintItem(pose, filament, wall, plate, where, _note(pose, problems, plate, settings))
 
 
 def _wall(mesh: trimesh.Trimesh, check: PrintCheck) -> float:
@@ -84,13 +85,16 @@ def _wall(mesh: trimesh.Trimesh, check: PrintCheck) -> float:
     return thinnest(mesh, sharpness, (check.wall, MOST), HALVINGS)
 
 
-def _note(pose: Pose, problems: list[str], plate: int | None, bed: tuple[float, float]) -> str:
+def _note(pose: Pose, problems: list[str], plate: int | None, settings: PrintExport) -> str:
     """What to know before printing."""
     if problems:
         return f"not printable at this size: {', '.join(problems)}"
     if plate is None:
-        size = " x ".join(f"{1000 * side:.0f}" for side in pose.mesh.extents[:2])
-        return f"{size} mm is larger than the bed of {1000 * bed[0]:.0f} x {1000 * bed[1]:.0f} mm"
+        size, bed = (
+            " x ".join(f"{1000 * side:.0f}" for side in sides)
+            for sides in (pose.mesh.extents[:2], settings.bed)
+        )
+        return f"{size} mm and a gap of {1000 * settings.gap:g} mm do not fit the bed of {bed} mm"
     return "stands on little: use a brim" if pose.contact < SMALL_CONTACT else ""
 
 

@@ -175,7 +175,7 @@ def best_of_random(
 
 
 def empty_cells(chosen: pd.DataFrame, settings: SelectEval) -> list[str]:
-    """Labels of the coarse cells that no object of the dataset lies in."""
+    """Labels of the coarse cells that no object of the set stands for."""
     labels = labels_of(settings.rows, settings.columns)
     return [label for label in labels if label not in set(chosen["label"])]
 

@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Mapping
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -41,26 +42,9 @@ def contact_sheet(
             if place in meshes:
                 axes.imshow(render(meshes[place], PIXELS))
             name, size = captions.get(place, ("", ""))
-            axes.text(
-                0.5,
-                -0.02,
-                name,
-                ha="center",
-                va="top",
-                color=INK,
-                weight="bold",
-                transform=axes.transAxes,
-            )
-            axes.text(
-                0.5,
-                -0.17,
-                size,
-                ha="center",
-                va="top",
-                color=SOFT,
-                fontsize=6.5,
-                transform=axes.transAxes,
-            )
+            below: dict[str, Any] = {"ha": "center", "va": "top", "transform": axes.transAxes}
+            axes.text(0.5, -0.02, name, color=INK, weight="bold", **below)
+            axes.text(0.5, -0.17, size, color=SOFT, fontsize=6.5, **below)
         buffer = io.BytesIO()
         dates = {"CreationDate": None, "Producer": None, "Creator": None}
         figure.savefig(buffer, format="pdf", metadata=dates, dpi=PIXELS)

@@ -129,7 +129,7 @@ def scale_numbers(gripper: str, data: DatasetReport) -> Row:
         numbers["printed"] = {
             "objects": len(manifest),
             "plates": int(manifest["plate"].nunique()),
-            "too_large": manifest.loc[manifest["plate"].isna(), "label"].tolist(),
+            "on_no_plate": manifest.loc[manifest["plate"].isna(), "label"].tolist(),
         }
     return numbers
 

@@ -45,10 +45,10 @@ class SelectEval(Section):
         description="a cell without an object takes the nearest one that lies at most so many "
         "cells away",
     )
-    gripper: Name = Field(
-        "yumi",
-        description="gripper of the table that all chosen objects must be printable for: "
-        "a narrow one, since scaling makes walls thinner",
+    gripper: Name | None = Field(
+        None,
+        description="gripper of the table that all chosen objects must be printable for; nothing: "
+        "the narrowest, since scaling makes walls thinner",
     )
 
 
@@ -73,8 +73,8 @@ class PrintExport(Section):
     gap: float = Field(0.005, ge=0, description="free space between objects on a plate, metres")
     pose: Literal["stable", "overhang"] = Field(
         "overhang",
-        description="stable: the most probable resting pose; overhang: of all that an object can "
-        "rest in, the one with the least surface to support",
+        description="stable: the face of its hull that an object most probably comes to rest on; "
+        "overhang: of all but the improbable ones, the one with the least surface to support",
     )
     overhang_angle: float = Field(
         40.0,

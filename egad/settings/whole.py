@@ -81,7 +81,11 @@ class Settings(Section):
             *_unknown("targets.grippers", self.targets.grippers, self.grippers),
             *_unknown("targets.policies", self.targets.policies, self.policies),
             *_unknown("difficulty.gripper", [self.difficulty.gripper], self.grippers),
-            *_unknown("select_eval.gripper", [self.select_eval.gripper], self.grippers),
+            *_unknown(
+                "select_eval.gripper",
+                [name] if (name := self.select_eval.gripper) else [],
+                self.grippers,
+            ),
         ]
         evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]
         if len(evolved) > 1:

@@ -84,10 +84,19 @@ def excess_volume(parts: list[trimesh.Trimesh], mesh: trimesh.Trimesh) -> float:
     Raises:
         RejectedError: A part does not bound a solid.
     """
+    return float(joined(parts).volume() / abs(mesh.volume) - 1)
+
+
+def joined(parts: list[trimesh.Trimesh]) -> Solid:
+    """The union of convex parts.
+
+    Raises:
+        RejectedError: A part does not bound a solid.
+    """
     together = union(to_solid(part.vertices, part.faces) for part in parts)
     if not is_solid(together):
         raise RejectedError("a convex part does not bound a solid")
-    return float(together.volume() / abs(mesh.volume) - 1)
+    return together
 
 
 def _solid(mesh: trimesh.Trimesh) -> Solid:

@@ -10,6 +10,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
+from egad.evalset.checks import print_problems
 from egad.evalset.engraving import engrave
 from egad.evalset.poses import LAYER
 from egad.evalset.printing import PrintItem, plan_prints
@@ -30,7 +31,7 @@ Floats = NDArray[np.float64]
 
 def run(
     settings: PrintFiles,
-    name: str,
+    gripper: str,
     evaluation: Path,
     meshes: Path,
     scales: Path,
@@ -44,39 +45,41 @@ def run(
 
     Args:
         settings: Gripper, bed, pose, what can be printed.
-        name: Name of the gripper.
+        gripper: Its name.
         evaluation: Table with the columns of `tables.evaluation.EVAL49`.
         meshes: Folder of the meshes, scaled to the gripper.
         scales: Table with the columns of `tables.grasping.SCALES`.
+        out: Folder for `LABEL_RULE_OPENING.stl`, `plate-N.3mf` and `manifest.parquet`.
         grasps: Table with the columns of `tables.grasping.GRASPS`, from whose contacts engraved
             labels keep away.
-        out: Folder for `LABEL_RULE_OPENING.stl`, `plate-N.3mf` and `manifest.parquet`.
     """
     chosen = parquet.records(parquet.read(evaluation, EVAL49))
-    factors = parquet.read(scales, SCALES).set_index("label")["factor"]
     solids, missing = _read(chosen, meshes)
     engraved = _engraved(solids, chosen, grasps, settings) if settings.engraving.enabled else {}
     items = plan_prints(solids | engraved, settings.print_export, settings.print_check)
-    rows = [
-        _base_row(row, float(factors.get(row["object_label"], np.nan)), settings.print_export)
-        | (
-            _printed(row["label"], items[row["label"]], row["label"] in engraved, settings)
-            if row["label"] in items
-            else {"note": missing[row["label"]]}
-        )
-        for row in chosen
-    ]
+    factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()
+    rows = []
+    for row in chosen:
+        label, factor = row["label"], factors.get(row["object_label"], np.nan)
+        found = {"note": missing.get(label, "")}
+        if label in items:
+            found = _printed(label, items[label], label in engraved, settings)
+        rows.append(_base_row(row, factor, settings.print_export) | found)
     with replacing(out) as folder:
         folder.mkdir()
-        for label, item in items.items():
-            write_stl_mm(item.pose.mesh, folder / _file(label, settings))
-        for plate in sorted({item.plate for item in items.values() if item.plate is not None}):
-            told = {
-                str(row["label"]): float(row["factor"]) for row in rows if row["plate"] == plate
-            }
-            _write_plate(plate, items, folder / f"plate-{plate}.3mf", told, name, settings)
-        parquet.write(pd.DataFrame(rows), MANIFEST, folder / "manifest.parquet")
-    _log_result(rows, name, settings)
+        _write(folder, items, rows, gripper, settings)
+    _log_result(rows, gripper, settings)
+
+
+def _write(
+    folder: Path, items: dict[str, PrintItem], rows: list[Row], gripper: str, settings: PrintFiles
+) -> None:
+    for label, item in items.items():
+        write_stl_mm(item.pose.mesh, folder / _file(label, settings))
+    for plate in sorted({item.plate for item in items.values() if item.plate is not None}):
+        told = {row["label"]: row["factor"] for row in rows if row["plate"] == plate}
+        _write_plate(plate, items, folder / f"plate-{plate}.3mf", told, gripper, settings)
+    parquet.write(pd.DataFrame(rows), MANIFEST, folder / "manifest.parquet")
 
 
 def _read(chosen: list[Row], meshes: Path) -> tuple[dict[str, trimesh.Trimesh], dict[str, str]]:
@@ -93,7 +96,7 @@ def _read(chosen: list[Row], meshes: Path) -> tuple[dict[str, trimesh.Trimesh], 
 def _engraved(
     solids: dict[str, trimesh.Trimesh], chosen: list[Row], grasps: Path | None, settings: PrintFiles
 ) -> dict[str, trimesh.Trimesh]:
-    """Copies that carry their labels, of the objects that have a place for it."""
+    """Copies that carry their labels, of the objects that can be printed so."""
     names = {row["label"]: row["object_label"] for row in chosen}
     touched = _contacts(grasps, set(names.values())) if grasps else {}
     cut = {
@@ -106,7 +109,11 @@ def _engraved(
         )
         for label, mesh in solids.items()
     }
-    return {label: mesh for label, mesh in cut.items() if mesh is not None}
+    return {
+        label: mesh
+        for label, mesh in cut.items()
+        if mesh is not None and not print_problems(mesh, settings.print_check)
+    }
 
 
 def _contacts(path: Path, wanted: set[str]) -> dict[str, Floats]:
@@ -125,7 +132,7 @@ def _write_plate(
     items: dict[str, PrintItem],
     path: Path,
     factors: dict[str, float],
-    name: str,
+    gripper: str,
     settings: PrintFiles,
 ) -> None:
     placed = {
@@ -136,9 +143,9 @@ def _write_plate(
     opening = f"{1000 * settings.gripper.opening:g} mm"
     scales = ", ".join(f"{label} {factor:.4f}" for label, factor in factors.items())
     metadata = {
-        "Title": f"EGAD evaluation set, plate {plate}, gripper {name}",
+        "Title": f"EGAD evaluation set, plate {plate}, gripper {gripper}",
         "Application": "egad",
-        "Description": f"Scaled for gripper {name} (opening {opening}) by rule "
+        "Description": f"Scaled for gripper {gripper} (opening {opening}) by rule "
         f"{settings.rescale.rule}. Scale of each object: {scales}. "
         f"Print with {_advice(settings.print_export)}.",
     }
@@ -174,7 +181,7 @@ def _printed(label: str, item: PrintItem, engraved: bool, settings: PrintFiles) 
     """What is known of an object as it will be printed."""
     x, y = item.place or (np.nan, np.nan)
     mesh = item.pose.mesh
-    plain = settings.engraving.enabled and not engraved
+    plain = settings.engraving.enabled and not engraved and item.plate is not None
     notes = [item.note, "no place for its label" if plain else ""]
     return {
         "file": _file(label, settings),
@@ -197,7 +204,7 @@ def _file(label: str, settings: PrintFiles) -> str:
     return f"{label}{scale_suffix(settings.rescale.rule, settings.gripper.opening)}.stl"
 
 
-def _log_result(rows: list[Row], name: str, settings: PrintFiles) -> None:
+def _log_result(rows: list[Row], gripper: str, settings: PrintFiles) -> None:
     plates = {row["plate"] for row in rows} - {None}
     log.info("%d objects, %d plates", len(rows), len(plates))
     for row in rows:
@@ -207,6 +214,6 @@ def _log_result(rows: list[Row], name: str, settings: PrintFiles) -> None:
         log.warning(
             "No object can be printed for gripper %s with its opening of %g mm: "
             "take a wider gripper, a finer nozzle (print_check.wall) or a larger bed",
-            name,
+            gripper,
             1000 * settings.gripper.opening,
         )

@@ -92,7 +92,8 @@ def _log_result(found: Selection, distances: Distances, settings: EvalSelection)
     """Say how much less alike the chosen objects are than others could be, and what is missing."""
     rng = generator(settings.seed, "random-eval-sets")
     log.info(
-        "%d objects, mean distance %.4f; best of 1000 random sets %.4f; no set exceeds %.4f",
+        "%d objects, mean distance %.4f; best of 1000 random sets, printable or not, %.4f; "
+        "no set exceeds %.4f",
         len(found.chosen),
         mean_distance(found.chosen, distances),
         best_of_random(found.candidates, distances, rng),

@@ -49,8 +49,15 @@ def test_nothing_overlaps_and_nothing_leaves_the_bed(bed):
 def test_an_object_larger_than_the_bed_is_left_out_with_a_note():
     items = planned({"big": trimesh.creation.box(extents=(0.3, 0.25, 0.21)), **boxes(2)}, gap=0)
     assert items["big"].plate is None
-    assert "is larger than the bed of 200 x 200 mm" in items["big"].note
+    assert "do not fit the bed of 200 x 200 mm" in items["big"].note
     assert items["box0"].plate == 1
+
+
+@pytest.mark.parametrize("bed", [(0.1, 0.25), (0.25, 0.1)])
+def test_a_long_object_lies_along_the_longer_side_of_the_bed(bed):
+    item = planned({"bar": trimesh.creation.box(extents=(0.2, 0.05, 0.03))}, bed)["bar"]
+    assert item.plate == 1
+    assert item.pose.mesh.extents[int(np.argmax(bed))] == pytest.approx(0.2)
 
 
 def test_an_object_too_thin_to_print_is_on_no_plate_and_says_why():

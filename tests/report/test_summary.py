@@ -34,7 +34,7 @@ def test_scale_numbers_of_what_is_there(report):
     found = summary.scale_numbers("egad_75mm", report.datasets["egad"])
     assert (found["scaled"]["objects"], found["scaled"]["changed"]) == (40, 10)
     assert found["scaled"]["factor"] == pytest.approx([0.8, 1, 1])
-    assert found["printed"] == {"objects": 3, "plates": 2, "too_large": ["G6"]}
+    assert found["printed"] == {"objects": 3, "plates": 2, "on_no_plate": ["G6"]}
     bare = DatasetReport(report.datasets["egad"].objects, report.datasets["egad"].rejected)
     assert summary.scale_numbers("yumi", bare)["scaled"] is None
 
