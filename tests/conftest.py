@@ -1,6 +1,19 @@
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 import trimesh
+
+from egad.data import released
+from egad.settings import Shape
+from egad.shapes.scale import rescale
+from egad.shapes.solid import repair
+from egad.shapes.surface import packed_surface
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
+
+RELEASED_SET = Path(__file__).parent / "data/released_set.csv"
 
 
 @pytest.fixture(scope="session")
@@ -14,3 +27,14 @@ def spiky_box():
         return mesh
 
     return make
+
+
+@pytest.fixture(scope="session")
+def released_set():
+    """The evaluation set of the released objects by label, scaled for an opening of 75 mm."""
+    voxels = parquet.read(released(), ARCHIVE).set_index("id")["voxels"]
+    chosen = pd.read_csv(RELEASED_SET).set_index("label")["id"]
+    meshes = {
+        name: repair(packed_surface(voxels[id_], Shape())).mesh for name, id_ in chosen.items()
+    }
+    return {name: rescale(mesh, "paper", 0.075, 0.8)[0] for name, mesh in meshes.items()}

@@ -5,15 +5,9 @@ import subprocess
 import numpy as np
 import pytest
 
-from egad.data import released
 from egad.evalset.printing import plan_prints
 from egad.exchange.threemf import Placed, write_3mf
-from egad.settings import PrintCheck, PrintExport, Shape
-from egad.shapes.scale import rescale
-from egad.shapes.solid import repair
-from egad.shapes.surface import packed_surface
-from egad.tables import parquet
-from egad.tables.evolution import ARCHIVE
+from egad.settings import PrintCheck, PrintExport
 
 SLICER = shutil.which("prusa-slicer")
 LIKE_OURS = ["--layer-height", "0.2", "--fill-density", "20%", "--perimeters", "2"]
@@ -27,19 +21,12 @@ def said(*arguments):
     return result.stdout
 
 
-@pytest.fixture(scope="module")
-def objects():
-    """Released objects from all over the space, scaled for a gripper that opens 75 mm."""
-    archive = parquet.read(released(), ARCHIVE).iloc[::300]
-    meshes = [repair(packed_surface(packed, Shape())).mesh for packed in archive["voxels"]]
-    return {f"A{n}": rescale(mesh, "paper", 0.075, 0.8)[0] for n, mesh in enumerate(meshes)}
-
-
 @pytest.mark.slow
 @pytest.mark.skipif(SLICER is None, reason="prusa-slicer is not installed")
 @pytest.mark.parametrize("bed", [(0.22, 0.22), (0.256, 0.256)])
-def test_a_real_slicer_finds_nothing_to_repair_and_slices_every_plate(objects, bed, tmp_path):
-    items = plan_prints(objects, PrintExport(bed=bed), PrintCheck())
+def test_a_real_slicer_finds_nothing_to_repair_and_slices_every_plate(released_set, bed, tmp_path):
+    items = plan_prints(released_set, PrintExport(bed=bed), PrintCheck())
+    assert all(item.plate for item in items.values()), "all can be printed"
     sides = [f"{1000 * side:g}" for side in bed]
     shape = f"0x0,{sides[0]}x0,{sides[0]}x{sides[1]},0x{sides[1]}"
     grams = 0.0

@@ -335,6 +335,15 @@ def test_a_full_disk_leaves_no_half_table(finished, tmp_path):
 
 
 @pytest.mark.slow
+def test_everybody_gets_the_same_evaluation_set_from_the_released_objects(clean):
+    table = "results/egad/eval49.parquet"
+    clean.make("--cores", 2, table, configs=["config/released.yaml"])
+    chosen = parquet.read(clean.folder / table, EVAL49)
+    expected = pd.read_csv(Path(__file__).parents[1] / "data/released_set.csv")
+    assert chosen[["label", "id"]].values.tolist() == expected.values.tolist()
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [10, 26])
 def test_another_grid_and_axes_of_ones_own_go_all_the_way(clean, cells):
     measures = "def area(mesh): return mesh.area\ndef volume(mesh): return mesh.volume\n"
