@@ -33,8 +33,6 @@ def spiky_box():
 def released_set():
     """The evaluation set of the released objects by label, scaled for an opening of 75 mm."""
     voxels = parquet.read(released(), ARCHIVE).set_index("id")["voxels"]
-    chosen = pd.read_csv(RELEASED_SET).set_index("label")["id"]
-    meshes = {
-        name: repair(packed_surface(voxels[id_], Shape())).mesh for name, id_ in chosen.items()
-    }
-    return {name: rescale(mesh, "paper", 0.075, 0.8)[0] for name, mesh in meshes.items()}
+    chosen = pd.read_csv(RELEASED_SET).itertuples()
+    meshes = {row.label: repair(packed_surface(voxels[row.id], Shape())).mesh for row in chosen}
+    return {label: rescale(mesh, "paper", 0.075, 0.8)[0] for label, mesh in meshes.items()}
