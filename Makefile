@@ -24,10 +24,10 @@ all: setup
 setup: $(READY)
 
 test: setup
-	pytest
+	pytest --numprocesses 2 --dist loadgroup
 
 bounds: setup
-	NUMBA_BOUNDSCHECK=1 pytest \
+	NUMBA_BOUNDSCHECK=1 pytest --numprocesses 2 --dist loadgroup \
 		tests/evolution tests/measures tests/grasps tests/shapes tests/trials
 
 slicer: setup

@@ -16,6 +16,13 @@ from egad.tables.evolution import ARCHIVE
 RELEASED_SET = Path(__file__).parent / "data/released_set.csv"
 
 
+def pytest_collection_modifyitems(items):
+    """One process a file, when tests run in several; those of the workflow share a finished run."""
+    for item in items:
+        group = "workflow" if "workflow" in item.path.parts else str(item.path)
+        item.add_marker(pytest.mark.xdist_group(group))
+
+
 @pytest.fixture(scope="session")
 def spiky_box():
     """Makes a box of random sides with random spikes, the same for the same number."""
