@@ -155,7 +155,7 @@ def test_key_numbers(page):
     assert "EGAD, 2020 published 2 331 93 % \N{EN DASH} 0.07 0.27 0.19" in words
     assert "Dex-Net 2.0 published 1 497 37 % \N{EN DASH} 0.03 0.26 0.11" in words
     assert "no volume postprocess 2" in words
-    assert "too large for the bed: G6" in words
+    assert "on none: G6" in words
 
 
 def test_every_setting_is_listed_with_its_meaning(page, report):
