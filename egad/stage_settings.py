@@ -174,7 +174,6 @@ class DataSheets(StageSettings):
     """The datasheet of an evaluation set."""
 
     select_eval: SelectEval
-    print_check: PrintCheck
     print_export: PrintExport
 
 

@@ -6,14 +6,16 @@ import trimesh
 from egad.evalset.thickness import thinness
 from egad.settings import PrintCheck
 
+STUB = 0.5  # of the thinnest wall: thin parts that stand out less are no walls
+
 
 def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
     """What keeps an object from being printed, at the size that it has.
 
     It must be closed, one body without a trapped void, and nowhere thinner than the nozzle
     allows: a ball as wide as the thinnest wall, rolled inside, must come close to all of the
-    surface and leave the object in one piece. Edges and tips that become no blunter than is
-    allowed are no walls.
+    surface, and get from everywhere to everywhere. Edges and tips may become blunter as far as
+    the settings say; where both sides are parallel within 30 degrees, half a wall is the limit.
 
     Args:
         mesh: Metres, scaled as it will be printed.
@@ -25,6 +27,8 @@ def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
     if not mesh.is_watertight or not mesh.is_winding_consistent:
         return ["not closed"]
     volumes = shell_volumes(mesh)
+    if sum(volumes) <= 0:
+        return ["wound inwards"]
     problems = []
     if (bodies := sum(volume > 0 for volume in volumes)) != 1:
         problems.append(f"{bodies} bodies")
@@ -32,9 +36,9 @@ def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
         problems.append(f"{voids} trapped void{'s' if voids > 1 else ''}")
     found = thinness(mesh, check.wall)
     wall = f"{1000 * check.wall:g} mm"
-    if found.reach > check.blunting:
+    if found.edge > check.blunting or found.wall > STUB * check.wall:
         problems.append(f"walls thinner than {wall}")
-    elif found.pieces != 1 and not problems:  # the wall of a void is a piece of its own
+    elif found.part > check.blunting and not problems:  # the wall of a void is a part of its own
         problems.append(f"parts joined by less than {wall}")
     return problems
 

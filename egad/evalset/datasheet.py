@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from egad.evalset.poses import LAYER
-from egad.settings import PrintCheck, PrintExport
+from egad.settings import PrintExport
 from egad.tables import parquet
 
 ATTEMPTS = 20  # as in the paper
@@ -57,7 +57,6 @@ def page(
     empty: list[str],
     grippers: Mapping[str, ForGripper],
     export: PrintExport,
-    check: PrintCheck,
 ) -> str:
     """The datasheet as Markdown.
 
@@ -67,7 +66,6 @@ def page(
         empty: Labels of the cells without an object.
         grippers: What is known of the set for each gripper.
         export: How it is printed.
-        check: What can be printed.
     """
     borrowed = chosen.loc[chosen["borrowed"].astype(bool), "label"]
     missing = f"\nNo printable object lies in {' '.join(empty)}.\n" if empty else ""
@@ -86,22 +84,18 @@ def page(
         for row in parquet.records(chosen)
     ]
     names = dict(zip(chosen["label"], chosen["object_label"], strict=True))
-    tables = [_gripper_section(name, each, names, check) for name, each in grippers.items()]
+    tables = [_gripper_section(name, each, names) for name, each in grippers.items()]
     advice = f"with {100 * export.infill:g} % infill in {1000 * LAYER:g} mm layers"
     return head + "\n".join([*rows, *tables, REPORTING.format(advice=advice, attempts=ATTEMPTS)])
 
 
-def _gripper_section(
-    name: str, known: ForGripper, objects: Mapping[str, str], check: PrintCheck
-) -> str:
+def _gripper_section(name: str, known: ForGripper, objects: Mapping[str, str]) -> str:
     lines = [
         f"\n## For {name}\n",
-        "Sizes are those of the box as printed. Mass is that of the filament, without "
-        "supports. The best "
-        "quality is that of the best labelled grasp that the hand reaches. Walls are looked at "
-        f"in steps from {1000 * check.wall:g} to 8 mm.\n",
-        "| label | scale | size, mm | mass, g | walls, mm | best quality, 1e-3 | plate | note |",
-        "| --- | --- | --- | --- | --- | --- | --- | --- |",
+        "Sizes are those of the box as printed. Mass is that of the filament, without supports. "
+        "The best quality is that of the best labelled grasp that the hand reaches.\n",
+        "| label | scale | size, mm | mass, g | best quality, 1e-3 | plate | note |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
     ]
     for row in parquet.records(known.manifest):
         size = " x ".join(_number(row[f"extents_{axis}"], 0) for axis in "xyz")
@@ -109,8 +103,7 @@ def _gripper_section(
         plate = "" if pd.isna(row["plate"]) else f"{row['plate']:.0f}"
         lines.append(
             f"| {row['label']} | {_number(row['factor'], 3)} | {size} "
-            f"| {_number(row['filament'], 0)} | {_number(row['wall'], 1)} | {_number(best, 2)} "
-            f"| {plate} | {row['note']} |"
+            f"| {_number(row['filament'], 0)} | {_number(best, 2)} | {plate} | {row['note']} |"
         )
     return "\n".join(lines)
 

@@ -10,10 +10,10 @@ from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from egad.evalset.samples import spread
 from egad.grasps.rays import RayCaster
 from egad.settings import Engraving
 from egad.shapes.manifold import is_solid, to_mesh, to_solid
+from egad.shapes.samples import spread
 
 Floats = NDArray[np.float64]
 

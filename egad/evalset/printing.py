@@ -8,11 +8,8 @@ import trimesh
 
 from egad.evalset.checks import print_problems
 from egad.evalset.poses import Pose, lie_down
-from egad.evalset.thickness import thinnest
 from egad.settings import PrintCheck, PrintExport
 
-MOST = 0.01  # metres: thicker walls are all alike
-HALVINGS = 3  # of the range of walls
 SMALL_CONTACT = 1e-4  # m2: a smaller first layer comes off the bed easily
 
 
@@ -23,7 +20,6 @@ class PrintItem:
     Attributes:
         pose: How it lies, the lowest corner of its box at the origin.
         filament: Mass, kg, without supports.
-        wall: Thickness of its thinnest wall, at most `MOST`; 0 if it cannot be printed.
         plate: Number from 1; None if it is on none.
         place: x and y of its lowest corner on the plate; None if it is on none.
         note: What to know before printing.
@@ -31,7 +27,6 @@ class PrintItem:
 
     pose: Pose
     filament: float
-    wall: float
     plate: int | None
     place: tuple[float, float] | None
     note: str
@@ -62,7 +57,7 @@ def plan_prints(
     }
     places = pack(sizes, settings.bed, settings.gap)
     return {
-        label: _item(pose, problems[label], places.get(label), settings, check)
+        label: _item(pose, problems[label], places.get(label), settings)
         for label, pose in lying.items()
     }
 
@@ -72,17 +67,10 @@ def _item(
     problems: list[str],
     place: tuple[int, float, float] | None,
     settings: PrintExport,
-    check: PrintCheck,
 ) -> PrintItem:
     plate, where = (None, None) if place is None else (place[0], place[1:])
-    wall = 0.0 if problems else _wall(pose.mesh, check)
     filament = filament_mass(pose.mesh, settings)
-    return PrintItem(pose, filament, wall, plate, where, _note(pose, problems, plate, settings))
-
-
-def _wall(mesh: trimesh.Trimesh, check: PrintCheck) -> float:
-    sharpness = check.blunting / check.wall
-    return thinnest(mesh, sharpness, (check.wall, MOST), HALVINGS)
+    return PrintItem(pose, filament, plate, where, _note(pose, problems, plate, settings))
 
 
 def _note(pose: Pose, problems: list[str], plate: int | None, settings: PrintExport) -> str:

@@ -8,28 +8,40 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csgraph
 from scipy.spatial import cKDTree
 
-from egad.evalset.samples import Samples, spread
+from egad.grasps.rays import RayCaster
+from egad.shapes.distances import nearest
+from egad.shapes.samples import rims, spread
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Ints = NDArray[np.int64]
 
 SPACING = 0.8  # of the diameter: longest side of the pieces that triangles are cut into
-NEAREST = 6  # samples whose triangles may be the nearest one
 SLACK = 0.95  # of the radius: a ball that touches one facet of a curve cuts into the next
-CRUMB = 0.01  # of the samples: fewer are no piece of their own
+PARALLEL = np.cos(np.radians(30))  # of the angle between the sides of a wall, at most
+GRAIN = 0.25  # radii between balls that are told apart
+LINK = 2.4  # radii between balls that may hang together
+SKIN = 1e-3  # of the diameter: rays begin this deep
 
 
 class Thinness(NamedTuple):
     """What a ball of a given diameter, rolled inside a solid, cannot reach.
 
+    Each is a distance, in the unit of the mesh; inf if the ball fits nowhere.
+
     Attributes:
-        reach: How far the surface lies from what the ball can reach, at most; inf if it fits
-            nowhere. A flat face has 0, a right-angled edge 0.21 diameters, a wall that is thinner
-            than the ball half its width or more.
-        pieces: How many bodies are left of the solid without what is too thin.
+        edge: How far the surface lies from what the ball reaches, at most. A flat face has 0, a
+            right-angled edge 0.21 diameters, an edge or the tip of a cone of angle t
+            (1 / sin(t / 2) - 1) / 2.
+        wall: The same of surface with other surface less than the diameter behind it, parallel
+            within 30 degrees: of fins, films, rods, and the sharpest edges and tips.
+        part: How far balls lie, at most, from the largest part of the solid that one can roll
+            through.
     """
 
-    reach: float
-    pieces: int
+    edge: float
+    wall: float
+    part: float
 
 
 def thinness(mesh: trimesh.Trimesh, diameter: float) -> Thinness:
@@ -43,57 +55,75 @@ def thinness(mesh: trimesh.Trimesh, diameter: float) -> Thinness:
         diameter: Of the ball, in the unit of the mesh.
     """
     radius = diameter / (1 + SLACK)  # so that a plate passes if it is as thick as the diameter
-    samples = spread(mesh, SPACING * diameter)
-    centres = samples.points - radius * samples.normals
-    reached = _distances(mesh, samples, centres) >= SLACK * radius
-    if not reached.any():
-        return Thinness(np.inf, 0)
-    lost, balls = samples.points[~reached], centres[reached]
-    away = cKDTree(balls).query(lost)[0] if len(lost) else np.zeros(1)
-    return Thinness(max(0.0, float(np.max(away)) - radius), _pieces(balls, diameter))
+    flat, bent = spread(mesh, SPACING * diameter), rims(mesh, SPACING * diameter)
+    points, normals = map(np.concatenate, zip(flat[:2], bent, strict=True))
+    depth, parallel = _behind(mesh, points, normals, SKIN * diameter)
+    reached = depth > radius
+    balls, reached[reached] = _balls(mesh, (points - radius * normals)[reached], radius)
+    if not len(balls):
+        return Thinness(np.inf, np.inf, np.inf)
+    lost = np.flatnonzero(~reached[: len(flat.points)])
+    away = _away(points[lost], balls) - radius
+    thin = parallel[lost] & (depth[lost] < diameter)
+    apart = _apart(mesh, balls, radius)
+    return Thinness(*(float(each.max(initial=0.0)) for each in (away, away[thin], apart)))
 
 
-def thinnest(
-    mesh: trimesh.Trimesh, sharpness: float, bounds: tuple[float, float], steps: int
-) -> float:
-    """The largest ball that a solid is thick enough for, by bisection: its wall thickness.
+def _behind(
+    mesh: trimesh.Trimesh, points: Floats, normals: Floats, skin: float
+) -> tuple[Floats, Bools]:
+    """How deep the solid is behind its surface, and whether the other side is parallel there."""
+    hits = RayCaster(mesh).first_hits(points - skin * normals, -normals)
+    facing = -np.einsum("nk,nk->n", hits.normals, normals)
+    film = hits.entering | ~np.isfinite(hits.distances)  # thinner than the skin
+    return np.where(film, 0.0, hits.distances + skin), film | (facing >= PARALLEL)
 
-    Args:
-        mesh: A closed surface, wound outwards.
-        sharpness: The largest reach, in diameters, that is no wall but an edge or a tip.
-        bounds: Diameters to look between.
-        steps: Halvings.
 
-    Returns:
-        A diameter that passes, or the lower bound.
+def _balls(mesh: trimesh.Trimesh, centres: Floats, radius: float) -> tuple[Floats, Bools]:
+    """Centres of balls that fit, and which of those given do.
+
+    Where one does not, it is pushed away from the surface that it meets, to find the narrow room
+    that it may have, as in a square rod.
     """
-    low, high = bounds
-    for _ in range(steps):
-        middle = (low * high) ** 0.5
-        found = thinness(mesh, middle)
-        if found.reach <= sharpness * middle and found.pieces == 1:
-            low = middle
-        else:
-            high = middle
-    return low
+    distances, met = nearest(centres, mesh)
+    fits = distances >= SLACK * radius
+    pushed = ~fits & (distances > (1 - SLACK) * radius)  # nearer, it might leave the solid
+    away = (centres[pushed] - met[pushed]) / distances[pushed, None]
+    others = met[pushed] + radius * away
+    return np.concatenate([centres[fits], others[_fits(mesh, others, radius)]]), fits
 
 
-def _distances(mesh: trimesh.Trimesh, samples: Samples, points: Floats) -> Floats:
-    """Distances of points to the surface, (n,): to the triangles of the nearest samples."""
-    nearest = min(NEAREST, len(samples.points))
-    _, found = cKDTree(samples.points).query(points, k=nearest)
-    faces = samples.faces[np.reshape(found, (-1, nearest))]
-    each = np.repeat(points, nearest, axis=0)
-    closest = trimesh.triangles.closest_point(np.asarray(mesh.triangles)[faces.ravel()], each)
-    distances: Floats = np.linalg.norm(each - closest, axis=1).reshape(-1, nearest).min(axis=1)
-    return distances
+def _fits(mesh: trimesh.Trimesh, centres: Floats, radius: float) -> Bools:
+    return np.asarray(nearest(centres, mesh)[0] >= SLACK * radius)
 
 
-def _pieces(balls: Floats, diameter: float) -> int:
-    """Bodies that balls make up: those that lie about a diameter apart hang together."""
-    cells, count = np.unique(np.floor(balls / diameter), axis=0, return_counts=True)
-    links = cKDTree(cells).query_pairs(1.0, p=np.inf, output_type="ndarray")
-    size = (len(cells), len(cells))
-    graph = coo_array((np.ones(len(links)), (links[:, 0], links[:, 1])), shape=size)
-    _, piece = csgraph.connected_components(graph, directed=False)
-    return int((np.bincount(piece, weights=count) > CRUMB * len(balls)).sum())
+def _apart(mesh: trimesh.Trimesh, balls: Floats, radius: float) -> Floats:
+    """How far the balls lie from the largest part, of those that do not hang together with it.
+
+    Balls a radius apart overlap so much that 0.8 of the diameter passes from one to the other.
+    Those further apart hang together if a ball fits midway, too: then 0.75 passes.
+    """
+    cells = np.round(balls / (GRAIN * radius))
+    balls = balls[np.unique(cells, axis=0, return_index=True)[1]]  # the rest lie beside these
+    tree = cKDTree(balls)
+    near = tree.query_pairs(radius, output_type="ndarray")
+    parts = _linked(near, len(balls))
+    rest = np.flatnonzero(parts != np.bincount(parts).argmax())
+    around = cKDTree(balls[rest]).sparse_distance_matrix(tree, LINK * radius, output_type="ndarray")
+    far = np.column_stack([rest[around["i"]], around["j"]])
+    far = far[parts[far[:, 0]] != parts[far[:, 1]]]
+    far = far[_fits(mesh, balls[far].mean(axis=1), radius)]
+    parts = _linked(np.concatenate([near, far]), len(balls))
+    main = parts == np.bincount(parts).argmax()
+    return _away(balls[~main], balls[main])
+
+
+def _away(points: Floats, others: Floats) -> Floats:
+    """Distance of each point to the nearest of others, (n,)."""
+    return np.asarray(cKDTree(others).query(points)[0], dtype=np.float64)
+
+
+def _linked(pairs: Ints, count: int) -> Ints:
+    """The connected component of each of n nodes."""
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    return np.asarray(csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)

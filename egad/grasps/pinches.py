@@ -5,25 +5,29 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.grasps.rays import RayCaster
+from egad.shapes.samples import spread
 
 Floats = NDArray[np.float64]
 
-SKIN = 1e-6  # of the size of the mesh: how far below the surface rays start
+SPACING = 0.05  # of the longest side of the mesh: between the points, at most
+SKIN = 1e-6  # of it: how far below the surface rays start
 
 
 def pinch_widths(mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
-    """How thick a solid is behind the middle of each triangle, straight along the normal.
+    """How thick a solid is behind points spread over its surface, straight along the normals.
 
     Args:
         mesh: A closed surface, wound outwards.
 
     Returns:
-        Widths, (n,), in the unit of the mesh, and areas of the triangles, (n,).
+        Widths, (n,), in the unit of the mesh, and the area that each stands for, (n,).
     """
-    inwards = -np.asarray(mesh.face_normals)
-    skin = SKIN * float(np.max(mesh.extents))
-    starts = np.asarray(mesh.triangles_center) + skin * inwards
-    return RayCaster(mesh).first_hits(starts, inwards).distances + skin, np.asarray(mesh.area_faces)
+    size = float(np.max(mesh.extents))
+    samples = spread(mesh, SPACING * size)
+    starts = samples.points - SKIN * size * samples.normals
+    hits = RayCaster(mesh).first_hits(starts, -samples.normals)
+    shares = np.bincount(samples.faces, minlength=len(mesh.faces))
+    return hits.distances + SKIN * size, (mesh.area_faces / np.maximum(shares, 1))[samples.faces]
 
 
 def fitting_part(widths: Floats, areas: Floats, opening: float) -> float:

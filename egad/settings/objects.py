@@ -59,8 +59,7 @@ class PrintCheck(Section):
     blunting: float = Field(
         0.0015,
         ge=0,
-        description="edges and tips may become blunter by this much, metres; "
-        "thin parts that reach further are walls",
+        description="edges and tips may become blunter by this much, metres",
     )
 
 

@@ -42,7 +42,7 @@ def run(
         for gripper, path in manifests.items()
     }
     empty = empty_cells(chosen, settings.select_eval)
-    text = page(dataset, chosen, empty, known, settings.print_export, settings.print_check)
+    text = page(dataset, chosen, empty, known, settings.print_export)
     first = next(iter(manifests))
     picture = _sheet(
         settings,

@@ -194,7 +194,6 @@ def _printed(label: str, item: PrintItem, engraved: bool, settings: PrintFiles) 
         "pose_probability": item.pose.probability,
         "overhang": 1e6 * item.pose.overhang,
         "contact": 1e6 * item.pose.contact,
-        "wall": 1e3 * item.wall,
         "engraved": engraved,
         "note": "; ".join(filter(None, notes)),
     }

@@ -44,12 +44,6 @@ MANIFEST = pa.schema(
         column("pose_probability", FLOAT, "chance of coming to rest in this pose when dropped"),
         column("overhang", FLOAT, "area that needs support", "mm2"),
         column("contact", FLOAT, "area of the first layer", "mm2"),
-        column(
-            "wall",
-            FLOAT,
-            "what all walls are at least as thick as, found in steps up to 8; 0: cannot be printed",
-            "mm",
-        ),
         column("factor", FLOAT, "scaled size / size in meshes/"),
         column("engraved", BOOL, "whether its label is cut into it"),
         column("settings", STRING, "how to print it"),

@@ -10,6 +10,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+TURN = 0.5  # radians between the normals at an edge, at most
+
+
 class Samples(NamedTuple):
     """Points, (n, 3), the outward unit normals there, and the triangles they lie on, (n,)."""
 
@@ -46,3 +49,31 @@ def _halves(triangles: Floats, sides: Floats) -> Floats:
     middle = (start + end) / 2
     halves = [np.stack([start, middle, tip], axis=1), np.stack([middle, end, tip], axis=1)]
     return np.concatenate(halves)
+
+
+def rims(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:
+    """Points along the reflex edges, with the normals of a ball that rolls around the edge.
+
+    Args:
+        mesh: A closed surface, wound outwards.
+        spacing: Between points, in the unit of the mesh, at most.
+
+    Returns:
+        Points and unit normals, (n, 3): at each point from the normal of one side to that of the
+        other, at most `TURN` apart. Edges that bend less have none.
+    """
+    angles = np.asarray(mesh.face_adjacency_angles)
+    bent = ~np.asarray(mesh.face_adjacency_convex) & (angles > TURN) & (angles < np.pi - 1e-6)
+    angles = angles[bent]
+    ends = np.asarray(mesh.vertices)[np.asarray(mesh.face_adjacency_edges)[bent]]
+    sides = np.asarray(mesh.face_normals)[np.asarray(mesh.face_adjacency)[bent]]
+    places = np.ceil(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / spacing).astype(np.int64)
+    turns = np.ceil(angles / TURN).astype(np.int64) + 1
+    edge = np.repeat(np.arange(len(angles)), places * turns)
+    number = np.arange(len(edge)) - np.searchsorted(edge, edge)
+    along = (number // turns[edge] + 0.5) / places[edge]
+    turned = (number % turns[edge]) / (turns[edge] - 1)
+    weights = np.sin(np.column_stack([1 - turned, turned]) * angles[edge, None])
+    normals = np.einsum("ij,ijk->ik", weights / np.sin(angles[edge])[:, None], sides[edge])
+    points = np.einsum("ij,ijk->ik", np.column_stack([1 - along, along]), ends[edge])
+    return points, normals
