@@ -26,6 +26,7 @@ from egad.measures.similarity import similarities, similarity_matrix
 from egad.settings import Settings
 from egad.shapes import cppn
 from egad.shapes.constraints import UNBOUND
+from egad.shapes.convex import convex_parts, excess_volume
 from egad.shapes.surface import packed_surface
 from egad.stage_settings import Evolve, GraspLabels, select
 from egad.tables import parquet
@@ -215,3 +216,18 @@ def labelled(mesh, settings):
         return label(mesh, mesh.center_mass, settings, np.random.default_rng(0))
     except RejectedError:
         return []
+
+
+def test_convex_parts(released_set):
+    """Of the evaluation set of the released objects; the time of each and the volume error."""
+    bound = SETTINGS.bundle
+    found = {}
+    for name, mesh in released_set.items():
+        parts = []
+        spent = cpu(lambda: parts.extend(convex_parts(mesh, bound.max_parts, bound.volume_error)))
+        found[name] = spent, len(parts), excess_volume(parts, mesh)
+    slowest = max(found, key=lambda name: found[name][0])
+    spent, count, error = found[slowest]
+    total = sum(each[0] for each in found.values())
+    print(f"\nconvex parts: {total:.0f} s for {len(found)} objects, ", end="")
+    print(f"most for {slowest}: {spent:.1f} s, {count} parts, {100 * error:.1f} %", end="")
