@@ -104,7 +104,7 @@ def _apart(mesh: trimesh.Trimesh, balls: Floats, radius: float) -> Floats:
     Those further apart hang together if a ball fits midway, too: then 0.75 passes.
     """
     cells = np.round(balls / (GRAIN * radius))
-    balls = balls[np.unique(cells, axis=0, return_index=True)[1]]  # the rest lie beside these
+    balls = balls[np.unique(cells, axis=0, return_index=True)[1]]  # the others are beside them
     tree = cKDTree(balls)
     near = tree.query_pairs(radius, output_type="ndarray")
     parts = _linked(near, len(balls))
