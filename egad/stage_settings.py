@@ -212,7 +212,6 @@ class SimulatedTrials(StageSettings):
     seed: int
     gripper: Gripper
     policy: Policy
-    material: Material
     trials: Trials
 
 

@@ -1,17 +1,17 @@
 """An object as the physics engine needs it: convex parts, mass and principal inertia."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.shapes.convex import convex_parts, excess_volume
-from egad.shapes.mass import mass_properties
+from egad.evalset.bundle import bundled
+from egad.settings import Bundle
+from egad.shapes.mass import MassProperties
 
 Floats = NDArray[np.float64]
-
-MIN_MASS = 0.05  # kg; contacts of lighter bodies with a strong hand are stiff and jitter
 
 
 @dataclass(frozen=True)
@@ -35,38 +35,40 @@ class Model:
     to_principal: Floats
 
 
-def build(mesh: trimesh.Trimesh, density: float, max_parts: int, volume_error: float) -> Model:
-    """Model an object of uniform density (ours).
-
-    An object lighter than 50 g gets that mass, spread as before: the least mass that BURG also
-    simulates.
+def model_of(
+    mesh: trimesh.Trimesh,
+    parts: Sequence[trimesh.Trimesh],
+    physics: MassProperties,
+    volume_error: float,
+) -> Model:
+    """Model an object of the simulation bundle.
 
     Args:
-        mesh: A closed surface, in metres.
-        density: kg/m3.
-        max_parts: Most convex parts.
-        volume_error: Splitting into parts stops below this error.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid, or has too many bodies.
+        mesh: Its surface, in metres.
+        parts: Convex meshes that stand for it in contacts.
+        physics: Mass properties of the solid within the surface.
+        volume_error: Volume of the parts / volume of the mesh - 1.
     """
-    parts = convex_parts(mesh, max_parts, volume_error)
-    solid = mesh.copy()
-    if solid.volume < 0:
-        solid.invert()
-    true = mass_properties(solid, density)
-    mass = max(true.mass, MIN_MASS)
-    moments, axes = np.linalg.eigh(true.inertia * (mass / true.mass))
+    moments, axes = np.linalg.eigh(physics.inertia)
     axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])  # right-handed
     to_principal = np.eye(4)
     to_principal[:3, :3] = axes.T
-    to_principal[:3, 3] = -axes.T @ true.com
-    error = excess_volume(parts, solid)
+    to_principal[:3, 3] = -axes.T @ physics.com
     return Model(
-        mesh=solid.apply_transform(to_principal),
-        parts=tuple(part.apply_transform(to_principal) for part in parts),
-        mass=mass,
+        mesh=mesh.copy().apply_transform(to_principal),
+        parts=tuple(part.copy().apply_transform(to_principal) for part in parts),
+        mass=physics.mass,
         inertia=moments,
-        volume_error=error,
+        volume_error=volume_error,
         to_principal=to_principal,
     )
+
+
+def build(mesh: trimesh.Trimesh, density: float, settings: Bundle) -> Model:
+    """Model any object of uniform density, as one of the simulation bundle.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid, or has no convex parts.
+    """
+    made = bundled(mesh, density, settings)
+    return model_of(made.mesh, made.parts, made.physics, made.volume_error)

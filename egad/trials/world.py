@@ -2,6 +2,7 @@
 
 import functools
 import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Self
@@ -28,10 +29,12 @@ TABLE_ROLLING = 0.001
 COLLISION_MARGIN = 1e-4
 REACH = 5.0  # metres; whatever is further away did not get there by physics
 SUNK = 0.05
+# m/s; a fall from the hand ends at 3 and squeezed out objects fly at 2, exploding ones at 50.
+FASTEST = 10.0
 
 
 class UnstableError(Exception):
-    """The simulation went wrong: the object is nowhere, far away, or under the table."""
+    """The simulation went wrong: the object is nowhere, under the table, or shot away."""
 
 
 class Pose(NamedTuple):
@@ -39,6 +42,11 @@ class Pose(NamedTuple):
 
     position: Floats
     quaternion: Floats
+
+    @classmethod
+    def of(cls, numbers: Sequence[float]) -> Self:
+        """Of the three numbers of the position and the four of the quaternion."""
+        return cls(np.array(numbers[:3]), np.array(numbers[3:]))
 
     @property
     def matrix(self) -> Floats:
@@ -66,6 +74,7 @@ class World:
 
     Attributes:
         model: The object.
+        watch: Called after every time step, for films.
         client: The engine, for what else takes part.
         object: Number of the object in the engine.
         table: Number of the table in the engine.
@@ -78,9 +87,11 @@ class World:
             model: The object that lies on the table.
         """
         self.model = model
+        self.watch: Callable[[World], None] | None = None
 
     def __enter__(self) -> Self:
-        self._folder = tempfile.TemporaryDirectory()  # the engine reads compounds from files only
+        # The engine reads compounds and robots from files only.
+        self._folder = tempfile.TemporaryDirectory()
         self._shape = Path(self._folder.name) / "parts.obj"
         self._shape.write_text(_wavefront(self.model), encoding="ascii")
         self.client = Client()
@@ -152,9 +163,35 @@ class World:
         return float(sum(contact[9] for contact in contacts))
 
     def step(self, steps: int = 1) -> None:
-        """Let 1/240 s pass, so many times."""
+        """Let 1/240 s pass, so many times.
+
+        Raises:
+            UnstableError: The object explodes: it gets faster than anything here can make it.
+        """
         for _ in range(steps):
             self.client.stepSimulation()
+            if not max(map(abs, self.client.getBaseVelocity(self.object)[0])) < FASTEST:
+                raise UnstableError("the object was shot away")
+            if self.watch is not None:
+                self.watch(self)
+
+    def add_robot(
+        self, description: str, position: Sequence[float], quaternion: Sequence[float]
+    ) -> int:
+        """Add a robot with its base fixed.
+
+        Args:
+            description: URDF.
+            position: Of its base.
+            quaternion: Of its base.
+
+        Returns:
+            Its number in the engine.
+        """
+        path = Path(self._folder.name) / "robot.urdf"
+        path.write_text(description, encoding="utf-8")
+        number: int = self.client.loadURDF(str(path), position, quaternion, useFixedBase=1)
+        return number
 
     def _add_table(self) -> int:
         plane = self.client.createCollisionShape(pybullet.GEOM_PLANE)

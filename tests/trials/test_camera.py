@@ -6,7 +6,7 @@ import trimesh
 
 from egad.trials.camera import Eye, Intrinsics, above
 
-SMALL = Intrinsics.square(101, 40.0)
+SMALL = Intrinsics.spanning(101, 101, 40.0)
 
 
 def shifted(x: float, y: float, z: float) -> np.ndarray:
@@ -25,7 +25,7 @@ def tilted_camera() -> np.ndarray:
 
 def test_intrinsics_span_the_field_of_view() -> None:
     size, degrees = 300, 40.0
-    camera = Intrinsics.square(size, degrees)
+    camera = Intrinsics.spanning(size, size, degrees)
     rays = camera.rays()
     half = np.tan(np.radians(degrees / 2))
     pixel = 2 * half / size

@@ -1,0 +1,85 @@
+"""Films of the simulation, drawn in software: no window and no graphics card."""
+
+from pathlib import Path
+
+import imageio.v3 as imageio
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from egad.errors import UserError
+from egad.files import replacing
+from egad.trials.world import TIME_STEP, World
+
+Pixels = NDArray[np.uint8]
+
+ENDINGS = (".gif", ".mp4")
+STEPS = 12  # of the simulation, from one frame to the next: 20 a second
+SIZE = (320, 400)
+LOOKING_AT = (0.0, 0.0, 0.19)
+DISTANCE, YAW, PITCH = 0.95, 35.0, -22.0
+FIELD_OF_VIEW = 38.0
+LIGHT = (-0.4, -0.6, 1.2)
+ORANGE, GREY, DARK = (0.93, 0.55, 0.2, 1), (0.85, 0.86, 0.88, 1), (0.25, 0.27, 0.32, 1)
+
+
+class Film:
+    """Looks at a world in real time: what the engine collides is what is seen."""
+
+    def __init__(self, world: World) -> None:
+        """Watch a world from its next step on.
+
+        Args:
+            world: The world.
+        """
+        self.frames: list[Pixels] = []
+        self._steps = 0
+        self._view = pybullet.computeViewMatrixFromYawPitchRoll(
+            LOOKING_AT, DISTANCE, YAW, PITCH, 0, 2
+        )
+        self._projection = pybullet.computeProjectionMatrixFOV(
+            FIELD_OF_VIEW, SIZE[0] / SIZE[1], 0.05, 5.0
+        )
+        world.watch = self._look
+
+    def _look(self, world: World) -> None:
+        if self._steps % STEPS == 0:
+            self.frames.append(self._frame(world))
+        self._steps += 1
+
+    def _frame(self, world: World) -> Pixels:
+        client = world.client
+        client.changeVisualShape(world.object, -1, rgbaColor=ORANGE)
+        picture = client.getCameraImage(
+            *SIZE,
+            self._view,
+            self._projection,
+            lightDirection=LIGHT,
+            shadow=1,
+            renderer=pybullet.ER_TINY_RENDERER,
+        )[2]
+        frame: Pixels = np.reshape(np.asarray(picture, dtype=np.uint8), (SIZE[1], SIZE[0], 4))
+        return frame[..., :3].copy()
+
+
+def write_film(frames: list[Pixels], path: Path) -> None:
+    """Write a film in real time.
+
+    Args:
+        frames: Pictures of one size.
+        path: `.gif`, or `.mp4` if ffmpeg is there.
+
+    Raises:
+        UserError: There is no ffmpeg for it.
+    """
+    seconds = STEPS * TIME_STEP
+    with replacing(path) as temporary:
+        if path.suffix.lower() == ".gif":
+            imageio.imwrite(temporary, frames, extension=".gif", duration=1000 * seconds, loop=0)
+            return
+        try:
+            imageio.imwrite(temporary, frames, extension=".mp4", fps=1 / seconds)
+        except (ImportError, OSError) as error:
+            raise UserError(
+                f"{path}: MP4 needs ffmpeg, pip install 'imageio[ffmpeg]'; GIF needs nothing"
+            ) from error
