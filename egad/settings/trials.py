@@ -21,9 +21,9 @@ class Trials(Section):
     )
     between: Literal["hand", "anew"] = Field(
         "hand",
-        description="hand: after a success the object falls from the hand, after a failure it "
-        "stays where it lies, as with a real robot; anew: every attempt begins with a drop in a "
-        "random orientation, the same for all detectors",
+        description="hand: after a success the hand tilts the object and lets it fall, after a "
+        "failure it stays where it lies, as with a real robot; anew: every attempt begins with a "
+        "drop in a random orientation, the same for all detectors",
     )
     drop_height: Length = Field(0.1, description="from the table to the lowest point, metres")
     workspace: Length = Field(

@@ -15,12 +15,13 @@ Pixels = NDArray[np.uint8]
 
 ENDINGS = (".gif", ".mp4")
 STEPS = 12  # of the simulation, from one frame to the next: 20 a second
-SIZE = (320, 400)
-LOOKING_AT = (0.0, 0.0, 0.19)
-DISTANCE, YAW, PITCH = 0.95, 35.0, -22.0
+SIZE = (360, 400)
+DISTANCE, YAW, PITCH = 0.5, 35.0, -9.0
 FIELD_OF_VIEW = 38.0
+LEVEL = 0.06  # metres; the camera looks at this height, or follows the object up
+FOLLOWING = 0.3  # of the way to it, in a frame
 LIGHT = (-0.4, -0.6, 1.2)
-ORANGE, GREY, DARK = (0.93, 0.55, 0.2, 1), (0.85, 0.86, 0.88, 1), (0.25, 0.27, 0.32, 1)
+ORANGE = (0.93, 0.55, 0.2, 1)
 
 
 class Film:
@@ -34,9 +35,7 @@ class Film:
         """
         self.frames: list[Pixels] = []
         self._steps = 0
-        self._view = pybullet.computeViewMatrixFromYawPitchRoll(
-            LOOKING_AT, DISTANCE, YAW, PITCH, 0, 2
-        )
+        self._level = LEVEL
         self._projection = pybullet.computeProjectionMatrixFOV(
             FIELD_OF_VIEW, SIZE[0] / SIZE[1], 0.05, 5.0
         )
@@ -49,10 +48,14 @@ class Film:
 
     def _frame(self, world: World) -> Pixels:
         client = world.client
+        height = client.getBasePositionAndOrientation(world.object)[0][2]
+        self._level += FOLLOWING * (max(height, LEVEL) - self._level)
+        looking_at = (0.0, 0.0, self._level)
+        view = pybullet.computeViewMatrixFromYawPitchRoll(looking_at, DISTANCE, YAW, PITCH, 0, 2)
         client.changeVisualShape(world.object, -1, rgbaColor=ORANGE)
         picture = client.getCameraImage(
             *SIZE,
-            self._view,
+            view,
             self._projection,
             lightDirection=LIGHT,
             shadow=1,

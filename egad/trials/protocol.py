@@ -15,7 +15,7 @@ from egad.trials.execution import Execution, execute
 from egad.trials.grasp import Grasp, best
 from egad.trials.labelled import Labels
 from egad.trials.policies import Detector
-from egad.trials.starts import Start, starts, touched
+from egad.trials.starts import Start, moved, starts
 from egad.trials.world import TIME_STEP, Pose, UnstableError, World
 
 log = logging.getLogger(__name__)
@@ -160,8 +160,8 @@ class Bench:
     def _left_by(self, before: Attempt | None) -> tuple[Pose | None, Pose | None]:
         """Where the hand holds the object, and where it lies, after an attempt.
 
-        Neither if every attempt begins anew, or if the simulation broke down. An object that was
-        not touched is not left there: a detector would try the same again.
+        Neither if every attempt begins anew, or if the simulation broke down. An object that
+        hardly moved is not left there: a detector would try the same again.
         """
         if self.trials.between == "anew" or before is None:
             return None, None
@@ -169,8 +169,8 @@ class Bench:
             return None, None
         if before.outcome == "success":
             return before.end, None
-        moved = touched(self.world.model.mesh, before.rest, before.end)
-        return None, before.end if moved else None
+        elsewhere = moved(self.world.model.mesh, before.rest, before.end)
+        return None, before.end if elsewhere else None
 
     def _settled(self, start: Start) -> Pose | None:
         """Let the object fall in an empty world until it lies still; None if it never does."""

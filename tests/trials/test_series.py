@@ -114,7 +114,7 @@ def test_every_attempt_can_be_repeated_alone(
 
 
 def test_the_object_goes_on_where_the_attempt_before_left_it(ell: Model) -> None:
-    trials = attempts(ell, clumsy, attempts=12)
+    trials = attempts(ell, clumsy, attempts=30)
     begun = trials["begun"].tolist()
     assert begun[0] == "dropped"
     assert set(begun) == {"dropped", "from_hand", "left"}
