@@ -62,8 +62,10 @@ def clumsy(view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Gr
     if not found or rng.random() < 0.2:
         return []
     x, y, z = found[0].center
-    shift = rng.choice([0.0, 0.03, 0.015])
-    return [Grasp((x + shift, y + shift, z), *list(vars(found[0]).values())[1:])]
+    along, aside = rng.choice([0.0, 0.015]), rng.choice([0.0, 0.025])
+    cosine, sine = np.cos(found[0].angle), np.sin(found[0].angle)
+    x, y = x + along * cosine - aside * sine, y + along * sine + aside * cosine
+    return [Grasp((x, y, z), *list(vars(found[0]).values())[1:])]
 
 
 @pytest.mark.parametrize("model", [CUBE, BALL, CYLINDER], ids=["cube", "ball", "cylinder"])
@@ -113,8 +115,8 @@ def test_every_attempt_can_be_repeated_alone(
         np.testing.assert_equal(again, {name: row[name] for name in again})
 
 
-def test_the_object_goes_on_where_the_attempt_before_left_it(ell: Model) -> None:
-    trials = attempts(ell, clumsy, attempts=30)
+def test_the_object_goes_on_where_the_attempt_before_left_it() -> None:
+    trials = attempts(BALL, clumsy, attempts=20)
     begun = trials["begun"].tolist()
     assert begun[0] == "dropped"
     assert set(begun) == {"dropped", "from_hand", "left"}
