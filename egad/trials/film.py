@@ -18,7 +18,7 @@ STEPS = 12  # of the simulation, from one frame to the next: 20 a second
 SIZE = (360, 400)
 DISTANCE, YAW, PITCH = 0.5, 35.0, -9.0
 FIELD_OF_VIEW = 38.0
-LEVEL = 0.06  # metres; the camera looks at this height, or follows the object up
+LOWEST = (-np.inf, -np.inf, 0.06)  # that the camera looks at; it follows the object
 FOLLOWING = 0.3  # of the way to it, in a frame
 LIGHT = (-0.4, -0.6, 1.2)
 ORANGE = (0.93, 0.55, 0.2, 1)
@@ -35,7 +35,7 @@ class Film:
         """
         self.frames: list[Pixels] = []
         self._steps = 0
-        self._level = LEVEL
+        self._looking_at = np.array([0.0, 0.0, LOWEST[2]])
         self._projection = pybullet.computeProjectionMatrixFOV(
             FIELD_OF_VIEW, SIZE[0] / SIZE[1], 0.05, 5.0
         )
@@ -48,10 +48,11 @@ class Film:
 
     def _frame(self, world: World) -> Pixels:
         client = world.client
-        height = client.getBasePositionAndOrientation(world.object)[0][2]
-        self._level += FOLLOWING * (max(height, LEVEL) - self._level)
-        looking_at = (0.0, 0.0, self._level)
-        view = pybullet.computeViewMatrixFromYawPitchRoll(looking_at, DISTANCE, YAW, PITCH, 0, 2)
+        place = np.maximum(client.getBasePositionAndOrientation(world.object)[0], LOWEST)
+        self._looking_at += FOLLOWING * (place - self._looking_at)
+        view = pybullet.computeViewMatrixFromYawPitchRoll(
+            self._looking_at.tolist(), DISTANCE, YAW, PITCH, 0, 2
+        )
         client.changeVisualShape(world.object, -1, rgbaColor=ORANGE)
         picture = client.getCameraImage(
             *SIZE,

@@ -7,6 +7,7 @@ import trimesh
 from egad.settings import GRIPPERS, Bundle, Gripper, Trials
 from egad.trials.camera import View
 from egad.trials.child import DetectorTimeoutError
+from egad.trials.execution import Execution, execute
 from egad.trials.grasp import Grasp
 from egad.trials.model import build
 from egad.trials.policies import Detector
@@ -141,3 +142,47 @@ def test_how_an_attempt_begins(
         lowest = (CUBE.vertices @ start[:3, :3].T + start[:3, 3])[:, 2].min()
         assert lowest == pytest.approx(trials.drop_height)
         assert -1e-9 < start[2, 2] < 1 - 1e-9  # tilted, by 90 degrees at most
+
+
+def held_up(world: World) -> Execution:
+    world.place(Pose.of([0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 1.0]))
+    return execute(
+        world, GRIPPERS["egad_75mm"], Trials(), Grasp((0.0, 0.0, 0.02), 0.0, 0.07, 0.01, 1.0)
+    )
+
+
+def test_an_object_that_is_lost_while_it_is_held_up_is_dropped() -> None:
+    """Somebody takes it out of the hand."""
+
+    steps = []
+
+    def take(world: World) -> None:
+        steps.append(world.pose().position[2] > 0.4195)
+        if sum(steps) == 100:  # long after the lift
+            world.place(Pose.of([0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0]))
+
+    with World(build(CUBE, 400.0, BUNDLE)) as world:
+        assert held_up(world).outcome == "success"
+        world.reset()
+        world.watch = take
+        assert held_up(world).outcome == "dropped"
+
+
+@pytest.mark.parametrize("velocity", [(200.0, 0.0, 0.0), (np.nan, 0.0, 0.0)])
+def test_an_object_that_explodes_has_failed_and_the_next_attempt_begins_anew(
+    velocity: tuple[float, float, float],
+) -> None:
+    def explode(world: World) -> None:
+        if 0.1 < world.pose().position[2] < 0.11 and world.force(world.table, world.object) == 0:
+            world.client.resetBaseVelocity(world.object, velocity)
+
+    with World(build(CUBE, 400.0, BUNDLE)) as world:
+        bench = Bench(world, GRIPPERS["egad_75mm"], Trials(drop_height=0.05))
+        world.watch = explode
+        first = bench.attempt(always((0, 0, -0.03)), 3)
+        world.watch = None
+        second = bench.attempt(always((0, 0, -0.03)), 4, first)
+    assert (first.outcome, first.end, first.lifted) == ("failed", None, 0.0)
+    assert second.outcome == "success"
+    assert second.start is not None
+    assert second.start.begun == "dropped"
