@@ -6,7 +6,7 @@ from egad.settings import Gripper, Trials
 from egad.trials.carriers import CARRIERS, Stance, UnreachableError
 from egad.trials.grasp import Grasp
 from egad.trials.hand import Hand
-from egad.trials.world import TIME_STEP, Pose, UnstableError, World
+from egad.trials.world import Pose, UnstableError, World
 
 START_ABOVE = 0.02  # fingertips start this far above the object
 DESCENT_SPEED = 0.25  # mean, m/s
@@ -52,12 +52,10 @@ def execute(world: World, gripper: Gripper, trials: Trials, grasp: Grasp) -> Exe
 
 def _outcome(world: World, gripper: Gripper, trials: Trials, grasp: Grasp) -> str:
     start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
-    stance = Stance(grasp.center[0], grasp.center[1], start, grasp.angle)
     try:
-        carrier = CARRIERS[trials.arm](world, gripper, stance)
+        hand = hung(world, gripper, trials.arm, grasp, start)
     except UnreachableError:
         return "collided"
-    hand = Hand(world, gripper, carrier, grasp.width)
     if not hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED):
         return "collided"
     touched = hand.close()
@@ -66,5 +64,15 @@ def _outcome(world: World, gripper: Gripper, trials: Trials, grasp: Grasp) -> st
     hand.lift(trials.lift_height, trials.lift_height / LIFT_SPEED)
     if not hand.carries():
         return "slipped_lifting"
-    world.step(round(trials.hold_time / TIME_STEP))
+    hand.hold(trials.hold_time)
     return "success" if hand.carries() else "dropped"
+
+
+def hung(world: World, gripper: Gripper, arm: str, grasp: Grasp, height: float) -> Hand:
+    """The open hand, its fingertips at some height above a grasp.
+
+    Raises:
+        UnreachableError: The arm cannot bring it there.
+    """
+    stance = Stance(grasp.center[0], grasp.center[1], height, grasp.angle)
+    return Hand(world, gripper, CARRIERS[arm](world, gripper, stance), grasp.width)

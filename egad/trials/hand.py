@@ -70,6 +70,10 @@ class Hand:
             self._carrier.drive(target)
             self.world.step()
 
+    def hold(self, seconds: float) -> None:
+        """Stay there."""
+        self.world.step(round(seconds / TIME_STEP))
+
     def close(self) -> bool:
         """Close the fingers until they stall, and keep pressing with the gripper's force.
 
