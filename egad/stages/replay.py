@@ -1,5 +1,6 @@
 """replay: an attempt of the simulated trials again, as a film."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,8 @@ from egad.stage_settings import SimulatedTrials
 from egad.stages.simulate import model_in
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, TRIALS
-from egad.trials.film import Film, write_film
-from egad.trials.protocol import Bench
+from egad.trials.film import Film, Pixels, write_film
+from egad.trials.protocol import Attempt, Bench
 from egad.trials.series import END, columns_of, recorded
 from egad.trials.world import World
 
@@ -40,13 +41,26 @@ def run(
     row = _row(trials, label, attempt)
     if not row["begun"]:
         raise UserError(f"{label}, attempt {attempt} never began: {row['outcome']}")
-    start, grasp = recorded(row)
-    with World(model_in(bundle, _object(bundle, label))) as world:
-        film = Film(world)
-        again = Bench(world, settings.gripper, settings.trials).repeat(start, grasp)
-    write_film(film.frames, out)
+    again, frames = repeated(settings, row, bundle)
+    write_film(frames, out)
     _check(row, columns_of(again))
     return str(row["outcome"])
+
+
+def repeated(
+    settings: SimulatedTrials, row: Mapping[str, Any], bundle: Path
+) -> tuple[Attempt, list[Pixels]]:
+    """An attempt again, and the frames of its film.
+
+    Args:
+        settings: Those that the trials were made with.
+        row: Columns of `tables.evaluation.TRIALS`, of an attempt that began.
+        bundle: Folder of the simulation bundle.
+    """
+    with World(model_in(bundle, _object(bundle, row["label"]))) as world:
+        film = Film(world)
+        again = Bench(world, settings.gripper, settings.trials).repeat(*recorded(row))
+    return again, film.frames
 
 
 def _row(trials: Path, label: str, attempt: int) -> dict[str, Any]:
@@ -69,7 +83,7 @@ def _object(bundle: Path, label: str) -> dict[str, Any]:
     return found[0]
 
 
-def _check(row: dict[str, Any], again: dict[str, Any]) -> None:
+def _check(row: Mapping[str, Any], again: Mapping[str, Any]) -> None:
     """The same outcome, if there was a grasp to repeat, and the same end, bit by bit."""
     outcome = again["outcome"] or row["outcome"]
     before, after = ([values[name] for name in END] for values in (row, again))

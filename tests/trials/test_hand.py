@@ -13,7 +13,7 @@ from egad.trials.world import Pose, World
 BUNDLE = Bundle()
 SIDE = 0.04
 LIFT = 0.2
-LIGHT = build(trimesh.creation.box((SIDE,) * 3), 400.0, BUNDLE)  # 26 g
+LIGHT = build(trimesh.creation.box((SIDE,) * 3), 400.0, BUNDLE)  # 26 g, simulated as 50
 HEAVY = build(trimesh.creation.box((SIDE,) * 3), 3125.0, BUNDLE)  # 200 g
 BALL = build(trimesh.creation.icosphere(4, 0.025), 400.0, BUNDLE)
 
@@ -68,6 +68,22 @@ def test_fingers_stop_on_the_surface(force: float) -> None:
         assert hand.opening() == pytest.approx(SIDE, abs=0.0005)
         for finger in hand.fingers:
             assert world.force(hand.number, world.object, finger) == pytest.approx(force, rel=0.1)
+
+
+@pytest.mark.parametrize("force", [20.0, 70.0, 100.0])
+@pytest.mark.parametrize("thickness", [0.005, 0.01, 0.02])
+def test_thin_light_plates_are_not_squeezed_flat(thickness: float, force: float) -> None:
+    model = build(trimesh.creation.box((0.04, 0.04, thickness)), 400.0, BUNDLE)
+    standing = np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])
+    with World(model) as world:
+        world.place(Pose(np.array([0.0, 0.0, 0.0202]), standing))
+        world.step(30)
+        gripper = GRIPPERS["egad_75mm"].model_copy(update={"force": force})
+        hand = hung(world, gripper, Stance(0.0, 0.0, 0.01, 0.0), 0.07)
+        hand.close()
+        hand.lift(LIFT, 1.0)
+        assert hand.opening() == pytest.approx(thickness, abs=0.0005)
+        assert hand.carries()
 
 
 @ARMS

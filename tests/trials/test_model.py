@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from egad.settings import Bundle
-from egad.trials.model import build
+from egad.trials.model import MIN_MASS, build
 
 BUNDLE = Bundle()
 SIDES = np.array([0.08, 0.05, 0.03])
@@ -33,6 +33,12 @@ def test_mesh_and_parts_lie_in_the_principal_frame() -> None:
         # The longest side has the smallest moment, which comes first.
         np.testing.assert_allclose(mesh.extents, SIDES, rtol=1e-6)
         assert mesh.volume == pytest.approx(SIDES.prod(), rel=1e-6)
+
+
+def test_a_light_object_gets_the_least_mass_and_keeps_its_form() -> None:
+    light, heavy = build(tilted_box(), 1.0, BUNDLE), build(tilted_box(), 1000.0, BUNDLE)
+    assert light.mass == MIN_MASS
+    np.testing.assert_allclose(light.inertia / light.mass, heavy.inertia / heavy.mass)
 
 
 def test_inside_out_is_mended_and_the_input_left_alone() -> None:
