@@ -11,7 +11,7 @@ from egad.errors import UserError
 from egad.settings import Gripper, Trials
 from egad.trials.camera import Eye, Intrinsics, View, above, noisy
 from egad.trials.child import DetectorTimeoutError
-from egad.trials.execution import Execution, execute
+from egad.trials.execution import execute
 from egad.trials.grasp import Grasp, best
 from egad.trials.labelled import Labels
 from egad.trials.policies import Detector
@@ -101,7 +101,7 @@ class Bench:
         grasp = self._plan(detect, view, detector_rng)
         if isinstance(grasp, str):
             return Attempt(grasp, *ready, end=ready.rest)
-        return Attempt(*self._carried_out(grasp, ready))
+        return self._carried_out(grasp, ready)
 
     def repeat(self, start: Start, grasp: Grasp | None) -> Attempt:
         """An attempt again, without its detector: what it began with and what was proposed.
@@ -119,17 +119,15 @@ class Bench:
         ready = Ready(start, rest)
         if grasp is None:
             return Attempt("", *ready, end=rest)
-        return Attempt(*self._carried_out(grasp, ready))
+        return self._carried_out(grasp, ready)
 
     def look(self) -> View:
         """A depth image of the object where it is now."""
         return self.eye.look(self.world.pose().matrix, self.intrinsics, self.camera)
 
-    def _carried_out(
-        self, grasp: Grasp, ready: Ready
-    ) -> tuple[str, Start, Pose, Grasp, float, Pose | None]:
-        result: Execution = execute(self.world, self.gripper, self.trials, grasp)
-        return (result.outcome, *ready, grasp, result.lifted, result.end)
+    def _carried_out(self, grasp: Grasp, ready: Ready) -> Attempt:
+        result = execute(self.world, self.gripper, self.trials, grasp)
+        return Attempt(result.outcome, *ready, grasp, result.lifted, result.end)
 
     def _plan(self, detect: Detector | Labels, view: View, rng: np.random.Generator) -> Grasp | str:
         """The grasp to try, or the outcome if there is none; a detector may fail as it likes."""
@@ -150,27 +148,25 @@ class Bench:
     def _begin(self, rng: np.random.Generator, before: Attempt | None) -> Ready | None:
         """Drop the object, or leave it, until it lies still in the workspace."""
         mesh = self.world.model.mesh
-        held, lying = self._left_by(before)
-        for start in starts(mesh, self.trials.drop_height, held, lying, rng):
+        left = None if self.trials.between == "anew" or before is None else self._left_by(before)
+        for start in starts(mesh, self.trials.drop_height, left, rng):
             rest = self._settled(start)
             if rest is not None and self._in_workspace(rest):
                 return Ready(start, rest)
         return None
 
-    def _left_by(self, before: Attempt | None) -> tuple[Pose | None, Pose | None]:
-        """Where the hand holds the object, and where it lies, after an attempt.
+    def _left_by(self, before: Attempt) -> Start | None:
+        """Where an attempt left the object; None if it is put back.
 
-        Neither if every attempt begins anew, or if the simulation broke down. An object that
-        hardly moved is not left there: a detector would try the same again.
+        That is done if the simulation broke down, and for an object that hardly moved: a detector
+        would try the same again.
         """
-        if self.trials.between == "anew" or before is None:
-            return None, None
         if before.end is None or before.rest is None:
-            return None, None
+            return None
         if before.outcome == "success":
-            return before.end, None
+            return Start("from_hand", before.end)
         elsewhere = moved(self.world.model.mesh, before.rest, before.end)
-        return None, before.end if elsewhere else None
+        return Start("left", before.end) if elsewhere else None
 
     def _settled(self, start: Start) -> Pose | None:
         """Let the object fall in an empty world until it lies still; None if it never does."""

@@ -33,22 +33,22 @@ class Start(NamedTuple):
 
 
 def starts(
-    mesh: trimesh.Trimesh, height: float, held: Pose | None, lying: Pose | None,
-    rng: np.random.Generator,
-) -> Iterator[Start]:  # fmt: skip
+    mesh: trimesh.Trimesh, height: float, left: Start | None, rng: np.random.Generator
+) -> Iterator[Start]:
     """What to try, one after the other, until the object lies still in the workspace.
 
     Args:
         mesh: The object, in the frame of its poses.
         height: Of its lowest point when it is dropped, metres.
-        held: Where the hand holds it, if it does; it turns and tilts it by chance.
-        lying: Where it lies, if it may stay there.
+        left: Where the attempt before left it: lying, or in the hand, which tilts and turns it by
+            chance above the middle; None if it is put back.
         rng: Source of chance.
     """
-    if held is not None:
-        yield Start("from_hand", _above(mesh, height, _tilted(held.quaternion, rng), rng))
-    elif lying is not None:
-        yield Start("left", lying)
+    if left is not None and left.begun == "from_hand":
+        turned = _tilted(left.pose.quaternion, rng)
+        yield Start("from_hand", _above(mesh, height, turned, rng))
+    elif left is not None:
+        yield left
     for _ in range(DROPS):
         quaternion = rng.normal(size=4)
         quaternion /= np.linalg.norm(quaternion)
