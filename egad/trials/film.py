@@ -15,7 +15,7 @@ Pixels = NDArray[np.uint8]
 
 ENDINGS = (".gif", ".mp4")
 STEPS = 12  # of the simulation, from one frame to the next: 20 a second
-SIZE = (360, 400)
+SIZE = (352, 400)  # multiples of 16, as video wants them
 DISTANCE, YAW, PITCH = 0.5, 35.0, -9.0
 FIELD_OF_VIEW = 38.0
 LOWEST = (-np.inf, -np.inf, 0.06)  # that the camera looks at; it follows the object
@@ -77,13 +77,16 @@ def write_film(frames: list[Pixels], path: Path) -> None:
         UserError: There is no ffmpeg for it.
     """
     seconds = STEPS * TIME_STEP
-    with replacing(path) as temporary:
-        if path.suffix.lower() == ".gif":
-            imageio.imwrite(temporary, frames, extension=".gif", duration=1000 * seconds, loop=0)
-            return
+    if path.suffix.lower() == ".gif":
+        data = imageio.imwrite("<bytes>", frames, extension=".gif", duration=1000 * seconds, loop=0)
+    else:
         try:
-            imageio.imwrite(temporary, frames, extension=".mp4", fps=1 / seconds)
-        except (ImportError, OSError) as error:
+            data = imageio.imwrite(
+                "<bytes>", frames, extension=".mp4", plugin="FFMPEG", fps=1 / seconds
+            )
+        except ImportError as error:
             raise UserError(
-                f"{path}: MP4 needs ffmpeg, pip install 'imageio[ffmpeg]'; GIF needs nothing"
+                f"{path}: MP4 needs ffmpeg, pip install imageio-ffmpeg; GIF needs nothing"
             ) from error
+    with replacing(path) as temporary:
+        temporary.write_bytes(data)

@@ -1,5 +1,6 @@
 """Trials of a bundle, whatever is in it; and any attempt again, as a film."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from egad.stage_settings import SimulatedTrials, SimulationBundle, select
 from egad.stages import bundle, replay, simulate
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, TRIALS
+from egad.trials.film import write_film
 from egad.trials.model import model_of
 
 WHOLE = Settings.model_validate({"trials": {"attempts": 3}})
@@ -152,6 +154,16 @@ def test_a_replay_from_the_command_line(dataset, tmp_path, monkeypatch, capsys):
     assert not stop.value.code
     assert "A1, attempt 0: " in capsys.readouterr().out
     assert Path("A1-0.gif").stat().st_size > 10_000
+
+
+def test_without_ffmpeg_a_film_can_be_a_gif(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    frames = [np.full((400, 352, 3), shade, np.uint8) for shade in (10, 200)]
+    with pytest.raises(UserError, match="MP4 needs ffmpeg, pip install imageio-ffmpeg; GIF"):
+        write_film(frames, tmp_path / "film.mp4")
+    write_film(frames, tmp_path / "film.gif")
+    with Image.open(tmp_path / "film.gif") as film:
+        assert (film.n_frames, film.info["duration"]) == (2, 50)
 
 
 @pytest.mark.parametrize(
