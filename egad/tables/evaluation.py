@@ -86,7 +86,7 @@ RESULTS = pa.schema(
         column("id", STRING, "name of the object within its dataset; empty on a real robot"),
         column("attempt", INT, "number of the attempt"),
         column("success", BOOL, "whether the object was still held at the end"),
-        column("outcome", STRING, "as in the table of simulated trials, or other"),
+        column("outcome", STRING, "as in the table of simulated trials, slipped or other"),
         column("quality", FLOAT, "quality that the detector gave; null if it gave none"),
         column("detector", STRING, "name of the grasp detector"),
         column("seed", STRING, "seed of the attempt (hexadecimal); empty on a real robot"),

@@ -23,12 +23,14 @@ from egad.trials.model import model_of
 
 WHOLE = Settings.model_validate({"trials": {"attempts": 3}})
 SETTINGS = select(WHOLE, SimulatedTrials, "egad_75mm", "antipodal-depth")
+BOX = trimesh.creation.box((0.04, 0.04, 0.04))
+OPEN = BOX.vertices, BOX.faces[1:]
 MESHES = {
     "A0": trimesh.creation.box(
         (0.04, 0.03, 0.05), trimesh.transformations.rotation_matrix(1, (1, 2, 3))
     ),
     "A1": trimesh.creation.cylinder(0.02, 0.07),
-    "B0": trimesh.Trimesh([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]]),  # no solid
+    "B0": trimesh.Trimesh(*OPEN, process=False),  # no solid
 }
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from egad.settings import GRIPPERS
-from egad.trials.grasp import MOST, Grasp, best, ranked
+from egad.trials.grasp import MOST_GRASPS, Grasp, best, ranked
 
 HAND = GRIPPERS["egad_75mm"]
 FINE = Grasp((0.0, 0.0, 0.02), 0.0, 0.05, 0.01, 0.5)
@@ -59,4 +59,4 @@ def test_candidates_are_ranked_as_one_would_one_by_one(count):
         for i in range(count)
     ]
     slow.sort(key=lambda grasp: -grasp.quality)
-    assert ranked(center, axis, width, depth, quality) == slow[:MOST]
+    assert ranked(center, axis, width, depth, quality) == slow[:MOST_GRASPS]
