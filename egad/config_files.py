@@ -101,7 +101,7 @@ TEST: Values = {
     "grasp_label": {"grasps": 10},
     "size_effect": {"fractions": [0.5, 0.8, 1.2], "grasps": 10, "repeats": 2},
     "select_eval": {"rows": 3, "columns": 3},
-    "trials": {"attempts": 2, "image_size": 96},
+    "trials": {"attempts": 2, "image": [200, 150]},
 }
 YCB: Values = {
     "datasets": {

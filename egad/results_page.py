@@ -82,8 +82,7 @@ ARTEFACTS = [
     Artefact(
         "D/bundle/G/LABEL/",
         "The evaluation set for simulators, scaled to gripper G: meshes, URDF, MJCF, poses at "
-        "rest. Made when asked for: `snakemake --cores 2 results/D/bundle/G/bundle.parquet`. "
-        "`docs/bundle.md` says what is in it.",
+        "rest. The trials use it. `docs/bundle.md` says what is in it.",
     ),
     Artefact(
         "D/bundle/G/bundle.parquet",

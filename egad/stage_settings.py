@@ -213,7 +213,6 @@ class SimulatedTrials(StageSettings):
     seed: int
     gripper: Gripper
     policy: Policy
-    material: Material
     trials: Trials
 
 

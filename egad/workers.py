@@ -1,17 +1,26 @@
 """Work spread over processes, in an order and with results that do not depend on how many."""
 
+import logging
+import multiprocessing
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import partial
-from typing import Any
+from multiprocessing.connection import Connection
+from types import TracebackType
+from typing import Any, Self
 
 from threadpoolctl import threadpool_limits
 
 from egad.errors import UserError
 
-Mapper = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
+log = logging.getLogger(__name__)
+
+CHANCES = 2
+Work = Callable[[Any], Any]
+Mapper = Callable[[Work, Iterable[Any]], Iterable[Any]]
+Opened = Callable[[], AbstractContextManager[Work]]
 
 
 @contextmanager
@@ -35,3 +44,94 @@ def _one_thread() -> threadpool_limits:
     import scipy.linalg  # noqa: F401, PLC0415 (only libraries that are loaded can be limited)
 
     return threadpool_limits(1)
+
+
+class Survivor:
+    """Work in a process of its own that is started anew when it dies."""
+
+    def __init__(self, opened: Opened) -> None:
+        """Prepare; the process starts with the `with` block.
+
+        Args:
+            opened: Makes what does the work, in that process: a context manager that lasts as
+                long. Its name must be importable there.
+        """
+        self._opened = opened
+
+    def __enter__(self) -> Self:
+        self._start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._pipe.close()  # it ends by itself when nobody can ask any more
+        self._process.join()
+
+    def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
+        """Do the work on one item.
+
+        Returns:
+            Its result; None if the process died of it twice.
+
+        Raises:
+            Exception: What the work raises.
+        """
+        for _ in range(CHANCES):
+            try:
+                self._pipe.send(item)
+                result, error = self._pipe.recv()
+            except (EOFError, OSError):
+                self._process.join()
+                log.warning("a process ended with status %s", self._process.exitcode)
+                self._start()
+                continue
+            if error is not None:
+                raise error
+            return result
+        return None
+
+    def _start(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pipe, theirs = context.Pipe()
+        self._process = context.Process(target=_serve, args=(theirs, self._opened))
+        self._process.start()
+        theirs.close()
+        try:
+            _, error = self._pipe.recv()
+        except EOFError:
+            self._process.join()
+            raise UserError(
+                f"a worker process ended with status {self._process.exitcode} while it started"
+            ) from None
+        if error is not None:
+            self._process.join()
+            raise error
+
+
+def _serve(pipe: Connection, opened: Opened) -> None:
+    """Do the work until the other end of the pipe closes; the first answer says that it can."""
+    with _one_thread(), ExitStack() as stack:
+        try:
+            work = stack.enter_context(opened())
+        except Exception as error:
+            pipe.send((None, error))
+            return
+        pipe.send((None, None))
+        while True:
+            try:
+                item = pipe.recv()
+            except EOFError:
+                return
+            pipe.send(_answer(work, item))
+
+
+def _answer(work: Work, item: Any) -> tuple[Any, Exception | None]:  # noqa: ANN401 (as above)
+    """What comes of an item, or what it raises."""
+    try:
+        return work(item), None
+    except Exception as error:
+        return None, error

@@ -1,8 +1,13 @@
+import os
+from contextlib import contextmanager
+from functools import partial
+
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
-from egad.workers import workers
+from egad.errors import UserError
+from egad.workers import Survivor, workers
 
 
 def threads_for_algebra(matrix):
@@ -21,3 +26,51 @@ def test_a_worker_has_one_thread_for_algebra(count):
         found = list(mapper(threads_for_algebra, [np.eye(3)] * 4))
     assert all(found)
     assert all(count == 1 for counts in found for count in counts)
+
+
+@contextmanager
+def halving(marks):
+    """Halves numbers; 0 ends the process the first time, 13 always, and text is an error."""
+
+    def half(number):
+        if number == 13 or (number == 0 and not marks.exists()):
+            marks.touch()
+            os.abort()
+        return number / 2
+
+    marks.with_suffix(".open").touch()
+    yield half
+    marks.with_suffix(".closed").touch()
+
+
+@contextmanager
+def refusing():
+    raise UserError("this cannot be made")
+    yield
+
+
+@contextmanager
+def dying():
+    os.abort()
+    yield
+
+
+def test_a_process_that_dies_is_started_anew_and_dying_twice_gives_none(tmp_path):
+    marks = tmp_path / "died"
+    with Survivor(partial(halving, marks)) as work:
+        assert [work(number) for number in (4, 0, 2, 13, 6)] == [2, 0, 1, None, 3]
+    assert marks.with_suffix(".closed").exists()
+
+
+def test_errors_of_the_work_are_raised_and_the_next_item_goes_on(tmp_path):
+    with Survivor(partial(halving, tmp_path / "died")) as work:
+        with pytest.raises(TypeError):
+            work("text")
+        assert work(4) == 2
+
+
+def test_what_cannot_be_made_in_the_process_is_said():
+    with pytest.raises(UserError, match="this cannot be made"), Survivor(refusing):
+        pass
+    with pytest.raises(UserError, match="while it started"), Survivor(dying):
+        pass

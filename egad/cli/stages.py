@@ -214,7 +214,7 @@ def simulate(
     shard: Shard,
     shards: Shards,
     evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
-    meshes: Annotated[Path, typer.Option(help="folder of the scaled meshes")],
+    bundle: Annotated[Path, typer.Option(help="folder of the simulation bundle")],
     out: Out,
     grasps: Annotated[Path | None, typer.Option(help="labelled grasps, for `labels`")] = None,
 ) -> None:
@@ -223,7 +223,7 @@ def simulate(
     from egad.stages import simulate as stage
 
     parsed = parse(SimulatedTrials, settings)
-    stage.run(parsed, evaluation, meshes, grasps, (shard, shards), out)
+    stage.run(parsed, evaluation, bundle, grasps, (shard, shards), out)
 
 
 @app.command(rich_help_panel=STAGE)

@@ -7,12 +7,13 @@ from typing import Annotated
 import pandas as pd
 import typer
 
-from egad.cli.common import TOOL, Config, app, settings_in
+from egad.cli.common import TOOL, Config, GripperName, app, settings_in
 from egad.errors import UserError
+from egad.names import known
 from egad.settings import Settings
 
 trials = typer.Typer(
-    no_args_is_help=True, help="Results of grasping trials: compare, import, template."
+    no_args_is_help=True, help="Results of grasping trials: compare, replay, import, template."
 )
 app.add_typer(trials, name="trials", rich_help_panel=TOOL)
 
@@ -68,6 +69,40 @@ def import_(
             _write(path, found, evaluation, settings)
         else:
             write_frame(pd.concat(found.values()), RESULTS, path)
+
+
+@trials.command()
+def replay(
+    label: Annotated[str, typer.Argument(help="name in the evaluation set, such as C4")],
+    attempt: Annotated[int, typer.Argument(help="number of the attempt, from 0")],
+    out: Annotated[Path | None, typer.Option(help=".gif or .mp4; else LABEL-ATTEMPT.gif")] = None,
+    dataset: Annotated[
+        Path, typer.Option("--in", help="folder of the dataset that has the label")
+    ] = Path("results/egad"),
+    gripper: GripperName = None,
+    policy: Annotated[str | None, typer.Option(help="detector; else the first target")] = None,
+    config: Config = None,
+) -> None:
+    """Repeat an attempt of the simulation, bit by bit, and film it."""
+    from egad.exchange.frames import check_ending
+    from egad.stage_settings import SimulatedTrials, select
+    from egad.stages import replay as stage
+    from egad.trials.film import ENDINGS
+
+    film = out or Path(f"{label}-{attempt}.gif")
+    check_ending(film, ENDINGS)
+    settings = settings_in(config)
+    hand = known("gripper", gripper or settings.targets.grippers[0], settings.grippers)
+    detector = known("policy", policy or settings.targets.policies[0], settings.policies)
+    outcome = stage.run(
+        select(settings, SimulatedTrials, hand, detector),
+        dataset / "trials" / hand / f"{detector}.parquet",
+        dataset / "bundle" / hand,
+        label,
+        attempt,
+        film,
+    )
+    typer.echo(f"{film}: {label}, attempt {attempt}: {outcome}, as before")
 
 
 @trials.command()

@@ -18,7 +18,9 @@ from egad.trials.trends import Trend
 
 OUTCOMES = {
     "success": "#0072b2",
-    "slipped": "#56b4e9",
+    "slipped_closing": "#9bd5f5",
+    "slipped_lifting": "#56b4e9",
+    "slipped": "#2f8fc4",
     "dropped": "#009e73",
     "missed": "#e69f00",
     "collided": "#d55e00",
@@ -29,9 +31,13 @@ OUTCOMES = {
     "error": "#591443",
     "timeout": "#3c002d",
     "failed": "#a7adb8",
+    "crashed": "#5c6470",
     "other": "#7d8591",
 }
-DARK = ("success", "dropped", "collided", "too_wide", "below_table", "error", "timeout")
+DARK = (
+    *("success", "slipped", "dropped", "collided", "too_wide", "below_table", "error", "timeout"),
+    "crashed",
+)
 PERCENT = "{:.0%}".format
 
 

@@ -1,8 +1,25 @@
 """The table of grippers."""
 
+from typing import Literal, NamedTuple
+
 from pydantic import Field
 
 from egad.settings.base import Length, Section
+
+
+class Pad(NamedTuple):
+    """What the fingers hold with, on printed plastic (typical values, ours).
+
+    Attributes:
+        friction: Sliding friction.
+        radius: Of the patch where a pad touches a round object, metres; it resists twisting.
+    """
+
+    friction: float
+    radius: float
+
+
+PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}
 
 
 class Gripper(Section):
@@ -22,7 +39,20 @@ class Gripper(Section):
         "looked for; metres, x closes, z is the approach, fingers begin at its origin",
     )
     force: float = Field(40.0, gt=0, description="closing force, newtons")
-    friction: float = Field(0.5, gt=0, le=2, description="finger friction in simulation")
+    pads: Literal["silicone", "bare"] = Field(
+        "silicone",
+        description="what the fingers hold with in simulation: silicone, friction 0.8; bare "
+        "plastic or metal, 0.4",
+    )
+    friction: float | None = Field(
+        None, gt=0, le=2, description="of the pads in simulation; else that of their material"
+    )
+
+    @property
+    def pad(self) -> Pad:
+        """The pads with the friction that counts."""
+        pad = PADS[self.pads]
+        return pad if self.friction is None else pad._replace(friction=self.friction)
 
 
 _PANDA_PALM = (0.2, 0.063, 0.06)

@@ -1,11 +1,12 @@
 """Simulated grasping trials, and the grasp detectors that are tried."""
 
-from typing import Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from egad.settings.base import Length, Section
 
+Pixels = Annotated[int, Field(ge=16, le=4096)]
 SHIPPED = ("antipodal-depth", "ggcnn", "labels", "random")
 
 
@@ -13,18 +14,39 @@ class Trials(Section):
     """Simulated grasping trials."""
 
     attempts: int = Field(20, ge=1, description="attempts an object")
-    image_size: int = Field(300, ge=16, le=2048, description="pixels a side of the depth image")
+    arm: Literal["axis", "panda"] = Field(
+        "axis",
+        description="what carries the hand: axis: a vertical axis; panda: a Franka Panda arm, some "
+        "times slower",
+    )
+    between: Literal["hand", "anew"] = Field(
+        "hand",
+        description="hand: after a success the hand tilts the object and lets it fall, after a "
+        "failure it stays where it lies, as with a real robot; anew: every attempt begins with a "
+        "drop in a random orientation, the same for all detectors",
+    )
+    drop_height: Length = Field(0.1, description="from the table to the lowest point, metres")
+    workspace: Length = Field(
+        0.12, description="an object further than this from the middle is put back, metres"
+    )
+    image: tuple[Pixels, Pixels] = Field(
+        (640, 480), description="width and height of the depth image, pixels"
+    )
+    field_of_view: float = Field(
+        75.0, gt=1, lt=170, description="of the width of the image, degrees"
+    )
     camera_height: Length = Field(0.6, description="camera above the table, metres")
-    field_of_view: float = Field(40.0, gt=1, lt=170, description="degrees, both ways")
+    depth_noise: float = Field(
+        0.0,
+        ge=0,
+        description="standard deviation of the disparity in pixels, as of a stereo camera; a D435 "
+        "has about 0.1",
+    )
     planning_time: float = Field(
         60.0, gt=0, description="seconds that a detector may take; then the attempt has failed"
     )
     lift_height: Length = Field(0.4, description="an object held this high counts, metres")
-    hold_time: float = Field(1.0, ge=0, description="seconds that it must stay held up there")
-    max_parts: int = Field(64, ge=1, description="most convex parts of an object")
-    volume_error: float = Field(
-        0.06, gt=0, lt=1, description="splitting into convex parts stops below this error"
-    )
+    hold_time: float = Field(2.0, ge=0, description="seconds that it must stay held up there")
 
 
 class Policy(Section):

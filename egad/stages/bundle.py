@@ -28,6 +28,7 @@ from egad.workers import workers
 log = logging.getLogger(__name__)
 
 VISUAL = "visual.obj"
+MOMENTS = tuple(f"inertia_{axes}" for axes in ("xx", "yy", "zz", "xy", "xz", "yz"))
 
 
 class Item(NamedTuple):
@@ -125,7 +126,6 @@ def _poses(made: Bundled) -> list[dict[str, Any]]:
 def _row(item: Item, made: Bundled, settings: SimulationBundle) -> dict[str, Any]:
     physics, inertia = made.physics, made.physics.inertia
     moments = (*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2])
-    names = [name for name in BUNDLE.names if name.startswith("inertia_")]
     return {
         "label": item.label,
         "id": item.id,
@@ -140,5 +140,5 @@ def _row(item: Item, made: Bundled, settings: SimulationBundle) -> dict[str, Any
         "friction": settings.bundle.friction,
         "mass": physics.mass,
         **dict(zip(("com_x", "com_y", "com_z"), physics.com, strict=True)),
-        **dict(zip(names, moments, strict=True)),
+        **dict(zip(MOMENTS, moments, strict=True)),
     }

@@ -1,24 +1,31 @@
 """simulate: trials of a grasp detector on the evaluation objects of a shard."""
 
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from egad.errors import UserError
 from egad.exchange.meshes import read_mesh
 from egad.progress import progress
+from egad.shapes.mass import MassProperties
 from egad.stage_settings import SimulatedTrials
+from egad.stages.bundle import MOMENTS, VISUAL
 from egad.stages.shards import rows_in_shard
 from egad.tables import parquet
-from egad.tables.evaluation import EVAL49, TRIALS
+from egad.tables.evaluation import BUNDLE, EVAL49, TRIALS
 from egad.tables.grasping import GRASPS
 from egad.trials.child import Child
 from egad.trials.labelled import Labels
+from egad.trials.model import Model, model_of
 from egad.trials.policies import QUICK, Detector
-from egad.trials.protocol import run as run_trials
+from egad.trials.series import tried, untried
+from egad.workers import Survivor
 
 log = logging.getLogger(__name__)
 
@@ -26,32 +33,76 @@ log = logging.getLogger(__name__)
 def run(
     settings: SimulatedTrials,
     evaluation: Path,
-    meshes: Path,
+    bundle: Path,
     grasps: Path | None,
     shard: tuple[int, int],
     out: Path,
 ) -> None:
     """Try to grasp each object of a shard.
 
+    All is done in one process, apart from this one: if the engine ends it, it is started anew, and
+    an object that ends it twice is marked as crashed.
+
     Args:
         settings: What this stage reads.
         evaluation: Table with the columns of `tables.evaluation.EVAL49`.
-        meshes: Folder of the meshes, scaled to the gripper.
+        bundle: Folder of the simulation bundle, scaled to the gripper. An object that is not in it
+            has failed attempts only.
         grasps: Labelled grasps of the objects, for the detector `labels`.
         shard: Number of the shard, and of how many.
         out: Table with the columns of `tables.evaluation.TRIALS`.
     """
-    chosen = parquet.read(evaluation, EVAL49)
-    chosen = rows_in_shard(chosen, *shard)
+    chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
+    bundled = parquet.records(parquet.read(bundle / "bundle.parquet", BUNDLE))
+    known = {row["id"]: row for row in bundled}
     parts = []
-    with opened(settings, grasps) as detector_of:
+    with Survivor(partial(trier, settings, bundle, grasps)) as attempt:
         for row in progress(parquet.records(chosen), "trying", len(chosen)):
-            mesh = read_mesh(meshes / f"{row['object_label']}.obj", "m")
+            found = known.get(row["id"])
+            table = attempt(found) if found else None
+            if table is None:
+                outcome = "crashed" if found else "failed"
+                log.warning("%s (%s): all attempts %s", row["label"], row["id"], outcome)
+                table = untried(row["label"], row["id"], outcome, settings)
+            parts.append(table)
+    whole = pd.concat(parts) if parts else parquet.empty(TRIALS)
+    parquet.write(whole, TRIALS, out)
+    log.info("%d attempts, %d successes", len(whole), int(whole["success"].sum()))
+
+
+@contextmanager
+def trier(
+    settings: SimulatedTrials, bundle: Path, grasps: Path | None
+) -> Iterator[Callable[[Mapping[str, Any]], pd.DataFrame]]:
+    """What makes all attempts at an object of the bundle, by its row there."""
+    with opened(settings, grasps) as detector_of:
+
+        def attempts(row: Mapping[str, Any]) -> pd.DataFrame:
             detect = detector_of(row["id"])
-            parts.append(run_trials(mesh, row["label"], row["id"], detect, settings))
-    table = pd.concat(parts) if parts else parquet.empty(TRIALS)
-    parquet.write(table, TRIALS, out)
-    log.info("%d attempts, %d successes", len(table), int(table["success"].sum()))
+            return tried(model_in(bundle, row), row["label"], row["id"], detect, settings)
+
+        yield attempts
+
+
+def model_in(bundle: Path, row: Mapping[str, Any]) -> Model:
+    """An object of a simulation bundle.
+
+    Args:
+        bundle: Its folder.
+        row: Columns of `tables.evaluation.BUNDLE`.
+    """
+    folder = bundle / row["label"]
+    xx, yy, zz, xy, xz, yz = (row[name] for name in MOMENTS)
+    mesh = read_mesh(folder / VISUAL, "m")
+    physics = MassProperties(
+        volume=row["volume"],
+        area=float(mesh.area),
+        com=np.array([row["com_x"], row["com_y"], row["com_z"]]),
+        mass=row["mass"],
+        inertia=np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
+    )
+    parts = [read_mesh(path, "m") for path in sorted((folder / "parts").iterdir())]
+    return model_of(mesh, parts, physics, row["volume_error"])
 
 
 @contextmanager

@@ -23,6 +23,15 @@ def vector(
     return [column(f"{name}_{part}", FLOAT, f"{meaning}, {part}", unit) for part in parts]
 
 
+POSE_PARTS = ("x", "y", "z", "qx", "qy", "qz", "qw")
+
+
+def pose(name: str, meaning: str) -> list[pa.Field]:
+    """Columns of a position in metres and a quaternion: NAME_x to NAME_qw."""
+    position = vector(name, meaning, "m")
+    return [*position, *vector(name, f"{meaning}, quaternion", parts=POSE_PARTS[3:])]
+
+
 ID = column("id", STRING, "name of the object within its dataset, never reused for another shape")
 LABEL = column("label", STRING, "name for people and files: difficulty letter, complexity, index")
 COMPLEXITY = column("complexity", FLOAT, "entropy of the angular deficits", "bit")

@@ -12,6 +12,7 @@ from egad.tables.columns import (
     INT,
     STRING,
     column,
+    pose,
     vector,
 )
 
@@ -81,7 +82,7 @@ RESULTS = pa.schema(
         column("id", STRING, "name of the object within its dataset; empty on a real robot"),
         column("attempt", INT, "number of the attempt"),
         column("success", BOOL, "whether the object was still held at the end"),
-        column("outcome", STRING, "as in the table of simulated trials, or other"),
+        column("outcome", STRING, "as in the table of simulated trials, slipped or other"),
         column("quality", FLOAT, "quality that the detector gave; null if it gave none"),
         column("detector", STRING, "name of the grasp detector"),
         column("seed", STRING, "seed of the attempt (hexadecimal); empty on a real robot"),
@@ -98,14 +99,18 @@ TRIALS = pa.schema(
         column(
             "outcome",
             STRING,
-            "success, collided, missed, slipped, dropped, failed, no_grasp, not_finite, too_wide, "
-            "below_table, error or timeout",
+            "success, collided, missed, slipped_closing, slipped_lifting, dropped, failed, "
+            "crashed, no_grasp, not_finite, too_wide, below_table, error or timeout",
         ),
+        column("begun", STRING, "how the object came to lie there: dropped, from_hand or left"),
+        *pose("start", "where the object fell from: centre of mass and principal axes, world"),
         *vector("grasp", "grasp centre chosen by the detector, world frame", "m"),
         column("angle", FLOAT, "angle of the closing axis about the vertical", "rad"),
         column("width", FLOAT, "opening that the detector asked for", "m"),
+        column("depth", FLOAT, "how far the fingertips were to reach below the centre", "m"),
         column("quality", FLOAT, "quality that the detector gave"),
         column("lifted", FLOAT, "height gained by the object at the end", "m"),
+        *pose("end", "where the object was at the end, as its start"),
         column("parts", INT, "convex parts of the simulated object"),
         column("volume_error", FLOAT, "volume of the parts / volume of the object - 1"),
     ]

@@ -62,7 +62,7 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     """
     points = view.points()
     relief = relief_of(view)
-    pairs = _pairs(_edges(view, points, gripper.friction), gripper)
+    pairs = _pairs(_edges(view, points, gripper.pad.friction), gripper)
     if relief is None or len(pairs.top) == 0:
         return []
     centroid = relief.centroid()
@@ -101,7 +101,7 @@ def _pairs(edges: _Edges, gripper: Gripper) -> _Pairs:
         -np.einsum("ij,ij->i", axis, edges.outward[first]),
         np.einsum("ij,ij->i", axis, edges.outward[second]),
     )
-    cone = np.cos(np.arctan(gripper.friction))
+    cone = np.cos(np.arctan(gripper.pad.friction))
     fits = (cosines >= cone) & (distance <= gripper.opening - 2 * LEAST_CLEARANCE)
     first, second = first[fits], second[fits]
     return _Pairs(

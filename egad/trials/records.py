@@ -22,8 +22,9 @@ NEEDED = ("label", "attempt", "success")
 COLUMNS = (*NEEDED, "outcome", "quality", "detector")
 OTHER = "other"
 OUTCOMES = (
-    *("success", "slipped", "dropped", "missed", "collided", "failed"),
-    *("no_grasp", "not_finite", "too_wide", "below_table", "error", "timeout", OTHER),
+    *("success", "slipped", "slipped_closing", "slipped_lifting", "dropped", "missed"),
+    *("collided", "failed", "crashed", "no_grasp", "not_finite", "too_wide", "below_table"),
+    *("error", "timeout", OTHER),
 )
 WORDS = {
     **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),

@@ -11,6 +11,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from timing import timed
 
 from egad.evolution import archive, evaluation, island
 from egad.evolution.archive import Archive, elites_of
@@ -53,22 +54,6 @@ def elites():
     else:
         island.evolve(grown, settings(5), 0, 0)
     return grown
-
-
-def timed(function, step, spent, running):
-    """A function that books its time, less that of other timed ones within it, under a step."""
-
-    def run(*arguments, **named):
-        start = time.process_time()
-        running.append(0.0)
-        result = function(*arguments, **named)
-        taken = time.process_time() - start
-        spent[step] += taken - running.pop()
-        if running:
-            running[-1] += taken
-        return result
-
-    return run
 
 
 def test_an_evaluation(elites, monkeypatch):

@@ -105,3 +105,11 @@ def test_models_are_closed():
         assert issubclass(model, BaseModel)
         assert model.model_config["extra"] == "forbid"
     assert stage_settings.StageSettings.model_config["frozen"]
+
+
+def test_friction_of_a_gripper_is_that_of_its_pads_if_none_is_given() -> None:
+    frictions = [
+        Gripper.model_validate({"opening": 0.08, **own}).pad.friction
+        for own in ({}, {"pads": "bare"}, {"pads": "bare", "friction": 0.6})
+    ]
+    assert frictions == [0.8, 0.4, 0.6]

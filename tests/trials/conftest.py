@@ -13,6 +13,6 @@ def look():
     def seen(mesh, x=0.0, y=0.0, turn=0.0, size=300) -> View:
         matrix = trimesh.transformations.rotation_matrix(turn, (0, 0, 1))
         matrix[:3, 3] = [x, y, -mesh.bounds[0, 2]]
-        return Eye(mesh).look(matrix, Intrinsics.square(size, 40.0), above(0.6))
+        return Eye(mesh).look(matrix, Intrinsics.spanning(size, size, 40.0), above(0.6))
 
     return seen

@@ -10,7 +10,7 @@ from egad.trials.camera import Eye, Intrinsics, View, above
 from egad.trials.grasp import Grasp
 
 HAND = GRIPPERS["egad_75mm"]
-CAMERA = Intrinsics.square(300, 40.0)
+CAMERA = Intrinsics.spanning(300, 300, 40.0)
 
 
 def seen(mesh: trimesh.Trimesh, x: float = 0.0, y: float = 0.0, turn: float = 0.0) -> View:

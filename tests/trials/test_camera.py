@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.trials.camera import Eye, Intrinsics, above
+from egad.trials.camera import BASELINE, Eye, Intrinsics, above, noisy
 
-SMALL = Intrinsics.square(101, 40.0)
+SMALL = Intrinsics.spanning(101, 101, 40.0)
 
 
 def shifted(x: float, y: float, z: float) -> np.ndarray:
@@ -25,7 +25,7 @@ def tilted_camera() -> np.ndarray:
 
 def test_intrinsics_span_the_field_of_view() -> None:
     size, degrees = 300, 40.0
-    camera = Intrinsics.square(size, degrees)
+    camera = Intrinsics.spanning(size, size, degrees)
     rays = camera.rays()
     half = np.tan(np.radians(degrees / 2))
     pixel = 2 * half / size
@@ -104,3 +104,33 @@ def test_rays_above_the_horizon_meet_nothing() -> None:
     assert np.isnan(view.depth[:50]).all()
     assert np.isfinite(view.depth[51:]).all()
     assert np.nanmin(view.depth) == pytest.approx(0.3 / np.tan(np.radians(20)), rel=0.02)
+
+
+def test_what_is_in_the_image() -> None:
+    camera = Intrinsics.spanning(640, 480, 75.0)
+    half = np.tan(np.radians(37.5))
+    right, down = np.array([half, 0, 1]), np.array([0, half * 480 / 640, 1])
+    for edge in (right, -right * [1, 1, -1], down, -down * [1, 1, -1]):
+        assert camera.sees(np.array([0.999 * edge * [1, 1, 0] + [0, 0, 1]]))
+        assert not camera.sees(np.array([[0, 0, 1.0], 1.001 * edge * [1, 1, 0] + [0, 0, 1]]))
+    assert not camera.sees(np.array([[0, 0, 1.0], [0, 0, -1.0]]))
+
+
+def test_noise_grows_with_the_square_of_the_depth() -> None:
+    """As baseline * focal length / depth errs by a tenth of a pixel."""
+    box = Eye(trimesh.creation.box((0.1, 0.1, 0.1)))
+    camera = Intrinsics.spanning(200, 200, 30.0)
+    for height in (0.6, 1.2):
+        view = box.look(shifted(5, 5, 0), camera, above(height))
+        noise = noisy(view, 0.1, np.random.default_rng(0)).depth - view.depth
+        expected = height**2 * 0.1 / (BASELINE * camera.focal)
+        assert noise.std() == pytest.approx(expected, rel=0.03)
+        assert abs(noise.mean()) < expected / 20
+
+
+def test_noise_leaves_the_image_alone_that_it_is_added_to() -> None:
+    view = Eye(trimesh.creation.box()).look(shifted(5, 5, 0), SMALL, above(0.6))
+    before = view.depth.copy()
+    first, second = (noisy(view, 0.1, np.random.default_rng(3)).depth for _ in range(2))
+    np.testing.assert_array_equal(view.depth, before)
+    np.testing.assert_array_equal(first, second)

@@ -5,13 +5,14 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.settings import GRIPPERS, Trials
+from egad.settings import GRIPPERS, Bundle, Trials
 from egad.trials.camera import Eye, Intrinsics, above
 from egad.trials.labelled import Labels
 from egad.trials.model import build
 from egad.trials.protocol import Bench
 from egad.trials.world import World
 
+BUNDLE = Bundle()
 HAND = GRIPPERS["egad_75mm"]
 BOX = trimesh.creation.box(
     (0.03, 0.05, 0.09), trimesh.transformations.rotation_matrix(0.5, (1, 1, 0))
@@ -51,7 +52,7 @@ def placed(up, turn=0.0):
     spin = trimesh.transformations.rotation_matrix(turn, (0, 0, 1))
     matrix = spin @ stand @ INTO_BOX.T
     matrix[:3, 3] = (0.03, -0.02, -trimesh.transform_points(BOX.vertices, matrix)[:, 2].min())
-    return matrix, Eye(BOX).look(matrix, Intrinsics.square(300, 40.0), above(0.6))
+    return matrix, Eye(BOX).look(matrix, Intrinsics.spanning(300, 300, 40.0), above(0.6))
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.7, 2.5])
@@ -85,7 +86,7 @@ def test_a_hand_opens_wide_to_reach_below_an_overhang():
     cap = trimesh.creation.box(bounds=[(-0.03, -0.03, 0.04), (0.03, 0.03, 0.05)])
     stem = trimesh.creation.box(bounds=[(-0.01, -0.01, 0), (0.01, 0.01, 0.04)])
     mushroom = trimesh.util.concatenate([cap, stem])
-    view = Eye(mushroom).look(np.eye(4), Intrinsics.square(300, 40.0), above(0.6))
+    view = Eye(mushroom).look(np.eye(4), Intrinsics.spanning(300, 300, 40.0), above(0.6))
     row = {"center_x": 0, "center_y": 0, "center_z": 0.02, "axis_x": 1, "axis_y": 0, "axis_z": 0}
     row |= {"width": 0.02, "robust_quality": 0.004, "collision_free": True}
     (found,) = Labels(pd.DataFrame([row])).propose(np.eye(4), view, HAND)
@@ -107,7 +108,7 @@ def test_a_bench_tells_where_the_object_is():
         for z in (-0.02, 0, 0.02)
         for axis in (SHORT, MIDDLE_SIDE)
     ]
-    with World(build(BOX, 400.0, 8, 0.05)) as world:
+    with World(build(BOX, 400.0, BUNDLE)) as world:
         bench = Bench(world, HAND, Trials())
         outcomes = [bench.attempt(labelled(rows), seed).outcome for seed in range(6)]
     assert outcomes.count("success") >= 5

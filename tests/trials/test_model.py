@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.settings import Bundle
 from egad.trials.model import MIN_MASS, build
 
+BUNDLE = Bundle()
 SIDES = np.array([0.08, 0.05, 0.03])
 
 
@@ -16,7 +18,7 @@ def tilted_box() -> trimesh.Trimesh:
 
 
 def test_mass_and_inertia_of_a_box() -> None:
-    model = build(tilted_box(), 1000.0, 8, 0.05)
+    model = build(tilted_box(), 1000.0, BUNDLE)
     mass = 1000 * SIDES.prod()
     squares = SIDES**2
     expected = np.sort(mass / 12 * (squares.sum() - squares))
@@ -25,7 +27,7 @@ def test_mass_and_inertia_of_a_box() -> None:
 
 
 def test_mesh_and_parts_lie_in_the_principal_frame() -> None:
-    model = build(tilted_box(), 1000.0, 8, 0.05)
+    model = build(tilted_box(), 1000.0, BUNDLE)
     for mesh in (model.mesh, *model.parts):
         np.testing.assert_allclose(mesh.center_mass, 0, atol=1e-9)
         # The longest side has the smallest moment, which comes first.
@@ -34,7 +36,7 @@ def test_mesh_and_parts_lie_in_the_principal_frame() -> None:
 
 
 def test_a_light_object_gets_the_least_mass_and_keeps_its_form() -> None:
-    light, heavy = build(tilted_box(), 1.0, 8, 0.05), build(tilted_box(), 1000.0, 8, 0.05)
+    light, heavy = build(tilted_box(), 1.0, BUNDLE), build(tilted_box(), 1000.0, BUNDLE)
     assert light.mass == MIN_MASS
     np.testing.assert_allclose(light.inertia / light.mass, heavy.inertia / heavy.mass)
 
@@ -43,7 +45,7 @@ def test_inside_out_is_mended_and_the_input_left_alone() -> None:
     mesh = tilted_box()
     mesh.invert()
     before = mesh.vertices.copy(), mesh.faces.copy()
-    model = build(mesh, 1000.0, 8, 0.05)
+    model = build(mesh, 1000.0, BUNDLE)
     assert model.mesh.volume > 0
     assert model.volume_error == pytest.approx(0, abs=1e-6)
     np.testing.assert_array_equal(mesh.vertices, before[0])

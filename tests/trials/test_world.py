@@ -5,13 +5,15 @@ import pybullet
 import pytest
 import trimesh
 
+from egad.settings import Bundle
 from egad.trials.model import build
 from egad.trials.world import GRAVITY, TABLE_FRICTION, TIME_STEP, Pose, UnstableError, World
 
+BUNDLE = Bundle()
 UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
 SIDE = 0.04
-CUBE = build(trimesh.creation.box((SIDE,) * 3), 1000.0, 8, 0.05)
-RING = build(trimesh.creation.torus(0.03, 0.01), 1000.0, 64, 0.05)
+CUBE = build(trimesh.creation.box((SIDE,) * 3), 1000.0, BUNDLE)
+RING = build(trimesh.creation.torus(0.03, 0.01), 1000.0, BUNDLE)
 
 
 def at(x: float, y: float, z: float) -> Pose:
@@ -52,7 +54,7 @@ def test_a_cube_slides_only_on_a_slope_beyond_the_friction_angle(degrees: float)
 
 
 def test_a_rolling_ball_comes_to_rest() -> None:
-    ball = build(trimesh.creation.icosphere(4, 0.025), 1000.0, 8, 0.05)
+    ball = build(trimesh.creation.icosphere(4, 0.025), 1000.0, BUNDLE)
     with World(ball) as world:
         world.place(at(0, 0, 0.025))
         world.client.resetBaseVelocity(world.object, (0.2, 0, 0), (0, 8, 0))

@@ -14,8 +14,9 @@ AFTER_TRIALS = {"join_trials", "report", "all"}
 AFTER_PRINTS = {"datasheet", "report", "all"}
 AFTER_GRASPS = {"join_grasps", "join_tallies", "join_ungraspable"} | AFTER_PRINTS
 AFTER_SIZES = {"size_effect", "report", "all"}
-AFTER_SELECTION = {"print_export", "simulated_trial"} | AFTER_PRINTS | AFTER_SIZES | AFTER_TRIALS
-AFTER_RESCALE = {"grasp_label", "print_export", "simulated_trial"} | AFTER_GRASPS | AFTER_TRIALS
+AFTER_BUNDLE = {"bundle", "simulated_trial"} | AFTER_TRIALS
+AFTER_SELECTION = {"print_export"} | AFTER_BUNDLE | AFTER_PRINTS | AFTER_SIZES
+AFTER_RESCALE = {"grasp_label", "print_export"} | AFTER_GRASPS | AFTER_BUNDLE
 AFTER_COLLECT = {"compare", "rescale", "select_eval"} | AFTER_RESCALE | AFTER_SELECTION
 AFTER_POSTPROCESS = {"collect"} | AFTER_COLLECT
 EVERYTHING = {"evolve", "merge", "archive", "history", "postprocess"} | AFTER_POSTPROCESS
@@ -48,6 +49,7 @@ def test_a_finished_run_has_nothing_to_do(finished):
     ("settings", "rules"),
     [
         ({"trials": {"attempts": 3}}, {"simulated_trial"} | AFTER_TRIALS),
+        ({"bundle": {"max_parts": 9}}, AFTER_BUNDLE),
         ({"print_export": {"gap": 0.006}}, {"print_export"} | AFTER_PRINTS),
         ({"print_check": {"wall": 0.001}}, {"select_eval"} | AFTER_SELECTION),
         ({"robust": {"samples": 6}}, {"grasp_label"} | AFTER_GRASPS),
@@ -97,16 +99,6 @@ def test_an_edited_module_re_runs_its_stages(copy, module, rules):
     path = copy.folder / module
     path.write_text(f"{path.read_text()}\nEDITED = 1\n")
     assert set(copy.planned()) == rules
-
-
-BUNDLE = "results/egad/bundle/egad_75mm/bundle.parquet"
-
-
-@pytest.mark.parametrize("settings", [{}, {"bundle": {"max_parts": 9}}])
-def test_a_bundle_is_made_when_it_is_asked_for(copy, settings):
-    configs = ["config/test.yaml", copy.overlay("bundle.yaml", settings)]
-    assert copy.planned(configs=configs) in ({}, {"report": 1, "all": 1})
-    assert copy.planned(BUNDLE, configs=configs) == {"bundle": 1}
 
 
 def test_a_touched_or_commented_module_re_runs_nothing(copy):

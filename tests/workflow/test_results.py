@@ -156,10 +156,8 @@ def test_the_evaluation_set_is_printed_and_tried(finished, load):
     assert trials.groupby("label").size().to_dict() == dict.fromkeys(evalset["label"], 2)
 
 
-def test_the_evaluation_set_is_made_ready_for_simulators(copy, load):
-    path = f"egad/bundle/{GRIPPER}"
-    copy.make("--cores", 1, f"results/{path}/bundle.parquet")
-    folder = copy.results / path
+def test_the_evaluation_set_is_made_ready_for_simulators(finished, load):
+    folder = finished.results / "egad" / "bundle" / GRIPPER
     table = parquet.read(folder / "bundle.parquet", BUNDLE)
     rejected = parquet.read(folder / "rejected.parquet", REJECTED)
     assert set(table["id"]) | set(rejected["id"]) == set(load("egad/eval49.parquet")["id"])

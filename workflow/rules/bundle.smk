@@ -1,4 +1,4 @@
-"""Bundle: the evaluation set for simulators, made when it is asked for.
+"""Bundle: the evaluation set for simulators; the trials use it.
 
 Inputs: results/D/eval49.parquet, results/D/rescaled/G.
 Outputs: results/D/bundle/G, a folder with bundle.parquet and rejected.parquet in it.

@@ -1,6 +1,6 @@
 """Simulated-trial: attempts of a grasp detector on the evaluation set.
 
-Inputs: results/D/eval49.parquet, results/D/rescaled/G; for the detector `labels` also
+Inputs: results/D/eval49.parquet, results/D/bundle/G; for the detector `labels` also
 results/D/grasps/G.parquet.
 Outputs: results/D/trials/G/P.parquet, a row an attempt.
 Steps: shards of objects are tried; then the tables of the shards are joined.
@@ -15,7 +15,7 @@ rule simulated_trial:
     """Try to grasp the objects of a shard."""
     input:
         evaluation="results/{dataset}/eval49.parquet",
-        scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
+        bundle="results/{dataset}/bundle/{gripper}/bundle.parquet",
         grasps=labelled,
     output:
         ensure(
@@ -36,7 +36,7 @@ rule simulated_trial:
         runtime=120,
     params:
         settings=settings_of("SimulatedTrials"),
-        meshes=subpath(input.scales, parent=True),
+        bundle=subpath(input.bundle, parent=True),
         shards=len(SHARDS),
         grasps=each("--grasps", "grasps"),
         code=code_version("egad.stages.simulate"),
@@ -46,7 +46,7 @@ rule simulated_trial:
     shell:
         "egad simulate --settings {params.settings:q}"
         " --shard {wildcards.shard} --shards {params.shards} --eval {input.evaluation:q}"
-        " --meshes {params.meshes:q} {params.grasps:q} --out {output:q} > {log:q} 2>&1"
+        " --bundle {params.bundle:q} {params.grasps:q} --out {output:q} > {log:q} 2>&1"
 
 
 rule join_trials:

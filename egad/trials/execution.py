@@ -1,0 +1,78 @@
+"""Carrying out one grasp on an object where it lies."""
+
+from typing import NamedTuple
+
+from egad.settings import Gripper, Trials
+from egad.trials.carriers import CARRIERS, Stance, UnreachableError
+from egad.trials.grasp import Grasp
+from egad.trials.hand import Hand
+from egad.trials.world import Pose, UnstableError, World
+
+START_ABOVE = 0.02  # fingertips start this far above the object
+DESCENT_SPEED = 0.25  # mean, m/s
+LIFT_SPEED = 0.35  # mean, m/s
+
+
+class Execution(NamedTuple):
+    """What came of a grasp.
+
+    Attributes:
+        outcome: success: held up to the end; collided: stopped on the way down, or out of the
+            arm's reach; missed: the fingers closed, but never pressed on the object both at once;
+            slipped_closing: they did, and lost it before it was lifted; slipped_lifting: lost
+            while lifting; dropped: lost while held up; failed: the simulation broke down.
+        lifted: Height that the object's centre of mass gained, metres.
+        end: Where the object is at last; None if the simulation broke down.
+    """
+
+    outcome: str
+    lifted: float
+    end: Pose | None
+
+
+def execute(world: World, gripper: Gripper, trials: Trials, grasp: Grasp) -> Execution:
+    """Approach from above, close, lift and hold.
+
+    It depends on the arguments alone, if the world was reset before the object was placed.
+
+    Args:
+        world: With the object where it is to be grasped.
+        gripper: The hand; it is added to the world.
+        trials: Arm, lift and hold.
+        grasp: One that the hand can do (`Grasp.flaw`).
+    """
+    try:
+        before = world.pose().position[2]
+        outcome = _outcome(world, gripper, trials, grasp)
+        end = world.pose()
+    except UnstableError:
+        return Execution("failed", 0.0, None)
+    return Execution(outcome, float(end.position[2] - before), end)
+
+
+def _outcome(world: World, gripper: Gripper, trials: Trials, grasp: Grasp) -> str:
+    start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
+    try:
+        hand = hung(world, gripper, trials.arm, grasp, start)
+    except UnreachableError:
+        return "collided"
+    if not hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED):
+        return "collided"
+    touched = hand.close()
+    if not hand.pinches():
+        return "slipped_closing" if touched else "missed"
+    hand.lift(trials.lift_height, trials.lift_height / LIFT_SPEED)
+    if not hand.carries():
+        return "slipped_lifting"
+    hand.hold(trials.hold_time)
+    return "success" if hand.carries() else "dropped"
+
+
+def hung(world: World, gripper: Gripper, arm: str, grasp: Grasp, height: float) -> Hand:
+    """The open hand, its fingertips at some height above a grasp.
+
+    Raises:
+        UnreachableError: The arm cannot bring it there.
+    """
+    stance = Stance(grasp.center[0], grasp.center[1], height, grasp.angle)
+    return Hand(world, gripper, CARRIERS[arm](world, gripper, stance), grasp.width)

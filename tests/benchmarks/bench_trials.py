@@ -1,0 +1,74 @@
+"""How fast trials are and where their time goes, in CPU time on one core: `make bench`.
+
+The objects are ten of the released ones, from all over the 7 x 7 grid, scaled to the gripper.
+"""
+
+import time
+from collections import Counter
+
+import pytest
+from timing import timed
+
+from egad.data import released
+from egad.evalset.selection import candidates_by_cell
+from egad.settings import Settings
+from egad.shapes.repair import repair
+from egad.shapes.scale import rescale
+from egad.shapes.surface import packed_surface
+from egad.stage_settings import SimulatedTrials, select
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
+from egad.trials import execution
+from egad.trials.hand import Hand
+from egad.trials.model import build
+from egad.trials.policies import QUICK
+from egad.trials.protocol import Bench
+from egad.trials.series import tried
+from egad.trials.world import World
+
+SETTINGS = Settings.model_validate({"trials": {"attempts": 5}})
+GRIPPER = "egad_75mm"
+STEPS = {
+    "starting the engine anew": (World, "reset"),
+    "settling": (Bench, "_settled"),
+    "rendering": (Bench, "look"),
+    "planning": (Bench, "_plan"),
+    "building the hand": (execution, "hung"),
+    "approaching": (Hand, "move"),
+    "closing": (Hand, "close"),
+    "lifting": (Hand, "lift"),
+    "holding": (Hand, "hold"),
+}
+
+
+@pytest.fixture(scope="module")
+def models():
+    archive = parquet.read(released(), ARCHIVE)
+    cells = candidates_by_cell(archive, SETTINGS.select_eval, SETTINGS.space)
+    opening, density = SETTINGS.grippers[GRIPPER].opening, SETTINGS.material.density
+    found = []
+    for cell in cells[::5]:
+        mesh = repair(packed_surface(archive.iloc[cell[0]]["voxels"], SETTINGS.shape)).mesh
+        found.append(build(rescale(mesh, "paper", opening, 0.8)[0], density, SETTINGS.bundle))
+    return found
+
+
+@pytest.mark.parametrize("arm", ["axis", "panda"])
+def test_an_attempt(models, arm, monkeypatch):
+    settings = select(SETTINGS, SimulatedTrials, GRIPPER, "antipodal-depth")
+    changed = settings.trials.model_copy(update={"arm": arm})
+    settings = settings.model_copy(update={"trials": changed})
+    spent, running = Counter(), []
+    for step, (owner, name) in STEPS.items():
+        monkeypatch.setattr(owner, name, timed(getattr(owner, name), step, spent, running))
+    start = time.process_time()
+    tables = [
+        tried(model, "A0", str(number), QUICK["antipodal-depth"], settings)
+        for number, model in enumerate(models)
+    ]
+    total = time.process_time() - start
+    spent["the rest"] = total - sum(spent.values())
+    count, held = (sum(map(each, tables)) for each in (len, lambda table: table["success"].sum()))
+    print(f"\n{arm}: {count / total:.2f} attempts/s, {held} of {count} held")
+    for step, seconds in spent.most_common():
+        print(f"{1000 * seconds / count:8.1f} ms  {step}")
