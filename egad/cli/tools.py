@@ -20,6 +20,7 @@ from egad.cli.common import (
     parse,
     settings_in,
 )
+from egad.cli.recorded import recorded
 from egad.errors import UserError
 from egad.settings import Settings
 
@@ -53,11 +54,12 @@ def rescale(
     if ending not in stage.WRITERS:
         raise UserError(f"--format is {ending!r}; allowed: {', '.join(stage.WRITERS)}")
     if settings is None:
-        files = files_in(meshes)
+        files = reads = files_in(meshes)
         _spare(out, files)
     else:  # of the pipeline's own folder, which may be empty
-        files = [each for path in meshes for each in sorted(path.glob("*.obj"))]
-    rejected = stage.run(parsed, files, units, out, ending, jobs)
+        files, reads = [each for path in meshes for each in sorted(path.glob("*.obj"))], meshes
+    with recorded("rescale", parsed, reads, [out], units=units, format=ending):
+        rejected = stage.run(parsed, files, units, out, ending, jobs)
     if rejected:
         typer.echo(f"{rejected} files could not be used: see {out / 'rejected.parquet'}")
 
@@ -90,7 +92,9 @@ def bundle(
         objects = stage.any_objects(files_in(meshes))
     if settings is None:
         _spare(out, [item.path for item in objects], "bundle.parquet")
-    rejected = stage.run(parsed, objects, units, out, jobs)
+    reads = [evaluation, *meshes] if evaluation else [item.path for item in objects]
+    with recorded("bundle", parsed, reads, units=units):
+        rejected = stage.run(parsed, objects, units, out, jobs)
     if rejected:
         typer.echo(f"{rejected} objects could not be used: see {out / 'rejected.parquet'}")
 

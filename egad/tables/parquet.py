@@ -13,8 +13,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from egad.files import replacing
+from egad.tables import origin, seal
 
-_NOTES = "egad"
+_NOTES, _ORIGIN = "egad", "egad-origin"
 BATCH = 8192  # rows that are in memory at a time where a table is streamed
 
 
@@ -38,6 +39,8 @@ def write(
 ) -> None:
     """Write a table atomically: exactly the columns of its schema, in that order.
 
+    The file also keeps where it comes from (`egad.tables.origin`), and is sealed.
+
     Args:
         frame: The rows.
         schema: The columns.
@@ -46,10 +49,14 @@ def write(
     """
     columns = frame[schema.names] if len(frame) else empty(schema)
     table = pa.Table.from_pandas(columns, schema=schema, preserve_index=False)
-    kept = {_NOTES: json.dumps(notes, sort_keys=True)} if notes else None
-    table = table.replace_schema_metadata(kept)
-    with replacing(path) as temporary, temporary.open("wb") as file:
-        pq.write_table(table, file, compression="zstd")
+    kept = {_NOTES: notes, _ORIGIN: origin.noted(path.parent)}
+    texts = {key: json.dumps(value, sort_keys=True) for key, value in kept.items() if value}
+    table = table.replace_schema_metadata(texts or None)
+    with replacing(path) as temporary:
+        with pq.ParquetWriter(temporary, table.schema, compression="zstd") as writer:
+            writer.write_table(table)
+            writer.add_key_value_metadata({seal.KEY: seal.BLANK})
+        seal.seal(temporary)
 
 
 def columns(path: Path) -> list[str]:
@@ -90,8 +97,26 @@ def notes(path: Path) -> dict[str, Any]:
     Raises:
         TableError: The file is missing, is not Parquet, or is cut short.
     """
-    kept = (schema_of(path).metadata or {}).get(_NOTES.encode())
-    found: dict[str, Any] = json.loads(kept) if kept else {}
+    return _kept(path, _NOTES)
+
+
+def origin_of(path: Path) -> dict[str, Any]:
+    """The `egad.tables.origin.Origin` of a table; nothing if it has none.
+
+    Raises:
+        TableError: The file is missing, is not Parquet, or is cut short.
+    """
+    return _kept(path, _ORIGIN)
+
+
+def _kept(path: Path, key: str) -> dict[str, Any]:
+    kept = (schema_of(path).metadata or {}).get(key.encode())
+    try:
+        found = json.loads(kept) if kept else {}
+    except ValueError as error:
+        raise TableError(f"{path}: its metadata {key} is not JSON") from error
+    if not isinstance(found, dict):
+        raise TableError(f"{path}: its metadata {key} is not a table of values")
     return found
 
 
