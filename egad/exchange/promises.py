@@ -88,7 +88,11 @@ def _check_ply(data: bytes) -> None:
 
 
 def _check_off(data: bytes) -> None:
-    within(data.count(b"\n") + data.count(b"\r"), 2 * MOST_ITEMS, "lines")
+    lines = data.count(b"\n") + data.count(b"\r")
+    within(lines, 2 * MOST_ITEMS, "lines")
+    counts = re.match(rb"\s*C?OFF\s+(\d+)\s+(\d+)", re.sub(rb"#[^\n]*", b"", data[:100_000]))
+    if counts and int(counts[1]) + int(counts[2]) > lines:
+        raise RejectedError("it is cut short")
 
 
 def _check_obj(data: bytes) -> None:

@@ -14,13 +14,24 @@ import pyarrow.parquet as pq
 
 from egad.files import replacing
 from egad.tables import origin, seal
+from egad.tables.promises import TableError, check_names, check_promises
 
+__all__ = [
+    "BATCH",
+    "TableError",
+    "batches",
+    "check_columns",
+    "columns",
+    "empty",
+    "notes",
+    "origin_of",
+    "read",
+    "records",
+    "schema_of",
+    "write",
+]
 _NOTES, _ORIGIN = "egad", "egad-origin"
 BATCH = 8192  # rows that are in memory at a time where a table is streamed
-
-
-class TableError(ValueError):
-    """A Parquet file is missing, damaged, or does not have the columns of its schema."""
 
 
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
@@ -123,18 +134,27 @@ def _kept(path: Path, key: str) -> dict[str, Any]:
 def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
     """Read a table and check that it has the columns of its schema.
 
+    Other columns are not read. Values of another type are taken if they can be converted.
+
     Raises:
-        TableError: The file is missing, is not Parquet, is cut short, or has other columns.
+        TableError: The file is missing, is not Parquet, is cut short, has other columns or types,
+            would take too much memory, or an object in it has a name that no file can have.
     """
+    check_columns(path, schema.names)
     try:
-        table = pq.read_table(path)
-    except (OSError, pa.ArrowException) as error:
+        check_promises(path)
+        with pq.ParquetFile(path) as file:
+            table = file.read(columns=schema.names).select(schema.names)
+        frame: pd.DataFrame = table.cast(_plain(schema)).to_pandas()
+    except (OSError, pa.ArrowException, UnicodeDecodeError) as error:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error
-    missing = [name for name in schema.names if name not in table.column_names]
-    if missing:
-        raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
-    frame: pd.DataFrame = table.select(schema.names).to_pandas()
+    check_names(frame, path)
     return frame
+
+
+def _plain(schema: pa.Schema) -> pa.Schema:
+    """Names and types alone."""
+    return pa.schema([(field.name, field.type) for field in schema])
 
 
 def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
@@ -145,8 +165,11 @@ def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
     """
     check_columns(path, names)
     try:
+        check_promises(path)
         with pq.ParquetFile(path) as file:
             for batch in file.iter_batches(BATCH, columns=names):
-                yield batch.to_pandas()
-    except (OSError, pa.ArrowException) as error:
+                frame = batch.to_pandas()
+                check_names(frame, path)
+                yield frame
+    except (OSError, pa.ArrowException, UnicodeDecodeError) as error:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error
