@@ -140,9 +140,8 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
         TableError: The file is missing, is not Parquet, is cut short, has other columns or types,
             would take too much memory, or an object in it has a name that no file can have.
     """
-    check_columns(path, schema.names)
+    _check(path, schema.names)
     try:
-        check_promises(path)
         with pq.ParquetFile(path) as file:
             table = file.read(columns=schema.names).select(schema.names)
         frame: pd.DataFrame = table.cast(_plain(schema)).to_pandas()
@@ -150,6 +149,15 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error
     check_names(frame, path)
     return frame
+
+
+def _check(path: Path, names: list[str]) -> None:
+    """Make sure that a table can be read: undamaged, not too large, with some columns."""
+    try:
+        check_promises(path)
+    except (OSError, pa.ArrowException) as error:
+        raise TableError(f"{path}: not a readable Parquet file ({error})") from error
+    check_columns(path, names)
 
 
 def _plain(schema: pa.Schema) -> pa.Schema:
@@ -163,9 +171,8 @@ def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
     Raises:
         TableError: The file is missing, is not Parquet, is cut short, or lacks a column.
     """
-    check_columns(path, names)
+    _check(path, names)
     try:
-        check_promises(path)
         with pq.ParquetFile(path) as file:
             for batch in file.iter_batches(BATCH, columns=names):
                 frame = batch.to_pandas()

@@ -5,6 +5,7 @@ megabyte of text.
 """
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -12,10 +13,12 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
+from egad.tables.seal import is_whole
+
 MOST_BYTES = 4 << 30  # of a table in memory
-NAMES = ("id", "label", "object_label")
+LABELS = ("label", "object_label")
 _WIDEST = 8  # bytes of a number
-_UNSAFE = re.compile(r"[/\\\x00]|^\.{0,2}$")
+_UNSAFE = re.compile(r"[/\\\x00]|^\.{1,2}$")
 
 
 class TableError(ValueError):
@@ -26,9 +29,11 @@ def check_promises(path: Path) -> None:
     """Look at what a table would take, without reading its rows.
 
     Raises:
-        TableError: It would take too much.
+        TableError: It would take too much, or is not as it was sealed.
         ArrowException: It is damaged; also OSError.
     """
+    if is_whole(path) is False:  # pyarrow would end the process for some damages
+        raise TableError(f"{path}: not a readable Parquet file (altered since it was written)")
     with pq.ParquetFile(path) as file:
         about = file.metadata
         columns = [
@@ -43,13 +48,13 @@ def check_promises(path: Path) -> None:
             _check(path, _unpacked(path, sorted({each.path_in_schema for each in texts})))
 
 
-def check_names(frame: pd.DataFrame, path: Path) -> None:
+def check_names(frame: pd.DataFrame, path: Path, columns: Sequence[str] = LABELS) -> None:
     """Make sure that names of objects can be names of files, in whatever folder.
 
     Raises:
         TableError: One cannot; the text has it.
     """
-    for column in (name for name in NAMES if name in frame):
+    for column in (name for name in columns if name in frame):
         for name in frame[column].unique():
             if isinstance(name, str) and _UNSAFE.search(name):
                 raise TableError(f"{path}: the {column} {name!r} cannot be the name of a file")

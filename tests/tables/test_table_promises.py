@@ -17,9 +17,9 @@ from egad.settings import Settings
 from egad.shapes.surface import packed_surface
 from egad.stages import materialise
 from egad.tables import parquet, promises
+from egad.tables.columns import ID, LABEL
 from egad.tables.evolution import ARCHIVE
 from egad.tables.grasping import GRASPS, SCALES
-from egad.tables.objects import REJECTED
 from egad.tables.parquet import TableError
 
 SCHEMA = pa.schema([("id", pa.string()), ("voxels", pa.large_binary()), ("x", pa.float64())])
@@ -73,21 +73,22 @@ def test_many_short_texts_are_read(tmp_path):
     assert len(parquet.read(path, SCHEMA)) == 300_000
 
 
-@pytest.mark.parametrize("name", ["../a", "/etc/a", "..", ".", "", "a\\b", "a\0b", "a/b"])
-def test_names_that_are_paths_are_refused(tmp_path, name):
+@pytest.mark.parametrize("name", ["../a", "/etc/a", "..", ".", "a\\b", "a\0b", "a/b"])
+def test_labels_that_are_paths_are_refused(tmp_path, name):
     path = tmp_path / "names.parquet"
-    parquet.write(pd.DataFrame([{"id": name, "stage": "", "reason": "../a"}]), REJECTED, path)
+    pd.DataFrame({"id": ["some/object"], "label": [name]}).to_parquet(path)
     with pytest.raises(TableError, match="cannot be the name of a file"):
-        parquet.read(path, REJECTED)
+        parquet.read(path, pa.schema([ID, LABEL]))
     with pytest.raises(TableError, match="cannot be the name of a file"):
-        list(parquet.batches(path, ["id"]))
+        list(parquet.batches(path, ["label"]))
+    assert len(parquet.read(path, pa.schema([ID]))) == 1
 
 
 @pytest.mark.parametrize("name", ["M14_3", "mug.v2", "..a", "Tasse blau", "杯"])
-def test_other_names_are_taken(tmp_path, name):
+def test_other_labels_are_taken(tmp_path, name):
     path = tmp_path / "names.parquet"
-    parquet.write(pd.DataFrame([{"id": name, "stage": "", "reason": ""}]), REJECTED, path)
-    assert parquet.read(path, REJECTED)["id"].tolist() == [name]
+    pd.DataFrame({"id": ["a"], "label": [name]}).to_parquet(path)
+    assert parquet.read(path, pa.schema([LABEL]))["label"].tolist() == [name]
 
 
 def test_an_archive_writes_nothing_outside_its_folder(tmp_path):
