@@ -18,6 +18,7 @@ import trimesh
 
 from egad import __version__
 from egad.code_version import code_version
+from egad.exchange.sums import read_sums
 from egad.origins.lookup import origin_of
 from egad.origins.verify import verify
 from egad.settings import Settings
@@ -214,9 +215,11 @@ def test_the_evaluation_set_is_made_ready_for_simulators(copy, load):
     assert set(table["id"]) | set(rejected["id"]) == set(load("egad/eval49.parquet")["id"])
     for label in table["label"]:
         assert (folder / label / f"{label}.urdf").exists()
-    for line in (folder / "SHA256SUMS").read_text().splitlines():
-        value, name = line.split("  ")
-        assert hashlib.sha256((folder / name).read_bytes()).hexdigest() == value
+    sums, noted = read_sums(folder / "SHA256SUMS")
+    assert noted["stage"] == "bundle"
+    for file, value in sums.items():
+        assert hashlib.sha256(file.read_bytes()).hexdigest() == value
+    assert not verify(copy.results).problems
 
 
 def test_the_comparison_counts_the_objects(load):
