@@ -3,6 +3,7 @@ from typer.testing import CliRunner
 
 from egad.cli import origins, recorded, stages  # noqa: F401 (they add their commands)
 from egad.cli.common import app
+from egad.data import released
 from egad.settings import Settings
 from egad.stage_settings import Evolve, SimulatedTrials, select
 from egad.tables import parquet
@@ -47,6 +48,17 @@ def test_verify_tells_by_its_status_and_names_the_file(joined):
     done = egad("verify", "all")
     assert done.exit_code == 1
     assert "all/rows.parquet: altered" in done.output
+
+
+def test_an_input_from_elsewhere_is_not_taken_for_one_of_the_same_name(tmp_path, monkeypatch):
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    done = egad("archive", released(), "--out", "results/egad/archive.parquet")
+    assert done.exit_code == 0, done.output
+    assert egad("verify", "results/egad").exit_code == 0
+    lines = egad("provenance", "results/egad/archive.parquet").output.splitlines()
+    assert lines[1].startswith("└─ elsewhere:archive.parquet: not there; its sha256 was ")
 
 
 def test_files_that_settings_name_are_inputs(tmp_path):

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ValidationError
 from egad.errors import UserError
 from egad.exchange.sums import NAME, read_sums, sums_path
 from egad.tables import parquet
+from egad.tables.origin import ELSEWHERE
 
 TABLE = ".parquet"
 
@@ -26,9 +27,15 @@ class Noted(BaseModel):
     inputs: list[tuple[str, str]]
 
     def sources(self) -> list[tuple[Path, str]]:
-        """The inputs where they should be now, with their hashes of then."""
+        """The inputs where they should be now, with their hashes of then.
+
+        Nobody knows where those are that lay elsewhere: their paths lead nowhere.
+        """
         folder = self.path if self.path.is_dir() else self.path.parent
-        return [(Path(os.path.normpath(folder / name)), digest) for name, digest in self.inputs]
+        return [
+            (Path(name if name.startswith(ELSEWHERE) else os.path.normpath(folder / name)), digest)
+            for name, digest in self.inputs
+        ]
 
 
 def origin_of(path: Path) -> Noted | None:

@@ -53,7 +53,8 @@ def verify(folder: Path) -> Verdict:
     found = [*_tables(tables), *_others(records, digest)]
     if not found:
         raise UserError(f"{folder}: nothing is noted of any file in it")
-    sources = _sources([*tables, *map(_made, records)])
+    altered = {path for path, problem in found if problem}
+    sources = _sources([*(path for path in tables if path not in altered), *map(_made, records)])
     chained = [
         (path, f"made from another {source} than is there now")
         for path, source, value in sources

@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+ELSEWHERE = "elsewhere:"
+
 
 @dataclass(frozen=True)
 class Origin:
@@ -40,7 +42,7 @@ class Origin:
         """As plain values, for a file in a folder: inputs by their paths relative to it.
 
         Of an input outside of the working directory, or for a folder outside, only the name is
-        noted.
+        noted, after `ELSEWHERE`.
         """
         inputs = [[_relative(path, folder), digest] for path, digest in self.inputs]
         return {**self.__dict__, "arguments": dict(self.arguments), "inputs": inputs}
@@ -69,4 +71,4 @@ def _relative(path: Path, folder: Path) -> str:
     path, folder, here = path.absolute(), folder.absolute(), Path.cwd()
     if path.is_relative_to(here) and folder.is_relative_to(here):
         return Path(os.path.relpath(path, folder)).as_posix()
-    return path.name
+    return f"{ELSEWHERE}{path.name}"

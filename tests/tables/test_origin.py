@@ -69,5 +69,5 @@ def test_the_place_of_the_working_directory_leaves_no_trace(tmp_path, monkeypatc
     assert files[0] == files[1]
     assert parquet.origin_of(here / "results/a.parquet")["inputs"] == [
         ["../b.parquet", "1"],
-        ["archive.parquet", "2"],
+        ["elsewhere:archive.parquet", "2"],
     ]
