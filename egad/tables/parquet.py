@@ -31,6 +31,7 @@ __all__ = [
     "write",
 ]
 _NOTES, _ORIGIN = "egad", "egad-origin"
+_DAMAGED = (OSError, pa.ArrowException, UnicodeDecodeError)  # what reading such files raises
 BATCH = 8192  # rows that are in memory at a time where a table is streamed
 
 
@@ -98,7 +99,7 @@ def schema_of(path: Path) -> pa.Schema:
     """
     try:
         return pq.read_schema(path)
-    except (OSError, pa.ArrowException) as error:
+    except _DAMAGED as error:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error
 
 
@@ -145,7 +146,7 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
         with pq.ParquetFile(path) as file:
             table = file.read(columns=schema.names).select(schema.names)
         frame: pd.DataFrame = table.cast(_plain(schema)).to_pandas()
-    except (OSError, pa.ArrowException, UnicodeDecodeError) as error:
+    except _DAMAGED as error:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error
     check_names(frame, path)
     return frame
@@ -155,7 +156,7 @@ def _check(path: Path, names: list[str]) -> None:
     """Make sure that a table can be read: undamaged, not too large, with some columns."""
     try:
         check_promises(path)
-    except (OSError, pa.ArrowException) as error:
+    except _DAMAGED as error:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error
     check_columns(path, names)
 
@@ -178,5 +179,5 @@ def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
                 frame = batch.to_pandas()
                 check_names(frame, path)
                 yield frame
-    except (OSError, pa.ArrowException, UnicodeDecodeError) as error:
+    except _DAMAGED as error:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error

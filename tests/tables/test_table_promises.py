@@ -165,6 +165,26 @@ def read_or_refuse(path, whole, change):
             read()
 
 
+def test_a_column_whose_name_is_no_text_is_refused(archive):
+    """Found by the test below."""
+    path, whole = archive
+    path.write_bytes(whole.replace(b"complexity_cell", b"complexity\xffcell"))
+    with pytest.raises(TableError, match="not a readable Parquet file"):
+        parquet.notes(path)
+
+
+def test_damaged_statistics_are_refused(archive):
+    """Found by the test below: pyarrow ends the process when it is asked about such a column."""
+    path, whole = archive
+    footer = len(whole) - 8 - int.from_bytes(whole[-8:-4], "little")
+    for place in range(footer, len(whole) - 8, 50):
+        damaged = bytearray(whole)
+        damaged[place] ^= 2
+        path.write_bytes(damaged)
+        with pytest.raises(TableError):
+            parquet.read(path, ARCHIVE)
+
+
 @settings(
     max_examples=150, derandomize=True, deadline=None, database=None, suppress_health_check=QUIET
 )
