@@ -44,7 +44,16 @@ def source_hash(name: str, where: str) -> str:
     Raises:
         UserError: There is no such file, or the package cannot be run.
     """
-    return file_hash(_source(name.rpartition(":")[0], name, where), where)
+    return file_hash(source_file(name, where), where)
+
+
+def source_file(name: str, where: str) -> Path:
+    """The file that a name is defined in, which is not run; see `source_hash`.
+
+    Raises:
+        UserError: There is no such file, or the package cannot be run.
+    """
+    return _source(name.rpartition(":")[0], name, where)
 
 
 def file_hash(path: str | Path, where: str) -> str:

@@ -108,6 +108,10 @@ settings) `complexity` and `difficulty` hold those, and `grasps` is 0. Every tab
 Folders `D/parts` and `D/epochs` hold what jobs hand to each other. They may be deleted once a run
 is finished; the pipeline makes again what it needs, which for more epochs is all of them.
 
+`egad provenance FILE` tells where a file comes from, `egad verify results` whether anything was
+altered since; for that, folders have a `SHA256SUMS` and files that are no tables a `NAME.sha256`.
+See `docs/provenance.md`.
+
 This page is generated from the schemas: `python -m egad.results_page`.
 """
 

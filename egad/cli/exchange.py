@@ -7,6 +7,7 @@ from typing import Annotated, TypeVar
 import typer
 
 from egad.cli.common import TOOL, Config, Out, app, parse, settings_in
+from egad.cli.recorded import recorded
 from egad.errors import UserError
 from egad.stage_settings import AcronymFiles, DexNetDatabase, DexNetObjects, StageSettings, select
 
@@ -59,19 +60,22 @@ def _dexnet(
     from egad.stages import dexnet as stage
     from egad.stages import dexnet_objects
 
+    objects, meshes = dataset / "objects.parquet", dataset / "rescaled" / gripper
     if out.is_dir():
         raise UserError(f"--out {out} is a folder; name a file")
     if out.suffix != ".hdf5":
         raise UserError(f"--out {out}: the name must end in .hdf5, else Dex-Net does not open it")
+    reads = [objects, meshes, grasps]
     if parts:
-        stage.run(settings, dataset, gripper, parts, grasps, out)
+        with recorded("dexnet", settings, [*reads, *parts], [out], gripper=gripper):
+            stage.run(settings, dataset, gripper, parts, grasps, out)
         return
     stage.check(dataset, gripper, grasps)
     whole = out.with_name(f".{out.name}.objects")
-    objects, meshes = dataset / "objects.parquet", dataset / "rescaled" / gripper
     try:
         dexnet_objects.run(_chosen(DexNetObjects, None, config), objects, meshes, (0, 1), whole)
-        stage.run(settings, dataset, gripper, [whole], grasps, out)
+        with recorded("dexnet", settings, reads, [out], gripper=gripper):
+            stage.run(settings, dataset, gripper, [whole], grasps, out)
     finally:
         whole.unlink(missing_ok=True)
 
@@ -88,7 +92,9 @@ def _acronym(settings: AcronymFiles, dataset: Path, gripper: str, grasps: Path, 
             "name a folder of its own"
         )
     scales = dataset / "rescaled" / gripper / "scales.parquet"
-    stage.run(settings, gripper, dataset / "objects.parquet", scales, grasps, out)
+    objects = dataset / "objects.parquet"
+    with recorded("acronym", settings, [objects, scales, grasps], [out], gripper=gripper):
+        stage.run(settings, gripper, objects, scales, grasps, out)
 
 
 def _chosen(stage: type[S], text: str | None, config: Path | None, gripper: str | None = None) -> S:

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from egad.cli.common import STAGE, Jobs, Out, OutFolder, app, parse
+from egad.cli.recorded import recorded
 from egad.errors import UserError
 from egad.settings import Settings
 
@@ -29,7 +30,9 @@ def evolve(
     from egad.stage_settings import Evolve
     from egad.stages import evolve as stage
 
-    stage.run(parse(Evolve, settings), epoch, island, base, out, history, jobs)
+    parsed, bases = parse(Evolve, settings), [base] if base else []
+    with recorded("evolve", parsed, bases, epoch=epoch, island=island):
+        stage.run(parsed, epoch, island, base, out, history, jobs)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -38,7 +41,9 @@ def merge(settings: SettingsText, islands: list[Path], out: Out, jobs: Jobs = 1)
     from egad.stage_settings import Merge
     from egad.stages import merge as stage
 
-    stage.run(parse(Merge, settings), islands, out, jobs)
+    parsed = parse(Merge, settings)
+    with recorded("merge", parsed, islands):
+        stage.run(parsed, islands, out, jobs)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -46,7 +51,8 @@ def archive(epoch_archive: Path, out: Out) -> None:
     """Publish the archive of the last epoch."""
     from egad.stages import merge as stage
 
-    stage.publish(epoch_archive, out)
+    with recorded("merge", None, [epoch_archive]):
+        stage.publish(epoch_archive, out)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -68,11 +74,14 @@ def postprocess(
     parsed = parse(PostprocessSolids, settings)
     if archive is not None:
         sources, known = stage.from_archive(archive, parsed, shard, shards)
+        reads = [archive]
     elif folder is not None and units is not None:
         sources, known = stage.from_folder(folder, units, shard, shards, pattern)
+        reads = list(stage.files_of_shard(folder, shard, shards, pattern).values())
     else:
         raise UserError("postprocess needs --archive, or --folder and --units")
-    stage.run(parsed, sources, known, out, rejected)
+    with recorded("postprocess", parsed, reads, shard=shard, shards=shards, units=units):
+        stage.run(parsed, sources, known, out, rejected)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -91,7 +100,8 @@ def collect(
     from egad.stages import collect as stage
 
     parsed = parse(Collect, settings)
-    stage.run(parsed, source != "meshes", solids, rejects, out, rejected, meshes, jobs)
+    with recorded("collect", parsed, [*solids, *rejects], [meshes], source=source):
+        stage.run(parsed, source != "meshes", solids, rejects, out, rejected, meshes, jobs)
 
 
 @app.command(name="grasp-label", rich_help_panel=STAGE)
@@ -110,7 +120,8 @@ def grasp_label(
     from egad.stages import grasp_label as stage
 
     parsed = parse(GraspLabels, settings)
-    stage.run(parsed, objects, meshes, (shard, shards), out, tally, rejected)
+    with recorded("grasp_label", parsed, [objects, meshes], shard=shard, shards=shards):
+        stage.run(parsed, objects, meshes, (shard, shards), out, tally, rejected)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -122,7 +133,8 @@ def join(
     """Join the tables of all shards into one."""
     from egad.stages import join as stage
 
-    stage.run(parts, by, out)
+    with recorded("join", None, parts, by=by):
+        stage.run(parts, by, out)
 
 
 @app.command(name="select-eval", rich_help_panel=STAGE)
@@ -138,7 +150,9 @@ def select_eval(
     from egad.stage_settings import EvalSelection
     from egad.stages import select_eval as stage
 
-    stage.run(parse(EvalSelection, settings), objects, solids, out, rejected, jobs)
+    parsed = parse(EvalSelection, settings)
+    with recorded("select_eval", parsed, [objects, *solids]):
+        stage.run(parsed, objects, solids, out, rejected, jobs)
 
 
 @app.command(name="size-effect-eval", rich_help_panel=STAGE)
@@ -152,7 +166,9 @@ def size_effect_eval(
     from egad.stage_settings import SizeCurves
     from egad.stages import size_effect as stage
 
-    stage.run(parse(SizeCurves, settings), evaluation, meshes, out)
+    parsed = parse(SizeCurves, settings)
+    with recorded("size_effect", parsed, [evaluation, meshes]):
+        stage.run(parsed, evaluation, meshes, out)
 
 
 @app.command(name="print-export", rich_help_panel=STAGE)
@@ -169,7 +185,10 @@ def print_export(
     from egad.stage_settings import PrintFiles
     from egad.stages import print_export as stage
 
-    stage.run(parse(PrintFiles, settings), gripper, evaluation, meshes, scales, out, grasps)
+    parsed = parse(PrintFiles, settings)
+    reads = [evaluation, meshes, *([grasps] if grasps else [])]
+    with recorded("print_export", parsed, reads, [out], gripper=gripper):
+        stage.run(parsed, gripper, evaluation, meshes, scales, out, grasps)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -189,7 +208,10 @@ def datasheet(
         {name: Path(path) for name, _, path in (each.partition("=") for each in named)}
         for named in (manifest, grasps)
     )
-    stage.run(parse(DataSheets, settings), dataset, evaluation, manifests, labelled, out)
+    parsed = parse(DataSheets, settings)
+    reads = [evaluation, *manifests.values(), *labelled.values()]
+    with recorded("datasheet", parsed, reads, [out], dataset=dataset, grippers=list(manifests)):
+        stage.run(parsed, dataset, evaluation, manifests, labelled, out)
 
 
 @app.command(name="dexnet-objects", rich_help_panel=STAGE)
@@ -205,7 +227,9 @@ def dexnet_objects(
     from egad.stage_settings import DexNetObjects
     from egad.stages import dexnet_objects as stage
 
-    stage.run(parse(DexNetObjects, settings), objects, meshes, (shard, shards), out)
+    parsed = parse(DexNetObjects, settings)
+    with recorded("dexnet_objects", parsed, [objects, meshes], [out], shard=shard, shards=shards):
+        stage.run(parsed, objects, meshes, (shard, shards), out)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -223,7 +247,9 @@ def simulate(
     from egad.stages import simulate as stage
 
     parsed = parse(SimulatedTrials, settings)
-    stage.run(parsed, evaluation, bundle, grasps, (shard, shards), out)
+    reads = [evaluation, bundle, *([grasps] if grasps else [])]
+    with recorded("simulate", parsed, reads, shard=shard, shards=shards):
+        stage.run(parsed, evaluation, bundle, grasps, (shard, shards), out)
 
 
 @app.command(rich_help_panel=STAGE)
@@ -241,7 +267,9 @@ def compare(
     if wrong := [name for name, _, path in named if not path]:
         raise UserError(f"{wrong[0]!r} does not say which table; write NAME=objects.parquet")
     paths = {name: Path(path) for name, _, path in named}
-    typer.echo(stage.run(parse(Compare, settings), paths, out, figure))
+    parsed = parse(Compare, settings)
+    with recorded("compare", parsed, paths.values(), [figure], datasets=list(paths)):
+        typer.echo(stage.run(parsed, paths, out, figure))
 
 
 @app.command(rich_help_panel=STAGE)
@@ -249,9 +277,14 @@ def report(
     settings: SettingsText,
     results: Annotated[Path, typer.Option(help="folder of all results")],
     out: Out,
+    reads: Annotated[
+        list[Path] | None, typer.Argument(help="what it shows, for the record")
+    ] = None,
     jobs: Jobs = 1,
 ) -> None:
     """Write the report: one HTML file that opens offline."""
     from egad.stages import report as stage
 
-    stage.run(parse(Settings, settings), results, out, jobs)
+    parsed = parse(Settings, settings)
+    with recorded("report", parsed, reads or [], [out]):
+        stage.run(parsed, results, out, jobs)

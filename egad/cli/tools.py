@@ -20,6 +20,7 @@ from egad.cli.common import (
     parse,
     settings_in,
 )
+from egad.cli.recorded import recorded
 from egad.errors import UserError
 from egad.settings import Settings
 
@@ -55,11 +56,14 @@ def rescale(
         allowed = ", ".join(each[1:] for each in stage.WRITERS)
         raise UserError(f"--format is {ending!r}; allowed: {allowed}")
     if settings is None:
-        files, suffix = files_in(meshes), scale_suffix(rule, parsed.gripper.opening)
+        files = reads = files_in(meshes)
+        suffix = scale_suffix(rule, parsed.gripper.opening)
         _spare(out, files)
     else:  # of the pipeline's own folder, which may be empty
-        files, suffix = [each for path in meshes for each in sorted(path.glob("*.obj"))], ""
-    rejected = stage.run(parsed, files, units, out, ending, suffix, jobs)
+        files, reads = [each for path in meshes for each in sorted(path.glob("*.obj"))], meshes
+        suffix = ""
+    with recorded("rescale", parsed, reads, [out], units=units, format=ending):
+        rejected = stage.run(parsed, files, units, out, ending, suffix, jobs)
     if rejected:
         typer.echo(f"{rejected} files could not be used: see {out / 'rejected.parquet'}")
 
@@ -92,7 +96,9 @@ def bundle(
         objects = stage.any_objects(files_in(meshes))
     if settings is None:
         _spare(out, [item.path for item in objects], "bundle.parquet")
-    rejected = stage.run(parsed, objects, units, out, jobs)
+    reads = [evaluation, *meshes] if evaluation else [item.path for item in objects]
+    with recorded("bundle", parsed, reads, units=units):
+        rejected = stage.run(parsed, objects, units, out, jobs)
     if rejected:
         typer.echo(f"{rejected} objects could not be used: see {out / 'rejected.parquet'}")
 

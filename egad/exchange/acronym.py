@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from egad.exchange import sums
 from egad.exchange.grasps import poses_of
 from egad.exchange.hdf5 import add_array, add_group, writing
 from egad.grasps.poses import panda_poses
@@ -92,7 +93,9 @@ def write_acronym(path: Path, body: Body, jaws: Jaws, grasps: pd.DataFrame, held
 
 
 def is_ours(path: Path) -> bool:
-    """Whether a file is one that `write_acronym` wrote."""
+    """Whether a file is one that `write_acronym` wrote, or the sums of them."""
+    if path.name == sums.NAME:
+        return True
     if path.suffix != ".h5" or not path.is_file():
         return False
     try:

@@ -1,5 +1,6 @@
 """Mesh files of other programs: read with units and checked; written the same way every time."""
 
+import io
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,8 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError, UserError
+from egad.exchange.folders import ENDINGS
+from egad.exchange.promises import MOST_BYTES, check_promises, only_geometry, within
 from egad.exchange.wavefront import obj_text, parse_plain_obj
 from egad.files import replacing
 from egad.shapes.repair import check_surface
@@ -39,10 +42,16 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Vertices and faces. Readers raise whatever comes their way on broken files."""
     if not path.is_file():
         raise RejectedError("no such file")
+    if path.suffix.lower() not in ENDINGS:
+        raise RejectedError(f"not a mesh file; allowed endings: {' '.join(ENDINGS)}")
     unreadable = f"not a readable {path.suffix[1:]} file"
+    within(path.stat().st_size, MOST_BYTES, "bytes")
+    data, ending = path.read_bytes(), path.suffix[1:].lower()
     try:
-        plain = parse_plain_obj(path.read_bytes()) if path.suffix.lower() == ".obj" else None
-        vertices, faces = plain or _load_any(path)
+        plain = parse_plain_obj(data) if ending == "obj" else None
+        vertices, faces = plain or _load_any(data, ending)
+    except RejectedError as reason:
+        raise RejectedError(f"{unreadable}: {reason}") from reason
     except Exception as error:
         raise RejectedError(unreadable) from error
     if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
@@ -50,9 +59,13 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     return vertices, faces
 
 
-def _load_any(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _load_any(data: bytes, ending: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Read what is in the file, and nothing that it names."""
+    check_promises(data, ending)
+    content = io.BytesIO(only_geometry(data) if ending == "obj" else data)
+    options = {"process": False, "maintain_order": True, "skip_materials": True}
     with np.errstate(all="ignore"):
-        found = trimesh.load_mesh(path, process=False, maintain_order=True)
+        found = trimesh.load_mesh(content, ending, **options)
     vertices = np.asarray(found.vertices, dtype=np.float64).reshape(-1, 3)
     return vertices, np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
 

@@ -1,19 +1,70 @@
-"""Sums of the files of a folder, for `sha256sum --check SHA256SUMS`."""
+"""Hashes of files that are no tables, beside them, for `sha256sum --check`.
+
+A folder has them in `SHA256SUMS`, a file `NAME` in `NAME.sha256`. The first line, a comment to
+other programs, says where the files come from (`egad.tables.origin`).
+"""
 
 import hashlib
+import json
 from pathlib import Path
+from typing import Any
 
+from egad.errors import UserError
 from egad.files import write_text
+from egad.tables import origin
 
-NAME = "SHA256SUMS"
+NAME, ENDING = "SHA256SUMS", ".sha256"
+_ORIGIN = "# egad-origin "
 
 
-def write_sums(folder: Path) -> None:
-    """Write the SHA-256 sums of all files of a folder, also of those in its folders, into it."""
-    files = sorted(path for path in folder.rglob("*") if path.is_file())
-    lines = [
-        f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(folder).as_posix()}\n"
-        for path in files
-        if path != folder / NAME
-    ]
-    write_text(folder / NAME, "".join(lines))
+def sum_of(path: Path) -> str:
+    """The SHA-256 of a file; that of its `SHA256SUMS` for a folder, made if there is none."""
+    if not path.is_dir():
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    if (path / NAME).is_file():
+        return sum_of(path / NAME)
+    return hashlib.sha256(_lines(path, files_of(path)).encode()).hexdigest()
+
+
+def files_of(folder: Path) -> list[Path]:
+    """All files of a folder and of those in it, but hidden ones and its own `SHA256SUMS`."""
+    found = (path for path in folder.rglob("*") if path.is_file() and path != folder / NAME)
+    return sorted(path for path in found if not is_hidden(path.relative_to(folder)))
+
+
+def is_hidden(path: Path) -> bool:
+    """Whether the name of a file, or of a folder that it is in, starts with a dot."""
+    return any(part.startswith(".") for part in path.parts)
+
+
+def sums_path(path: Path) -> Path:
+    """Where the sums of a file or folder are."""
+    return path / NAME if path.is_dir() else path.with_name(path.name + ENDING)
+
+
+def write_sums(path: Path) -> None:
+    """Write the sum of a file, or those of all files of a folder and of the folders in it."""
+    folder, files = (path, files_of(path)) if path.is_dir() else (path.parent, [path])
+    made = origin.noted(folder)
+    head = f"{_ORIGIN}{json.dumps(made, sort_keys=True)}\n" if made else ""
+    write_text(sums_path(path), head + _lines(folder, files))
+
+
+def read_sums(path: Path) -> tuple[dict[Path, str], dict[str, Any]]:
+    """The files that a file of sums is about with their sums, and their origin if it has one.
+
+    Raises:
+        UserError: It is damaged.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+        made = [json.loads(line[len(_ORIGIN) :]) for line in lines if line.startswith(_ORIGIN)]
+        pairs = [line.split("  ", 1) for line in lines if not line.startswith("#")]
+        return {path.parent / name: value for value, name in pairs}, dict(made[0] if made else {})
+    except (ValueError, TypeError) as error:
+        raise UserError(f"{path}: not a file of sums ({error})") from error
+
+
+def _lines(folder: Path, files: list[Path]) -> str:
+    return "".join(f"{sum_of(file)}  {file.relative_to(folder).as_posix()}\n" for file in files)

@@ -159,8 +159,12 @@ def unpack(data: bytes) -> ReebGraph:
     body = memoryview(data)[: -_CHECKSUM.size]
     if _CHECKSUM.unpack(data[-_CHECKSUM.size :]) != (zlib.crc32(body),):
         raise UserError("The packed Reeb graph is damaged.")
+    if len(body) != _HEADER.size + 20 * nodes + 8 * links:
+        raise UserError("The packed Reeb graph is damaged.")
     floats = np.frombuffer(body, "<f8", 2 * nodes, _HEADER.size).astype(np.float64)
     offset = _HEADER.size + floats.nbytes
     ints = np.frombuffer(body, "<i4", nodes + 2 * links, offset).astype(np.int32)
     pairs = ints[nodes:].reshape(-1, 2)
+    if (ints < 0).any() or (ints[:nodes] >= ranges).any() or (pairs >= nodes).any():
+        raise UserError("The packed Reeb graph names parts that are not there.")
     return _graph(Parts(ints[:nodes], floats[:nodes], floats[nodes:], pairs), ranges)

@@ -6,13 +6,22 @@ from numpy.typing import NDArray
 from scipy import sparse
 from skimage.measure import marching_cubes
 
+from egad.errors import RejectedError
 from egad.settings import Shape
 from egad.shapes.voxels import Solid, unpack
 
 
 def packed_surface(packed: bytes, shape: Shape) -> trimesh.Trimesh:
-    """The surface of voxels as archives keep them; see `surface`."""
-    return surface(unpack(packed, shape.resolution), shape)
+    """The surface of voxels as archives keep them; see `surface`.
+
+    Raises:
+        UserError: They are of another size than the resolution asks for.
+        RejectedError: None of them is solid.
+    """
+    voxels = unpack(packed, shape.resolution)
+    if not voxels.any():
+        raise RejectedError("no solid voxel")
+    return surface(voxels, shape)
 
 
 def surface(voxels: Solid, shape: Shape) -> trimesh.Trimesh:

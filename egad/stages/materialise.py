@@ -9,6 +9,7 @@ from egad.settings import Shape
 from egad.shapes.surface import packed_surface
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
+from egad.tables.promises import check_names
 
 
 def run(archive: Path, out: Path, shape: Shape) -> int:
@@ -21,8 +22,12 @@ def run(archive: Path, out: Path, shape: Shape) -> int:
 
     Returns:
         How many meshes were written.
+
+    Raises:
+        TableError: The archive is damaged, or an id in it cannot be the name of a file.
     """
     frame = parquet.read(archive, ARCHIVE)
+    check_names(frame, archive, ["id"])
     objects = zip(frame["id"], frame["voxels"], strict=True)
     with replacing(out) as folder:
         folder.mkdir()

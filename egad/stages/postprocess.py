@@ -80,14 +80,18 @@ def from_archive(
 def from_folder(
     folder: Path, units: str, shard: int, shards: int, pattern: str = EVERY_FILE
 ) -> tuple[Sources, pd.Series]:
-    """The mesh files of a shard; they were not selected by any difficulty."""
-    files = objects_in(folder, pattern)
-    sources: Sources = {
-        name: partial(read_mesh, path, units)
-        for name, path in files.items()
-        if in_shard(name, shard, shards)
-    }
+    """The objects of the mesh files of a shard; they were not selected by any difficulty."""
+    files = files_of_shard(folder, shard, shards, pattern)
+    sources: Sources = {name: partial(read_mesh, path, units) for name, path in files.items()}
     return sources, pd.Series(dtype=float)
+
+
+def files_of_shard(
+    folder: Path, shard: int, shards: int, pattern: str = EVERY_FILE
+) -> dict[str, Path]:
+    """The mesh files of a shard, by the names of their objects."""
+    files = objects_in(folder, pattern)
+    return {name: path for name, path in files.items() if in_shard(name, shard, shards)}
 
 
 def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids) -> dict[str, Any]:

@@ -3,10 +3,12 @@
 from pathlib import Path
 
 import pandas as pd
+import pyarrow as pa
 
 from egad.exchange.meshes import read_mesh
 from egad.report.viewer import Scene
 from egad.tables import parquet
+from egad.tables.columns import ID, LABEL
 from egad.tables.objects import REJECTED
 
 
@@ -45,7 +47,7 @@ def scene(
 
 def _reason(folder: Path, gripper: str, label: str) -> str:
     """Why an object has no grasp, as the table of rejected objects says."""
-    objects = pd.read_parquet(folder / "objects.parquet", columns=["id", "label"])
+    objects = parquet.read(folder / "objects.parquet", pa.schema([ID, LABEL]))
     rejected = parquet.read(folder / "grasps" / f"{gripper}.rejected.parquet", REJECTED)
     own = rejected[rejected["id"].isin(objects.loc[objects["label"] == label, "id"])]
     return own["reason"].iloc[0] if len(own) else "no grasp"

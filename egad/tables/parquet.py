@@ -13,13 +13,26 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from egad.files import replacing
+from egad.tables import origin, seal
+from egad.tables.promises import TableError, check_names, check_promises
 
-_NOTES = "egad"
+__all__ = [
+    "BATCH",
+    "TableError",
+    "batches",
+    "check_columns",
+    "columns",
+    "empty",
+    "notes",
+    "origin_of",
+    "read",
+    "records",
+    "schema_of",
+    "write",
+]
+_NOTES, _ORIGIN = "egad", "egad-origin"
+_DAMAGED = (OSError, pa.ArrowException, UnicodeDecodeError)  # what reading such files raises
 BATCH = 8192  # rows that are in memory at a time where a table is streamed
-
-
-class TableError(ValueError):
-    """A Parquet file is missing, damaged, or does not have the columns of its schema."""
 
 
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
@@ -38,6 +51,8 @@ def write(
 ) -> None:
     """Write a table atomically: exactly the columns of its schema, in that order.
 
+    The file also keeps where it comes from (`egad.tables.origin`), and is sealed.
+
     Args:
         frame: The rows.
         schema: The columns.
@@ -46,10 +61,14 @@ def write(
     """
     columns = frame[schema.names] if len(frame) else empty(schema)
     table = pa.Table.from_pandas(columns, schema=schema, preserve_index=False)
-    kept = {_NOTES: json.dumps(notes, sort_keys=True)} if notes else None
-    table = table.replace_schema_metadata(kept)
-    with replacing(path) as temporary, temporary.open("wb") as file:
-        pq.write_table(table, file, compression="zstd")
+    kept = {_NOTES: notes, _ORIGIN: origin.noted(path.parent)}
+    texts = {key: json.dumps(value, sort_keys=True) for key, value in kept.items() if value}
+    table = table.replace_schema_metadata(texts or None)
+    with replacing(path) as temporary:
+        with pq.ParquetWriter(temporary, table.schema, compression="zstd") as writer:
+            writer.write_table(table)
+            writer.add_key_value_metadata({seal.KEY: seal.BLANK})
+        seal.seal(temporary)
 
 
 def columns(path: Path) -> list[str]:
@@ -80,7 +99,7 @@ def schema_of(path: Path) -> pa.Schema:
     """
     try:
         return pq.read_schema(path)
-    except (OSError, pa.ArrowException) as error:
+    except _DAMAGED as error:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error
 
 
@@ -90,26 +109,61 @@ def notes(path: Path) -> dict[str, Any]:
     Raises:
         TableError: The file is missing, is not Parquet, or is cut short.
     """
-    kept = (schema_of(path).metadata or {}).get(_NOTES.encode())
-    found: dict[str, Any] = json.loads(kept) if kept else {}
+    return _kept(path, _NOTES)
+
+
+def origin_of(path: Path) -> dict[str, Any]:
+    """The `egad.tables.origin.Origin` of a table; nothing if it has none.
+
+    Raises:
+        TableError: The file is missing, is not Parquet, or is cut short.
+    """
+    return _kept(path, _ORIGIN)
+
+
+def _kept(path: Path, key: str) -> dict[str, Any]:
+    kept = (schema_of(path).metadata or {}).get(key.encode())
+    try:
+        found = json.loads(kept) if kept else {}
+    except ValueError as error:
+        raise TableError(f"{path}: its metadata {key} is not JSON") from error
+    if not isinstance(found, dict):
+        raise TableError(f"{path}: its metadata {key} is not a table of values")
     return found
 
 
 def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
     """Read a table and check that it has the columns of its schema.
 
+    Other columns are not read. Values of another type are taken if they can be converted.
+
     Raises:
-        TableError: The file is missing, is not Parquet, is cut short, or has other columns.
+        TableError: The file is missing, is not Parquet, is cut short, has other columns or types,
+            would take too much memory, or an object in it has a name that no file can have.
     """
+    _check(path, schema.names)
     try:
-        table = pq.read_table(path)
-    except (OSError, pa.ArrowException) as error:
+        with pq.ParquetFile(path) as file:
+            table = file.read(columns=schema.names).select(schema.names)
+        frame: pd.DataFrame = table.cast(_plain(schema)).to_pandas()
+    except _DAMAGED as error:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error
-    missing = [name for name in schema.names if name not in table.column_names]
-    if missing:
-        raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
-    frame: pd.DataFrame = table.select(schema.names).to_pandas()
+    check_names(frame, path)
     return frame
+
+
+def _check(path: Path, names: list[str]) -> None:
+    """Make sure that a table can be read: undamaged, not too large, with some columns."""
+    try:
+        check_promises(path)
+    except _DAMAGED as error:
+        raise TableError(f"{path}: not a readable Parquet file ({error})") from error
+    check_columns(path, names)
+
+
+def _plain(schema: pa.Schema) -> pa.Schema:
+    """Names and types alone."""
+    return pa.schema([(field.name, field.type) for field in schema])
 
 
 def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
@@ -118,10 +172,12 @@ def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
     Raises:
         TableError: The file is missing, is not Parquet, is cut short, or lacks a column.
     """
-    check_columns(path, names)
+    _check(path, names)
     try:
         with pq.ParquetFile(path) as file:
             for batch in file.iter_batches(BATCH, columns=names):
-                yield batch.to_pandas()
-    except (OSError, pa.ArrowException) as error:
+                frame = batch.to_pandas()
+                check_names(frame, path)
+                yield frame
+    except _DAMAGED as error:
         raise TableError(f"{path}: not a readable Parquet file ({error})") from error

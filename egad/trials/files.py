@@ -7,6 +7,7 @@ from egad.errors import UserError
 from egad.settings import Policy
 
 WHERE = "policies"
+MOST_BYTES = 1 << 24  # some 50 times those that were published
 GGCNN_WEIGHTS = (
     "the published weights are in the releases of the project dougsm/ggcnn, as files named "
     "ggcnn_epoch_23_cornell_statedict.pt (GG-CNN) and epoch_50_cornell_statedict.pt (GG-CNN2)"
@@ -30,10 +31,13 @@ def check_ggcnn(weights: str | None) -> str:
     """The path of GG-CNN's weights, if they are there.
 
     Raises:
-        UserError: None are named, or there is no such file; the text says where to get them.
+        UserError: None are named, there is no such file, or it is far too large; the text says
+            where to get them.
     """
     if weights is None:
         raise UserError(f"{WHERE}: ggcnn needs `weights: FILE`; {GGCNN_WEIGHTS}")
     if not Path(weights).is_file():
         raise UserError(f"{WHERE}: there is no file {weights}; {GGCNN_WEIGHTS}")
+    if Path(weights).stat().st_size > MOST_BYTES:
+        raise UserError(f"{WHERE}: {weights} is too large to be weights of GG-CNN; {GGCNN_WEIGHTS}")
     return weights

@@ -30,6 +30,7 @@ WORDS = {
     **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
     **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
 }
+MOST_BYTES, MOST_COLUMNS = 1 << 24, 1000  # of a CSV file
 ATTEMPT = re.compile(r"[0-9]{1,9}")
 
 
@@ -109,6 +110,8 @@ def _cells(path: Path) -> list[tuple[int, list[str]]]:
 
     Cells are separated by commas or, as some programs do, by semicolons.
     """
+    if path.stat().st_size > MOST_BYTES:
+        raise UserError(f"{path}: larger than {MOST_BYTES:,} bytes; split it")
     try:
         text = path.read_text(encoding="utf-8-sig")
         head = text.strip().partition("\n")[0]
@@ -121,6 +124,8 @@ def _cells(path: Path) -> list[tuple[int, list[str]]]:
     if not filled:
         raise UserError(f"{path}: not a CSV file: it is empty")
     width = len(filled[0][1])
+    if width > MOST_COLUMNS:
+        raise UserError(f"{path}: {width} columns; at most {MOST_COLUMNS} are read")
     for line, row in filled:
         if any(row[width:]):
             raise UserError(f"{path}, line {line}: {len(row)} cells; the first line has {width}")

@@ -1,4 +1,6 @@
 import dataclasses
+import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -130,6 +132,22 @@ def test_damaged_bytes_are_refused(graphs):
         wrong[place] ^= 1
         with pytest.raises(UserError):
             reeb.unpack(bytes(wrong))
+
+
+@pytest.mark.parametrize("damage", ["range", "node", "negative", "counts"])
+def test_bytes_with_a_right_checksum_that_name_what_is_not_there_are_refused(graphs, damage):
+    """Compiled code would read beyond its arrays."""
+    data = bytearray(reeb.pack(graphs[0])[:-4])
+    nodes, _ = struct.unpack_from("<II", data, 8)
+    place = 16 + 16 * nodes
+    if damage == "counts":
+        struct.pack_into("<I", data, 12, 1 << 30)
+    elif damage == "node":
+        struct.pack_into("<i", data, len(data) - 4, nodes)
+    else:
+        struct.pack_into("<i", data, place, 10_000 if damage == "range" else -1)
+    with pytest.raises(UserError):
+        reeb.unpack(bytes(data) + struct.pack("<I", zlib.crc32(data)))
 
 
 @pytest.mark.parametrize("bases", ["even", "scan"])

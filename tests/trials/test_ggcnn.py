@@ -10,6 +10,7 @@ import trimesh
 from egad.errors import UserError
 from egad.settings import GRIPPERS
 from egad.trials.camera import View, above
+from egad.trials.files import check_ggcnn
 from egad.trials.ggcnn import GGCNN, middle, prepared
 
 HAND = GRIPPERS["egad_75mm"]
@@ -121,3 +122,10 @@ def test_without_pytorch_the_message_names_the_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "torch", None)
     with pytest.raises(UserError, match=r"egad\[ggcnn\]"):
         GGCNN("weights.pt")
+
+
+def test_weights_that_are_far_too_large_are_not_read(tmp_path):
+    with (tmp_path / "weights.pt").open("wb") as file:
+        file.truncate(1 << 30)
+    with pytest.raises(UserError, match="too large to be weights of GG-CNN"):
+        check_ggcnn(str(tmp_path / "weights.pt"))

@@ -140,3 +140,16 @@ def test_tables_of_the_simulation_have_the_name_of_their_file(tmp_path):
     assert list(gather(files)) == ["antipodal-depth", "two/antipodal-depth"]
     with pytest.raises(UserError, match="two tables of the detector two/antipodal-depth"):
         gather([*files, files[1]])
+
+
+def test_a_file_that_is_far_too_large_is_not_read(tmp_path):
+    with (tmp_path / "results.csv").open("wb") as file:
+        file.truncate(1 << 30)
+    with pytest.raises(UserError, match="larger than 16,777,216 bytes"):
+        read(tmp_path / "results.csv")
+
+
+def test_no_table_grows_to_rows_times_columns(written):
+    text = "label,attempt,success" + "," * 10_000 + "\n" + "A0,0,1\n" * 100_000
+    with pytest.raises(UserError, match="10003 columns; at most 1000"):
+        read(written(text))

@@ -16,6 +16,11 @@ import pyarrow.parquet as pq
 import pytest
 import trimesh
 
+from egad import __version__
+from egad.code_version import code_version
+from egad.exchange.sums import read_sums
+from egad.origins.lookup import origin_of
+from egad.origins.verify import verify
 from egad.settings import Settings
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST, TRIALS
@@ -87,6 +92,51 @@ def test_there_are_no_other_tables_and_no_temporary_files(finished):
     made = {str(path.relative_to(finished.results)) for path in finished.results.rglob("*.parquet")}
     assert made == set(TABLES)
     assert not list(finished.results.rglob("*.partial"))
+
+
+@pytest.mark.parametrize("path", TABLES)
+def test_every_table_says_what_it_was_made_by_and_from(finished, path):
+    table = finished.results / path
+    noted = origin_of(table)
+    assert noted.program == __version__
+    assert noted.code == code_version(f"egad.stages.{noted.stage}")
+    assert noted.sources() or noted.seed == Settings().seed
+    assert all(source.exists() for source, _ in noted.sources())
+    assert str(finished.folder) not in str(pq.read_schema(table).metadata)
+    assert Settings().seed in {each.seed for each in ancestors(table)}
+
+
+def ancestors(path):
+    """What was noted of a file and of all that it was made from."""
+    noted = origin_of(path)
+    if noted is None:
+        return
+    yield noted
+    for source, _ in noted.sources():
+        yield from ancestors(source)
+
+
+def test_a_finished_run_is_as_it_was_made(finished):
+    verdict = verify(finished.results)
+    assert (verdict.problems, verdict.unknown, verdict.gone) == ({}, [], 0)
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "egad/archive.parquet",
+        f"egad/trials/{GRIPPER}/{POLICY}.parquet",
+        f"egad/print/{GRIPPER}/plate-1.3mf",
+        "egad/eval49/contact-sheet.pdf",
+        "egad/parts/solids-0.parquet",
+        "report.html",
+    ],
+)
+def test_an_altered_file_is_found_and_named(copy, path):
+    data = bytearray((copy.results / path).read_bytes())
+    data[len(data) // 2] ^= 1
+    (copy.results / path).write_bytes(data)
+    assert verify(copy.results).problems[copy.results / path] == "altered"
 
 
 def test_the_history_tells_of_every_step_and_ends_with_the_archive(load):
@@ -163,9 +213,11 @@ def test_the_evaluation_set_is_made_ready_for_simulators(finished, load):
     assert set(table["id"]) | set(rejected["id"]) == set(load("egad/eval49.parquet")["id"])
     for label in table["label"]:
         assert (folder / label / f"{label}.urdf").exists()
-    for line in (folder / "SHA256SUMS").read_text().splitlines():
-        value, name = line.split("  ")
-        assert hashlib.sha256((folder / name).read_bytes()).hexdigest() == value
+    sums, noted = read_sums(folder / "SHA256SUMS")
+    assert noted["stage"] == "bundle"
+    for file, value in sums.items():
+        assert hashlib.sha256(file.read_bytes()).hexdigest() == value
+    assert not verify(finished.results).problems
 
 
 def test_the_comparison_counts_the_objects(load):

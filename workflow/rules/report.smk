@@ -29,4 +29,4 @@ rule report:
         "Writing the report"
     shell:
         "egad report --settings {params.settings:q} --results {params.results:q} --out {output:q}"
-        " --jobs {threads} > {log:q} 2>&1"
+        " --jobs {threads} {input:q} > {log:q} 2>&1"

@@ -1,0 +1,56 @@
+"""The origin of a file or folder: in a table itself, beside everything else."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from egad.errors import UserError
+from egad.exchange.sums import NAME, read_sums, sums_path
+from egad.tables import parquet
+from egad.tables.origin import ELSEWHERE
+
+TABLE = ".parquet"
+
+
+class Noted(BaseModel):
+    """An `egad.tables.origin.Origin` as it was noted, of a file or folder at a path."""
+
+    path: Path
+    program: str
+    stage: str
+    code: str
+    settings: str | None
+    seed: int | None
+    arguments: dict[str, Any]
+    inputs: list[tuple[str, str]]
+
+    def sources(self) -> list[tuple[Path, str]]:
+        """The inputs where they should be now, with their hashes of then.
+
+        Nobody knows where those are that lay elsewhere: their paths lead nowhere.
+        """
+        folder = self.path if self.path.is_dir() else self.path.parent
+        return [
+            (Path(name if name.startswith(ELSEWHERE) else os.path.normpath(folder / name)), digest)
+            for name, digest in self.inputs
+        ]
+
+
+def origin_of(path: Path) -> Noted | None:
+    """What is noted of a file or folder, if anything is.
+
+    Raises:
+        TableError: A table is damaged.
+        UserError: What is noted is.
+    """
+    if path.suffix == TABLE:
+        values = parquet.origin_of(path)
+    else:
+        files = [file for file in (sums_path(path), path.parent / NAME) if file.is_file()]
+        values = read_sums(files[0])[1] if files else {}
+    try:
+        return Noted.model_validate({**values, "path": path}) if values else None
+    except (ValidationError, TypeError) as error:
+        raise UserError(f"{path}: what is noted of its origin is damaged") from error

@@ -1,0 +1,90 @@
+"""The origin of a file as a tree of text, back to the seed."""
+
+from collections.abc import Iterator
+from itertools import groupby
+from pathlib import Path
+from typing import NamedTuple
+
+from egad.exchange.sums import sum_of
+from egad.origins.lookup import Noted, origin_of
+
+
+class Node(NamedTuple):
+    """A file, what is noted of it, and what is wrong with it if anything is."""
+
+    path: Path
+    noted: Noted | None
+    problem: str = ""
+
+
+def tree(path: Path) -> Iterator[str]:
+    """Lines of text: the file, and below it what it was made from, and so on.
+
+    Files that were made alike, such as those of shards, share a line. What was told once is not
+    told again.
+
+    Raises:
+        TableError: A table is damaged.
+        UserError: What is noted of a file is.
+    """
+    root = [Node(path, origin_of(path))]
+    yield _line(root)
+    yield from _below(root, "", set())
+
+
+def _below(nodes: list[Node], indent: str, told: set[Path]) -> Iterator[str]:
+    groups = [list(alike) for _, alike in groupby(_inputs(nodes), _likeness)]
+    for number, group in enumerate(groups, 1):
+        last = number == len(groups)
+        known = group[0].path in told and bool(_inputs(group))
+        told.update(node.path for node in group)
+        yield f"{indent}{'└─' if last else '├─'} {_line(group)}{', as above' if known else ''}"
+        if not known:
+            yield from _below(group, indent + ("   " if last else "│  "), told)
+
+
+def _inputs(nodes: list[Node]) -> list[Node]:
+    """What files were made from, each once."""
+    noted = [node.noted for node in nodes if node.noted]
+    sources = dict.fromkeys(source for each in noted for source in each.sources())
+    return [_node(path, digest) for path, digest in sources]
+
+
+def _node(path: Path, digest: str) -> Node:
+    if not path.exists():
+        return Node(path, None, f"not there; its sha256 was {digest[:16]}...")
+    if sum_of(path) != digest:
+        return Node(path, None, f"ALTERED since; its sha256 was {digest[:16]}...")
+    return Node(path, origin_of(path))
+
+
+def _likeness(node: Node) -> tuple[object, ...]:
+    """Equal for files that were made by the same from alike."""
+    kind = (node.path.parent, node.path.stem.rstrip("0123456789"), node.path.suffix)
+    if node.noted is None:
+        return (node.path.parent, node.path.suffix, node.problem.partition(";")[0])
+    return (*kind, *(getattr(node.noted, name) for name in ("stage", "code", "settings", "seed")))
+
+
+def _line(group: list[Node]) -> str:
+    """Files that were made alike; characters that would move the cursor are not let through."""
+    node = group[0]
+    more = f" and {len(group) - 1} more" if len(group) > 1 else ""
+    made = ", ".join(_words(node.noted)) if node.noted else "nothing is noted of it"
+    line = f"{node.path}{more}: {node.problem or made}"
+    return "".join(letter if letter.isprintable() else "?" for letter in line)
+
+
+def _words(noted: Noted) -> Iterator[str]:
+    arguments = [f"{name} {_plain(value)}" for name, value in noted.arguments.items()]
+    yield f"{noted.stage} ({', '.join(arguments)})" if arguments else noted.stage
+    if noted.seed is not None:
+        yield f"seed {noted.seed}"
+    if noted.settings:
+        yield f"settings {noted.settings}"
+    yield f"code {noted.code}"
+    yield f"egad {noted.program}"
+
+
+def _plain(value: object) -> str:
+    return " ".join(map(str, value)) if isinstance(value, list) else str(value)

@@ -1,0 +1,74 @@
+"""What a file was made from and by: noted at the edge, where a command knows what it reads.
+
+`parquet.write` and `exchange.sums.write_sums` put it into what they write, so that no function
+between the two has to pass it on. It holds no time, no name of a machine and no absolute path: the
+same configuration gives the same origin.
+"""
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+ELSEWHERE = "elsewhere:"
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a file was made from and by.
+
+    Attributes:
+        program: Version of the program.
+        stage: Name of the stage.
+        code: Fingerprint of its code.
+        settings: Hash of the settings that it reads; none if it reads none.
+        seed: The seed among these.
+        arguments: Its other arguments that decide the result.
+        inputs: Paths of the files and folders that it reads, and their hashes.
+    """
+
+    program: str
+    stage: str
+    code: str
+    settings: str | None = None
+    seed: int | None = None
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+    inputs: tuple[tuple[Path, str], ...] = ()
+
+    def noted(self, folder: Path) -> dict[str, Any]:
+        """As plain values, for a file in a folder: inputs by their paths relative to it.
+
+        Of an input outside of the working directory, or for a folder outside, only the name is
+        noted, after `ELSEWHERE`.
+        """
+        inputs = [[_relative(path, folder), digest] for path, digest in self.inputs]
+        return {**self.__dict__, "arguments": dict(self.arguments), "inputs": inputs}
+
+
+_current: ContextVar[Origin | None] = ContextVar("origin", default=None)
+
+
+@contextmanager
+def made_by(origin: Origin) -> Iterator[None]:
+    """Whatever is written in the block has this origin."""
+    token = _current.set(origin)
+    try:
+        yield
+    finally:
+        _current.reset(token)
+
+
+def noted(folder: Path) -> dict[str, Any] | None:
+    """The origin of what is being written into a folder; None outside of `made_by`."""
+    origin = _current.get()
+    return None if origin is None else origin.noted(folder)
+
+
+def _relative(path: Path, folder: Path) -> str:
+    path, folder, here = path.absolute(), folder.absolute(), Path.cwd()
+    if path.is_relative_to(here) and folder.is_relative_to(here):
+        return Path(os.path.relpath(path, folder)).as_posix()
+    return f"{ELSEWHERE}{path.name}"

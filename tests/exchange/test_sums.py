@@ -1,0 +1,50 @@
+import shutil
+import subprocess
+
+import pytest
+
+from egad.errors import UserError
+from egad.exchange.sums import NAME, read_sums, sum_of, write_sums
+from egad.tables.origin import Origin, made_by
+
+
+@pytest.fixture
+def folder(tmp_path):
+    made = tmp_path / "made"
+    (made / "deep").mkdir(parents=True)
+    (made / "a.obj").write_text("a")
+    (made / "deep/b c.stl").write_text("b")
+    (made / ".snakemake_timestamp").write_text("now")
+    return made
+
+
+def test_the_sums_of_a_folder_do_not_depend_on_hidden_files_or_on_being_written(folder):
+    before = sum_of(folder)
+    write_sums(folder)
+    assert sum_of(folder) == before
+    assert {path.name for path in read_sums(folder / NAME)[0]} == {"a.obj", "b c.stl"}
+    (folder / "a.obj").write_text("c")
+    (folder / NAME).unlink()
+    assert sum_of(folder) != before
+
+
+@pytest.mark.skipif(shutil.which("sha256sum") is None, reason="needs sha256sum")
+@pytest.mark.parametrize("made", [None, Origin("1.0", "rescale", "c0de")])
+def test_other_programs_can_check_them(folder, made):
+    (folder / "c.h5").write_text("c")
+    with made_by(made):
+        write_sums(folder / "c.h5")
+        write_sums(folder)
+    for name in (NAME, "c.h5.sha256"):
+        done = subprocess.run(
+            ["sha256sum", "--check", "--strict", name], cwd=folder, capture_output=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+    assert bool(read_sums(folder / NAME)[1]) == bool(made)
+
+
+@pytest.mark.parametrize("text", ["not sums", "# egad-origin {\n", "# egad-origin 7\n", "\xff"])
+def test_damaged_sums_are_named(folder, text):
+    (folder / NAME).write_bytes(text.encode("latin-1"))
+    with pytest.raises(UserError, match="SHA256SUMS: not a file of sums"):
+        read_sums(folder / NAME)
