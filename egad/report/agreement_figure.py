@@ -25,7 +25,8 @@ def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Seque
     with drawn(8.6, 3.2) as drawing:
         left, right = drawing.figure.subplots(1, 2, width_ratios=[1, 1.25])
         for number, (name, each) in enumerate(bins.items()):
-            _over_rank(left, each, LINES[number], name)
+            if each:
+                _over_rank(left, each, LINES[number], name)
         left.set(xlim=(0, 1), xlabel="grasps by quality, worst to best", ylabel="success rate")
         for axis in (left.xaxis, left.yaxis):
             axis.set_major_formatter(lambda value, _: f"{value:.0%}")

@@ -10,7 +10,7 @@ from egad.report.agreement_figure import agreement_chart
 from egad.report.maps import data_uri
 from egad.report.summary import outcome_counts
 from egad.trials.ranking import Area, area
-from egad.trials.reliability import reliability
+from egad.trials.reliability import Bin, reliability
 from egad.trials.statistics import Rate, rate
 
 QUALITIES = {"quality": "plain quality", "robust_quality": "robust quality", "held": "held"}
@@ -28,8 +28,8 @@ class Agreement:
         labelled: Labelled grasps of the objects.
         free: Those of them that the hand can come to: what the sample was drawn from.
         objects: Objects with grasps that could be carried out.
-        areas: How well each quality tells: over all, and then in each row of the set.
-        figure: The same drawn, as an address.
+        areas: How well each quality tells: in each row of the set, and then over all.
+        bins: Success by quality.
     """
 
     rate: Rate
@@ -38,7 +38,17 @@ class Agreement:
     free: int
     objects: int
     areas: dict[str, list[Area]]
-    figure: str
+    bins: dict[str, list[Bin]]
+
+    @property
+    def svg(self) -> str:
+        """The figure, as SVG text."""
+        return agreement_chart(self.bins, {name: self.areas[name] for name in self.bins})
+
+    @property
+    def figure(self) -> str:
+        """The same as an address."""
+        return data_uri(self.svg.encode(), "image/svg+xml")
 
 
 def agreement(table: pd.DataFrame, rows: int) -> Agreement:
@@ -53,26 +63,20 @@ def agreement(table: pd.DataFrame, rows: int) -> Agreement:
     """
     done = table[~table["outcome"].isin(NOT_DONE)]
     objects = table.drop_duplicates("label")
-    areas = {key: _areas(done, key, rows) for key in QUALITIES}
-    bins = {
-        QUALITIES[key]: reliability(done.assign(quality=done[key])) for key in DRAWN if len(done)
-    }
-    shown = {QUALITIES[key]: [*areas[key][1:], areas[key][0]] for key in DRAWN}
-    figure = agreement_chart(bins, shown)
     return Agreement(
         rate=rate(done),
         outcomes=outcome_counts(table),
         labelled=int(objects["labelled"].sum()),
         free=int(objects["free"].sum()),
         objects=done["label"].nunique(),
-        areas={QUALITIES[key]: found for key, found in areas.items()},
-        figure=data_uri(figure.encode(), "image/svg+xml"),
+        areas={name: _areas(done, key, rows) for key, name in QUALITIES.items()},
+        bins={QUALITIES[key]: reliability(done.assign(quality=done[key])) for key in DRAWN},
     )
 
 
 def _areas(done: pd.DataFrame, key: str, rows: int) -> list[Area]:
     row = np.array([place(label)[0] for label in done["label"]], dtype=np.int64)
-    return [_area(done, key), *(_area(done[row == each], key) for each in range(rows))]
+    return [*(_area(done[row == each], key) for each in range(rows)), _area(done, key)]
 
 
 def _area(done: pd.DataFrame, key: str) -> Area:

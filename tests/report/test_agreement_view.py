@@ -22,14 +22,15 @@ def test_each_quality_has_an_area_over_all_and_in_each_row(agreement):
     found = viewed(agreement, 7)
     assert [len(each) for each in found.areas.values()] == [8, 8, 8]
     plain, robust = found.areas["plain quality"], found.areas["robust quality"]
-    assert (plain[0].value, robust[0].value) == (0.5, 1.0)
-    assert [row for row in range(7) if not np.isnan(robust[1 + row].value)] == [0, 2]
+    assert (plain[-1].value, robust[-1].value) == (0.5, 1.0)
+    assert [row for row in range(7) if not np.isnan(robust[row].value)] == [0, 2]
 
 
 def test_a_table_of_nothing_but_collisions_has_no_areas(agreement):
     found = viewed(agreement.assign(outcome="collided", success=False), 7)
     assert found.rate.attempts == 0
-    assert np.isnan(found.areas["robust quality"][0].value)
+    assert np.isnan(found.areas["robust quality"][-1].value)
+    assert "<svg" in found.svg
 
 
 def test_the_chart_names_rows_and_qualities_and_is_the_same_every_time(agreement):
