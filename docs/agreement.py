@@ -19,12 +19,15 @@ def main(path: Path) -> None:
     rows = Settings().select_eval.rows
     found = agreement(parquet.read(path, AGREEMENT), rows)
     write_text(HERE / "agreement.svg", found.svg)
-    print(f"{found.free} of {found.labelled} free; {found.outcomes}; {found.rate}")
+    print(f"{found.free} of {found.labelled} free; {found.outcomes}")
     names = [*string.ascii_uppercase[:rows], "all"]
-    print("| | " + " | ".join(found.areas) + " |")
-    print("| --- " * (len(found.areas) + 1) + "|")
-    for name, areas in zip(names, zip(*found.areas.values(), strict=True), strict=True):
-        print(f"| {name} | " + " | ".join(map(text, areas)) + " |")
+    print("| row | held | " + " | ".join(found.areas) + " |")
+    print("| --- " * (len(found.areas) + 2) + "|")
+    for name, rate, *areas in zip(names, found.rates, *found.areas.values(), strict=True):
+        held = f"{rate.successes} of {rate.attempts}"
+        print(f"| {name} | {held} | " + " | ".join(map(text, areas)) + " |")
+    same = [f"{areas[-1].within:.2f}" for areas in found.areas.values()]
+    print(f"| pairs of one object | | {' | '.join(same)} |")
 
 
 def text(area: Area) -> str:

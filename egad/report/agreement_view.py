@@ -13,7 +13,7 @@ from egad.trials.ranking import Area, area
 from egad.trials.reliability import Bin, reliability
 from egad.trials.statistics import Rate, rate
 
-QUALITIES = {"quality": "plain quality", "robust_quality": "robust quality", "held": "held"}
+QUALITIES = {"quality": "plain quality", "robust_quality": "robust quality", "held": "copies held"}
 DRAWN = ("quality", "robust_quality")
 NOT_DONE = ("collided", "failed", "crashed")
 
@@ -23,16 +23,17 @@ class Agreement:
     """What came of labelled grasps.
 
     Attributes:
-        rate: Successes of the grasps that could be carried out.
+        rates: Successes of the grasps that could be carried out: in each row of the set, and then
+            over all.
         outcomes: Grasps of the sample by outcome.
         labelled: Labelled grasps of the objects.
         free: Those of them that the hand can come to: what the sample was drawn from.
         objects: Objects with grasps that could be carried out.
-        areas: How well each quality tells: in each row of the set, and then over all.
+        areas: How well each quality tells, of the same.
         bins: Success by quality.
     """
 
-    rate: Rate
+    rates: list[Rate]
     outcomes: dict[str, int]
     labelled: int
     free: int
@@ -62,21 +63,18 @@ def agreement(table: pd.DataFrame, rows: int) -> Agreement:
         rows: Letters of the evaluation set.
     """
     done = table[~table["outcome"].isin(NOT_DONE)]
+    row = np.array([place(label)[0] for label in done["label"]], dtype=np.int64)
+    parts = [*(done[row == each] for each in range(rows)), done]
     objects = table.drop_duplicates("label")
     return Agreement(
-        rate=rate(done),
+        rates=[rate(each) for each in parts],
         outcomes=outcome_counts(table),
         labelled=int(objects["labelled"].sum()),
         free=int(objects["free"].sum()),
         objects=done["label"].nunique(),
-        areas={name: _areas(done, key, rows) for key, name in QUALITIES.items()},
+        areas={name: [_area(each, key) for each in parts] for key, name in QUALITIES.items()},
         bins={QUALITIES[key]: reliability(done.assign(quality=done[key])) for key in DRAWN},
     )
-
-
-def _areas(done: pd.DataFrame, key: str, rows: int) -> list[Area]:
-    row = np.array([place(label)[0] for label in done["label"]], dtype=np.int64)
-    return [*(_area(done[row == each], key) for each in range(rows)), _area(done, key)]
 
 
 def _area(done: pd.DataFrame, key: str) -> Area:

@@ -18,10 +18,12 @@ class Area:
         value: 1 if the rating tells all, 0.5 if it tells nothing; ties count half. NaN if there
             are no successes, or no failures.
         interval: Of 95 %, for other objects of the same kind; NaN if nothing is known.
+        within: The same of pairs of grasps of one object only.
     """
 
     value: float
     interval: Interval
+    within: float = np.nan
 
 
 def area(rating: Floats, success: NDArray[np.bool_], objects: NDArray[np.str_]) -> Area:
@@ -50,5 +52,7 @@ def area(rating: Floats, success: NDArray[np.bool_], objects: NDArray[np.str_]) 
         np.divide(better, pairs, out=found, where=pairs > 0)
         return found
 
-    value = areas(np.arange(len(names))[None]) if len(names) else np.array([np.nan])
-    return Area(float(value[0]), bootstrap(areas, len(names)))
+    pairs = float(counts[0] @ counts[1])
+    same = float(np.trace(won) / pairs) if pairs else np.nan
+    value = float(areas(np.arange(len(names))[None])[0]) if len(names) else np.nan
+    return Area(value, bootstrap(areas, len(names)), same)

@@ -9,11 +9,12 @@ from egad.report.agreement_view import agreement as viewed
 from egad.report.page import build
 from egad.trials.ranking import Area
 from egad.trials.reliability import reliability
+from egad.trials.statistics import Rate
 
 
 def test_grasps_that_could_not_be_carried_out_are_left_out_of_rates(agreement):
     found = viewed(agreement, 7)
-    assert (found.rate.successes, found.rate.attempts) == (20, 38)
+    assert found.rates == [Rate(10, 20), Rate(0, 0), Rate(10, 18), *[Rate(0, 0)] * 4, Rate(20, 38)]
     assert found.outcomes == {"success": 20, "dropped": 18, "collided": 2}
     assert (found.labelled, found.free, found.objects) == (100, 60, 2)
 
@@ -28,7 +29,7 @@ def test_each_quality_has_an_area_over_all_and_in_each_row(agreement):
 
 def test_a_table_of_nothing_but_collisions_has_no_areas(agreement):
     found = viewed(agreement.assign(outcome="collided", success=False), 7)
-    assert found.rate.attempts == 0
+    assert found.rates[-1] == Rate(0, 0)
     assert np.isnan(found.areas["robust quality"][-1].value)
     assert "<svg" in found.svg
 

@@ -24,6 +24,18 @@ def test_it_is_the_share_of_pairs_in_the_right_order():
     assert low < found.value < high
 
 
+def test_pairs_of_one_object_are_told_apart_from_others():
+    names, success = np.array(["a", "a", "b", "b"]), np.array([True, False, True, False])
+    found = area(np.array([0.4, 0.3, 0.9, 0.8]), success, names)
+    assert (found.value, found.within) == (0.75, 1.0)
+    rating, success, names = made()
+    apart = [
+        rating[success & (names == n)][:, None] - rating[~success & (names == n)] for n in names
+    ]
+    signs = np.sign(np.concatenate([each.ravel() for each in apart]))
+    assert area(rating, success, names).within == pytest.approx((signs + 1).mean() / 2)
+
+
 def test_an_object_drawn_twice_counts_twice(monkeypatch):
     rating, success, names = made(3)
     drawn = np.array([[0, 0, 2], [1, 1, 1]])
@@ -49,4 +61,4 @@ def test_the_perfect_the_blind_and_the_one_sided():
     assert area(np.full(4, 0.3), success, names).value == 0.5
     assert np.isnan(area(np.arange(4.0), np.full(4, True), names).value)
     nothing = area(np.empty(0), np.empty(0, bool), np.empty(0, "<U2"))
-    assert np.isnan([nothing.value, *nothing.interval]).all()
+    assert np.isnan([nothing.value, *nothing.interval, nothing.within]).all()
