@@ -29,7 +29,7 @@ class Agreement:
         labelled: Labelled grasps of the objects.
         free: Those of them that the hand can come to: what the sample was drawn from.
         objects: Objects with grasps that could be carried out.
-        areas: How well each quality tells, of the same.
+        areas: How well each quality tells of them, in the same parts.
         bins: Success by quality.
     """
 

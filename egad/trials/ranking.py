@@ -38,14 +38,17 @@ def area(rating: Floats, success: NDArray[np.bool_], objects: NDArray[np.str_]) 
         objects: (n,) name of its object.
     """
     names, owner = np.unique(objects, return_inverse=True)
-    member = (owner[:, None] == np.arange(len(names))).astype(np.float64)
+    count = len(names)
+    member = (owner[:, None] == np.arange(count)).astype(np.float64)
     good, bad = member[success], member[~success]
     apart = rating[success][:, None] - rating[~success][None]
     won = good.T @ ((np.sign(apart) + 1) / 2) @ bad
     counts = good.sum(axis=0), bad.sum(axis=0)
 
     def areas(drawn: NDArray[np.int64]) -> Floats:
-        weight = (drawn[:, :, None] == np.arange(len(names))).sum(axis=1, dtype=np.float64)
+        cells = drawn + count * np.arange(len(drawn))[:, None]
+        times = np.bincount(cells.ravel(), minlength=count * len(drawn))
+        weight = times.reshape(len(drawn), count).astype(np.float64)
         pairs = (weight @ counts[0]) * (weight @ counts[1])
         better = np.einsum("di,di->d", weight @ won, weight)
         found: Floats = np.full(len(drawn), np.nan)
@@ -54,5 +57,5 @@ def area(rating: Floats, success: NDArray[np.bool_], objects: NDArray[np.str_]) 
 
     pairs = float(counts[0] @ counts[1])
     same = float(np.trace(won) / pairs) if pairs else np.nan
-    value = float(areas(np.arange(len(names))[None])[0]) if len(names) else np.nan
-    return Area(value, bootstrap(areas, len(names)), same)
+    value = float(areas(np.arange(count)[None])[0]) if count else np.nan
+    return Area(value, bootstrap(areas, count), same)

@@ -138,8 +138,10 @@ class World:
             childFrameOrientation=place.quaternion.tolist(),
         )
         self.client.changeConstraint(pin, maxForce=PIN_STRENGTH)
-        yield
-        self.client.removeConstraint(pin)
+        try:
+            yield
+        finally:
+            self.client.removeConstraint(pin)
 
     def place(self, pose: Pose) -> None:
         """Put the object somewhere, at rest."""
