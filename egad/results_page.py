@@ -10,7 +10,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from egad.files import write_text
-from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST, TRIALS
+from egad.tables.evaluation import AGREEMENT, BUNDLE, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT, TALLY
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
@@ -94,6 +94,12 @@ ARTEFACTS = [
         "D/trials/G/P.parquet",
         "Simulated trials of detector P with gripper G, one attempt a row.",
         TRIALS,
+    ),
+    Artefact(
+        "D/agreement/G.parquet",
+        "A sample of the labelled grasps for gripper G carried out in simulation, if "
+        "`targets.agreement` asks for it.",
+        AGREEMENT,
     ),
 ]
 

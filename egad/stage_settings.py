@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict
 
 from egad.settings import (
     Acronym,
+    Agreement,
     Axes,
     Bundle,
     Complexity,
@@ -214,6 +215,16 @@ class SimulatedTrials(StageSettings):
     gripper: Gripper
     policy: Policy
     trials: Trials
+
+
+class LabelTrials(StageSettings):
+    """Labelled grasps carried out."""
+
+    seed: int
+    gripper: Gripper
+    quality: Quality
+    trials: Trials
+    agreement: Agreement
 
 
 class Compare(StageSettings):

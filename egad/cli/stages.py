@@ -253,6 +253,24 @@ def simulate(
 
 
 @app.command(rich_help_panel=STAGE)
+def agreement(
+    settings: SettingsText,
+    shard: Shard,
+    shards: Shards,
+    evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
+    bundle: Annotated[Path, typer.Option(help="folder of the simulation bundle")],
+    grasps: Annotated[Path, typer.Option(help="labelled grasps")],
+    out: Out,
+) -> None:
+    """Carry out labelled grasps of the evaluation objects of a shard in simulation."""
+    from egad.stage_settings import LabelTrials
+    from egad.stages import agreement as stage
+
+    parsed = parse(LabelTrials, settings)
+    stage.run(parsed, evaluation, bundle, grasps, (shard, shards), out)
+
+
+@app.command(rich_help_panel=STAGE)
 def compare(
     settings: SettingsText,
     datasets: Annotated[list[str], typer.Argument(help="NAME=objects.parquet")],

@@ -24,6 +24,7 @@ class DatasetReport:
         size_effects: Columns of `tables.grasping.SIZE_EFFECT`, by gripper.
         manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
         trials: Columns of `tables.evaluation.TRIALS`, by gripper and policy.
+        agreement: Columns of `tables.evaluation.AGREEMENT`, by gripper.
         scenes: Objects of the evaluation set with grasps of the first gripper.
         history: Columns of `tables.evolution.HISTORY`; only of a dataset evolved here.
     """
@@ -38,6 +39,7 @@ class DatasetReport:
     size_effects: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     manifests: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     trials: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
+    agreement: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     scenes: Sequence[Scene] = ()
     history: pd.DataFrame | None = None
 

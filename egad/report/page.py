@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from egad.report import figures, maps, summary
+from egad.report.agreement_view import Agreement, agreement
 from egad.report.axes import axis_pair
 from egad.report.data import DatasetReport, ReportData
 from egad.report.dataset_maps import dataset_maps
@@ -37,6 +38,7 @@ class DatasetView:
     viewer: dict[str, Any] | None
     scales: list[summary.Row]
     results: dict[str, Results]
+    agreement: dict[str, Agreement]
     regrading: summary.Row | None
     curves: str
     film: str
@@ -97,6 +99,11 @@ def _view(name: str, data: DatasetReport, settings: Settings) -> DatasetView:
         else None,
         scales=[summary.scale_numbers(gripper, data) for gripper in grippers],
         results=_results(data, settings),
+        agreement={
+            gripper: agreement(table, settings.select_eval.rows)
+            for gripper, table in data.agreement.items()
+            if len(table)
+        },
         regrading=summary.regrading(data.objects, settings.space),
         curves=_figure(filling_curves({name: history})) if history is not None else "",
         film=maps.data_uri(filling_film(history, settings.space), "image/gif")

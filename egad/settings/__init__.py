@@ -23,13 +23,14 @@ from egad.settings.objects import (
     SelectEval,
 )
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Region, Shape, Symmetry
-from egad.settings.trials import POLICIES, Policy, Trials
+from egad.settings.trials import POLICIES, Agreement, Policy, Trials
 from egad.settings.whole import Settings
 
 __all__ = [
     "GRIPPERS",
     "POLICIES",
     "Acronym",
+    "Agreement",
     "Axes",
     "Axis",
     "Bundle",

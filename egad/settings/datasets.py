@@ -58,3 +58,6 @@ class Targets(Section):
     exports: list[Literal["dexnet", "acronym"]] = Field(
         [], description="formats of other programs to write the labelled grasps in, too"
     )
+    agreement: bool = Field(
+        False, description="whether to carry out a sample of the labelled grasps in simulation, too"
+    )

@@ -49,6 +49,14 @@ class Trials(Section):
     hold_time: float = Field(2.0, ge=0, description="seconds that it must stay held up there")
 
 
+class Agreement(Section):
+    """Labelled grasps carried out, to see what their qualities are worth."""
+
+    grasps: int = Field(
+        2000, ge=1, description="grasps carried out, as many of each object of the evaluation set"
+    )
+
+
 class Policy(Section):
     """A grasp detector under a name of its own."""
 

@@ -23,7 +23,7 @@ from egad.settings.objects import (
     SelectEval,
 )
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Shape, Symmetry
-from egad.settings.trials import POLICIES, Policy, Trials
+from egad.settings.trials import POLICIES, Agreement, Policy, Trials
 
 
 class Settings(Section):
@@ -67,6 +67,7 @@ class Settings(Section):
     dexnet: DexNet = DexNet()
     acronym: Acronym = Acronym()
     trials: Trials = Trials()
+    agreement: Agreement = Agreement()
     grippers: dict[Name, Gripper] = Field(
         GRIPPERS, min_length=1, description="all grippers, by name"
     )

@@ -18,7 +18,7 @@ from egad.report.render import png_bytes, render
 from egad.settings import Settings
 from egad.stages.scenes import scenes
 from egad.tables import parquet
-from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
+from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
@@ -98,6 +98,12 @@ def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> Dat
             for gripper in grippers
             for policy in settings.targets.policies
         },
+        agreement=_each(
+            grippers if settings.targets.agreement else [],
+            folder / "agreement",
+            "{}.parquet",
+            AGREEMENT,
+        ),
     )
 
 

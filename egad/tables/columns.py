@@ -23,6 +23,11 @@ def vector(
     return [column(f"{name}_{part}", FLOAT, f"{meaning}, {part}", unit) for part in parts]
 
 
+def vector_names(name: str) -> list[str]:
+    """The columns of a vector in space."""
+    return [f"{name}_{part}" for part in "xyz"]
+
+
 POSE_PARTS = ("x", "y", "z", "qx", "qy", "qz", "qw")
 
 

@@ -115,3 +115,24 @@ TRIALS = pa.schema(
         column("volume_error", FLOAT, "volume of the parts / volume of the object - 1"),
     ]
 )
+
+AGREEMENT = pa.schema(
+    [
+        column("label", STRING, "name in the evaluation set"),
+        ID,
+        column("grasp", INT, "number of the grasp on its object, as in the table of grasps"),
+        column("quality", FLOAT, "Ferrari-Canny quality"),
+        column("robust_quality", FLOAT, "mean quality over disturbed copies"),
+        column("held", FLOAT, "fraction of the disturbed copies with positive quality"),
+        column("success", BOOL, "whether the object was still held at the end"),
+        column(
+            "outcome",
+            STRING,
+            "success, collided, missed, slipped_closing, slipped_lifting, dropped, failed or "
+            "crashed",
+        ),
+        column("lifted", FLOAT, "height gained by the object at the end", "m"),
+        column("labelled", INT, "labelled grasps of the object"),
+        column("free", INT, "of these, free of collision: what the sample was drawn from"),
+    ]
+)

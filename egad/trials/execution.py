@@ -1,12 +1,13 @@
 """Carrying out one grasp on an object where it lies."""
 
+from contextlib import nullcontext
 from typing import NamedTuple
 
 from egad.settings import Gripper, Trials
 from egad.trials.carriers import CARRIERS, Stance, UnreachableError
 from egad.trials.grasp import Grasp
 from egad.trials.hand import Hand
-from egad.trials.world import Pose, UnstableError, World
+from egad.trials.world import GRAVITY, Pose, UnstableError, World
 
 START_ABOVE = 0.02  # fingertips start this far above the object
 DESCENT_SPEED = 0.25  # mean, m/s
@@ -30,7 +31,9 @@ class Execution(NamedTuple):
     end: Pose | None
 
 
-def execute(world: World, gripper: Gripper, trials: Trials, grasp: Grasp) -> Execution:
+def execute(
+    world: World, gripper: Gripper, trials: Trials, grasp: Grasp, *, afloat: bool = False
+) -> Execution:
     """Approach from above, close, lift and hold.
 
     It depends on the arguments alone, if the world was reset before the object was placed.
@@ -40,25 +43,30 @@ def execute(world: World, gripper: Gripper, trials: Trials, grasp: Grasp) -> Exe
         gripper: The hand; it is added to the world.
         trials: Arm, lift and hold.
         grasp: One that the hand can do (`Grasp.flaw`).
+        afloat: Whether the object floats in the air: held there until the hand has come, free but
+            without weight until the fingers have closed.
     """
     try:
         before = world.pose().position[2]
-        outcome = _outcome(world, gripper, trials, grasp)
+        outcome = _outcome(world, gripper, trials, grasp, afloat)
         end = world.pose()
     except UnstableError:
         return Execution("failed", 0.0, None)
     return Execution(outcome, float(end.position[2] - before), end)
 
 
-def _outcome(world: World, gripper: Gripper, trials: Trials, grasp: Grasp) -> str:
+def _outcome(world: World, gripper: Gripper, trials: Trials, grasp: Grasp, afloat: bool) -> str:
     start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
     try:
         hand = hung(world, gripper, trials.arm, grasp, start)
     except UnreachableError:
         return "collided"
-    if not hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED):
-        return "collided"
+    world.pull(0.0 if afloat else GRAVITY)
+    with world.pinned() if afloat else nullcontext():
+        if not hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED):
+            return "collided"
     touched = hand.close()
+    world.pull(GRAVITY)
     if not hand.pinches():
         return "slipped_closing" if touched else "missed"
     hand.lift(trials.lift_height, trials.lift_height / LIFT_SPEED)

@@ -2,7 +2,8 @@
 
 import functools
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Self
@@ -29,6 +30,7 @@ TABLE_ROLLING = 0.001
 COLLISION_MARGIN = 1e-4
 REACH = 5.0  # metres; whatever is further away did not get there by physics
 SUNK = 0.05
+PIN_STRENGTH = 1000.0  # newtons, and newton metres
 # m/s; a fall from 40 cm ends at 3. Only a penetration that is undone at once makes more than this.
 FASTEST = 10.0
 
@@ -110,7 +112,7 @@ class World:
     def reset(self) -> None:
         """Forget all that happened: only the table and the object, above it, are left."""
         self.client.resetSimulation()
-        self.client.setGravity(0, 0, -GRAVITY)
+        self.pull(GRAVITY)
         self.client.setPhysicsEngineParameter(
             fixedTimeStep=TIME_STEP,
             numSolverIterations=SOLVER_ITERATIONS,
@@ -118,6 +120,28 @@ class World:
         )
         self.table = self._add_table()
         self.object = self._add_object()
+
+    def pull(self, gravity: float) -> None:
+        """Let this acceleration act downwards from now on, m/s2."""
+        self.client.setGravity(0, 0, -gravity)
+
+    @contextmanager
+    def pinned(self) -> Iterator[None]:
+        """Hold the object where it is, as long as the `with` block lasts."""
+        place, free = self.pose(), (self.object, -1, -1, -1)
+        pin = self.client.createConstraint(
+            *free,
+            pybullet.JOINT_FIXED,
+            (0, 0, 0),
+            (0, 0, 0),
+            place.position.tolist(),
+            childFrameOrientation=place.quaternion.tolist(),
+        )
+        self.client.changeConstraint(pin, maxForce=PIN_STRENGTH)
+        try:
+            yield
+        finally:
+            self.client.removeConstraint(pin)
 
     def place(self, pose: Pose) -> None:
         """Put the object somewhere, at rest."""

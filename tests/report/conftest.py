@@ -11,7 +11,7 @@ from egad.report.render import png_bytes, render
 from egad.report.viewer import Scene
 from egad.settings import Dataset, Settings
 from egad.tables import parquet
-from egad.tables.evaluation import EVAL49, MANIFEST, TRIALS
+from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import OBJECTS, REJECTED
@@ -98,6 +98,17 @@ def trials() -> pd.DataFrame:
 
 
 @pytest.fixture(scope="session")
+def agreement() -> pd.DataFrame:
+    """Robust quality tells all, plain quality nothing; two grasps at C4 collide."""
+    success = np.tile([True, False], 20)
+    frame = pd.DataFrame({"label": ["A0"] * 20 + ["C4"] * 20, "success": success})
+    outcome = np.where(success, "success", "dropped").astype(object)
+    outcome[[21, 23]] = "collided"
+    ratings = {"quality": 0.0, "robust_quality": np.where(success, 0.002, 0.001), "held": 0.5}
+    return filled(frame.assign(outcome=outcome, labelled=50, free=30, **ratings), AGREEMENT)
+
+
+@pytest.fixture(scope="session")
 def history(settings: Settings) -> pd.DataFrame:
     """Three steps of ten offspring that fill one cell after another."""
     cells = [bytes([1] * step + [0] * (settings.space.cells**2 - step)) for step in (1, 2, 3)]
@@ -138,7 +149,7 @@ def size_effect() -> pd.DataFrame:
 
 @pytest.fixture(scope="session")
 def report(
-    settings, objects, pictures, evalset, grasps, trials, history, size_effect
+    settings, objects, pictures, evalset, grasps, trials, agreement, history, size_effect
 ) -> ReportData:
     rejected = pd.DataFrame(
         {
@@ -166,6 +177,7 @@ def report(
         ],
         manifests={"egad_75mm": filled(manifest, MANIFEST)},
         trials={("egad_75mm", "antipodal-depth"): trials},
+        agreement={"egad_75mm": agreement},
         history=history,
     )
     compared = DatasetReport(made_objects(settings, 12, 2), parquet.empty(REJECTED))

@@ -7,7 +7,7 @@ import trimesh
 
 from egad.settings import Settings
 from egad.tables import parquet
-from egad.tables.evaluation import TRIALS
+from egad.tables.evaluation import AGREEMENT, TRIALS
 
 TRIED = {"simulated_trial", "join_trials"}
 AFTER_TRIALS = {"join_trials", "report", "all"}
@@ -200,6 +200,7 @@ def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean):
             "grasps/mine.tally.parquet": "grasp_label",
             "print/mine/manifest.parquet": "print_export",
             "trials/mine/antipodal-depth.parquet": "simulated_trial",
+            "agreement/mine.parquet": "agreement",
             "size_effect/mine.parquet": "size_effect",
             "exchange/mine.hdf5": "dexnet",
             "exchange/mine-acronym": "acronym",
@@ -338,3 +339,17 @@ def test_a_folder_that_is_not_there_is_named(clean):
     assert status != 0
     assert "nowhere/to be found" in said
     assert not clean.results.exists()
+
+
+def test_labelled_grasps_are_carried_out_if_that_is_asked_for(copy):
+    asked = {"targets": {"agreement": True}, "agreement": {"grasps": 4}}
+    configs = ["config/test.yaml", copy.overlay("agreement.yaml", asked)]
+    made = {"agreement": 2, "join_agreement": 1, "report": 1, "all": 1}
+    assert copy.planned(configs=configs) == made
+    copy.make("--cores", 2, configs=configs)
+    assert copy.planned(configs=configs) == {}
+    table = parquet.read(copy.results / "egad/agreement/egad_75mm.parquet", AGREEMENT)
+    assert 0 < len(table) <= 4
+    assert 'id="agreement"' in (copy.results / "report.html").read_text(encoding="utf-8")
+    changed = copy.overlay("changed.yaml", {"agreement": {"grasps": 5}})
+    assert copy.planned(configs=[*configs, changed]) == made

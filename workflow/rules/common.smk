@@ -183,6 +183,8 @@ def published():
         "size_effect/{gripper}.parquet",
         "print/{gripper}/manifest.parquet",
     ]
+    if targets.agreement:
+        of_gripper.append("agreement/{gripper}.parquet")
     trials = "trials/{gripper}/{policy}.parquet"
     of_target = [
         "eval49.parquet",

@@ -1,0 +1,80 @@
+"""agreement: labelled grasps of the evaluation objects of a shard, carried out."""
+
+import logging
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from egad.progress import progress
+from egad.stage_settings import LabelTrials
+from egad.stages.shards import rows_in_shard
+from egad.stages.simulate import model_in
+from egad.tables import parquet
+from egad.tables.evaluation import AGREEMENT, BUNDLE, EVAL49
+from egad.tables.grasping import GRASPS
+from egad.trials.agreement import carried_out, not_carried_out, sampled, shares
+from egad.workers import Survivor
+
+log = logging.getLogger(__name__)
+Task = tuple[Mapping[str, Any], pd.DataFrame]
+
+
+def run(
+    settings: LabelTrials,
+    evaluation: Path,
+    bundle: Path,
+    grasps: Path,
+    shard: tuple[int, int],
+    out: Path,
+) -> None:
+    """Carry out a sample of the labelled grasps of each object of a shard.
+
+    As in `simulate`, all is done in one process apart from this one; grasps of an object that ends
+    it twice are marked as crashed.
+
+    Args:
+        settings: What this stage reads.
+        evaluation: Table with the columns of `tables.evaluation.EVAL49`.
+        bundle: Folder of the simulation bundle, scaled to the gripper. Grasps of an object that is
+            not in it have failed.
+        grasps: Labelled grasps for the gripper, columns of `tables.grasping.GRASPS`.
+        shard: Number of the shard, and of how many.
+        out: Table with the columns of `tables.evaluation.AGREEMENT`.
+    """
+    objects = parquet.read(evaluation, EVAL49)
+    share = dict(zip(objects["id"], shares(settings.agreement.grasps, len(objects)), strict=True))
+    chosen = parquet.records(rows_in_shard(objects, *shard))
+    labelled = parquet.read(grasps, GRASPS)
+    bundled = parquet.records(parquet.read(bundle / "bundle.parquet", BUNDLE))
+    known = {row["id"]: row for row in bundled}
+    parts = []
+    with Survivor(partial(executor, settings, bundle)) as execute:
+        for row in progress(chosen, "trying", len(chosen)):
+            label, name = row["label"], row["id"]
+            sample = sampled(labelled[labelled["id"] == name], name, share[name], settings.seed)
+            table = execute((known[name], sample)) if name in known else None
+            if table is None:
+                outcome = "crashed" if name in known else "failed"
+                log.warning("%s (%s): all grasps %s", label, name, outcome)
+                table = not_carried_out(label, name, sample, outcome)
+            parts.append(table)
+    filled = [table for table in parts if len(table)]
+    whole = pd.concat(filled) if filled else parquet.empty(AGREEMENT)
+    parquet.write(whole, AGREEMENT, out)
+    log.info("%d grasps, %d successes", len(whole), int(whole["success"].sum()))
+
+
+@contextmanager
+def executor(settings: LabelTrials, bundle: Path) -> Iterator[Callable[[Task], pd.DataFrame]]:
+    """What carries out grasps at an object of the bundle: its row there, and the grasps."""
+
+    def carry_out(task: Task) -> pd.DataFrame:
+        row, sample = task
+        model = model_in(bundle, row)
+        return carried_out(model, row["label"], row["id"], sample, settings)
+
+    yield carry_out

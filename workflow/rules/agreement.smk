@@ -1,0 +1,68 @@
+"""Agreement: labelled grasps of the evaluation set carried out in simulation.
+
+Inputs: results/D/eval49.parquet, results/D/bundle/G, results/D/grasps/G.parquet.
+Outputs: results/D/agreement/G.parquet, a row a grasp; made if targets.agreement asks for it.
+Steps: the grasps of shards of objects are carried out; then the tables of the shards are joined.
+"""
+
+
+localrules:
+    join_agreement,
+
+
+rule agreement:
+    """Carry out labelled grasps of the objects of a shard."""
+    input:
+        evaluation="results/{dataset}/eval49.parquet",
+        bundle="results/{dataset}/bundle/{gripper}/bundle.parquet",
+        grasps="results/{dataset}/grasps/{gripper}.parquet",
+    output:
+        ensure(
+            "results/{dataset}/parts/agreement-{gripper}-{shard}.parquet",
+            non_empty=True,
+        ),
+    log:
+        "logs/{dataset}/agreement/{gripper}-{shard}.log",
+    benchmark:
+        "benchmarks/{dataset}/agreement/{gripper}-{shard}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=4000,
+        runtime=120,
+    params:
+        settings=settings_of("LabelTrials"),
+        bundle=subpath(input.bundle, parent=True),
+        shards=len(SHARDS),
+        code=code_version("egad.stages.agreement"),
+    message:
+        "Carrying out grasps for {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
+    shell:
+        "egad agreement --settings {params.settings:q}"
+        " --shard {wildcards.shard} --shards {params.shards} --eval {input.evaluation:q}"
+        " --bundle {params.bundle:q} --grasps {input.grasps:q} --out {output:q} > {log:q} 2>&1"
+
+
+rule join_agreement:
+    """All labelled grasps that were carried out for a gripper."""
+    input:
+        parts("results/{dataset}/parts/agreement-{gripper}-{shard}.parquet"),
+    output:
+        ensure("results/{dataset}/agreement/{gripper}.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/join_agreement/{gripper}.log",
+    benchmark:
+        "benchmarks/{dataset}/join_agreement/{gripper}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        code=code_version("egad.stages.join"),
+    message:
+        "Joining the grasps for {wildcards.gripper} on {wildcards.dataset}"
+    shell:
+        "egad join --by label --by grasp --out {output:q} {input:q} > {log:q} 2>&1"
