@@ -137,7 +137,9 @@ def _drops(bundle, name, turns, rolling):
     pybullet.setGravity(0, 0, -9.81)
     pybullet.setPhysicsEngineParameter(fixedTimeStep=1 / 240, numSolverIterations=150)
     table = pybullet.createMultiBody(0, pybullet.createCollisionShape(pybullet.GEOM_PLANE))
-    pybullet.changeDynamics(table, -1, lateralFriction=1, rollingFriction=rolling)
+    pybullet.changeDynamics(
+        table, -1, lateralFriction=1, rollingFriction=rolling, spinningFriction=rolling
+    )
     body = pybullet.loadURDF(
         str(bundle / name / f"{name}.urdf"), flags=pybullet.URDF_USE_INERTIA_FROM_FILE
     )
@@ -162,7 +164,7 @@ ENGINES = {"mujoco": drops_in_mujoco, "pybullet": drops_in_pybullet}
 
 
 def matches(bundle, name, engine, drops, rolling=LITTLE):
-    """Whether each drop ended at rest in a listed pose; that it did not fly off is asserted."""
+    """Whether each drop ended in a listed pose, and at rest; it must not fly off."""
     poses = listed(bundle, name)
     normals = np.array([pose["face_normal"] for pose in poses])
     turns = Rotation.random(drops, random_state=np.random.default_rng(5))
@@ -172,13 +174,13 @@ def matches(bundle, name, engine, drops, rolling=LITTLE):
         away = np.degrees(np.arccos(np.clip(normals @ down, -1, 1)))
         height = poses[int(away.argmin())]["height"]
         listed_pose = away.min() < ANGLE and abs(rest.center[2] - height) < CLEARANCE
-        yield rest.still and listed_pose
+        yield listed_pose, rest.still
 
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", MESHES)
 def test_dropped_objects_come_to_rest_in_a_listed_pose(bundle, name, engine):
-    assert all(matches(bundle, name, engine, drops=12))
+    assert np.all(list(matches(bundle, name, engine, drops=12)))
 
 
 @pytest.mark.parametrize("name", MESHES)
@@ -337,6 +339,8 @@ def test_the_released_set_comes_to_rest(released_set, tmp_path):
     beyond = table.index[~table["within"]].tolist()
     assert beyond == ["C6"]  # a shell full of holes
     for engine in ENGINES:
-        found = [hit for name in table.index for hit in matches(out, name, engine, 3, SOME)]
-        print(f"{engine}: {100 * np.mean(found):.1f} % at rest in a listed pose")
-        assert np.mean(found) > 0.85, engine  # round ones roll for long, or stop on the way
+        found = [drop for name in table.index for drop in matches(out, name, engine, 3, SOME)]
+        posed, still = np.mean(found, axis=0)
+        print(f"{engine}: {100 * posed:.1f} % in a listed pose, {100 * still:.1f} % at rest")
+        assert posed > 0.93, engine  # round ones stop on the way for rolling friction
+        assert still > 0.85, engine  # or roll and turn on the spot for longer than 10 s
