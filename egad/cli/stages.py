@@ -267,7 +267,9 @@ def agreement(
     from egad.stages import agreement as stage
 
     parsed = parse(LabelTrials, settings)
-    stage.run(parsed, evaluation, bundle, grasps, (shard, shards), out)
+    reads = [evaluation, bundle, grasps]
+    with recorded("agreement", parsed, reads, shard=shard, shards=shards):
+        stage.run(parsed, evaluation, bundle, grasps, (shard, shards), out)
 
 
 @app.command(rich_help_panel=STAGE)
