@@ -179,11 +179,12 @@ def test_the_labels_detector_waits_for_the_grasps(copy):
 
 
 def test_engraved_labels_wait_for_the_grasps_that_they_keep_away_from(copy):
-    changed = copy.overlay("engraved.yaml", {"engraving": {"enabled": True}})
-    assert set(copy.planned(configs=[changed])) == {"print_export"} | AFTER_PRINTS
-    relabelled = copy.overlay("relabelled.yaml", {"robust": {"samples": 6}})
-    assert "print_export" in copy.planned(configs=[changed, relabelled])
-    assert "print_export" not in copy.planned(configs=[relabelled])
+    engraved = copy.overlay("engraved.yaml", {"engraving": {"enabled": True}})
+    others = copy.overlay("others.yaml", {"robust": {"samples": 6}})
+    configs = ["config/test.yaml", engraved]
+    assert set(copy.planned(configs=configs)) == {"print_export"} | AFTER_PRINTS
+    assert "print_export" in copy.planned(configs=[*configs, others])
+    assert "print_export" not in copy.planned(configs=["config/test.yaml", others])
 
 
 def test_weights_that_are_not_there_stop_the_run(clean):
