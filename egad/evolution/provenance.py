@@ -27,7 +27,8 @@ MEASURING = ("gripper", "axes", "source", "difficulty", "sampling", "quality", "
 
 def provenance(settings: StageSettings) -> dict[str, Any]:
     """What the measures in an archive depend on: settings, and the user's own measures."""
-    notes: dict[str, Any] = settings.model_dump(mode="json", include=set(SECTIONS))
+    counts = dict.fromkeys(SECTIONS, True) | {"gripper": {"opening"}}  # the rest is for the hand
+    notes: dict[str, Any] = settings.model_dump(mode="json", include=counts)
     if isinstance(settings, Measuring):
         notes["source"] = {axis: source_hash(name) for axis, name in settings.axes if name}
     if isinstance(settings, Evolve):

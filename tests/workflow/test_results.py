@@ -45,6 +45,8 @@ PUBLISHED = {
     f"egad/rescaled/{GRIPPER}/rejected.parquet": REJECTED,
     f"egad/size_effect/{GRIPPER}.parquet": SIZE_EFFECT,
     f"egad/print/{GRIPPER}/manifest.parquet": MANIFEST,
+    f"egad/bundle/{GRIPPER}/bundle.parquet": BUNDLE,
+    f"egad/bundle/{GRIPPER}/rejected.parquet": REJECTED,
     f"egad/trials/{GRIPPER}/{POLICY}.parquet": TRIALS,
 }
 EPOCH_TABLES = {
