@@ -185,10 +185,7 @@ def datasheet(
     from egad.stage_settings import DataSheets
     from egad.stages import datasheet as stage
 
-    manifests, labelled = (
-        {name: Path(path) for name, _, path in (each.partition("=") for each in named)}
-        for named in (manifest, grasps)
-    )
+    manifests, labelled = _by_name(manifest, "manifest"), _by_name(grasps, "grasps")
     stage.run(parse(DataSheets, settings), dataset, evaluation, manifests, labelled, out)
 
 
@@ -237,10 +234,7 @@ def compare(
     from egad.stage_settings import Compare
     from egad.stages import compare as stage
 
-    named = [dataset.partition("=") for dataset in datasets]
-    if wrong := [name for name, _, path in named if not path]:
-        raise UserError(f"{wrong[0]!r} does not say which table; write NAME=objects.parquet")
-    paths = {name: Path(path) for name, _, path in named}
+    paths = _by_name(datasets, "objects")
     typer.echo(stage.run(parse(Compare, settings), paths, out, figure))
 
 
@@ -255,3 +249,11 @@ def report(
     from egad.stages import report as stage
 
     stage.run(parse(Settings, settings), results, out, jobs)
+
+
+def _by_name(words: list[str], table: str) -> dict[str, Path]:
+    """Files by the names before their equals signs."""
+    named = [word.partition("=") for word in words]
+    if wrong := [name for name, _, path in named if not path]:
+        raise UserError(f"{wrong[0]!r} does not say which table; write NAME={table}.parquet")
+    return {name: Path(path) for name, _, path in named}
