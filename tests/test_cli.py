@@ -128,6 +128,23 @@ def test_check_config_accepts_the_files_that_come_along():
     assert result.stdout.splitlines() == [f"{file}: fine" for file in files]
 
 
+@pytest.mark.parametrize(
+    ("command", "table", "arguments"),
+    [
+        ("compare", "objects", ["mine", "--figure", "map.svg"]),
+        (
+            "datasheet",
+            "manifest",
+            ["--manifest", "mine", "--grasps", "a=b", "--dataset", "a", "--eval", "b"],
+        ),
+    ],
+)
+def test_tables_are_given_by_name(tmp_path, command, table, arguments):
+    result = egad(command, *arguments, "--settings", "{}", "--out", tmp_path / "out")
+    assert result.returncode == 1
+    assert f"'mine' does not say which table; write NAME={table}.parquet" in result.stderr
+
+
 def test_settings_of_another_stage_are_refused(tmp_path):
     result = egad("merge", "--settings", "{}", tmp_path / "a", "--out", tmp_path / "b")
     assert result.returncode == 1

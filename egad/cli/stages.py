@@ -204,10 +204,7 @@ def datasheet(
     from egad.stage_settings import DataSheets
     from egad.stages import datasheet as stage
 
-    manifests, labelled = (
-        {name: Path(path) for name, _, path in (each.partition("=") for each in named)}
-        for named in (manifest, grasps)
-    )
+    manifests, labelled = _by_name(manifest, "manifest"), _by_name(grasps, "grasps")
     parsed = parse(DataSheets, settings)
     reads = [evaluation, *manifests.values(), *labelled.values()]
     with recorded("datasheet", parsed, reads, [out], dataset=dataset, grippers=list(manifests)):
@@ -283,10 +280,7 @@ def compare(
     from egad.stage_settings import Compare
     from egad.stages import compare as stage
 
-    named = [dataset.partition("=") for dataset in datasets]
-    if wrong := [name for name, _, path in named if not path]:
-        raise UserError(f"{wrong[0]!r} does not say which table; write NAME=objects.parquet")
-    paths = {name: Path(path) for name, _, path in named}
+    paths = _by_name(datasets, "objects")
     parsed = parse(Compare, settings)
     with recorded("compare", parsed, paths.values(), [figure], datasets=list(paths)):
         typer.echo(stage.run(parsed, paths, out, figure))
@@ -308,3 +302,11 @@ def report(
     parsed = parse(Settings, settings)
     with recorded("report", parsed, reads or [], [out]):
         stage.run(parsed, results, out, jobs)
+
+
+def _by_name(words: list[str], table: str) -> dict[str, Path]:
+    """Files by the names before their equals signs."""
+    named = [word.partition("=") for word in words]
+    if wrong := [name for name, _, path in named if not path]:
+        raise UserError(f"{wrong[0]!r} does not say which table; write NAME={table}.parquet")
+    return {name: Path(path) for name, _, path in named}

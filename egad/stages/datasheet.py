@@ -12,7 +12,6 @@ from egad.report.contact_sheet import contact_sheet
 from egad.stage_settings import DataSheets
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
-from egad.tables.grasping import GRASPS
 from egad.trials.records import template
 
 
@@ -60,9 +59,12 @@ def run(
 
 def _best(path: Path) -> dict[str, float]:
     """Quality of the best grasp that the hand reaches, by the name of the object."""
-    grasps = parquet.read(path, GRASPS)
-    best = grasps[grasps["collision_free"]].groupby("label")["quality"].max()
-    return {str(label): float(value) for label, value in best.items()}
+    best: dict[str, float] = {}
+    for batch in parquet.batches(path, ["label", "collision_free", "quality"]):
+        found = batch[batch["collision_free"]].groupby("label")["quality"].max()
+        for label, quality in found.items():
+            best[str(label)] = max(float(quality), best.get(str(label), quality))
+    return best
 
 
 def _sheet(

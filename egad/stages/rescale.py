@@ -23,6 +23,7 @@ from egad.tables.objects import REJECTED
 from egad.workers import workers
 
 log = logging.getLogger(__name__)
+BOTH = ("before", "after")
 WRITERS = {".obj": write_obj, ".stl": write_stl_mm}
 
 
@@ -68,16 +69,15 @@ def run(
     rule = settings.rescale.rule
     log.info("%d meshes scaled by rule %s, %d rejected", len(scales), rule, len(left_out))
     if scales:
-        before, after = (
-            np.mean([row[f"fit_{when}"] for row in scales]) for when in ("before", "after")
-        )
-        log.info(
-            "%.0f %% of their surface fits into an opening of %g mm, before %.0f %%",
-            100 * after,
-            1000 * settings.gripper.opening,
-            100 * before,
-        )
+        _log_fit(scales, settings.gripper.opening)
     return len(left_out)
+
+
+def _log_fit(scales: list[dict[str, Any]], opening: float) -> None:
+    """Say how much of the surface fits into the gripper."""
+    before, after = (100 * np.mean([row[f"fit_{when}"] for row in scales]) for when in BOTH)
+    text = "%.0f %% of their surface fits into an opening of %g mm, before %.0f %%"
+    log.info(text, after, 1000 * opening, before)
 
 
 def _scaled(
