@@ -4,6 +4,8 @@ import string
 import sys
 from pathlib import Path
 
+import numpy as np
+
 from egad.files import write_text
 from egad.report.agreement_view import agreement
 from egad.settings import Settings
@@ -21,19 +23,21 @@ def main(path: Path) -> None:
     write_text(HERE / "agreement.svg", found.svg)
     print(f"{found.free} of {found.labelled} free; {found.outcomes}")
     names = [*string.ascii_uppercase[:rows], "all"]
-    print("| row | held | " + " | ".join(found.areas) + " |")
-    print("| --- " * (len(found.areas) + 2) + "|")
-    for name, rate, *areas in zip(names, found.rates, *found.areas.values(), strict=True):
-        held = f"{rate.successes} of {rate.attempts}"
+    print("| row | held | objects with a failure | " + " | ".join(found.areas) + " |")
+    print("| --- " * (len(found.areas) + 3) + "|")
+    counts = zip(names, found.rates, found.failing, strict=True)
+    for (name, rate, failing), *areas in zip(counts, *found.areas.values(), strict=True):
+        held = f"{rate.successes} of {rate.attempts} | {failing}"
         print(f"| {name} | {held} | " + " | ".join(map(text, areas)) + " |")
     same = [f"{areas[-1].within:.2f}" for areas in found.areas.values()]
-    print(f"| pairs of one object | | {' | '.join(same)} |")
+    print(f"| pairs of one object | | | {' | '.join(same)} |")
+    print(f"robust less plain: {text(found.gain)}; in pairs of one object {found.gain.within:.2f}")
 
 
 def text(area: Area) -> str:
-    """The area and its interval."""
+    """The area and its interval, if it has one."""
     low, high = area.interval
-    return f"{area.value:.2f} ({low:.2f} to {high:.2f})"
+    return f"{area.value:.2f}" + ("" if np.isnan(low) else f" ({low:.2f} to {high:.2f})")
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ from egad.settings import (
     GraspLabel,
     Gripper,
     Hole,
+    Lifting,
     Limits,
     Material,
     Neat,
@@ -223,7 +224,7 @@ class LabelTrials(StageSettings):
     seed: int
     gripper: Gripper
     quality: Quality
-    trials: Trials
+    trials: Lifting
     agreement: Agreement
 
 

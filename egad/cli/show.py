@@ -91,7 +91,7 @@ def compared(pairs: Sequence[Pair]) -> None:
         [
             "first against second",
             *("attempts of both", "difference %", "95 % interval", "p over objects"),
-            *("only first", "only second", "p over attempts"),
+            *("that began alike", "only first", "only second", "p over these"),
         ],
         [
             (
@@ -100,6 +100,7 @@ def compared(pairs: Sequence[Pair]) -> None:
                 number(100 * pair.result.difference, 1),
                 _interval(pair.result.interval),
                 p_value(pair.result.p_objects),
+                str(pair.result.alike),
                 str(pair.result.only_first),
                 str(pair.result.only_second),
                 p_value(pair.result.p_attempts),

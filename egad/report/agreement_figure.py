@@ -19,7 +19,8 @@ def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Seque
         areas: Of each row of the evaluation set, and then the one over all, by quality.
 
     Returns:
-        SVG text; intervals are of 95 %. A bin lies where its grasps are among all, from worst to
+        SVG text; intervals are of 95 %: left for other grasps of the same objects, right for other
+        objects. A bin lies where its grasps are among all, from worst to
         best; grasps of equal quality are one bin.
     """
     with drawn(8.6, 3.2) as drawing:

@@ -4,12 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from egad.evalset.labels import place
 from egad.report.agreement_figure import agreement_chart
 from egad.report.maps import data_uri
 from egad.report.summary import outcome_counts
-from egad.trials.ranking import Area, area
+from egad.trials.ranking import Area, area, gain
 from egad.trials.reliability import Bin, reliability
 from egad.trials.statistics import Rate, rate
 
@@ -29,7 +30,9 @@ class Agreement:
         labelled: Labelled grasps of the objects.
         free: Those of them that the hand can come to: what the sample was drawn from.
         objects: Objects with grasps that could be carried out.
+        failing: Objects of which a grasp did not hold, in the same parts.
         areas: How well each quality tells of them, in the same parts.
+        gain: What robust quality tells more than plain quality, over all.
         bins: Success by quality.
     """
 
@@ -38,7 +41,9 @@ class Agreement:
     labelled: int
     free: int
     objects: int
+    failing: list[int]
     areas: dict[str, list[Area]]
+    gain: Area
     bins: dict[str, list[Bin]]
 
     @property
@@ -72,13 +77,20 @@ def agreement(table: pd.DataFrame, rows: int) -> Agreement:
         labelled=int(objects["labelled"].sum()),
         free=int(objects["free"].sum()),
         objects=done["label"].nunique(),
-        areas={name: [_area(each, key) for each in parts] for key, name in QUALITIES.items()},
+        failing=[each.loc[~each["success"], "label"].nunique() for each in parts],
+        areas={
+            name: [area(*_told(each, key)) for each in parts] for key, name in QUALITIES.items()
+        },
+        gain=gain(done["robust_quality"].to_numpy(np.float64), *_told(done, "quality")),
         bins={QUALITIES[key]: reliability(done.assign(quality=done[key])) for key in DRAWN},
     )
 
 
-def _area(done: pd.DataFrame, key: str) -> Area:
-    return area(
+def _told(
+    done: pd.DataFrame, key: str
+) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.str_]]:
+    """A rating of grasps, whether they held, and of which object they are."""
+    return (
         done[key].to_numpy(np.float64),
         done["success"].to_numpy(bool),
         done["label"].to_numpy(str),

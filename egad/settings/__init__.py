@@ -23,7 +23,7 @@ from egad.settings.objects import (
     SelectEval,
 )
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Region, Shape, Symmetry
-from egad.settings.trials import POLICIES, Agreement, Policy, Trials
+from egad.settings.trials import POLICIES, Agreement, Lifting, Policy, Trials
 from egad.settings.whole import Settings
 
 __all__ = [
@@ -44,6 +44,7 @@ __all__ = [
     "GraspLabel",
     "Gripper",
     "Hole",
+    "Lifting",
     "Limits",
     "Material",
     "Name",

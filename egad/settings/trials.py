@@ -10,15 +10,24 @@ Pixels = Annotated[int, Field(ge=16, le=4096)]
 SHIPPED = ("antipodal-depth", "ggcnn", "labels", "random")
 
 
-class Trials(Section):
+class Lifting(Section):
+    """How a grasp is carried out."""
+
+    arm: Literal["axis", "panda"] = Field(
+        "axis",
+        description="what carries the hand: axis: a vertical axis; panda: a Franka Panda arm, which "
+        "takes half as long again",
+    )
+    lift_height: float = Field(
+        0.4, gt=0, le=1, description="an object held this high counts, metres"
+    )
+    hold_time: float = Field(2.0, ge=0, description="seconds that it must stay held up there")
+
+
+class Trials(Lifting):
     """Simulated grasping trials."""
 
     attempts: int = Field(20, ge=1, description="attempts an object")
-    arm: Literal["axis", "panda"] = Field(
-        "axis",
-        description="what carries the hand: axis: a vertical axis; panda: a Franka Panda arm, some "
-        "times slower",
-    )
     between: Literal["hand", "anew"] = Field(
         "hand",
         description="hand: after a success the hand tilts the object and lets it fall, after a "
@@ -45,8 +54,6 @@ class Trials(Section):
     planning_time: float = Field(
         60.0, gt=0, description="seconds that a detector may take; then the attempt has failed"
     )
-    lift_height: Length = Field(0.4, description="an object held this high counts, metres")
-    hold_time: float = Field(2.0, ge=0, description="seconds that it must stay held up there")
 
 
 class Agreement(Section):

@@ -11,10 +11,10 @@ import pandas as pd
 
 from egad.progress import progress
 from egad.stage_settings import LabelTrials
+from egad.stages.bundled import model_in, outlived, rows_by_id
 from egad.stages.shards import rows_in_shard
-from egad.stages.simulate import model_in
 from egad.tables import parquet
-from egad.tables.evaluation import AGREEMENT, BUNDLE, EVAL49
+from egad.tables.evaluation import AGREEMENT, EVAL49
 from egad.tables.grasping import GRASPS
 from egad.trials.agreement import carried_out, not_carried_out, sampled, shares
 from egad.workers import Survivor
@@ -49,19 +49,14 @@ def run(
     share = dict(zip(objects["id"], shares(settings.agreement.grasps, len(objects)), strict=True))
     chosen = parquet.records(rows_in_shard(objects, *shard))
     labelled = parquet.read(grasps, GRASPS)
-    bundled = parquet.records(parquet.read(bundle / "bundle.parquet", BUNDLE))
-    known = {row["id"]: row for row in bundled}
+    known = rows_by_id(bundle)
     parts = []
     with Survivor(partial(executor, settings, bundle)) as execute:
         for row in progress(chosen, "trying", len(chosen)):
             label, name = row["label"], row["id"]
             sample = sampled(labelled[labelled["id"] == name], name, share[name], settings.seed)
-            table = execute((known[name], sample)) if name in known else None
-            if table is None:
-                outcome = "crashed" if name in known else "failed"
-                log.warning("%s (%s): all grasps %s", label, name, outcome)
-                table = not_carried_out(label, name, sample, outcome)
-            parts.append(table)
+            found = partial(execute, (known[name], sample)) if name in known else None
+            parts.append(outlived(row, found, partial(not_carried_out, label, name, sample)))
     filled = [table for table in parts if len(table)]
     whole = pd.concat(filled) if filled else parquet.empty(AGREEMENT)
     parquet.write(whole, AGREEMENT, out)

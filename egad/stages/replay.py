@@ -8,7 +8,7 @@ import numpy as np
 
 from egad.errors import UserError
 from egad.stage_settings import SimulatedTrials
-from egad.stages.simulate import model_in
+from egad.stages.bundled import model_in
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, TRIALS
 from egad.trials.film import Film, Pixels, write_film

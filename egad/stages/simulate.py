@@ -7,22 +7,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from egad.errors import UserError
-from egad.exchange.meshes import read_mesh
 from egad.progress import progress
-from egad.shapes.mass import MassProperties
 from egad.stage_settings import SimulatedTrials
-from egad.stages.bundle import MOMENTS, VISUAL
+from egad.stages.bundled import model_in, outlived, rows_by_id
 from egad.stages.shards import rows_in_shard
 from egad.tables import parquet
-from egad.tables.evaluation import BUNDLE, EVAL49, TRIALS
+from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.grasping import GRASPS
 from egad.trials.child import Child
 from egad.trials.labelled import Labels
-from egad.trials.model import Model, model_of
 from egad.trials.policies import QUICK, Detector
 from egad.trials.series import tried, untried
 from egad.workers import Survivor
@@ -53,18 +49,13 @@ def run(
         out: Table with the columns of `tables.evaluation.TRIALS`.
     """
     chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
-    bundled = parquet.records(parquet.read(bundle / "bundle.parquet", BUNDLE))
-    known = {row["id"]: row for row in bundled}
+    known = rows_by_id(bundle)
     parts = []
     with Survivor(partial(trier, settings, bundle, grasps)) as attempt:
         for row in progress(parquet.records(chosen), "trying", len(chosen)):
-            found = known.get(row["id"])
-            table = attempt(found) if found else None
-            if table is None:
-                outcome = "crashed" if found else "failed"
-                log.warning("%s (%s): all attempts %s", row["label"], row["id"], outcome)
-                table = untried(row["label"], row["id"], outcome, settings)
-            parts.append(table)
+            found = partial(attempt, known[row["id"]]) if row["id"] in known else None
+            failed = partial(untried, row["label"], row["id"], settings)
+            parts.append(outlived(row, found, failed))
     whole = pd.concat(parts) if parts else parquet.empty(TRIALS)
     parquet.write(whole, TRIALS, out)
     log.info("%d attempts, %d successes", len(whole), int(whole["success"].sum()))
@@ -82,27 +73,6 @@ def trier(
             return tried(model_in(bundle, row), row["label"], row["id"], detect, settings)
 
         yield attempts
-
-
-def model_in(bundle: Path, row: Mapping[str, Any]) -> Model:
-    """An object of a simulation bundle.
-
-    Args:
-        bundle: Its folder.
-        row: Columns of `tables.evaluation.BUNDLE`.
-    """
-    folder = bundle / row["label"]
-    xx, yy, zz, xy, xz, yz = (row[name] for name in MOMENTS)
-    mesh = read_mesh(folder / VISUAL, "m")
-    physics = MassProperties(
-        volume=row["volume"],
-        area=float(mesh.area),
-        com=np.array([row["com_x"], row["com_y"], row["com_z"]]),
-        mass=row["mass"],
-        inertia=np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
-    )
-    parts = [read_mesh(path, "m") for path in sorted((folder / "parts").iterdir())]
-    return model_of(mesh, parts, physics, row["volume_error"])
 
 
 @contextmanager

@@ -29,6 +29,7 @@ def vector_names(name: str) -> list[str]:
 
 
 POSE_PARTS = ("x", "y", "z", "qx", "qy", "qz", "qw")
+START = tuple(f"start_{part}" for part in POSE_PARTS)
 
 
 def pose(name: str, meaning: str) -> list[pa.Field]:

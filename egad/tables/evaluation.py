@@ -85,7 +85,9 @@ RESULTS = pa.schema(
         column("outcome", STRING, "as in the table of simulated trials, slipped or other"),
         column("quality", FLOAT, "quality that the detector gave; null if it gave none"),
         column("detector", STRING, "name of the grasp detector"),
-        column("seed", STRING, "seed of the attempt (hexadecimal); empty on a real robot"),
+        column(
+            "start", STRING, "pose that the object fell from, in hexadecimal; empty on a real robot"
+        ),
     ]
 )
 

@@ -27,10 +27,10 @@ class Comparison:
         difference: Success rate of the first minus that of the second.
         interval: Of the difference, 95 %: had other objects of the same kind been taken.
         p_objects: Sign-flip test over the objects; see `sign_flip`.
-        only_first: Attempts that only the first succeeded in.
-        only_second: Attempts that only the second succeeded in.
-        p_attempts: Exact McNemar test over the attempts; NaN unless both faced the same drops
-            of the same objects.
+        alike: Those of them that began with the same object in the same pose.
+        only_first: Attempts of these that only the first succeeded in.
+        only_second: Attempts of these that only the second succeeded in.
+        p_attempts: Exact McNemar test over these; NaN if there are none.
     """
 
     objects: int
@@ -38,6 +38,7 @@ class Comparison:
     difference: float
     interval: Interval
     p_objects: float
+    alike: int
     only_first: int
     only_second: int
     p_attempts: float
@@ -50,11 +51,11 @@ def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
     detector that is better at one shape is so in all 20 attempts at it. McNemar's test takes them
     for independent, and so answers for these very objects only.
 
-    Equal seeds are equal drops only for objects of one size. The tables do not say which gripper
-    the objects were scaled for: that it is the same one is taken for granted.
+    If attempts go on where the ones before ended, two detectors face the same state only in some of
+    them; McNemar's test is over those.
 
     Args:
-        first: Columns label, id, attempt, success, and seed; id and seed are empty where objects
+        first: Columns label, id, attempt, success, and start; id and start are empty where objects
             are known by their label only and drops cannot be repeated.
         second: The same of the other detector.
 
@@ -71,21 +72,26 @@ def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
     one, other = (pairs[f"success_{i}"].to_numpy(dtype=np.int64) for i in (1, 2))
     objects = by_object(pairs.assign(success=one - other))
     gains, counts = objects["successes"].to_numpy(), objects["attempts"].to_numpy()
-    only_first, only_second = int((one > other).sum()), int((other > one).sum())
-    same = all(
-        bool(((pairs[f"{key}_1"] != "") & (pairs[f"{key}_1"] == pairs[f"{key}_2"])).all())
-        for key in ("id", "seed")
-    )
+    alike = np.logical_and.reduce([_same(pairs, key) for key in ("id", "start")])
+    only_first, only_second = (int((alike & each).sum()) for each in (one > other, other > one))
     return Comparison(
         objects=len(objects),
         attempts=len(pairs),
         difference=float((one - other).mean()),
         interval=bootstrap(lambda drawn: gains[drawn].sum(1) / counts[drawn].sum(1), len(objects)),
         p_objects=sign_flip(gains),
+        alike=int(alike.sum()),
         only_first=only_first,
         only_second=only_second,
-        p_attempts=mcnemar(only_first, only_second) if same else float("nan"),
+        p_attempts=mcnemar(only_first, only_second) if alike.any() else float("nan"),
     )
+
+
+def _same(pairs: pd.DataFrame, key: str) -> NDArray[np.bool_]:
+    """Where both tables know a thing and agree on it."""
+    one, other = (pairs[f"{key}_{i}"].to_numpy(dtype=str) for i in (1, 2))
+    same: NDArray[np.bool_] = (one != "") & (one == other)
+    return same
 
 
 def _check_objects(pairs: pd.DataFrame) -> None:

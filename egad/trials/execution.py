@@ -3,7 +3,7 @@
 from contextlib import nullcontext
 from typing import NamedTuple
 
-from egad.settings import Gripper, Trials
+from egad.settings import Gripper, Lifting
 from egad.trials.carriers import CARRIERS, Stance, UnreachableError
 from egad.trials.grasp import Grasp
 from egad.trials.hand import Hand
@@ -18,8 +18,8 @@ class Execution(NamedTuple):
     """What came of a grasp.
 
     Attributes:
-        outcome: success: held up to the end; collided: stopped on the way down, or out of the
-            arm's reach; missed: the fingers closed, but never pressed on the object both at once;
+        outcome: success: held up to the end; collided: stopped on the way, or out of the arm's
+            reach; missed: the fingers closed, but never pressed on the object both at once;
             slipped_closing: they did, and lost it before it was lifted; slipped_lifting: lost
             while lifting; dropped: lost while held up; failed: the simulation broke down.
         lifted: Height that the object's centre of mass gained, metres.
@@ -32,7 +32,7 @@ class Execution(NamedTuple):
 
 
 def execute(
-    world: World, gripper: Gripper, trials: Trials, grasp: Grasp, *, afloat: bool = False
+    world: World, gripper: Gripper, lifting: Lifting, grasp: Grasp, *, afloat: bool = False
 ) -> Execution:
     """Approach from above, close, lift and hold.
 
@@ -41,24 +41,24 @@ def execute(
     Args:
         world: With the object where it is to be grasped.
         gripper: The hand; it is added to the world.
-        trials: Arm, lift and hold.
+        lifting: Arm, lift and hold.
         grasp: One that the hand can do (`Grasp.flaw`).
         afloat: Whether the object floats in the air: held there until the hand has come, free but
             without weight until the fingers have closed.
     """
     try:
         before = world.pose().position[2]
-        outcome = _outcome(world, gripper, trials, grasp, afloat)
+        outcome = _outcome(world, gripper, lifting, grasp, afloat)
         end = world.pose()
     except UnstableError:
         return Execution("failed", 0.0, None)
     return Execution(outcome, float(end.position[2] - before), end)
 
 
-def _outcome(world: World, gripper: Gripper, trials: Trials, grasp: Grasp, afloat: bool) -> str:
+def _outcome(world: World, gripper: Gripper, lifting: Lifting, grasp: Grasp, afloat: bool) -> str:
     start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
     try:
-        hand = hung(world, gripper, trials.arm, grasp, start)
+        hand = hung(world, gripper, lifting.arm, grasp, start)
     except UnreachableError:
         return "collided"
     world.pull(0.0 if afloat else GRAVITY)
@@ -69,10 +69,12 @@ def _outcome(world: World, gripper: Gripper, trials: Trials, grasp: Grasp, afloa
     world.pull(GRAVITY)
     if not hand.pinches():
         return "slipped_closing" if touched else "missed"
-    hand.lift(trials.lift_height, trials.lift_height / LIFT_SPEED)
+    arrived = hand.lift(lifting.lift_height, lifting.lift_height / LIFT_SPEED)
     if not hand.carries():
         return "slipped_lifting"
-    hand.hold(trials.hold_time)
+    if not arrived:
+        return "collided"
+    hand.hold(lifting.hold_time)
     return "success" if hand.carries() else "dropped"
 
 

@@ -17,6 +17,7 @@ STALLED_SPEED = 0.0005
 STALLED_STEPS = 24
 # A Panda stops at about this contact force; lighter touches only push the object aside.
 COLLISION_FORCE = 20.0
+SAGGING = 0.02  # metres that a hand may hang too low and still count as lifted
 # The gear must be stronger than the fingers, or an object off the middle holds one of them up.
 GEAR_STRENGTH = 10
 
@@ -63,12 +64,17 @@ class Hand:
                 return False
         return True
 
-    def lift(self, height: float, seconds: float) -> None:
-        """Raise the fingertips by a height on a minimum-jerk path."""
+    def lift(self, height: float, seconds: float) -> bool:
+        """Raise the fingertips by a height on a minimum-jerk path.
+
+        Returns:
+            Whether they got there: an arm has its reach, and its strength.
+        """
         start = self._carrier.height()
         for target in _minimum_jerk(start, start + height, seconds):
             self._carrier.drive(target)
             self.world.step()
+        return self._carrier.height() > start + height - SAGGING
 
     def hold(self, seconds: float) -> None:
         """Stay there."""

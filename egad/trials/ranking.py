@@ -1,5 +1,6 @@
 """How well a rating tells grasps that hold from grasps that do not."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,13 @@ from numpy.typing import NDArray
 from egad.trials.statistics import Interval, bootstrap
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Names = NDArray[np.str_]
+Areas = Callable[[NDArray[np.int64]], Floats]
+
+# A bootstrap cannot know of failures of other objects than those that it has seen. With fewer than
+# these, its intervals are too narrow, most of all where one object has them all.
+FEWEST = 5
 
 
 @dataclass(frozen=True)
@@ -17,7 +25,8 @@ class Area:
     Attributes:
         value: 1 if the rating tells all, 0.5 if it tells nothing; ties count half. NaN if there
             are no successes, or no failures.
-        interval: Of 95 %, for other objects of the same kind; NaN if nothing is known.
+        interval: Of 95 %, for other objects of the same kind; NaN if fewer than `FEWEST` objects
+            have a success, or a failure.
         within: The same of pairs of grasps of one object only.
     """
 
@@ -26,7 +35,7 @@ class Area:
     within: float = np.nan
 
 
-def area(rating: Floats, success: NDArray[np.bool_], objects: NDArray[np.str_]) -> Area:
+def area(rating: Floats, success: Bools, objects: Names) -> Area:
     """Area under the ROC curve of the grasps of several objects.
 
     Grasps of an object resemble each other, so it is the objects that are drawn (`bootstrap`); one
@@ -37,6 +46,40 @@ def area(rating: Floats, success: NDArray[np.bool_], objects: NDArray[np.str_]) 
         success: (n,) whether it held.
         objects: (n,) name of its object.
     """
+    areas, within, count = _areas(rating, success, objects)
+    value = float(areas(np.arange(count)[None])[0]) if count else np.nan
+    return Area(value, _interval(areas, success, objects), within)
+
+
+def gain(rating: Floats, other: Floats, success: Bools, objects: Names) -> Area:
+    """By how much one rating tells more than another, in the area under the ROC curve.
+
+    Args:
+        rating: (n,) of each grasp.
+        other: (n,) the rating that it is compared with.
+        success: (n,) whether it held.
+        objects: (n,) name of its object.
+
+    Returns:
+        The differences; the interval comes from the same draws of objects for both.
+    """
+    first, within, count = _areas(rating, success, objects)
+    second, others, _ = _areas(other, success, objects)
+
+    def gains(drawn: NDArray[np.int64]) -> Floats:
+        return first(drawn) - second(drawn)
+
+    value = float(gains(np.arange(count)[None])[0]) if count else np.nan
+    return Area(value, _interval(gains, success, objects), within - others)
+
+
+def _interval(areas: Areas, success: Bools, objects: Names) -> Interval:
+    fewest = min(len(np.unique(objects[each])) for each in (success, ~success))
+    return bootstrap(areas, len(np.unique(objects))) if fewest >= FEWEST else (np.nan, np.nan)
+
+
+def _areas(rating: Floats, success: Bools, objects: Names) -> tuple[Areas, float, int]:
+    """From draws of objects to areas; the area of pairs of one object; and how many objects."""
     names, owner = np.unique(objects, return_inverse=True)
     count = len(names)
     member = (owner[:, None] == np.arange(count)).astype(np.float64)
@@ -56,6 +99,4 @@ def area(rating: Floats, success: NDArray[np.bool_], objects: NDArray[np.str_]) 
         return found
 
     pairs = float(counts[0] @ counts[1])
-    same = float(np.trace(won) / pairs) if pairs else np.nan
-    value = float(areas(np.arange(count)[None])[0]) if count else np.nan
-    return Area(value, bootstrap(areas, count), same)
+    return areas, float(np.trace(won) / pairs) if pairs else np.nan, count

@@ -16,6 +16,7 @@ import pandas as pd
 from egad.errors import UserError
 from egad.evalset.labels import LABEL
 from egad.tables import parquet
+from egad.tables.columns import START
 from egad.tables.evaluation import RESULTS, TRIALS
 
 NEEDED = ("label", "attempt", "success")
@@ -78,8 +79,10 @@ def gather(paths: Sequence[Path]) -> dict[str, pd.DataFrame]:
 def _parquet(path: Path) -> pd.DataFrame:
     if "detector" in parquet.columns(path):
         return parquet.read(path, RESULTS)
-    trials = parquet.read(path, TRIALS).assign(detector=path.stem)
-    return trials.loc[:, list(RESULTS.names)]
+    trials = parquet.read(path, TRIALS)
+    poses = trials[list(START)].to_numpy(np.float64)
+    starts = ["" if np.isnan(pose).any() else pose.tobytes().hex() for pose in poses]
+    return trials.assign(detector=path.stem, start=starts).loc[:, list(RESULTS.names)]
 
 
 def _csv(path: Path) -> pd.DataFrame:
@@ -162,5 +165,5 @@ def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
         "outcome": outcome,
         "quality": quality,
         "detector": row["detector"] or path.stem,
-        "seed": "",
+        "start": "",
     }

@@ -8,7 +8,7 @@ import pandas as pd
 
 from egad.seeds import entropy
 from egad.stage_settings import SimulatedTrials
-from egad.tables.columns import POSE_PARTS
+from egad.tables.columns import POSE_PARTS, START
 from egad.tables.evaluation import TRIALS
 from egad.trials.grasp import Grasp
 from egad.trials.labelled import Labels
@@ -20,7 +20,6 @@ from egad.trials.world import Pose, World
 
 CENTER = ("grasp_x", "grasp_y", "grasp_z")
 NUMBERS = ("angle", "width", "depth", "quality")
-START = tuple(f"start_{part}" for part in POSE_PARTS)
 END = tuple(f"end_{part}" for part in POSE_PARTS)
 
 
@@ -47,7 +46,7 @@ def tried(
     return _table(label, object_id, seeds, attempts, known)
 
 
-def untried(label: str, object_id: str, outcome: str, settings: SimulatedTrials) -> pd.DataFrame:
+def untried(label: str, object_id: str, settings: SimulatedTrials, outcome: str) -> pd.DataFrame:
     """The table of an object that cannot be simulated: all attempts have the same outcome."""
     seeds = _seeds(object_id, settings)
     attempts = [Attempt(outcome)] * len(seeds)

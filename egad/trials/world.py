@@ -1,6 +1,7 @@
 """A simulated table and an object on it, in PyBullet without a window."""
 
 import functools
+import math
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -194,7 +195,8 @@ class World:
         """
         for _ in range(steps):
             self.client.stepSimulation()
-            if not max(map(abs, self.client.getBaseVelocity(self.object)[0])) < FASTEST:
+            velocity = self.client.getBaseVelocity(self.object)[0]
+            if not math.hypot(*velocity) < FASTEST:  # which a NaN is not, either
                 raise UnstableError("the object was shot away")
             if self.watch is not None:
                 self.watch(self)

@@ -90,7 +90,7 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
         "A1": {"crashed"},
         "B0": {"failed"},
     }
-    assert "A0 (id-A0): all grasps crashed" in caplog.text
+    assert "A0 (id-A0): everything crashed" in caplog.text
 
 
 @pytest.mark.usefixtures("table")

@@ -16,6 +16,7 @@ from egad.exchange.meshes import write_obj
 from egad.settings import Settings
 from egad.stage_settings import SimulatedTrials, SimulationBundle, select
 from egad.stages import bundle, replay, simulate
+from egad.stages.bundled import model_in
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, TRIALS
 from egad.trials.film import write_film
@@ -68,7 +69,7 @@ def test_a_model_is_that_of_the_bundle(dataset):
         mesh = MESHES[row["label"]].copy().apply_translation((0.1, 0.2, 0.3))
         whole = bundled(mesh, WHOLE.material.density, WHOLE.bundle)
         expected = model_of(whole.mesh, whole.parts, whole.physics, whole.volume_error)
-        found = simulate.model_in(made, row)
+        found = model_in(made, row)
         assert found.mass == expected.mass
         np.testing.assert_allclose(found.inertia, expected.inertia, rtol=1e-12)
         np.testing.assert_allclose(found.mesh.bounds, expected.mesh.bounds, atol=1e-12)
@@ -99,7 +100,7 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
             return lambda row: (
                 None
                 if row["label"] == "A0"
-                else simulate.untried(row["label"], row["id"], "missed", SETTINGS)
+                else simulate.untried(row["label"], row["id"], SETTINGS, "missed")
             )
 
         def __exit__(self, *_):
@@ -109,7 +110,7 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
     trials = parquet.read(tried(dataset, tmp_path / "out.parquet"), TRIALS)
     outcomes = dict(zip(trials["label"], trials["outcome"], strict=True))
     assert outcomes == {"A0": "crashed", "A1": "missed", "B0": "failed"}
-    assert "A0 (id-A0): all attempts crashed" in caplog.text
+    assert "A0 (id-A0): everything crashed" in caplog.text
 
 
 def test_a_detector_that_cannot_be_made_stops_the_run(dataset, tmp_path):

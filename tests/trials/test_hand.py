@@ -1,6 +1,7 @@
 """The hand holds what friction can hold, and nothing else."""
 
 import numpy as np
+import pybullet
 import pytest
 import trimesh
 
@@ -117,6 +118,33 @@ def test_a_ball_slips_out_below_pads_beyond_the_friction_angle(above: float, hel
         hand, _ = gripped(world, BALL, 20.0, tip=0.025 + above)
         hand.lift(LIFT, 1.0)
         assert hand.carries() is held
+
+
+@pytest.mark.parametrize("pads", ["silicone", "bare"])
+@pytest.mark.parametrize(("part", "turns"), [(0.8, False), (1.5, True)])
+def test_pads_resist_twisting_as_pressed_discs(pads: str, part: float, turns: bool) -> None:
+    """Both pads touch the ball in a point only; friction force times 2/3 of the disc's radius."""
+    force = 20.0
+    gripper = GRIPPERS["egad_75mm"].model_copy(update={"force": force, "pads": pads})
+    friction, radius = gripper.pad
+    torque = part * 2 * friction * force * 2 / 3 * radius
+    with World(BALL) as world:
+        world.place(Pose(np.array([0, 0, 0.025]), np.array([0, 0, 0, 1.0])))
+        hand = hung(world, gripper, Stance(0.0, 0.0, 0.025, 0.0), 0.065)
+        hand.close()
+        hand.lift(LIFT, 1.0)
+        for _ in range(120):
+            world.client.applyExternalTorque(world.object, -1, (torque, 0, 0), pybullet.WORLD_FRAME)
+            world.step()
+        assert (world.speeds()[1] > 1) is turns
+
+
+@ARMS
+def test_a_hand_says_whether_it_was_lifted_all_the_way(arm: str) -> None:
+    with World(LIGHT) as world:
+        hand = hung(world, GRIPPERS["egad_75mm"], Stance(0.0, 0.0, 0.02, 0.0), 0.07, arm)
+        assert hand.lift(0.4, 1.0)
+        assert hand.lift(0.5, 1.5) is (arm == "axis")  # beyond the reach of a Panda
 
 
 def test_the_fingers_are_mirror_images_even_off_centre() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.trials.ranking import area
+from egad.trials.ranking import FEWEST, area, gain
 from egad.trials.reliability import discrimination
 
 
@@ -37,12 +37,12 @@ def test_pairs_of_one_object_are_told_apart_from_others():
 
 
 def test_an_object_drawn_twice_counts_twice(monkeypatch):
-    rating, success, names = made(3)
-    drawn = np.array([[0, 0, 2], [1, 1, 1]])
+    rating, success, names = made(FEWEST)
+    drawn = np.array([[0, 0, 2, 3, 3], [1, 1, 1, 1, 1]])
     seen = []
 
     def bootstrap(statistic, count):
-        assert count == 3
+        assert count == FEWEST
         seen.extend(statistic(drawn))
         return 0.0, 1.0
 
@@ -62,3 +62,30 @@ def test_the_perfect_the_blind_and_the_one_sided():
     assert np.isnan(area(np.arange(4.0), np.full(4, True), names).value)
     nothing = area(np.empty(0), np.empty(0, bool), np.empty(0, "<U2"))
     assert np.isnan([nothing.value, *nothing.interval, nothing.within]).all()
+
+
+def test_failures_of_few_objects_give_no_interval():
+    """All the failures of one object: drawn again and again, they would look certain."""
+    rating, success, names = made()
+    low, high = area(rating, success, names).interval
+    assert high - low > 0.05
+    for failing in (1, FEWEST - 1):
+        held = success | ~np.isin(names, [f"o{n}" for n in range(failing)])
+        found = area(rating, held, names)
+        assert np.isfinite(found.value)
+        assert np.isnan(found.interval).all()
+
+
+def test_what_one_rating_tells_more_than_another():
+    rating, success, names = made(40)
+    blind = np.random.default_rng(1).random(len(rating))
+    found = gain(rating, blind, success, names)
+    first, second = (area(each, success, names) for each in (rating, blind))
+    assert found.value == pytest.approx(first.value - second.value)
+    assert found.within == pytest.approx(first.within - second.within)
+    assert 0 < found.interval[0] < found.value < found.interval[1]
+    same = gain(rating, rating, success, names)
+    assert (same.value, *same.interval) == (0, 0, 0)
+    # Two ratings that are right and wrong together differ less than their intervals suggest.
+    near = gain(rating, rating + 0.01 * blind, success, names)
+    assert np.ptp(near.interval) < np.ptp(first.interval) / 2

@@ -8,13 +8,14 @@ import trimesh
 from egad.settings import GRIPPERS, POLICIES, Bundle, Gripper, Trials
 from egad.stage_settings import SimulatedTrials
 from egad.tables import parquet
+from egad.tables.columns import START
 from egad.tables.evaluation import TRIALS
 from egad.trials.camera import View
 from egad.trials.grasp import Grasp
 from egad.trials.model import Model, build
 from egad.trials.policies import QUICK, Detector
 from egad.trials.protocol import Bench
-from egad.trials.series import START, columns_of, recorded, tried, untried
+from egad.trials.series import columns_of, recorded, tried, untried
 from egad.trials.world import World
 
 BUNDLE = Bundle()
@@ -168,7 +169,7 @@ def test_a_detector_that_raises_has_failed_and_the_next_attempt_goes_on() -> Non
 def test_what_cannot_be_tried_has_rows_all_the_same(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
-    trials = untried("C4", "object", "crashed", SETTINGS)
+    trials = untried("C4", "object", SETTINGS, "crashed")
     path = tmp_path_factory.mktemp("trials") / "trials.parquet"
     parquet.write(trials, TRIALS, path)
     pd.testing.assert_frame_equal(parquet.read(path, TRIALS), trials, check_dtype=False)

@@ -100,6 +100,17 @@ def test_reset_forgets_everything() -> None:
         np.testing.assert_array_equal(first.quaternion, again.quaternion)
 
 
+@pytest.mark.parametrize(
+    "velocity", [(np.nan, 0, 0), (0, np.nan, 0), (0, 0, np.nan), (8, 8, 0), (0, 0, 11)]
+)
+def test_an_object_that_is_shot_away_is_noticed(velocity: tuple[float, float, float]) -> None:
+    with World(CUBE) as world:
+        world.place(at(0, 0, 1))
+        world.client.resetBaseVelocity(world.object, velocity)
+        with pytest.raises(UnstableError):
+            world.step()
+
+
 @pytest.mark.parametrize("position", [(0, 0, -0.2), (9, 0, 1), (np.nan, 0, 1)])
 def test_an_object_that_went_astray_is_noticed(position: tuple[float, float, float]) -> None:
     with World(CUBE) as world:
