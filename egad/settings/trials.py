@@ -15,8 +15,8 @@ class Lifting(Section):
 
     arm: Literal["axis", "panda"] = Field(
         "axis",
-        description="what carries the hand: axis: a vertical axis; panda: a Franka Panda arm, which "
-        "takes half as long again",
+        description="what carries the hand: axis: a vertical axis; panda: a Franka Panda arm, "
+        "which takes half as long again",
     )
     lift_height: float = Field(
         0.4, gt=0, le=1, description="an object held this high counts, metres"
