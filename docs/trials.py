@@ -1,7 +1,7 @@
-"""The picture of docs/trials.md: `python docs/trials.py results/D G P`.
+"""The picture of docs/trials.md: `python docs/trials.py results/D G P...`.
 
-For each outcome that came to a grasp, the first attempt that ended so is repeated; a row shows
-frames of it, evenly spaced from when the hand comes to the end.
+For each outcome that came to a grasp, the first attempt of these detectors that ended so is
+repeated; a row shows frames of it, evenly spaced from when the hand comes to the end.
 """
 
 import sys
@@ -26,11 +26,11 @@ WIDTH, HEIGHT, TEXT = 180, 200, 16
 HAND = (120, 205)  # its shades of grey; nothing else is as dark and without colour
 
 
-def main(folder: Path, gripper: str, policy: str) -> None:
+def main(folder: Path, gripper: str, *policies: str) -> None:
     """Write the picture beside this file."""
-    settings = select(Settings(), SimulatedTrials, gripper, policy)
-    path = folder / "trials" / gripper / f"{policy}.parquet"
-    trials = parquet.read(path, TRIALS)
+    settings = select(Settings(), SimulatedTrials, gripper)
+    tables = [folder / "trials" / gripper / f"{policy}.parquet" for policy in policies]
+    trials = pd.concat(parquet.read(path, TRIALS) for path in tables)
     shown = [trials[trials["outcome"] == outcome].head(1) for outcome in OUTCOMES]
     rows = parquet.records(pd.concat(shown))
     sheet = Image.new("RGB", (FRAMES * WIDTH, len(rows) * (HEIGHT + TEXT)), "white")
