@@ -125,7 +125,7 @@ def _kept(path: Path, key: str) -> dict[str, Any]:
     kept = (schema_of(path).metadata or {}).get(key.encode())
     try:
         found = json.loads(kept) if kept else {}
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise TableError(f"{path}: its metadata {key} is not JSON") from error
     if not isinstance(found, dict):
         raise TableError(f"{path}: its metadata {key} is not a table of values")
