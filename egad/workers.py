@@ -152,7 +152,7 @@ def _answer(work: Work, item: Any) -> tuple[Any, Exception | None]:  # noqa: ANN
 def _portable(error: Exception) -> Exception:
     """An error as it is if it can be sent; else one with its text."""
     try:
-        pickle.loads(pickle.dumps(error))
+        pickle.loads(pickle.dumps(error))  # noqa: S301 (our own)
     except Exception:
         for kind in (UserError, RejectedError):
             if isinstance(error, kind):

@@ -45,7 +45,8 @@ def is_near(path: Path, folders: Iterable[Path]) -> bool:
     What a stranger's file names is not read unless it is: it may be a device that never ends, or
     the whole disk.
     """
-    if not (os.path.isfile(path) or os.path.isdir(path)):
+    kinds = (os.path.isfile, os.path.isdir)  # unlike those of `Path`, they take any text
+    if not any(is_kind(path) for is_kind in kinds):
         return False
     return any(path.resolve().is_relative_to(folder.resolve()) for folder in folders)
 

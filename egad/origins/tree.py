@@ -61,7 +61,7 @@ def _node(
     path: Path, digest: str, folders: tuple[Path, ...], digest_of: Callable[[Path], str]
 ) -> Node:
     was = f"its sha256 was {digest[:16]}..."
-    if not os.path.exists(path):  # also of what cannot be a path
+    if not os.path.exists(path):  # noqa: PTH110 (that of `Path` raises for what can be none)
         return Node(path, None, f"not there; {was}")
     if not is_near(path, folders):
         return Node(path, None, f"not looked at: it is outside of the working directory; {was}")

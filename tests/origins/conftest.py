@@ -56,7 +56,7 @@ def soon():
 
 
 @pytest.fixture(params=["/dev/zero", "/", "../outside", "../link", "../never", "../loop"])
-def stranger(made, soon, request, tmp_path, monkeypatch):
+def stranger(made, soon, request, tmp_path, monkeypatch):  # noqa: ARG001 (it limits the time)
     """A folder of which a file names, as what it was made from, something that is not to be read.
 
     The working directory is beside it.

@@ -92,7 +92,8 @@ def test_what_a_stranger_names_is_not_read(stranger):
 @pytest.mark.parametrize(
     "name", ["/dev/zero", "../../secret", "a/../../../secret", "/etc/hostname"]
 )
-def test_sums_are_about_their_folder(made, soon, name):
+@pytest.mark.usefixtures("soon")
+def test_sums_are_about_their_folder(made, name):
     with (made / f"meshes/{NAME}").open("a") as file:
         file.write(f"00  {name}\n")
     assert problems(made)[f"meshes/{NAME}"] == "altered: not a file of sums"
