@@ -134,9 +134,8 @@ def _serve(pipe: Connection, opened: Opened) -> None:
                 item = pipe.recv()
             except EOFError:
                 return
-            result, error = _answer(work, item)
             try:
-                pipe.send((result, error))
+                pipe.send(_answer(work, item))
             except Exception as reason:  # the result cannot be pickled
                 pipe.send((None, _portable(reason)))
 

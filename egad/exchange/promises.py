@@ -156,7 +156,7 @@ def _words_by_line(data: bytes, most: int) -> NDArray[np.int64]:
     np.greater(text, ord(" "), out=inside[1:])
     inside[1:] &= text < 127
     begun = inside[1:] > inside[:-1]
-    within(np.count_nonzero(begun), most, "words")
+    within(int(np.count_nonzero(begun)), most, "words")
     ends = np.flatnonzero(text == ord("\n"))
     bounds = np.concatenate(([0], ends, [len(text)]))
     return np.diff(np.searchsorted(np.flatnonzero(begun), bounds))
