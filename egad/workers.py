@@ -2,6 +2,7 @@
 
 import logging
 import multiprocessing
+import pickle
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -13,7 +14,7 @@ from typing import Any, Self
 
 from threadpoolctl import threadpool_limits
 
-from egad.errors import UserError
+from egad.errors import RejectedError, UserError
 
 log = logging.getLogger(__name__)
 
@@ -47,16 +48,18 @@ def _one_thread() -> threadpool_limits:
 
 
 class Survivor:
-    """Work in a process of its own that is started anew when it dies."""
+    """Work in a process of its own that is started anew when it dies, or takes too long."""
 
-    def __init__(self, opened: Opened) -> None:
+    def __init__(self, opened: Opened, limit: float | None = None) -> None:
         """Prepare; the process starts with the `with` block.
 
         Args:
             opened: Makes what does the work, in that process: a context manager that lasts as
                 long. Its name must be importable there.
+            limit: Seconds for one item; a process that takes longer is ended, and counts as one
+                that died. None for as long as it takes.
         """
-        self._opened = opened
+        self._opened, self._limit = opened, limit
 
     def __enter__(self) -> Self:
         self._start()
@@ -69,6 +72,8 @@ class Survivor:
         trace: TracebackType | None,
     ) -> None:
         self._pipe.close()  # it ends by itself when nobody can ask any more
+        self._process.join(self._limit)
+        self._process.kill()
         self._process.join()
 
     def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
@@ -78,11 +83,14 @@ class Survivor:
             Its result; None if the process died of it twice.
 
         Raises:
-            Exception: What the work raises.
+            Exception: What the work raises; one with the same text if it cannot be pickled.
         """
         for _ in range(CHANCES):
             try:
                 self._pipe.send(item)
+                if not self._pipe.poll(self._limit):
+                    log.warning("a process was ended after %s seconds", self._limit)
+                    self._process.kill()
                 result, error = self._pipe.recv()
             except (EOFError, OSError):
                 self._process.join()
@@ -118,7 +126,7 @@ def _serve(pipe: Connection, opened: Opened) -> None:
         try:
             work = stack.enter_context(opened())
         except Exception as error:
-            pipe.send((None, error))
+            pipe.send((None, _portable(error)))
             return
         pipe.send((None, None))
         while True:
@@ -126,7 +134,10 @@ def _serve(pipe: Connection, opened: Opened) -> None:
                 item = pipe.recv()
             except EOFError:
                 return
-            pipe.send(_answer(work, item))
+            try:
+                pipe.send(_answer(work, item))
+            except Exception as reason:  # the result cannot be pickled
+                pipe.send((None, _portable(reason)))
 
 
 def _answer(work: Work, item: Any) -> tuple[Any, Exception | None]:  # noqa: ANN401 (as above)
@@ -134,4 +145,16 @@ def _answer(work: Work, item: Any) -> tuple[Any, Exception | None]:  # noqa: ANN
     try:
         return work(item), None
     except Exception as error:
-        return None, error
+        return None, _portable(error)
+
+
+def _portable(error: Exception) -> Exception:
+    """An error as it is if it can be sent; else one with its text."""
+    try:
+        pickle.loads(pickle.dumps(error))  # noqa: S301 (our own)
+    except Exception:
+        for kind in (UserError, RejectedError):
+            if isinstance(error, kind):
+                return kind(str(error))
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    return error

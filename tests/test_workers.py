@@ -1,4 +1,5 @@
 import os
+import time
 from contextlib import contextmanager
 from functools import partial
 
@@ -74,3 +75,74 @@ def test_what_cannot_be_made_in_the_process_is_said():
         pass
     with pytest.raises(UserError, match="while it started"), Survivor(dying):
         pass
+
+
+class PathError(UserError):
+    """One that is pickled, but cannot be unpickled: it is made from something else."""
+
+    def __init__(self, path, reason):
+        super().__init__(f"{path}: {reason}")
+
+
+class LocalError(Exception):
+    """One that cannot be pickled."""
+
+    def __reduce__(self):
+        raise TypeError("not this one")
+
+
+@contextmanager
+def raising():
+    def work(item):
+        if item == "user":
+            raise PathError("a.h5", "damaged")
+        if item == "local":
+            raise LocalError("what went wrong")
+        return (lambda: 0) if item == "result" else os.getpid()
+
+    yield work
+
+
+@contextmanager
+def not_starting():
+    raise LocalError("no such engine")
+    yield
+
+
+def test_what_cannot_be_pickled_is_told_as_text_and_is_no_crash():
+    with Survivor(raising) as work:
+        process = work("ask")
+        with pytest.raises(UserError, match=r"^a\.h5: damaged$"):
+            work("user")
+        with pytest.raises(RuntimeError, match=r"^LocalError: what went wrong$"):
+            work("local")
+        with pytest.raises((AttributeError, TypeError), match="pickle"):
+            work("result")
+        assert work("ask") == process
+    with pytest.raises(RuntimeError, match="no such engine"), Survivor(not_starting):
+        pass
+
+
+@contextmanager
+def sleeping(marks):
+    """Naps; 0 oversleeps the first time, 13 always."""
+
+    def nap(number):
+        if number == 13 or (number == 0 and not marks.exists()):
+            marks.touch()
+            time.sleep(600)
+        return number / 2
+
+    yield nap
+    if marks.with_suffix(".last").exists():
+        time.sleep(600)
+
+
+def test_a_process_that_takes_too_long_is_ended_and_counts_as_one_that_died(tmp_path, caplog):
+    marks = tmp_path / "overslept"
+    before = time.monotonic()
+    with Survivor(partial(sleeping, marks), limit=0.5) as work:
+        assert [work(number) for number in (4, 0, 13, 6)] == [2, 0, None, 3]
+        marks.with_suffix(".last").touch()
+    assert time.monotonic() - before < 200
+    assert caplog.text.count("ended after 0.5 seconds") == 3

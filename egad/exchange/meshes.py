@@ -8,8 +8,10 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError, UserError
+from egad.exchange.bounds import MOST_BYTES, MOST_ITEMS, within
 from egad.exchange.folders import ENDINGS
-from egad.exchange.promises import MOST_BYTES, check_promises, only_geometry, within
+from egad.exchange.promises import check_promises, only_geometry
+from egad.exchange.promises_glb import only_positions
 from egad.exchange.wavefront import obj_text, parse_plain_obj
 from egad.files import replacing
 from egad.shapes.repair import check_surface
@@ -48,8 +50,12 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     within(path.stat().st_size, MOST_BYTES, "bytes")
     data, ending = path.read_bytes(), path.suffix[1:].lower()
     try:
+        check_promises(data, ending)
         plain = parse_plain_obj(data) if ending == "obj" else None
         vertices, faces = plain or _load_any(data, ending)
+        shared = ending != "stl"  # whose faces have three of their own
+        within(len(vertices), MOST_ITEMS if shared else 3 * MOST_ITEMS, "vertices")
+        within(len(faces), MOST_ITEMS, "faces")
     except RejectedError as reason:
         raise RejectedError(f"{unreadable}: {reason}") from reason
     except Exception as error:
@@ -61,8 +67,8 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 def _load_any(data: bytes, ending: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Read what is in the file, and nothing that it names."""
-    check_promises(data, ending)
-    content = io.BytesIO(only_geometry(data) if ending == "obj" else data)
+    bare = {"obj": only_geometry, "glb": only_positions}.get(ending, bytes)
+    content = io.BytesIO(bare(data))
     options = {"process": False, "maintain_order": True, "skip_materials": True}
     with np.errstate(all="ignore"):
         found = trimesh.load_mesh(content, ending, **options)

@@ -5,36 +5,21 @@ Files of strangers may promise more than they hold, or little that unfolds to mu
 read; the message says which bound was passed.
 """
 
-import io
-import itertools
-import json
 import re
-import struct
-import zipfile
-from collections import Counter, defaultdict
-from collections.abc import Mapping
-from typing import Any
 
-from lxml import etree
+import numpy as np
+from numpy.typing import NDArray
 
 from egad.errors import RejectedError
+from egad.exchange.bounds import MOST_CORNERS, MOST_ITEMS, MOST_PARTS, within
+from egad.exchange.promises_3mf import check_3mf
+from egad.exchange.promises_glb import check_glb
 
-MOST_BYTES = 1 << 30  # of a file
-MOST_ITEMS = 4_000_000  # vertices, and as many faces
-MOST_PARTS = 10_000  # bodies, nodes, instances
-MOST_UNPACKED = 1 << 28  # bytes of all that is in a zip, and of the structure of a GLB file
-# No entity is resolved and nothing is fetched.
-XML = {"resolve_entities": False, "no_network": True, "load_dtd": False, "huge_tree": False}
-
-
-def within(count: float, most: int, what: str) -> None:
-    """Refuse more of something than is read.
-
-    Raises:
-        RejectedError: There is more, or less than none.
-    """
-    if not 0 <= count <= most:
-        raise RejectedError(f"{count:,.0f} {what}; from 0 to {most:,} are read")
+_PLY_WORDS = {b"ply", b"format", b"comment", b"obj_info", b"element", b"property"}
+_PLY_BYTES = dict.fromkeys((b"char", b"uchar", b"int8", b"uint8"), 1)
+_PLY_BYTES |= dict.fromkeys((b"short", b"ushort", b"int16", b"uint16"), 2)
+_PLY_BYTES |= dict.fromkeys((b"int", b"uint", b"float", b"int32", b"uint32", b"float32"), 4)
+_PLY_BYTES |= dict.fromkeys((b"double", b"float64"), 8)
 
 
 def check_promises(data: bytes, ending: str) -> None:
@@ -53,8 +38,8 @@ def check_promises(data: bytes, ending: str) -> None:
         "ply": _check_ply,
         "off": _check_off,
         "obj": _check_obj,
-        "glb": _check_glb,
-        "3mf": _check_3mf,
+        "glb": check_glb,
+        "3mf": check_3mf,
     }[ending](data)
 
 
@@ -62,151 +47,116 @@ def only_geometry(data: bytes) -> bytes:
     """An OBJ file with nothing but vertices and faces, and in these no more than the vertices.
 
     Materials, groups and comments would make parts that share all vertices, and name other files.
+
+    Raises:
+        RejectedError: These are too many, or a polygon has too many corners.
     """
     lines = data.replace(b"\r\n", b"\n").replace(b"\\\n", b"")
-    kept = re.sub(rb"^(?![vf][ \t])[^\n]*\n?", b"", lines, flags=re.MULTILINE)
-    return re.sub(rb"/[^\s]*", b"", kept.replace(b"\t", b" "))
+    text = np.frombuffer(lines + b"\n", np.uint8)
+    ends = np.flatnonzero(text == ord("\n"))
+    starts = np.concatenate(([0], ends[:-1] + 1))
+    after = np.minimum(starts + 1, len(text) - 1)
+    geometry = np.isin(text[starts], (ord("v"), ord("f"))) & np.isin(text[after], (9, 32))
+    kept = text[np.repeat(geometry, ends + 1 - starts)].tobytes()
+    kept = re.sub(rb"/[^\s]*", b"", kept.replace(b"\t", b" "))
+    _check_geometry(kept)
+    return kept
 
 
 def _check_stl(data: bytes) -> None:
     if len(data) >= 84 and 84 + 50 * int.from_bytes(data[80:84], "little") == len(data):
         within(int.from_bytes(data[80:84], "little"), MOST_ITEMS, "faces")
         return
+    _words_by_line(data, 24 * MOST_ITEMS)
     text = data.lower()
     within(text.count(b"vertex") / 3, MOST_ITEMS, "faces")
     within(text.count(b"endsolid"), MOST_PARTS, "bodies")
 
 
 def _check_ply(data: bytes) -> None:
-    head, found, _ = data[:100_000].partition(b"end_header")
-    if not found:
+    head, size = _ply_header(data)
+    fixed, narrowest, count = 0, 8, 0
+    for line in head:
+        match line:
+            case [b"element", name, number]:
+                count = int(number)
+                within(count, MOST_ITEMS, f"elements called {name.decode()}")
+            case [b"property", b"list", _, kind, _]:
+                narrowest = min(narrowest, _PLY_BYTES[kind])
+            case [b"property", kind, _]:
+                fixed += count * _PLY_BYTES[kind]
+    if b"ascii" in head[1]:
+        _check_polygons(data[size:], 20 * MOST_ITEMS)
+    elif len(data) - size > fixed:
+        within((len(data) - size - fixed) / narrowest, 12 * MOST_ITEMS, "values in lists")
+
+
+def _ply_header(data: bytes) -> tuple[list[list[bytes]], int]:
+    """The words of each line of a header, and its length in bytes."""
+    words, size = [], 0
+    for line in data[:100_000].split(b"\n"):
+        size += len(line) + 1
+        if b"end_header" in line.split():
+            break
+        words.append(line.split())
+    else:
         raise RejectedError("its header has no end")
-    for name, count in re.findall(rb"^element\s+(\S+)\s+(\S+)", head, flags=re.MULTILINE):
-        within(int(count), MOST_ITEMS, f"elements called {name.decode()}")
-    if b"ascii" in head:
-        within(data.count(b"\n") + data.count(b"\r"), 2 * MOST_ITEMS, "lines")
+    if not {line[0] for line in words if line} <= _PLY_WORDS:
+        raise RejectedError("its header has a line of another kind")
+    return words, size
 
 
 def _check_off(data: bytes) -> None:
     lines = data.count(b"\n") + data.count(b"\r")
-    within(lines, 2 * MOST_ITEMS, "lines")
     counts = re.match(rb"\s*C?OFF\s+(\d+)\s+(\d+)", re.sub(rb"#[^\n]*", b"", data[:100_000]))
     if counts and int(counts[1]) + int(counts[2]) > lines:
         raise RejectedError("it is cut short")
+    _check_polygons(data, 10 * MOST_ITEMS)
 
 
 def _check_obj(data: bytes) -> None:
-    within(data.count(b"v ") + data.count(b"f "), 2 * MOST_ITEMS, "vertices and faces")
+    within(data.count(b"\n"), 4 * MOST_ITEMS, "lines")
+    _check_lines(data)
 
 
-def _check_glb(data: bytes) -> None:
-    length, kind = struct.unpack_from("<II", data, 12)
-    within(length, MOST_UNPACKED // 16, "bytes of structure")
-    if kind != 0x4E4F534A:
-        raise RejectedError("its structure is not where it should be")
-    tree = json.loads(data[20 : 20 + length])
-    for buffer in [*tree.get("buffers", []), *tree.get("images", [])]:
-        if not buffer.get("uri", "data:").startswith("data:"):
-            raise RejectedError("it names another file; only what is in the file is read")
-    views, accessors = tree.get("bufferViews", []), tree.get("accessors", [])
-    within(sum(view["byteLength"] for view in views), 2 * len(data), "bytes in views of the file")
-    for accessor in accessors:
-        within(accessor["count"], 3 * MOST_ITEMS, "values of one kind")
-    bare = [accessor["count"] for accessor in accessors if "bufferView" not in accessor]
-    within(sum(bare), MOST_ITEMS, "values that are not in the file")
-    seen = Counter(accessor.get("bufferView") for accessor in accessors)
-    sizes = {number: view["byteLength"] for number, view in enumerate(views)}
-    shared = sum(sizes.get(view, 0) for view in seen.elements())
-    within(shared, 64 * len(data), "bytes in views of the file, each as often as it is used")
-    _check_nodes(tree, [accessor["count"] for accessor in accessors])
+def _check_lines(data: bytes) -> None:
+    """The vertices and faces of an OBJ file."""
+    for letter, what in ((b"v", "vertices"), (b"f", "faces")):
+        starts = (letter + b" ", letter + b"\t")
+        count = sum(data.count(b"\n" + start) for start in starts) + data.startswith(starts)
+        within(count, MOST_ITEMS, what)
 
 
-def _check_nodes(tree: Mapping[str, Any], counts: list[int]) -> None:
-    """Meshes, and how often they are placed."""
-    nodes = tree.get("nodes", [])
-    meshes = [mesh["primitives"] for mesh in tree.get("meshes", [])]
-    placed = [*meshes, *(meshes[node["mesh"]] for node in nodes if "mesh" in node)]
-    primitives = list(itertools.chain.from_iterable(placed))
-    within(len(nodes) + len(primitives), MOST_PARTS, "nodes and placed parts")
-    scenes = tree.get("scenes", [])
-    roots = scenes[tree.get("scene", 0)].get("nodes", []) if scenes else []
-    links = [*roots, *itertools.chain.from_iterable(node.get("children", []) for node in nodes)]
-    if len(set(links)) < len(links):
-        raise RejectedError("a node hangs from two others")
-    items = sum(
-        counts[primitive["attributes"]["POSITION"]]
-        + (counts[primitive["indices"]] if "indices" in primitive else 0)
-        for primitive in primitives
-    )
-    within(items, 4 * MOST_ITEMS, "vertices and corners of faces")
+def _check_geometry(kept: bytes) -> None:
+    """The lines of an OBJ file that has only vertices and faces."""
+    _check_lines(kept)
+    words = _words_by_line(kept, 16 * MOST_ITEMS) - 1
+    starts = np.concatenate(([0], np.flatnonzero(np.frombuffer(kept, np.uint8) == ord("\n")) + 1))
+    starts = starts[starts < len(kept)]
+    corners = words[: len(starts)][np.frombuffer(kept, np.uint8)[starts] == ord("f")]
+    within(corners.max(initial=0), MOST_CORNERS, "corners of a face")
+    within(np.maximum(corners - 2, 0).sum(), MOST_ITEMS, "triangles")
 
 
-def _check_3mf(data: bytes) -> None:
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        entries = archive.infolist()
-        within(len(entries), MOST_PARTS, "files in it")
-        within(sum(entry.file_size for entry in entries), MOST_UNPACKED, "bytes unpacked")
-        models = {
-            entry.filename.strip("/"): _model(archive.read(entry))
-            for entry in entries
-            if entry.filename.lower().endswith(".model")
-        }
-    whole = {name: sum(own.values()) for name, (own, _, _) in models.items()}
-    own: Counter[str] = Counter()
-    parts: defaultdict[str, list[str]] = defaultdict(list)
-    for held, components, _ in models.values():
-        own.update(held)
-        for parent, child, path in components:
-            own[child] += whole.get(path, 0)
-            parts[parent].append(child)
-    within(sum(own.values()), 2 * MOST_ITEMS, "vertices and faces")
-    items = [item for _, _, placed in models.values() for item in placed]
-    within(len(items), MOST_PARTS, "placed objects")
-    counted: dict[str, tuple[int, int]] = {}
-    sizes = [_unfolded(item, own, parts, counted, ()) for item in items]
-    within(sum(size for size, _ in sizes), 2 * MOST_ITEMS, "vertices and faces, as placed")
-    within(sum(places for _, places in sizes), MOST_PARTS, "placed parts")
+def _check_polygons(data: bytes, most: int) -> None:
+    """The lines of other text, in which each face has one."""
+    lines = data.replace(b"\r", b"\n")
+    within(lines.count(b"\n"), 2 * MOST_ITEMS, "lines")
+    within(_words_by_line(lines, most).max(initial=0), MOST_CORNERS, "words in a line")
 
 
-def _model(text: bytes) -> tuple[Counter[str], list[tuple[str, str, str]], list[str]]:
-    """Vertices and faces by object; object, component and its file; what is placed."""
-    held: Counter[str] = Counter()
-    components, items = [], []
-    tags = ("{*}object", "{*}item", "{*}model")
-    for event, found in etree.iterparse(io.BytesIO(text), ("start", "end"), tag=tags, **XML):
-        if found.getroottree().docinfo.doctype:
-            raise RejectedError("its XML has a DOCTYPE, which 3MF forbids")
-        name = etree.QName(found).localname
-        if event == "end" and name == "item":
-            items.append(found.attrib["objectid"])
-        elif event == "end" and name == "object":
-            key = found.attrib["id"]
-            held[key] += sum(1 for _ in found.iter("{*}vertex", "{*}triangle"))
-            for part in found.iter("{*}component"):
-                paths = [value for word, value in part.attrib.items() if word.endswith("path")]
-                components.append((key, part.attrib["objectid"], "".join(paths[:1]).strip("/")))
-            found.clear()
-    return held, components, items
-
-
-def _unfolded(
-    name: str,
-    own: Mapping[str, int],
-    parts: Mapping[str, list[str]],
-    counted: dict[str, tuple[int, int]],
-    above: tuple[str, ...],
-) -> tuple[int, int]:
-    """Vertices and faces, and parts, of an object with all that it is made of.
+def _words_by_line(data: bytes, most: int) -> NDArray[np.int64]:
+    """How many words each line has; whatever is no ASCII letter, digit or sign parts words.
 
     Raises:
-        RejectedError: It is made of itself.
+        RejectedError: There are too many of them.
     """
-    if name in above or len(above) > 100:
-        raise RejectedError("its objects are made of themselves, or nested too deep")
-    if name not in counted:
-        below = [
-            _unfolded(part, own, parts, counted, (*above, name)) for part in parts.get(name, [])
-        ]
-        size, places = (sum(each[k] for each in below) for k in (0, 1))
-        counted[name] = (own.get(name, 0) + size, max(places, 1))
-    return counted[name]
+    text = np.frombuffer(data, np.uint8)
+    inside = np.zeros(len(text) + 1, bool)
+    np.greater(text, ord(" "), out=inside[1:])
+    inside[1:] &= text < 127
+    begun = inside[1:] > inside[:-1]
+    within(int(np.count_nonzero(begun)), most, "words")
+    ends = np.flatnonzero(text == ord("\n"))
+    bounds = np.concatenate(([0], ends, [len(text)]))
+    return np.diff(np.searchsorted(np.flatnonzero(begun), bounds))

@@ -6,7 +6,7 @@ other programs, says where the files come from (`egad.tables.origin`).
 
 import hashlib
 import json
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from egad.errors import UserError
@@ -15,6 +15,7 @@ from egad.tables import origin
 
 NAME, ENDING = "SHA256SUMS", ".sha256"
 _ORIGIN = "# egad-origin "
+MOST_BYTES = 1 << 26  # of a file of sums: some half a million lines
 
 
 def sum_of(path: Path) -> str:
@@ -55,15 +56,26 @@ def read_sums(path: Path) -> tuple[dict[Path, str], dict[str, Any]]:
     """The files that a file of sums is about with their sums, and their origin if it has one.
 
     Raises:
-        UserError: It is damaged.
+        UserError: It is damaged, or about a file outside of its folder.
     """
+    if path.stat().st_size > MOST_BYTES:
+        raise UserError(f"{path}: not a file of sums (larger than {MOST_BYTES:,} bytes)")
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
         made = [json.loads(line[len(_ORIGIN) :]) for line in lines if line.startswith(_ORIGIN)]
         pairs = [line.split("  ", 1) for line in lines if not line.startswith("#")]
-        return {path.parent / name: value for value, name in pairs}, dict(made[0] if made else {})
-    except (ValueError, TypeError) as error:
+        sums = {path.parent / _inside(name): value for value, name in pairs}
+        return sums, dict(made[0] if made else {})
+    except (ValueError, TypeError, RecursionError) as error:
         raise UserError(f"{path}: not a file of sums ({error})") from error
+
+
+def _inside(name: str) -> str:
+    """The name of a file of a folder, unless it leads out of it."""
+    path = PurePosixPath(name)
+    if path.is_absolute() or ".." in path.parts or "\0" in name:
+        raise ValueError(f"{name!r} is outside of its folder")
+    return name
 
 
 def _lines(folder: Path, files: list[Path]) -> str:

@@ -1,6 +1,7 @@
 """The origin of a file or folder: in a table itself, beside everything else."""
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,18 @@ class Noted(BaseModel):
             (Path(name if name.startswith(ELSEWHERE) else os.path.normpath(folder / name)), digest)
             for name, digest in self.inputs
         ]
+
+
+def is_near(path: Path, folders: Iterable[Path]) -> bool:
+    """Whether a path is a file or folder in one of some folders, links followed.
+
+    What a stranger's file names is not read unless it is: it may be a device that never ends, or
+    the whole disk.
+    """
+    kinds = (os.path.isfile, os.path.isdir)  # unlike those of `Path`, they take any text
+    if not any(is_kind(path) for is_kind in kinds):
+        return False
+    return any(path.resolve().is_relative_to(folder.resolve()) for folder in folders)
 
 
 def origin_of(path: Path) -> Noted | None:

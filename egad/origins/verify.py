@@ -7,7 +7,7 @@ from pathlib import Path
 
 from egad.errors import UserError
 from egad.exchange.sums import ENDING, NAME, files_of, read_sums, sum_of
-from egad.origins.lookup import TABLE, origin_of
+from egad.origins.lookup import TABLE, is_near, origin_of
 from egad.tables.parquet import TableError
 from egad.tables.seal import is_whole
 
@@ -23,7 +23,8 @@ class Verdict:
         checked: How many files were compared with a hash.
         problems: What is wrong, for each file that is not as it was made.
         unknown: Files that nothing is noted of.
-        gone: How many inputs are not there any more, or lie elsewhere.
+        gone: How many inputs are not there any more, or lie neither in the folder nor in the
+            working directory.
     """
 
     checked: int
@@ -55,10 +56,11 @@ def verify(folder: Path) -> Verdict:
         raise UserError(f"{folder}: nothing is noted of any file in it")
     altered = {path for path, problem in found if problem}
     sources = _sources([*(path for path in tables if path not in altered), *map(_made, records)])
+    there = {source for _, source, _ in sources if is_near(source, (folder, Path.cwd()))}
     chained = [
         (path, f"made from another {source} than is there now")
         for path, source, value in sources
-        if source.exists() and digest(source) != value
+        if source in there and digest(source) != value
     ]
     problems: dict[Path, str] = {}
     for path, problem in [*found, *chained]:
@@ -69,7 +71,7 @@ def verify(folder: Path) -> Verdict:
         checked=len(known),
         problems=problems,
         unknown=[path for path in files if path not in known | set(records)],
-        gone=len({source for _, source, _ in sources if not source.exists()}),
+        gone=len({source for _, source, _ in sources} - there),
     )
 
 

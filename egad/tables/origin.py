@@ -68,7 +68,8 @@ def noted(folder: Path) -> dict[str, Any] | None:
 
 
 def _relative(path: Path, folder: Path) -> str:
-    path, folder, here = path.absolute(), folder.absolute(), Path.cwd()
+    here = Path.cwd()
+    path, folder = (Path(os.path.normpath(each.absolute())) for each in (path, folder))
     if path.is_relative_to(here) and folder.is_relative_to(here):
         return Path(os.path.relpath(path, folder)).as_posix()
     return f"{ELSEWHERE}{path.name}"

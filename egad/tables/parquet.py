@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 
 from egad.files import replacing
 from egad.tables import origin, seal
-from egad.tables.promises import TableError, check_names, check_promises
+from egad.tables.promises import BATCH, TableError, check_names, check_promises
 
 __all__ = [
     "BATCH",
@@ -32,7 +32,6 @@ __all__ = [
 ]
 _NOTES, _ORIGIN = "egad", "egad-origin"
 _DAMAGED = (OSError, pa.ArrowException, UnicodeDecodeError)  # what reading such files raises
-BATCH = 8192  # rows that are in memory at a time where a table is streamed
 
 
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
@@ -125,7 +124,7 @@ def _kept(path: Path, key: str) -> dict[str, Any]:
     kept = (schema_of(path).metadata or {}).get(key.encode())
     try:
         found = json.loads(kept) if kept else {}
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise TableError(f"{path}: its metadata {key} is not JSON") from error
     if not isinstance(found, dict):
         raise TableError(f"{path}: its metadata {key} is not a table of values")

@@ -1,5 +1,6 @@
 """The files that a detector is made of, besides the library: the user's code, and weights."""
 
+import zipfile
 from pathlib import Path
 
 from egad import own_code
@@ -38,6 +39,18 @@ def check_ggcnn(weights: str | None) -> str:
         raise UserError(f"{WHERE}: ggcnn needs `weights: FILE`; {GGCNN_WEIGHTS}")
     if not Path(weights).is_file():
         raise UserError(f"{WHERE}: there is no file {weights}; {GGCNN_WEIGHTS}")
-    if Path(weights).stat().st_size > MOST_BYTES:
+    if _size(Path(weights)) > MOST_BYTES:
         raise UserError(f"{WHERE}: {weights} is too large to be weights of GG-CNN; {GGCNN_WEIGHTS}")
     return weights
+
+
+def _size(path: Path) -> int:
+    """Bytes of a file, or of all that is in it if it is a zip, as those of PyTorch are."""
+    size = path.stat().st_size
+    if size > MOST_BYTES or not zipfile.is_zipfile(path):
+        return size
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return sum(entry.file_size for entry in archive.infolist())
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
+        return size

@@ -8,6 +8,7 @@ import csv
 import io
 import re
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +32,7 @@ WORDS = {
     **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
     **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
 }
-MOST_BYTES, MOST_COLUMNS = 1 << 24, 1000  # of a CSV file
+MOST_BYTES, MOST_COLUMNS, MOST_ROWS = 1 << 24, 1000, 100_000  # of a CSV file
 ATTEMPT = re.compile(r"[0-9]{1,9}")
 
 
@@ -120,12 +121,14 @@ def _cells(path: Path) -> list[tuple[int, list[str]]]:
         head = text.strip().partition("\n")[0]
         separator = ";" if head.count(";") > head.count(",") else ","
         reader = csv.reader(io.StringIO(text), delimiter=separator, strict=True)
-        lines = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
+        rows = ((reader.line_num, [cell.strip() for cell in row]) for row in reader)
+        filled = list(islice((row for row in rows if any(row[1])), MOST_ROWS + 2))
     except (UnicodeDecodeError, csv.Error) as error:
         raise UserError(f"{path}: not a CSV file: {error}") from error
-    filled = [(line, row) for line, row in lines if any(row)]
     if not filled:
         raise UserError(f"{path}: not a CSV file: it is empty")
+    if len(filled) > MOST_ROWS + 1:
+        raise UserError(f"{path}: more than {MOST_ROWS:,} rows; split it")
     width = len(filled[0][1])
     if width > MOST_COLUMNS:
         raise UserError(f"{path}: {width} columns; at most {MOST_COLUMNS} are read")

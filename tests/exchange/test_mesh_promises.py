@@ -14,6 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from egad.errors import RejectedError
+from egad.exchange.bounds import MOST_UNPACKED
 from egad.exchange.folders import ENDINGS
 from egad.exchange.meshes import read_mesh
 from egad.exchange.threemf import CORE
@@ -77,6 +78,7 @@ def plate(*arguments, **more):
     return packed(**{"3D__3dmodel_model": model(*arguments, **more)})
 
 
+FACE = '<triangle v1="0" v2="1" v3="2"/>'
 TRIANGLE = (
     '<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>'
     '<vertex x="0" y="1" z="0"/></vertices><triangles><triangle v1="0" v2="1" v3="2"/>'
@@ -158,9 +160,85 @@ BOMBS = {
         ),
         "DOCTYPE",
     ),
+    "blank.obj": (b"\n" * 20_000_000, "20,000,000 lines"),
+    "plain.obj": (b"v 0 0 0\n" * 4_200_000 + b"f 1 2 3\n", "4,200,000 vertices"),
+    "tabs.obj": (b"v\t0 0 0\n" * 4_200_000 + b"f\t1 2 3\n", "4,200,000 vertices"),
+    "faces.obj": (b"v 0 0 0\n" * 3 + b"f\t1 2 3\n" * 4_200_000, "4,200,000 faces"),
+    "polygon.off": (b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n30000" + b" 0 1 2" * 10_000, "30,001 words"),
+    "polygon.ply": (
+        ply("ascii", vertices(3) + faces(1)) + b"\n0 0 0\n1 0 0\n30000" + b" 0 1 2" * 10_000,
+        "30,001 words",
+    ),
+    "words.stl": (b"solid\nvertex" + b" 1" * 100_000_000 + b"\nendsolid\n", "words"),
+    "attributes.glb": (
+        glb(
+            {
+                "bufferViews": [{"buffer": 0, "byteLength": MEGABYTE, "byteStride": 1}],
+                "accessors": [accessor(MEGABYTE // 2, bufferView=0, type="MAT4")] * 50,
+            },
+            bytes(MEGABYTE),
+        ),
+        "bytes of values",
+    ),
+    "other.3mf": (
+        packed(
+            **{
+                "3D__3dmodel_model": model(
+                    '<object id="1"><components>'
+                    + '<component objectid="2" path="/3D/part.xml"/>' * 900
+                    + "</components></object>"
+                ),
+                "3D__part_xml": model(
+                    f'<object id="2">{TRIANGLE.replace(FACE, FACE * 20_000)}</object>'
+                ),
+            }
+        ),
+        "18,0.* vertices and faces",
+    ),
+    "outside.3mf": (
+        packed(
+            **{
+                "3D__3dmodel_model": model(
+                    '<object id="1"><components>'
+                    + '<component objectid="2" path="/3D/part.xml"/>' * 900
+                    + "</components></object>"
+                ),
+                "3D__part_xml": TRIANGLE.replace(FACE, FACE * 20_000),
+            }
+        ),
+        "18,0.* vertices and faces",
+    ),
+    "doctype.3mf": (
+        packed(
+            **{
+                "3D__3dmodel_model": model(
+                    '<object id="1"><components><component objectid="2" path="/3D/part.xml"/>'
+                    "</components></object>"
+                ),
+                "3D__part_xml": "<!DOCTYPE mesh>" + TRIANGLE,
+            }
+        ),
+        "DOCTYPE",
+    ),
+    "inside.3mf": (plate(f'<object id="1">{TRIANGLE}<object id="2"/></object>'), "object is in"),
+    "elements.3mf": (packed(**{"3D__3dmodel_model": "<m>" + "<a/>" * 40_000_000}), "elements"),
+    "encoding.3mf": (
+        plate(f'<object id="1">{TRIANGLE}</object>', '<?xml version="1.0" encoding="cp037"?>'),
+        "not UTF-8",
+    ),
+    "wide.3mf": (packed(**{"3D__3dmodel_model": model("").encode("utf-16")}), "not UTF-8"),
     "other.txt": (b"solid", "allowed endings"),
     "bomb.zip": (packed(a_stl="solid"), "allowed endings"),
 }
+
+
+def unpacked(name, content):
+    """Bytes of what is in a zip that is small enough to be looked at."""
+    if not name.endswith(".3mf"):
+        return 0
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        size = sum(entry.file_size for entry in archive.infolist())
+    return size if size <= MOST_UNPACKED else 0
 
 
 @pytest.mark.parametrize("name", BOMBS)
@@ -172,7 +250,9 @@ def test_what_promises_too_much_is_refused_before_memory_is_taken(tmp_path, name
     try:
         with pytest.raises(RejectedError, match=reason):
             read_mesh(path, "m")
-        assert tracemalloc.get_traced_memory()[1] < 20 * MEGABYTE + 4 * len(content)
+        assert tracemalloc.get_traced_memory()[1] < 20 * MEGABYTE + 4 * max(
+            len(content), unpacked(name, content)
+        )
     finally:
         tracemalloc.stop()
 
@@ -182,6 +262,53 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path):
         file.truncate(2 << 30)
     with pytest.raises(RejectedError, match="2,147,483,648 bytes"):
         read_mesh(tmp_path / "hole.stl", "m")
+
+
+@pytest.mark.parametrize("more", ["", "f 1 2 3 1\n", "# a comment\n"])
+def test_polygons_of_an_obj_file_have_a_bound(tmp_path, more):
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + more
+    (tmp_path / "a.obj").write_text(corners + "f" + " 1 2 3" * 3_000 + "\n")
+    assert len(read_mesh(tmp_path / "a.obj", "m").faces) in (8_998, 9_000)
+    (tmp_path / "a.obj").write_text(corners + "f" + " 1/1 2/1\\\n 3/1" * 10_000 + "\n")
+    with pytest.raises(RejectedError, match="30,000 corners of a face"):
+        read_mesh(tmp_path / "a.obj", "m")
+    (tmp_path / "a.obj").write_text(corners + ("f" + " 1 2 3" * 3_000 + "\n") * 500)
+    with pytest.raises(RejectedError, match="triangles"):
+        read_mesh(tmp_path / "a.obj", "m")
+
+
+def test_polygons_of_a_binary_ply_file_have_a_bound(tmp_path):
+    text = ply("binary_little_endian", vertices(3) + faces(1).replace("uchar int", "int uchar"))
+    head = text[:-64] + np.eye(3, dtype="<f4").tobytes()
+    for count, bound in ((300, None), (50_000_000, "values in lists")):
+        (tmp_path / "a.ply").write_bytes(
+            head + np.int32(count).tobytes() + bytes([0, 1, 2]) * (count // 3) + bytes(count % 3)
+        )
+        if bound is None:
+            assert len(read_mesh(tmp_path / "a.ply", "m").faces) == count - 2
+        else:
+            with pytest.raises(RejectedError, match=bound):
+                read_mesh(tmp_path / "a.ply", "m")
+
+
+def test_attributes_of_a_glb_file_take_no_memory(tmp_path):
+    """A hundred of them, in one and the same part of the file."""
+    count = 100_000
+    tree = scene([{"mesh": 0}], count) | {
+        "buffers": [{"byteLength": 12 * count}],
+        "bufferViews": [{"buffer": 0, "byteLength": 12 * count}],
+    }
+    names = {f"_A{number}": 0 for number in range(100)}
+    tree["meshes"] = [{"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 0} | names}]}]
+    tree["accessors"][0]["count"] = 99_999
+    corners = np.random.default_rng(0).random((count, 3)).astype("<f4")
+    (tmp_path / "a.glb").write_bytes(glb(tree, corners.tobytes()))
+    tracemalloc.start()
+    try:
+        assert len(read_mesh(tmp_path / "a.glb", "m").faces) == 33_333
+        assert tracemalloc.get_traced_memory()[1] < 60 * MEGABYTE
+    finally:
+        tracemalloc.stop()
 
 
 OTHERS = "the ball of another folder\n"

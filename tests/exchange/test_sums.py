@@ -43,8 +43,26 @@ def test_other_programs_can_check_them(folder, made):
     assert bool(read_sums(folder / NAME)[1]) == bool(made)
 
 
-@pytest.mark.parametrize("text", ["not sums", "# egad-origin {\n", "# egad-origin 7\n", "\xff"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "not sums",
+        "# egad-origin {\n",
+        "# egad-origin 7\n",
+        "\xff",
+        "00  /etc/passwd",
+        "00  ../a",
+        f"# egad-origin {'[' * 100_000}\n",
+    ],
+)
 def test_damaged_sums_are_named(folder, text):
     (folder / NAME).write_bytes(text.encode("latin-1"))
     with pytest.raises(UserError, match="SHA256SUMS: not a file of sums"):
+        read_sums(folder / NAME)
+
+
+def test_a_file_of_sums_without_end_is_not_read(folder):
+    with (folder / NAME).open("wb") as file:
+        file.truncate(1 << 40)
+    with pytest.raises(UserError, match="larger than"):
         read_sums(folder / NAME)

@@ -1,5 +1,8 @@
 """A small chain of files, made as the pipeline makes them: shards, a table, a folder, a figure."""
 
+import json
+import signal
+
 import pandas as pd
 import pytest
 
@@ -36,4 +39,38 @@ def made(tmp_path, monkeypatch):
     ):
         table(folder / "comparison.parquet", "comparison")
         (folder / "map.svg").write_text("<svg/>")
+    return folder
+
+
+@pytest.fixture
+def soon():
+    """Ends a test that reads what never ends."""
+
+    def late(*_):
+        raise TimeoutError("this does not end")
+
+    signal.signal(signal.SIGALRM, late)
+    signal.alarm(20)
+    yield
+    signal.alarm(0)
+
+
+@pytest.fixture(params=["/dev/zero", "/", "../outside", "../link", "../never", "../loop"])
+def stranger(made, soon, request, tmp_path, monkeypatch):  # noqa: ARG001 (it limits the time)
+    """A folder of which a file names, as what it was made from, something that is not to be read.
+
+    The working directory is beside it.
+    """
+    folder = tmp_path / "strange/folder"
+    folder.mkdir(parents=True)
+    (tmp_path / "strange/outside").write_text("of somebody else")
+    (tmp_path / "strange/link").symlink_to("/")
+    (tmp_path / "strange/never").symlink_to("/dev/zero")
+    (tmp_path / "strange/loop").symlink_to("loop")
+    (tmp_path / "strange/here").mkdir()
+    monkeypatch.chdir(tmp_path / "strange/here")
+    noted = parquet.origin_of(made / "objects.parquet") | {"inputs": [[request.param, "00"]]}
+    (folder / "plain.txt").write_text("")
+    digest = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"
+    (folder / "SHA256SUMS").write_text(f"# egad-origin {json.dumps(noted)}\n{digest}  plain.txt\n")
     return folder

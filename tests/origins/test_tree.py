@@ -1,9 +1,11 @@
+import json
 import os
 
 import pytest
 
 from egad.errors import UserError
 from egad.origins.tree import tree
+from egad.tables import parquet
 
 
 def drawn(path):
@@ -66,3 +68,22 @@ def test_names_cannot_move_the_cursor(made):
     path = made / "a\x1b[2J.txt"
     path.write_text("")
     assert "\x1b" not in next(tree(path))
+
+
+def test_what_a_stranger_names_is_not_read(stranger):
+    _, line = tree(stranger / "plain.txt")
+    assert "not looked at" in line or "loop: not there" in line
+
+
+@pytest.mark.parametrize("name", ["a\0b", "a" * 5000])
+def test_what_cannot_be_a_path_is_not_there(made, name):
+    noted = parquet.origin_of(made / "objects.parquet") | {"inputs": [[name, "00"]]}
+    (made / "map.svg.sha256").write_text(f"# egad-origin {json.dumps(noted)}\n")
+    assert "not there" in list(tree(made / "map.svg"))[1]
+
+
+def test_an_input_is_hashed_once(made, monkeypatch):
+    hashed = []
+    monkeypatch.setattr("egad.origins.tree.sum_of", hashed.append)
+    list(tree(made / "comparison.parquet"))
+    assert sorted(set(hashed)) == sorted(hashed)

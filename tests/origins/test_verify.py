@@ -3,6 +3,7 @@ import shutil
 import pandas as pd
 import pytest
 
+from egad.cli.recorded import recorded
 from egad.errors import UserError
 from egad.exchange.sums import NAME, write_sums
 from egad.origins.verify import verify
@@ -81,3 +82,27 @@ def test_there_must_be_something_to_compare(tmp_path):
         verify(tmp_path)
     with pytest.raises(UserError, match="no such folder"):
         verify(tmp_path / "gone")
+
+
+def test_what_a_stranger_names_is_not_read(stranger):
+    verdict = verify(stranger)
+    assert (verdict.problems, verdict.gone) == ({}, 1)
+
+
+@pytest.mark.parametrize(
+    "name", ["/dev/zero", "../../secret", "a/../../../secret", "/etc/hostname"]
+)
+@pytest.mark.usefixtures("soon")
+def test_sums_are_about_their_folder(made, name):
+    with (made / f"meshes/{NAME}").open("a") as file:
+        file.write(f"00  {name}\n")
+    assert problems(made)[f"meshes/{NAME}"] == "altered: not a file of sums"
+
+
+def test_inputs_in_the_working_directory_are_compared(made, tmp_path):
+    (tmp_path / "scan.obj").write_text("scan")
+    with recorded("compare", None, [tmp_path / "scan.obj"], [made / "map.svg"]):
+        pass
+    assert not problems(made)
+    (tmp_path / "scan.obj").write_text("another")
+    assert "made from another" in problems(made)["map.svg"]

@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import pandas as pd
 import pyarrow.parquet as pq
@@ -71,3 +72,11 @@ def test_the_place_of_the_working_directory_leaves_no_trace(tmp_path, monkeypatc
         ["../b.parquet", "1"],
         ["elsewhere:archive.parquet", "2"],
     ]
+
+
+@pytest.mark.parametrize("name", ["../x.parquet", "results/../../x.parquet"])
+def test_an_input_outside_is_noted_by_its_name_however_it_is_written(tmp_path, monkeypatch, name):
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    noted = write(Path("results/a.parquet"), origin((Path(name), "1"), (Path("x/../b"), "2")))
+    assert noted["inputs"] == [["elsewhere:x.parquet", "1"], ["../b", "2"]]

@@ -20,6 +20,7 @@ from egad.tables import parquet, promises
 from egad.tables.columns import ID, LABEL
 from egad.tables.evolution import ARCHIVE
 from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.pages import pages
 from egad.tables.parquet import TableError
 
 SCHEMA = pa.schema([("id", pa.string()), ("voxels", pa.large_binary()), ("x", pa.float64())])
@@ -67,10 +68,99 @@ def test_more_rows_than_memory_are_refused_unread(tmp_path, monkeypatch):
 
 def test_many_short_texts_are_read(tmp_path):
     path = table(tmp_path / "grasps.parquet", 300_000, name="a" * 20_000)
-    with pytest.raises(TableError, match="6,000,000,000"):
+    with pytest.raises(TableError, match=r"4,\d+,\d+,\d+ bytes in memory"):
         parquet.read(path, SCHEMA)
     path = table(tmp_path / "grasps.parquet", 300_000, name="a" * 20)
     assert len(parquet.read(path, SCHEMA)) == 300_000
+
+
+def with_footer(path, change):
+    """A file whose footer says something else, in as many bytes."""
+    data = path.read_bytes()
+    start = len(data) - 8 - int.from_bytes(data[-8:-4], "little")
+    footer = change(data[start:-8])
+    assert len(footer) == len(data) - 8 - start
+    path.write_bytes(data[:start] + footer + data[-8:])
+
+
+def varint(value):
+    value, parts = 2 * value, []
+    while value:
+        parts.append(value & 127 | 128)
+        value >>= 7
+    return bytes([*parts[:-1], parts[-1] & 127])
+
+
+@pytest.mark.parametrize("kind", ["name", "voxels"])
+def test_a_footer_that_tells_of_less_is_not_believed(tmp_path, kind):
+    text = "a" * (1 << 20)
+    path = table(
+        tmp_path / "bomb.parquet", 5000, **{kind: text if kind == "name" else text.encode()}
+    )
+    group = pq.ParquetFile(path).metadata.row_group(0)
+    size = varint(group.column(0 if kind == "name" else 1).total_uncompressed_size)
+    padded = b"\x82" + b"\x80" * (len(size) - 2) + b"\0"
+    with_footer(path, lambda footer: footer.replace(size, padded))
+    group = pq.ParquetFile(path).metadata.row_group(0)
+    assert group.column(0 if kind == "name" else 1).total_uncompressed_size == 1
+    before = pa.total_allocated_bytes()
+    with pytest.raises(TableError, match=r"bytes in memory"):
+        parquet.read(path, SCHEMA)
+    assert pa.default_memory_pool().max_memory() - before < 200_000_000
+    with pytest.raises(TableError, match="bytes in memory"):
+        next(parquet.batches(path, ["id", "voxels"]))
+
+
+def test_pages_are_as_the_footer_of_a_sound_file_says(tmp_path):
+    frame = pd.DataFrame(
+        {
+            "a": np.arange(50_000),
+            "b": [str(k % 99) for k in range(50_000)],
+            "c": [[str(k), "x"] for k in range(50_000)],
+            "d": [None, 1.5] * 25_000,
+        }
+    )
+    for number, options in enumerate(
+        [
+            {},
+            {"data_page_version": "2.0"},
+            {"row_group_size": 999},
+            {"compression": "none"},
+            {"use_dictionary": False, "write_page_index": True, "data_page_size": 1000},
+        ]
+    ):
+        path = tmp_path / f"{number}.parquet"
+        pq.write_table(pa.Table.from_pandas(frame), path, **options)
+        about = pq.ParquetFile(path).metadata
+        for group in range(about.num_row_groups):
+            for column in range(about.num_columns):
+                chunk = about.row_group(group).column(column)
+                found = list(pages(path, chunk))
+                whole = sum(page.size for page in found)
+                assert 0 <= chunk.total_uncompressed_size - whole < 100 * len(found)  # headers
+                data = found[1:] if chunk.has_dictionary_page else found
+                assert sum(page.values for page in data) == chunk.num_values
+        assert len(parquet.read(path, pq.read_schema(path))) == 50_000
+
+
+def test_wide_values_that_are_not_there_are_counted(tmp_path):
+    kind = pa.binary(100_000_000)
+    frame = pa.Table.from_arrays([pa.nulls(1, kind)], ["a"])
+    pq.write_table(frame, tmp_path / "a.parquet", store_schema=False)
+    assert len(parquet.read(tmp_path / "a.parquet", pa.schema([("a", kind)]))) == 1
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(promises, "MOST_BYTES", 90_000_000)
+        with pytest.raises(TableError, match="bytes in memory"):
+            parquet.read(tmp_path / "a.parquet", pa.schema([("a", kind)]))
+
+
+def test_texts_that_share_their_beginnings_are_refused(tmp_path):
+    """Each may be as long as all that is in the file, and they are unpacked together."""
+    rows = pa.table({"id": ["a" * 1_000_000] * 100})
+    options = {"use_dictionary": False, "column_encoding": {"id": "DELTA_BYTE_ARRAY"}}
+    pq.write_table(rows, tmp_path / "a.parquet", **options)
+    with pytest.raises(TableError, match="DELTA_BYTE_ARRAY"):
+        parquet.read(tmp_path / "a.parquet", pa.schema([ID]))
 
 
 @pytest.mark.parametrize("name", ["../a", "/etc/a", "..", ".", "a\\b", "a\0b", "a/b"])

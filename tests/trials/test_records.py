@@ -149,6 +149,14 @@ def test_a_file_that_is_far_too_large_is_not_read(tmp_path):
         read(tmp_path / "results.csv")
 
 
+@pytest.mark.parametrize(("blank", "rows"), [(1_000_000, 5), (0, 100_001)])
+def test_there_are_not_too_many_rows(written, blank, rows):
+    path = written("label,attempt,success\n" + "\n" * blank + "A0,,\n" * rows)
+    reason = "more than 100,000 rows" if rows > 5 else "no row says whether"
+    with pytest.raises(UserError, match=reason):
+        read(path)
+
+
 def test_no_table_grows_to_rows_times_columns(written):
     text = "label,attempt,success" + "," * 10_000 + "\n" + "A0,0,1\n" * 100_000
     with pytest.raises(UserError, match="10003 columns; at most 1000"):
