@@ -11,7 +11,7 @@ import pandas as pd
 
 from egad.progress import progress
 from egad.stage_settings import LabelTrials
-from egad.stages.bundled import model_in, outlived, rows_by_id
+from egad.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.stages.shards import rows_in_shard
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49
@@ -51,7 +51,8 @@ def run(
     labelled = parquet.read(grasps, GRASPS)
     known = rows_by_id(bundle)
     parts = []
-    with Survivor(partial(executor, settings, bundle)) as execute:
+    limit = ENGINE_TIME * max(share.values(), default=1)
+    with Survivor(partial(executor, settings, bundle), limit) as execute:
         for row in progress(chosen, "trying", len(chosen)):
             label, name = row["label"], row["id"]
             sample = sampled(labelled[labelled["id"] == name], name, share[name], settings.seed)

@@ -16,6 +16,7 @@ from egad.tables.evaluation import BUNDLE
 from egad.trials.model import Model, model_of
 
 log = logging.getLogger(__name__)
+ENGINE_TIME = 60.0  # seconds; an attempt takes less than one, unless the engine hangs
 Row = Mapping[str, Any]
 
 

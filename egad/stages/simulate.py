@@ -12,7 +12,7 @@ import pandas as pd
 from egad.errors import UserError
 from egad.progress import progress
 from egad.stage_settings import SimulatedTrials
-from egad.stages.bundled import model_in, outlived, rows_by_id
+from egad.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.stages.shards import rows_in_shard
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
@@ -36,8 +36,8 @@ def run(
 ) -> None:
     """Try to grasp each object of a shard.
 
-    All is done in one process, apart from this one: if the engine ends it, it is started anew, and
-    an object that ends it twice is marked as crashed.
+    All is done in one process, apart from this one: if the engine ends it or hangs, it is started
+    anew, and an object with which that happens twice is marked as crashed.
 
     Args:
         settings: What this stage reads.
@@ -51,7 +51,8 @@ def run(
     chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
     known = rows_by_id(bundle)
     parts = []
-    with Survivor(partial(trier, settings, bundle, grasps)) as attempt:
+    limit = settings.trials.attempts * (settings.trials.planning_time + ENGINE_TIME)
+    with Survivor(partial(trier, settings, bundle, grasps), limit) as attempt:
         for row in progress(parquet.records(chosen), "trying", len(chosen)):
             found = partial(attempt, known[row["id"]]) if row["id"] in known else None
             failed = partial(untried, row["label"], row["id"], settings)

@@ -93,7 +93,7 @@ def test_shards_together_have_the_same_rows(dataset, table, tmp_path):
 
 def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monkeypatch, caplog):
     class Deadly:
-        def __init__(self, _opened):
+        def __init__(self, _opened, _limit):
             pass
 
         def __enter__(self):
