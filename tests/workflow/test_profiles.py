@@ -58,9 +58,9 @@ def test_memory_holds_back_no_job_of_a_machine_of_ones_own(clean):
 
 def test_a_scheduler_makes_the_same_bytes(copy, finished):
     """A few jobs of the finished run again, one of them local."""
-    targets = [f"results/egad/{of}/egad_75mm.parquet" for of in ("grasps", "size_effect")]
-    parts = [f"results/egad/parts/grasps-egad_75mm-{shard}.parquet" for shard in (0, 1)]
-    for path in targets + parts:
+    results = "results/egad/{}.parquet".format
+    targets = [results("grasps/egad_75mm.tally"), results("size_effect/egad_75mm")]
+    for path in [*targets, *(results(f"parts/tally-egad_75mm-{shard}") for shard in (0, 1))]:
         (copy.folder / path).unlink()
     copy.make(*LOCAL_TEST, *targets)
     assert copy.bytes() == finished.bytes()

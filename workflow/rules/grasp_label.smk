@@ -8,7 +8,6 @@ Steps: shards of objects are labelled; then the tables of the shards are joined.
 
 
 localrules:
-    join_grasps,
     join_tallies,
     join_ungraspable,
 
