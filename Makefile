@@ -3,6 +3,7 @@
 # make test    set up, then all tests
 # make bounds  set up, then the tests of compiled code with every index checked
 # make slicer  set up, then slice plates of released objects (Debian: apt-get install prusa-slicer)
+# make slurm   set up, then run on a Slurm cluster of one node (root; Debian: slurm-wlm, munge)
 # make bench   set up, then the benchmarks
 # make lint    set up, then all checks of the code that need no run
 # make lock    add to requirements.lock what is new in pyproject.toml (newest of all: delete it first)
@@ -16,7 +17,7 @@ PYTHON ?= $(firstword $(foreach name,python3.11 python3.12 python3.13 python3 py
 	>/dev/null 2>&1 && echo $(name))))
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: all setup test bounds slicer bench lint lock
+.PHONY: all setup test bounds slicer slurm bench lint lock
 
 all: setup
 	snakemake --cores $(CORES)
@@ -34,6 +35,11 @@ slicer: setup
 	@command -v prusa-slicer >/dev/null || { echo "prusa-slicer is needed" >&2; exit 1; }
 	pytest -m slow tests/evalset/test_slicer.py
 
+slurm: setup
+	@command -v slurmctld >/dev/null && command -v munged >/dev/null \
+		|| { echo "slurm-wlm and munge are needed" >&2; exit 1; }
+	pytest -m slurm tests/workflow/test_slurm.py
+
 bench: setup
 	pytest tests/benchmarks --capture=no --override-ini python_files='bench_*.py'
 
@@ -50,8 +56,8 @@ lock:
 	$(PYTHON) -m venv build/lock
 	build/lock/bin/pip install --quiet pip-tools
 	CUSTOM_COMPILE_COMMAND="make lock" build/lock/bin/pip-compile --quiet \
-		--extra dev --build-deps-for editable --generate-hashes --strip-extras --allow-unsafe \
-		--no-emit-index-url --no-emit-trusted-host --no-emit-find-links \
+		--extra dev --extra cluster --build-deps-for editable --generate-hashes \
+		--strip-extras --allow-unsafe --no-emit-index-url --no-emit-trusted-host --no-emit-find-links \
 		--output-file requirements.lock pyproject.toml
 
 $(READY): requirements.lock

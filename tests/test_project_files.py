@@ -2,9 +2,11 @@ import ast
 import importlib.metadata
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -21,8 +23,11 @@ def canonical(name):
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
+EXTRAS = PROJECT["optional-dependencies"]
+
+
 @pytest.mark.parametrize(
-    "text", PROJECT["dependencies"] + PROJECT["optional-dependencies"]["dev"], ids=str
+    "text", PROJECT["dependencies"] + EXTRAS["cluster"] + EXTRAS["dev"], ids=str
 )
 def test_the_lock_pins_every_dependency_within_its_bounds(text):
     wanted = Requirement(text)
@@ -42,7 +47,7 @@ def imported_packages(folder):
 def test_every_imported_package_is_declared():
     declared = {canonical(Requirement(text).name) for text in PROJECT["dependencies"]} | {
         canonical(Requirement(text).name)
-        for extra, texts in PROJECT["optional-dependencies"].items()
+        for extra, texts in EXTRAS.items()
         if extra != "dev"
         for text in texts
     }
@@ -67,6 +72,37 @@ def test_the_lock_names_no_address_and_no_path():
 def test_conda_users_get_the_same_packages():
     environment = yaml.safe_load((ROOT / "envs/egad.yaml").read_text())
     assert environment["dependencies"][-1]["pip"] == PROJECT["dependencies"]
+
+
+DOCKERFILE = (ROOT / "envs/Dockerfile").read_text()
+COPIED = [
+    words.split()[:-1] for words in re.findall(r"^COPY (.+)$", DOCKERFILE, flags=re.MULTILINE)
+]
+
+
+def test_the_container_has_the_packages_of_the_lock_and_the_python_of_conda():
+    environment = yaml.safe_load((ROOT / "envs/egad.yaml").read_text())
+    python = next(each for each in environment["dependencies"] if each.startswith("python="))
+    assert f"\nFROM {python.replace('=', ':')}-slim" in DOCKERFILE
+    assert "--require-hashes --requirement requirements.lock" in DOCKERFILE
+    assert "--no-deps --no-build-isolation" in DOCKERFILE
+
+
+def test_what_the_container_copies_is_there_and_makes_the_whole_package(tmp_path):
+    sources = [ROOT / name for names in COPIED for name in names]
+    for source in sources:
+        copy = shutil.copytree if source.is_dir() else shutil.copy2
+        copy(source, tmp_path / source.name)
+    build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation"]
+    subprocess.run([*build, "--wheel-dir", "made", "."], cwd=tmp_path, check=True)
+    (wheel,) = (tmp_path / "made").iterdir()
+    package = {
+        str(path.relative_to(ROOT))
+        for path in (ROOT / "egad").rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    assert package - set(zipfile.ZipFile(wheel).namelist()) == set()
+    assert {"Snakefile", "config", "envs", "profiles", "workflow"} <= {s.name for s in sources}
 
 
 def test_make_without_python_says_what_is_needed(tmp_path):

@@ -15,6 +15,26 @@ import yaml
 ROOT = Path(__file__).parents[2]
 SOURCES = ["Snakefile", "config", "envs", "profiles", "workflow"]
 TEST_CONFIG = "config/test.yaml"
+HUNGRY = """
+include: "workflow/rules/resources.smk"
+
+
+NEEDS["hungry"] = {needs}
+
+
+rule all:
+    input:
+        expand("{{guest}}.fed", guest={guests}),
+
+
+rule hungry:
+    output:
+        "{{guest}}.fed",
+    resources:
+        **needs("hungry"),
+    shell:
+        {command!r}
+"""
 
 
 @dataclass(frozen=True)
@@ -66,6 +86,13 @@ class Checkout:
         path = self.folder / name
         path.write_text(yaml.safe_dump(settings))
         return path
+
+    def feed(self, *arguments, needs, command, guests=("one",)):
+        """Run a workflow of one rule, `hungry`, that needs much; a job for each guest."""
+        (self.folder / "hungry.smk").write_text(
+            HUNGRY.format(needs=needs, guests=list(guests), command=command)
+        )
+        return self.make(*arguments, "--snakefile", "hungry.smk", configs=())
 
     def bytes(self):
         """The contents of all results by path."""

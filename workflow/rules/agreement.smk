@@ -29,8 +29,7 @@ rule agreement:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=4000,
-        runtime=120,
+        **needs("agreement"),
     params:
         settings=settings_of("LabelTrials"),
         bundle=subpath(input.bundle, parent=True),
@@ -58,8 +57,7 @@ rule join_agreement:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=10,
+        **needs("join_agreement"),
     params:
         code=code_version("egad.stages.join"),
     message:

@@ -18,10 +18,9 @@ rule bundle:
         "benchmarks/{dataset}/bundle/{gripper}.tsv"
     conda:
         ENVIRONMENT
-    threads: side_by_side
+    threads: SIDE_BY_SIDE
     resources:
-        mem_mb=worker_memory,
-        runtime=240,
+        **needs("bundle"),
     params:
         settings=settings_of("SimulationBundle"),
         meshes=subpath(input.scales, parent=True),

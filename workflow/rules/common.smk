@@ -133,19 +133,6 @@ def gripper_mesh(wildcards):
     return [mesh] if mesh else []
 
 
-def side_by_side(wildcards):
-    """Threads of jobs that work on many objects at once: all cores; 8 where a cluster decides."""
-    try:
-        return min(64, workflow.cores)
-    except WorkflowError:
-        return 8
-
-
-def worker_memory(wildcards, threads):
-    """Megabytes: every worker is a process with the compiled library in it."""
-    return 1000 + 500 * threads
-
-
 def raw_objects(wildcards):
     """What the objects of a dataset are made from: its archive, or mesh files in its folder."""
     dataset = SETTINGS.datasets[wildcards.dataset]

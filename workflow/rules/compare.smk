@@ -24,8 +24,7 @@ rule compare:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=10,
+        **needs("compare"),
     params:
         settings=settings_of("Compare"),
         named=lambda wildcards, input: [f"{Path(file).parent.name}={file}" for file in input],

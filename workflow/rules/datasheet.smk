@@ -31,8 +31,7 @@ rule datasheet:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=2000,
-        runtime=30,
+        **needs("datasheet"),
     params:
         settings=settings_of("DataSheets"),
         manifests=lambda wildcards, input: named_grippers("--manifest", input.manifests),

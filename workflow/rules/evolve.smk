@@ -35,10 +35,9 @@ rule evolve:
         dataset=EVOLVED_DATASET,
     conda:
         ENVIRONMENT
-    threads: side_by_side
+    threads: SIDE_BY_SIDE
     resources:
-        mem_mb=worker_memory,
-        runtime=240,
+        **needs("evolve"),
     params:
         settings=settings_of("Evolve"),
         base=each("--base", "base"),
@@ -69,10 +68,9 @@ rule merge:
         dataset=EVOLVED_DATASET,
     conda:
         ENVIRONMENT
-    threads: side_by_side
+    threads: SIDE_BY_SIDE
     resources:
-        mem_mb=3000,
-        runtime=60,
+        **needs("merge"),
     params:
         settings=settings_of("Merge"),
         code=code_version("egad.stages.merge"),
@@ -99,8 +97,7 @@ rule archive:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=10,
+        **needs("archive"),
     params:
         code=code_version("egad.stages.merge"),
     message:
@@ -129,8 +126,7 @@ rule history:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=10,
+        **needs("history"),
     params:
         code=code_version("egad.stages.join"),
     message:

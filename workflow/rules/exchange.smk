@@ -21,8 +21,7 @@ rule dexnet_objects:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=120,
+        **needs("dexnet_objects"),
     params:
         settings=settings_of("DexNetObjects"),
         meshes=subpath(input.scales, parent=True),
@@ -53,8 +52,7 @@ rule dexnet:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=2000,
-        runtime=120,
+        **needs("dexnet"),
     params:
         settings=settings_of("DexNetDatabase"),
         dataset=subpath(input.objects, parent=True),
@@ -83,8 +81,7 @@ rule acronym:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=60,
+        **needs("acronym"),
     params:
         settings=settings_of("AcronymFiles"),
         dataset=subpath(input.objects, parent=True),

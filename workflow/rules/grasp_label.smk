@@ -8,7 +8,6 @@ Steps: shards of objects are labelled; then the tables of the shards are joined.
 
 
 localrules:
-    join_grasps,
     join_tallies,
     join_ungraspable,
 
@@ -34,8 +33,7 @@ rule grasp_label:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=2000,
-        runtime=120,
+        **needs("grasp_label"),
     params:
         settings=settings_of("GraspLabels"),
         meshes=subpath(input.scales, parent=True),
@@ -64,8 +62,7 @@ rule join_grasps:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=4000,
-        runtime=10,
+        **needs("join_grasps"),
     params:
         code=code_version("egad.stages.join"),
     message:
@@ -88,8 +85,7 @@ rule join_tallies:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=10,
+        **needs("join_tallies"),
     params:
         code=code_version("egad.stages.join"),
     message:
@@ -112,8 +108,7 @@ rule join_ungraspable:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=10,
+        **needs("join_ungraspable"),
     params:
         code=code_version("egad.stages.join"),
     message:

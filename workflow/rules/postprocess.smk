@@ -21,8 +21,7 @@ rule postprocess:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=2000,
-        runtime=120,
+        **needs("postprocess"),
     params:
         settings=settings_of("PostprocessSolids"),
         objects=raw_options,
@@ -52,10 +51,9 @@ rule collect:
         "benchmarks/{dataset}/collect.tsv"
     conda:
         ENVIRONMENT
-    threads: side_by_side
+    threads: SIDE_BY_SIDE
     resources:
-        mem_mb=4000,
-        runtime=60,
+        **needs("collect"),
     params:
         settings=settings_of("Collect"),
         source=lambda wildcards: SETTINGS.datasets[wildcards.dataset].source,

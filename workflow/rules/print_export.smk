@@ -21,8 +21,7 @@ rule print_export:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=30,
+        **needs("print_export"),
     params:
         settings=settings_of("PrintFiles"),
         meshes=subpath(input.scales, parent=True),

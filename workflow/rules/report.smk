@@ -17,10 +17,9 @@ rule report:
         "benchmarks/report.tsv"
     conda:
         ENVIRONMENT
-    threads: side_by_side
+    threads: SIDE_BY_SIDE
     resources:
-        mem_mb=worker_memory,
-        runtime=30,
+        **needs("report"),
     params:
         settings=SETTINGS.model_dump_json(),
         results=subpath(output[0], parent=True),

@@ -18,10 +18,9 @@ rule rescale:
         "benchmarks/{dataset}/rescale/{gripper}.tsv"
     conda:
         ENVIRONMENT
-    threads: side_by_side
+    threads: SIDE_BY_SIDE
     resources:
-        mem_mb=worker_memory,
-        runtime=60,
+        **needs("rescale"),
     params:
         settings=settings_of("RescaleMeshes"),
         folder=subpath(output.scales, parent=True),

@@ -19,10 +19,9 @@ rule select_eval:
         "benchmarks/{dataset}/select_eval.tsv"
     conda:
         ENVIRONMENT
-    threads: side_by_side
+    threads: SIDE_BY_SIDE
     resources:
-        mem_mb=4000,
-        runtime=60,
+        **needs("select_eval"),
     params:
         settings=settings_of("EvalSelection"),
         solids=each("--solids", "solids"),

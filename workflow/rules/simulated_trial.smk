@@ -32,8 +32,7 @@ rule simulated_trial:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=2000,
-        runtime=120,
+        **needs("simulated_trial"),
     params:
         settings=settings_of("SimulatedTrials"),
         bundle=subpath(input.bundle, parent=True),
@@ -63,8 +62,7 @@ rule join_trials:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=10,
+        **needs("join_trials"),
     params:
         code=code_version("egad.stages.join"),
     message:

@@ -20,8 +20,7 @@ rule size_effect:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=30,
+        **needs("size_effect"),
     params:
         settings=settings_of("SizeCurves"),
         code=code_version("egad.stages.size_effect"),

@@ -1,0 +1,74 @@
+"""The profiles, and the workflow through a scheduler: the one of profiles/local-test."""
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+RULES = ROOT / "workflow/rules"
+RESOURCES = runpy.run_path(str(RULES / "resources.smk"))
+LOCAL_TEST = ["--profile", "profiles/local-test", "--latency-wait", 2]
+
+
+def submitted(checkout):
+    """What was asked for all jobs: rule, threads, megabytes, minutes."""
+    table = checkout.folder / ".snakemake/local-test/submitted.tsv"
+    return [tuple(line.split()[1:5]) for line in table.read_text().splitlines()]
+
+
+@pytest.mark.parametrize("profile", ["kubernetes", "local-test", "slurm"])
+def test_every_option_of_a_profile_is_known(clean, profile):
+    assert "evolve" in clean.make("--profile", f"profiles/{profile}", "--list-rules")
+
+
+def test_only_profiles_say_how_often_a_job_is_tried_again():
+    assert not [path for path in RULES.glob("*.smk") if "retries:" in path.read_text()]
+    for profile in ("kubernetes", "local-test", "slurm"):
+        options = yaml.safe_load((ROOT / f"profiles/{profile}/config.yaml").read_text())
+        assert options["retries"] == 2
+
+
+def test_every_rule_asks_for_its_own_needs():
+    text = "".join(path.read_text() for path in RULES.glob("*.smk"))
+    _, *parts = re.split(r"^rule (\w+):", text, flags=re.MULTILINE)
+    rules = dict(zip(parts[::2], parts[1::2], strict=True))
+    assert set(RESOURCES["NEEDS"]) == set(rules)
+    for name, rule in rules.items():
+        assert f'**needs("{name}"),' in rule
+        assert "    threads: " in rule
+
+
+def test_needs_grow_with_threads_and_attempts():
+    memory, of_thread, minutes = RESOURCES["NEEDS"]["evolve"]
+    needs = RESOURCES["needs"]("evolve")
+    assert needs["mem_mb"](None, threads=1, attempt=1) == memory + of_thread
+    assert needs["mem_mb"](None, threads=8, attempt=3) == 3 * (memory + 8 * of_thread)
+    assert needs["runtime"](None, attempt=2) == 2 * minutes
+
+
+def test_memory_holds_back_no_job_of_a_machine_of_ones_own(clean):
+    """Each of two jobs that ask for more than there is waits until the other has started."""
+    both = "touch {wildcards.guest}; until [ -e one ] && [ -e two ]; do sleep 0.1; done"
+    command = f"{both}; touch {{output}}"
+    clean.feed("--cores", 2, needs=(10**9, 0, 1), command=command, guests=("one", "two"))
+
+
+def test_a_scheduler_makes_the_same_bytes(copy, finished):
+    """A few jobs of the finished run again, one of them local."""
+    results = "results/egad/{}.parquet".format
+    targets = [results("grasps/egad_75mm.tally"), results("size_effect/egad_75mm")]
+    for path in [*targets, *(results(f"parts/tally-egad_75mm-{shard}") for shard in (0, 1))]:
+        (copy.folder / path).unlink()
+    copy.make(*LOCAL_TEST, *targets)
+    assert copy.bytes() == finished.bytes()
+    rules = sorted(rule for rule, *_ in submitted(copy))
+    assert rules == ["grasp_label", "grasp_label", "size_effect"]
+
+
+def test_a_job_that_fails_is_submitted_again_with_more(clean):
+    enough = "[ {resources.mem_mb} -ge 1400 ] && touch {output}"
+    clean.feed(*LOCAL_TEST, needs=(600, 100, 2), command=enough)
+    assert submitted(clean) == [("hungry", "1", "700", "2"), ("hungry", "1", "1400", "4")]
