@@ -1,6 +1,7 @@
 """A fixed way to cut a dataset into shards, so that no shard depends on what else there is."""
 
 import hashlib
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,23 @@ import pyarrow as pa
 from egad.tables import parquet
 
 
-def in_shard(object_id: str, shard: int, shards: int) -> bool:
-    """Whether an object belongs to a shard, by a hash of its id."""
+def shard_of(object_id: str, shards: int) -> int:
+    """The shard of so many that an object belongs to, by a hash of its id."""
     digest = hashlib.sha256(object_id.encode()).digest()
-    return int.from_bytes(digest[:8], "little") % shards == shard
+    return int.from_bytes(digest[:8], "little") % shards
+
+
+def in_shard(object_id: str, shard: int, shards: int) -> bool:
+    """Whether an object belongs to a shard."""
+    return shard_of(object_id, shards) == shard
+
+
+def by_shard(object_ids: Iterable[str], shards: int) -> list[list[str]]:
+    """The objects of each shard, in their order."""
+    found: list[list[str]] = [[] for _ in range(shards)]
+    for object_id in object_ids:
+        found[shard_of(object_id, shards)].append(object_id)
+    return found
 
 
 def rows_in_shard(frame: pd.DataFrame, shard: int, shards: int) -> pd.DataFrame:

@@ -1,7 +1,7 @@
 import pandas as pd
 
 from egad.stages.join import run as join_files
-from egad.stages.shards import in_shard, join, rejection, rows_in_shard
+from egad.stages.shards import by_shard, in_shard, join, rejection, rows_in_shard
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS, REJECTED
 
@@ -12,6 +12,12 @@ def test_every_object_is_in_exactly_one_shard():
     for shards in (1, 3, 8):
         homes = [[in_shard(each, shard, shards) for shard in range(shards)] for each in IDS]
         assert {sum(home) for home in homes} == {1}
+
+
+def test_shards_list_the_objects_that_are_in_them():
+    listed = by_shard(IDS, 3)
+    for shard, found in enumerate(listed):
+        assert found == [each for each in IDS if in_shard(each, shard, 3)]
 
 
 def test_shards_are_of_similar_size():

@@ -6,6 +6,7 @@ import pytest
 import trimesh
 
 from egad.settings import Settings
+from egad.stages.shards import shard_of
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, TRIALS
 
@@ -286,6 +287,38 @@ def test_a_configuration_of_ones_own_can_stand_alone(clean):
     alone = clean.overlay("own.yaml", {"datasets": {"own": dataset}, "targets": {"datasets": []}})
     planned = clean.planned("--replace-workflow-config", configs=[alone])
     assert set(planned) == {"postprocess", "collect", "compare", "report", "all"}
+
+
+def test_a_mesh_more_makes_its_shard_again_and_those_that_it_renames(clean):
+    box, folder = trimesh.creation.box(), clean.folder / "boxes"
+    folder.mkdir()
+    # with `name.stl` beside it, `name.obj` stays in its shard, but its object gets another name
+    name = next(
+        name
+        for name in map(str, range(100))
+        if shard_of(name, 2) == shard_of(f"{name}-obj", 2) != shard_of(f"{name}-stl", 2)
+    )
+    other = next(each for each in "abcdef" if shard_of(each, 2) != shard_of(name, 2))
+    for each in (name, other):
+        box.export(folder / f"{each}.obj")
+    dataset = {"source": "meshes", "folder": "boxes", "units": "mm"}
+    configs = ["config/test.yaml", clean.overlay("own.yaml", {"datasets": {"own": dataset}})]
+    targets = [f"results/own/parts/solids-{shard}.parquet" for shard in (0, 1)]
+    clean.make("--cores", 1, *targets, configs=configs)
+    assert clean.planned(*targets, configs=configs) == {}
+    box.export(folder / f"{other}.stl.obj")
+    assert clean.planned(*targets, configs=configs) == {"postprocess": 1}
+    (folder / f"{other}.stl.obj").unlink()
+    box.export(folder / f"{name}.stl")
+    assert clean.planned(*targets, configs=configs) == {"postprocess": 2}
+
+
+def test_an_evaluation_set_is_cut_into_no_more_shards_than_it_has_objects(clean):
+    """It has up to 3 x 3 here."""
+    many = clean.overlay("many.yaml", {"shards": 32, "targets": {"agreement": True}})
+    planned = clean.planned(configs=["config/test.yaml", many])
+    assert (planned["postprocess"], planned["grasp_label"]) == (32, 32)
+    assert (planned["simulated_trial"], planned["agreement"]) == (9, 9)
 
 
 @pytest.mark.parametrize(("name", "folder"), [("ycb", "ycb"), ("egad_train", "egad")])

@@ -33,7 +33,7 @@ rule agreement:
     params:
         settings=settings_of("LabelTrials"),
         bundle=subpath(input.bundle, parent=True),
-        shards=len(SHARDS),
+        shards=len(EVALUATION_SHARDS),
         code=code_version("egad.stages.agreement"),
     message:
         "Carrying out grasps for {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
@@ -46,7 +46,7 @@ rule agreement:
 rule join_agreement:
     """All labelled grasps that were carried out for a gripper."""
     input:
-        parts("results/{dataset}/parts/agreement-{gripper}-{shard}.parquet"),
+        parts("results/{dataset}/parts/agreement-{gripper}-{shard}.parquet", EVALUATION_SHARDS),
     output:
         ensure("results/{dataset}/agreement/{gripper}.parquet", non_empty=True),
     log:

@@ -1,8 +1,10 @@
 """Functions that the rules use, and the names that may stand in file names. No rules here."""
 
+import hashlib
 import json
 import os
 import sys
+from functools import cache
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
@@ -12,8 +14,9 @@ from egad.code_version import code_version
 from egad.config_check import check
 from egad.data import released
 from egad.errors import UserError
-from egad.exchange.folders import EVERY_FILE, mesh_files
+from egad.exchange.folders import EVERY_FILE, objects_in
 from egad.measures.own import source_hash
+from egad.stages.shards import by_shard
 from egad.trials.files import fingerprint
 
 try:
@@ -32,6 +35,9 @@ sys.setrecursionlimit(20_000)
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
 
 SHARDS = range(SETTINGS.shards)
+# An evaluation set has an object a cell: more shards would be empty ones.
+CELLS = SETTINGS.select_eval.rows * SETTINGS.select_eval.columns
+EVALUATION_SHARDS = range(min(SETTINGS.shards, CELLS))
 ISLANDS = range(SETTINGS.schedule.islands)
 LAST_EPOCH = SETTINGS.schedule.epochs - 1
 EVOLVED = [name for name, dataset in SETTINGS.datasets.items() if dataset.source == "evolved"]
@@ -103,9 +109,9 @@ def named_grippers(option, files):
     return [word for gripper, file in pairs for word in (option, f"{gripper}={file}")]
 
 
-def parts(pattern):
+def parts(pattern, shards=SHARDS):
     """The files of all shards."""
-    return lambda wildcards: expand(pattern, shard=SHARDS, **wildcards)
+    return lambda wildcards: expand(pattern, shard=shards, **wildcards)
 
 
 def previous_archive(wildcards):
@@ -133,15 +139,31 @@ def gripper_mesh(wildcards):
     return [mesh] if mesh else []
 
 
-def raw_objects(wildcards):
-    """What the objects of a dataset are made from: its archive, or mesh files in its folder."""
-    dataset = SETTINGS.datasets[wildcards.dataset]
-    if dataset.source != "meshes":
-        return [f"results/{wildcards.dataset}/archive.parquet"]
+@cache
+def meshes_by_shard(name):
+    """For each shard of a dataset, its mesh files by the names of the objects."""
+    dataset = SETTINGS.datasets[name]
     try:
-        return list(map(str, mesh_files(Path(dataset.folder), dataset.pattern or EVERY_FILE)))
+        files = objects_in(Path(dataset.folder), dataset.pattern or EVERY_FILE)
     except UserError as error:
-        raise WorkflowError(f"The dataset {wildcards.dataset} cannot be used: {error}")
+        raise WorkflowError(f"The dataset {name} cannot be used: {error}")
+    shards = by_shard(files, len(SHARDS))
+    return [{each: str(files[each]) for each in names} for names in shards]
+
+
+def raw_objects(wildcards):
+    """What the objects of a shard are made from: the archive, or its mesh files in the folder."""
+    if SETTINGS.datasets[wildcards.dataset].source != "meshes":
+        return [f"results/{wildcards.dataset}/archive.parquet"]
+    return list(meshes_by_shard(wildcards.dataset)[int(wildcards.shard)].values())
+
+
+def raw_names(wildcards):
+    """A digest of what the objects of a shard are called: a new file can rename another."""
+    if SETTINGS.datasets[wildcards.dataset].source != "meshes":
+        return ""
+    names = meshes_by_shard(wildcards.dataset)[int(wildcards.shard)]
+    return hashlib.sha256(json.dumps(names).encode()).hexdigest()
 
 
 def raw_options(wildcards, input):

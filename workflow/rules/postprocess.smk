@@ -25,6 +25,7 @@ rule postprocess:
     params:
         settings=settings_of("PostprocessSolids"),
         objects=raw_options,
+        names=raw_names,
         measures=MEASURES,
         shards=len(SHARDS),
         code=code_version("egad.stages.postprocess"),

@@ -36,7 +36,7 @@ rule simulated_trial:
     params:
         settings=settings_of("SimulatedTrials"),
         bundle=subpath(input.bundle, parent=True),
-        shards=len(SHARDS),
+        shards=len(EVALUATION_SHARDS),
         grasps=each("--grasps", "grasps"),
         code=code_version("egad.stages.simulate"),
         detector=detector_code,
@@ -51,7 +51,9 @@ rule simulated_trial:
 rule join_trials:
     """All attempts of a detector with a gripper."""
     input:
-        parts("results/{dataset}/parts/trials-{gripper}-{policy}-{shard}.parquet"),
+        parts(
+            "results/{dataset}/parts/trials-{gripper}-{policy}-{shard}.parquet", EVALUATION_SHARDS
+        ),
     output:
         ensure("results/{dataset}/trials/{gripper}/{policy}.parquet", non_empty=True),
     log:
