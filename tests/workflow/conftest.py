@@ -105,9 +105,15 @@ def checkout(folder):
 
 
 @pytest.fixture
-def clean(tmp_path):
+def another(tmp_path):
+    """Makes clean checkouts by name."""
+    return lambda name: checkout(tmp_path / name)
+
+
+@pytest.fixture
+def clean(another):
     """A clean checkout."""
-    return checkout(tmp_path / "clean")
+    return another("clean")
 
 
 @pytest.fixture(scope="session")
