@@ -2,6 +2,7 @@
 
 import logging
 import multiprocessing
+import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -13,11 +14,12 @@ from typing import Any, Self
 
 from threadpoolctl import threadpool_limits
 
-from egad.errors import UserError
+from egad.errors import LESS_MEMORY, UserError
 
 log = logging.getLogger(__name__)
 
 CHANCES = 2
+KILLED = "was killed, probably for want of memory"
 Work = Callable[[Any], Any]
 Mapper = Callable[[Work, Iterable[Any]], Iterable[Any]]
 Opened = Callable[[], AbstractContextManager[Work]]
@@ -34,9 +36,21 @@ def workers(count: int) -> Iterator[Mapper]:
         with ProcessPoolExecutor(count, initializer=_one_thread) as pool:
             yield partial(pool.map, chunksize=2)
     except BrokenProcessPool as error:
-        raise UserError(
-            "a worker process was killed, probably for want of memory; take fewer with --jobs"
-        ) from error
+        raise UserError(f"a worker process {KILLED}; {LESS_MEMORY}") from error
+
+
+def check_not_killed(status: int | None, who: str) -> None:
+    """Tell a process that was killed from one that failed: its work is not to blame.
+
+    Args:
+        status: How it ended.
+        who: What to call it.
+
+    Raises:
+        UserError: It was killed, as Linux does when memory runs out.
+    """
+    if status == -signal.SIGKILL:
+        raise UserError(f"{who} {KILLED}; {LESS_MEMORY}")
 
 
 def _one_thread() -> threadpool_limits:
@@ -78,6 +92,7 @@ class Survivor:
             Its result; None if the process died of it twice.
 
         Raises:
+            UserError: The process was killed.
             Exception: What the work raises.
         """
         for _ in range(CHANCES):
@@ -86,6 +101,7 @@ class Survivor:
                 result, error = self._pipe.recv()
             except (EOFError, OSError):
                 self._process.join()
+                check_not_killed(self._process.exitcode, "a worker process")
                 log.warning("a process ended with status %s", self._process.exitcode)
                 self._start()
                 continue
@@ -104,6 +120,7 @@ class Survivor:
             _, error = self._pipe.recv()
         except EOFError:
             self._process.join()
+            check_not_killed(self._process.exitcode, "a worker process")
             raise UserError(
                 f"a worker process ended with status {self._process.exitcode} while it started"
             ) from None

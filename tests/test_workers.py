@@ -1,4 +1,5 @@
 import os
+import signal
 from contextlib import contextmanager
 from functools import partial
 
@@ -28,11 +29,26 @@ def test_a_worker_has_one_thread_for_algebra(count):
     assert all(count == 1 for counts in found for count in counts)
 
 
+def killed(number):
+    """What the kernel does when memory runs out."""
+    if number == 5:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+WANT = "killed, probably for want of memory; use fewer cores: --jobs"
+
+
+def test_a_worker_killed_for_memory_stops_all_with_advice():
+    with pytest.raises(UserError, match=WANT), workers(2) as mapper:
+        list(mapper(killed, range(9)))
+
+
 @contextmanager
 def halving(marks):
     """Halves numbers; 0 ends the process the first time, 13 always, and text is an error."""
 
     def half(number):
+        killed(number)
         if number == 13 or (number == 0 and not marks.exists()):
             marks.touch()
             os.abort()
@@ -60,6 +76,11 @@ def test_a_process_that_dies_is_started_anew_and_dying_twice_gives_none(tmp_path
     with Survivor(partial(halving, marks)) as work:
         assert [work(number) for number in (4, 0, 2, 13, 6)] == [2, 0, 1, None, 3]
     assert marks.with_suffix(".closed").exists()
+
+
+def test_being_killed_for_memory_is_no_result_of_the_work(tmp_path):
+    with pytest.raises(UserError, match=WANT), Survivor(partial(halving, tmp_path / "a")) as work:
+        work(5)
 
 
 def test_errors_of_the_work_are_raised_and_the_next_item_goes_on(tmp_path):

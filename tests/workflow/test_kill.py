@@ -1,11 +1,11 @@
 """Runs that are killed with all their processes go on to the same bytes."""
 
 import os
-import random
 import signal
 import subprocess
 from collections import Counter
 
+import numpy as np
 import psutil
 import pytest
 
@@ -16,7 +16,7 @@ KILLS, SEED = 20, 8
 @pytest.mark.timeout(4 * 3600)
 def test_twenty_kills_at_random_moments_leave_no_trace(finished, another):
     """Where a run comes to its end before all kills are spent, the next one begins."""
-    moments, longest = random.Random(SEED), seconds(finished) / 4
+    moments, longest = np.random.default_rng(SEED), seconds(finished) / 4
     expected, killed, runs = finished.bytes(), [], 1
     run = another("run-1")
     while len(killed) < KILLS:
