@@ -2,7 +2,9 @@
 
 import logging
 import multiprocessing
+import os
 import signal
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -33,7 +35,7 @@ def workers(count: int) -> Iterator[Mapper]:
             yield map
         return
     try:
-        with ProcessPoolExecutor(count, initializer=_one_thread) as pool:
+        with ProcessPoolExecutor(count, initializer=_start_worker) as pool:
             yield partial(pool.map, chunksize=2)
     except BrokenProcessPool as error:
         raise UserError(f"a worker process {KILLED}; {LESS_MEMORY}") from error
@@ -51,6 +53,18 @@ def check_not_killed(status: int | None, who: str) -> None:
     """
     if status == -signal.SIGKILL:
         raise UserError(f"{who} {KILLED}; {LESS_MEMORY}")
+
+
+def _start_worker() -> None:
+    """Prepare a process of a pool; it ends when the one that it works for is killed."""
+    _one_thread()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    if parent := multiprocessing.parent_process():
+        parent.join()
+        os._exit(1)
 
 
 def _one_thread() -> threadpool_limits:

@@ -1,9 +1,12 @@
 import os
 import signal
+import subprocess
+import sys
 from contextlib import contextmanager
 from functools import partial
 
 import numpy as np
+import psutil
 import pytest
 from threadpoolctl import threadpool_info
 
@@ -41,6 +44,29 @@ WANT = "killed, probably for want of memory; use fewer cores: --jobs"
 def test_a_worker_killed_for_memory_stops_all_with_advice():
     with pytest.raises(UserError, match=WANT), workers(2) as mapper:
         list(mapper(killed, range(9)))
+
+
+ABANDONS = """
+import os, signal, time
+from egad.workers import workers
+
+def pid(_):
+    time.sleep(0.3)
+    return os.getpid()
+
+with workers(2) as mapper:
+    print(*set(mapper(pid, range(8))), flush=True)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_workers_end_when_what_they_work_for_is_killed():
+    with subprocess.Popen([sys.executable, "-c", ABANDONS], stdout=subprocess.PIPE) as process:
+        pids = list(map(int, process.stdout.readline().split()))
+    assert process.returncode == -signal.SIGKILL
+    assert pids
+    left = [psutil.Process(pid) for pid in pids if psutil.pid_exists(pid)]
+    assert not psutil.wait_procs(left, timeout=60)[1]
 
 
 @contextmanager
