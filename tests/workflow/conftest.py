@@ -40,7 +40,7 @@ class Checkout:
         """Run Snakemake to its end: its exit status and what it said."""
         with self.start(*arguments, configs=configs) as process:
             try:
-                said, _ = process.communicate(timeout=600)
+                said, _ = process.communicate(timeout=3600)
             except BaseException:
                 os.killpg(process.pid, signal.SIGKILL)
                 raise

@@ -1,8 +1,11 @@
 """Functions that the rules use, and the names that may stand in file names. No rules here."""
 
+import hashlib
 import json
 import os
 import sys
+import time
+from functools import cache
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
@@ -13,6 +16,7 @@ from egad.config_check import check
 from egad.data import released
 from egad.errors import UserError
 from egad.exchange.folders import EVERY_FILE, mesh_files
+from egad.exchange.sums import sum_of
 from egad.measures.own import source_hash
 from egad.trials.files import fingerprint
 
@@ -43,6 +47,7 @@ GIVEN = {
 EVOLVED_DATASET = "|".join(EVOLVED) or "(?!)"  # patterns; the latter fits no name
 ARCHIVED_DATASET = "|".join([*EVOLVED, *GIVEN]) or "(?!)"
 ENVIRONMENT = "../../envs/egad.yaml"
+CLOCK_SKEW = 60  # seconds that the clocks of a cluster may differ
 
 
 wildcard_constraints:
@@ -118,10 +123,10 @@ def previous_archive(wildcards):
 def final_archive(wildcards):
     """The archive of the last epoch, or the one that a dataset starts from."""
     last = f"results/{wildcards.dataset}/epochs/epoch-{LAST_EPOCH}/archive.parquet"
-    return GIVEN.get(wildcards.dataset, last)
+    return [GIVEN.get(wildcards.dataset, last)]
 
 
-def region_meshes():
+def region_meshes(wildcards):
     """The mesh files that the envelope, part and hole are read from."""
     regions = [SETTINGS.envelope, SETTINGS.part, SETTINGS.hole]
     return [region.mesh for region in regions if region.mesh]
@@ -144,6 +149,47 @@ def side_by_side(wildcards):
 def worker_memory(wildcards, threads):
     """Megabytes: every worker is a process with the compiled library in it."""
     return 1000 + 500 * threads
+
+
+def contents_of(files):
+    """A fingerprint of inputs that are not results, for which an older file may have been put.
+
+    Snakemake runs a job again for params of the wildcards, not for those of its input.
+    """
+    made = ("results/", ".snakemake/")  # the latter for copies from a storage
+    return lambda wildcards: _contents(
+        tuple(file for file in files(wildcards) if not file.startswith(made))
+    )
+
+
+@cache
+def _contents(files):
+    sums = [sum_of(Path(file)) for file in files if Path(file).exists()]
+    return hashlib.sha256("".join(sums).encode()).hexdigest()[:16]
+
+
+def check_results():
+    """Stop before anything runs if nothing can be written, or would seem older than its inputs."""
+    results = Path("results")
+    if results.exists() and not os.access(results, os.W_OK):
+        raise WorkflowError(
+            f"{results.absolute()} cannot be written: read-only, or of another user"
+        )
+    files = (Path(folder, name) for folder, _, names in os.walk(results) for name in names)
+    late = sorted(str(path) for path in files if _is_late(path))
+    if late:
+        raise WorkflowError(
+            f"{late[0]} and {len(late) - 1} more are from the future: the clock was set back. Set it"
+            " right; or, if `egad verify results` finds nothing wrong, give them the time of now:"
+            " find results -newermt now -exec touch {} +"
+        )
+
+
+def _is_late(path):
+    try:
+        return path.lstat().st_mtime > time.time() + CLOCK_SKEW
+    except FileNotFoundError:
+        return False  # another run has replaced it
 
 
 def raw_objects(wildcards):

@@ -28,6 +28,7 @@ rule postprocess:
         objects=raw_options,
         measures=MEASURES,
         shards=len(SHARDS),
+        contents=contents_of(raw_objects),
         code=code_version("egad.stages.postprocess"),
     message:
         "Repairing and measuring {wildcards.dataset}, shard {wildcards.shard}"
