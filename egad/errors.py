@@ -1,5 +1,7 @@
 """Errors that are meant to be read by a person."""
 
+LESS_MEMORY = "use fewer cores: --jobs of a command, --cores of the workflow"
+
 
 class UserError(Exception):
     """Something the person at the keyboard can mend: what is wrong, where, what is allowed."""

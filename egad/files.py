@@ -1,10 +1,13 @@
 """Writing files so that what exists is complete."""
 
+import fcntl
 import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from egad.errors import UserError
 
 
 @contextmanager
@@ -17,23 +20,46 @@ def replacing(path: Path, keep: bool = True) -> Iterator[Path]:
         path: The file or folder.
         keep: Whether what a failed block has written stays for a look, until the next attempt
             replaces it. What is large should not: it may be what filled the disk.
+
+    Raises:
+        UserError: Another process is writing it, or writing failed without saying where.
     """
     path = path.absolute()
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.partial")
-    _remove(temporary)
-    try:
-        yield temporary
-    except BaseException:
-        if not keep:
-            _remove(temporary)
-        raise
-    old = path.with_name(f".{path.name}.old")
-    _remove(old)
-    if temporary.is_dir() and path.exists():
-        os.replace(path, old)  # a folder cannot be renamed onto another
-    os.replace(temporary, path)
-    _remove(old)
+    temporary, old = (path.with_name(f".{path.name}.{kind}") for kind in ("partial", "old"))
+    with _alone(path):
+        _remove(temporary)
+        try:
+            yield temporary
+        except BaseException as error:
+            if not keep:
+                _remove(temporary)
+            if isinstance(error, OSError) and error.filename is None:
+                why = error.strerror or error
+                raise UserError(f"{path} cannot be written: {why}") from error
+            raise
+        _remove(old)
+        if temporary.is_dir() and path.exists():
+            os.replace(path, old)  # a folder cannot be renamed onto another
+        os.replace(temporary, path)
+        _remove(old)
+
+
+@contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    """Keep other processes from writing a path. What one that was killed leaves does not."""
+    lock = path.with_name(f".{path.name}.lock")
+    with lock.open("w") as file:
+        try:
+            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except (BlockingIOError, PermissionError) as error:
+            raise UserError(f"{path}: another process is writing it; wait, or end it") from error
+        except OSError:
+            pass  # the file system has no locks
+        try:
+            yield
+        finally:
+            lock.unlink()
 
 
 def write_text(path: Path, text: str) -> None:

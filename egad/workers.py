@@ -2,7 +2,10 @@
 
 import logging
 import multiprocessing
+import os
 import pickle
+import signal
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -14,11 +17,12 @@ from typing import Any, Self
 
 from threadpoolctl import threadpool_limits
 
-from egad.errors import RejectedError, UserError
+from egad.errors import LESS_MEMORY, RejectedError, UserError
 
 log = logging.getLogger(__name__)
 
 CHANCES = 2
+KILLED = "was killed, probably for want of memory"
 Work = Callable[[Any], Any]
 Mapper = Callable[[Work, Iterable[Any]], Iterable[Any]]
 Opened = Callable[[], AbstractContextManager[Work]]
@@ -32,12 +36,36 @@ def workers(count: int) -> Iterator[Mapper]:
             yield map
         return
     try:
-        with ProcessPoolExecutor(count, initializer=_one_thread) as pool:
+        with ProcessPoolExecutor(count, initializer=_start_worker) as pool:
             yield partial(pool.map, chunksize=2)
     except BrokenProcessPool as error:
-        raise UserError(
-            "a worker process was killed, probably for want of memory; take fewer with --jobs"
-        ) from error
+        raise UserError(f"a worker process {KILLED}; {LESS_MEMORY}") from error
+
+
+def check_not_killed(status: int | None, who: str) -> None:
+    """Tell a process that was killed from one that failed: its work is not to blame.
+
+    Args:
+        status: How it ended.
+        who: What to call it.
+
+    Raises:
+        UserError: It was killed, as Linux does when memory runs out.
+    """
+    if status == -signal.SIGKILL:
+        raise UserError(f"{who} {KILLED}; {LESS_MEMORY}")
+
+
+def _start_worker() -> None:
+    """Prepare a process of a pool; it ends when the one that it works for is killed."""
+    _one_thread()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    if parent := multiprocessing.parent_process():
+        parent.join()
+        os._exit(1)
 
 
 def _one_thread() -> threadpool_limits:
@@ -83,6 +111,7 @@ class Survivor:
             Its result; None if the process died of it twice.
 
         Raises:
+            UserError: The process was killed.
             Exception: What the work raises; one with the same text if it cannot be pickled.
         """
         for _ in range(CHANCES):
@@ -90,10 +119,11 @@ class Survivor:
                 self._pipe.send(item)
                 if not self._pipe.poll(self._limit):
                     log.warning("a process was ended after %s seconds", self._limit)
-                    self._process.kill()
+                    self._process.terminate()
                 result, error = self._pipe.recv()
             except (EOFError, OSError):
                 self._process.join()
+                check_not_killed(self._process.exitcode, "a worker process")
                 log.warning("a process ended with status %s", self._process.exitcode)
                 self._start()
                 continue
@@ -112,6 +142,7 @@ class Survivor:
             _, error = self._pipe.recv()
         except EOFError:
             self._process.join()
+            check_not_killed(self._process.exitcode, "a worker process")
             raise UserError(
                 f"a worker process ended with status {self._process.exitcode} while it started"
             ) from None

@@ -45,6 +45,7 @@ def test_a_damaged_table_is_one_sentence_without_a_traceback(tmp_path):
     result = egad("archive", broken, "--out", tmp_path / "out.parquet")
     assert result.returncode == 1
     assert "archive.parquet: not a readable Parquet file" in result.stderr
+    assert "delete it and run again" in result.stderr
     assert "Traceback" not in result.stderr
     assert not (tmp_path / "out.parquet").exists()
 

@@ -1,14 +1,20 @@
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from egad.errors import UserError
 from egad.files import replacing, write_text
 
 
 def test_a_failed_write_leaves_the_old_file_and_the_temporary(tmp_path):
     path = tmp_path / "deep" / "file.txt"
     write_text(path, "old")
-    with pytest.raises(OSError, match="No space left"), replacing(path) as temporary:
+    with (
+        pytest.raises(UserError, match=r"file\.txt cannot be written: No space left on device"),
+        replacing(path) as temporary,
+    ):
         temporary.write_text("half")
         raise OSError(28, "No space left on device")
     assert path.read_text() == "old"
@@ -18,10 +24,38 @@ def test_a_failed_write_leaves_the_old_file_and_the_temporary(tmp_path):
     assert [entry.name for entry in path.parent.iterdir()] == ["file.txt"]
 
 
+WRITES = """
+import sys
+from pathlib import Path
+from egad.files import replacing
+
+with replacing(Path(sys.argv[1])) as temporary:
+    temporary.write_text("theirs")
+    print("writing", flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.mark.parametrize("killed", [False, True])
+def test_only_one_process_writes_a_path_until_it_is_done_or_killed(tmp_path, killed):
+    path, pipe = tmp_path / "file.txt", subprocess.PIPE
+    command = [sys.executable, "-c", WRITES, str(path)]
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True) as other:
+        other.stdout.readline()
+        with pytest.raises(UserError, match="another process is writing it"):
+            write_text(path, "ours")
+        if killed:
+            other.kill()
+    assert path.exists() != killed
+    write_text(path, "ours")
+    assert path.read_text() == "ours"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["file.txt"]
+
+
 def test_a_failed_write_need_not_leave_the_temporary(tmp_path):
     for make in (Path.touch, Path.mkdir):
         with (
-            pytest.raises(OSError, match="full"),
+            pytest.raises(UserError, match="full"),
             replacing(tmp_path / "a", keep=False) as temporary,
         ):
             make(temporary)

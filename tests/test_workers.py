@@ -1,9 +1,13 @@
 import os
+import signal
+import subprocess
+import sys
 import time
 from contextlib import contextmanager
 from functools import partial
 
 import numpy as np
+import psutil
 import pytest
 from threadpoolctl import threadpool_info
 
@@ -29,11 +33,49 @@ def test_a_worker_has_one_thread_for_algebra(count):
     assert all(count == 1 for counts in found for count in counts)
 
 
+def killed(number):
+    """What the kernel does when memory runs out."""
+    if number == 5:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+WANT = "killed, probably for want of memory; use fewer cores: --jobs"
+
+
+def test_a_worker_killed_for_memory_stops_all_with_advice():
+    with pytest.raises(UserError, match=WANT), workers(2) as mapper:
+        list(mapper(killed, range(9)))
+
+
+ABANDONS = """
+import os, signal, time
+from egad.workers import workers
+
+def pid(_):
+    time.sleep(0.3)
+    return os.getpid()
+
+with workers(2) as mapper:
+    print(*set(mapper(pid, range(8))), flush=True)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_workers_end_when_what_they_work_for_is_killed():
+    with subprocess.Popen([sys.executable, "-c", ABANDONS], stdout=subprocess.PIPE) as process:
+        pids = list(map(int, process.stdout.readline().split()))
+    assert process.returncode == -signal.SIGKILL
+    assert pids
+    left = [psutil.Process(pid) for pid in pids if psutil.pid_exists(pid)]
+    assert not psutil.wait_procs(left, timeout=60)[1]
+
+
 @contextmanager
 def halving(marks):
     """Halves numbers; 0 ends the process the first time, 13 always, and text is an error."""
 
     def half(number):
+        killed(number)
         if number == 13 or (number == 0 and not marks.exists()):
             marks.touch()
             os.abort()
@@ -61,6 +103,11 @@ def test_a_process_that_dies_is_started_anew_and_dying_twice_gives_none(tmp_path
     with Survivor(partial(halving, marks)) as work:
         assert [work(number) for number in (4, 0, 2, 13, 6)] == [2, 0, 1, None, 3]
     assert marks.with_suffix(".closed").exists()
+
+
+def test_being_killed_for_memory_is_no_result_of_the_work(tmp_path):
+    with pytest.raises(UserError, match=WANT), Survivor(partial(halving, tmp_path / "a")) as work:
+        work(5)
 
 
 def test_errors_of_the_work_are_raised_and_the_next_item_goes_on(tmp_path):

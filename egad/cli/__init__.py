@@ -5,7 +5,7 @@ import sys
 
 from egad.cli import exchange, grasping, measuring, origins, stages, tools, trials
 from egad.cli.common import app
-from egad.errors import RejectedError, UserError
+from egad.errors import LESS_MEMORY, RejectedError, UserError
 from egad.tables.parquet import TableError
 
 __all__ = ["exchange", "grasping", "main", "measuring", "origins", "stages", "tools", "trials"]
@@ -19,5 +19,7 @@ def main() -> None:
         app()
     except (UserError, TableError, RejectedError) as error:
         sys.exit(f"egad: {error}")
+    except MemoryError as error:
+        sys.exit(f"egad: out of memory ({error}); {LESS_MEMORY}")
     except OSError as error:
         sys.exit(f"egad: {error.strerror or error}: {error.filename or ''}".rstrip(": "))

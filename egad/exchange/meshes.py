@@ -58,6 +58,8 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         within(len(faces), MOST_ITEMS, "faces")
     except RejectedError as reason:
         raise RejectedError(f"{unreadable}: {reason}") from reason
+    except MemoryError:
+        raise  # says nothing of the file
     except Exception as error:
         raise RejectedError(unreadable) from error
     if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):

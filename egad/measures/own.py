@@ -29,6 +29,8 @@ def own_value(measure: str, mesh: trimesh.Trimesh) -> float:
     try:
         given = function(mesh.copy())
         value = float(given)
+    except MemoryError:
+        raise  # says nothing of the object
     except Exception as error:
         raise RejectedError(f"{name} failed: {type(error).__name__}: {error}") from error
     if not math.isfinite(value):

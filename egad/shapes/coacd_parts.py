@@ -10,6 +10,7 @@ import trimesh
 
 from egad.errors import RejectedError, UserError
 from egad.shapes.hulls import hull_mesh, hull_of
+from egad.workers import check_not_killed
 
 TIME_LIMIT = 1800  # seconds; it takes minutes at most
 CHILD = "egad.shapes.coacd_child"
@@ -29,7 +30,7 @@ def coacd_parts(mesh: trimesh.Trimesh, threshold: float, max_parts: int) -> list
         Convex meshes with outward normals, at least one.
 
     Raises:
-        UserError: The package `coacd` is not installed.
+        UserError: The package `coacd` is not installed, or its process was killed.
         RejectedError: CoACD fails.
 
     Source: Wei et al., Approximate Convex Decomposition for 3D Meshes with Collision-Aware
@@ -44,6 +45,7 @@ def coacd_parts(mesh: trimesh.Trimesh, threshold: float, max_parts: int) -> list
             command, input=sent, capture_output=True, timeout=TIME_LIMIT, check=True
         )
     except subprocess.CalledProcessError as error:
+        check_not_killed(error.returncode, "CoACD")
         raise RejectedError(f"CoACD ended with status {error.returncode}") from error
     except subprocess.TimeoutExpired as error:
         raise RejectedError(f"CoACD took more than {TIME_LIMIT} s") from error

@@ -12,9 +12,10 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from egad import __version__
 from egad.files import replacing
 from egad.tables import origin, seal
-from egad.tables.promises import BATCH, TableError, check_names, check_promises
+from egad.tables.promises import BATCH, TableError, check_names, check_promises, unreadable
 
 __all__ = [
     "BATCH",
@@ -87,7 +88,9 @@ def check_columns(path: Path, names: list[str]) -> None:
     """
     found = columns(path)
     if missing := [name for name in names if name not in found]:
-        raise TableError(f"{path}: columns are missing: {', '.join(missing)}")
+        writer = origin_of(path).get("program")
+        version = f"; egad {writer} wrote it, this is egad {__version__}" if writer else ""
+        raise TableError(f"{path}: columns are missing: {', '.join(missing)}{version}")
 
 
 def schema_of(path: Path) -> pa.Schema:
@@ -99,7 +102,7 @@ def schema_of(path: Path) -> pa.Schema:
     try:
         return pq.read_schema(path)
     except _DAMAGED as error:
-        raise TableError(f"{path}: not a readable Parquet file ({error})") from error
+        raise unreadable(path, error) from error
 
 
 def notes(path: Path) -> dict[str, Any]:
@@ -146,7 +149,7 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
             table = file.read(columns=schema.names).select(schema.names)
         frame: pd.DataFrame = table.cast(_plain(schema)).to_pandas()
     except _DAMAGED as error:
-        raise TableError(f"{path}: not a readable Parquet file ({error})") from error
+        raise unreadable(path, error) from error
     check_names(frame, path)
     return frame
 
@@ -156,7 +159,7 @@ def _check(path: Path, names: list[str]) -> None:
     try:
         check_promises(path)
     except _DAMAGED as error:
-        raise TableError(f"{path}: not a readable Parquet file ({error})") from error
+        raise unreadable(path, error) from error
     check_columns(path, names)
 
 
@@ -179,4 +182,4 @@ def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
                 check_names(frame, path)
                 yield frame
     except _DAMAGED as error:
-        raise TableError(f"{path}: not a readable Parquet file ({error})") from error
+        raise unreadable(path, error) from error

@@ -29,6 +29,12 @@ class TableError(ValueError):
     """A Parquet file is missing, damaged, or does not have the columns of its schema."""
 
 
+def unreadable(path: Path, why: object) -> TableError:
+    """What to say of a file that cannot be read as a table."""
+    advice = "; if the workflow made it, delete it and run again" if path.exists() else ""
+    return TableError(f"{path}: not a readable Parquet file ({why}){advice}")
+
+
 def check_promises(path: Path) -> None:
     """Look at what a table would take, without keeping its rows.
 
@@ -39,7 +45,7 @@ def check_promises(path: Path) -> None:
         ArrowException: It is damaged; also OSError.
     """
     if is_whole(path) is False:  # pyarrow would end the process for some damages
-        raise TableError(f"{path}: not a readable Parquet file (altered since it was written)")
+        raise unreadable(path, "altered since it was written")
     with pq.ParquetFile(path) as file:
         about = file.metadata
         _check(path, _WIDEST * about.num_rows)

@@ -12,6 +12,7 @@ from egad.settings import Gripper, Policy
 from egad.trials.camera import View
 from egad.trials.grasp import Grasp
 from egad.trials.policies import Detector, detector
+from egad.workers import check_not_killed
 
 STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load
 ENDING_TIME = 5.0
@@ -60,7 +61,8 @@ class Child:
         Raises:
             DetectorError: It failed, or cannot be started anew.
             DetectorTimeoutError: It was stopped.
-            UserError: It cannot be made the first time.
+            MemoryError: It had not enough.
+            UserError: It cannot be made the first time, or its process was killed.
         """
         if self._process is None:
             self._restart()
@@ -71,7 +73,9 @@ class Child:
                 raise DetectorTimeoutError(f"no answer within {self._limit:g} s")
             kind, answer = self._pipe.recv()
         except (EOFError, OSError) as error:
-            raise DetectorError(f"its process {self._stop()}") from error
+            raise DetectorError(self._end()) from error
+        if kind == "memory":
+            raise MemoryError(answer)
         if kind == "error":
             raise DetectorError(answer)
         grasps: list[Grasp] = answer
@@ -99,23 +103,35 @@ class Child:
                 raise UserError(f"{name} was not ready within {STARTING_TIME:g} s")
             kind, problem = self._pipe.recv()
         except (EOFError, OSError) as error:
-            raise UserError(f"{name} cannot be made: its process {self._stop()}") from error
+            raise UserError(f"{name} cannot be made: {self._end()}") from error
         if kind == "error":
             self._stop()
             raise UserError(problem)
         self._was_ready = True
 
-    def _stop(self) -> str:
-        """End the process; how it ended, in words."""
+    def _end(self) -> str:
+        """How a process ended that does not answer any more, in words.
+
+        Raises:
+            UserError: It was killed.
+        """
+        status = self._stop()
+        check_not_killed(status, f"the process of the detector {self._policy.detector}")
+        ended = "hung up" if status is None else f"ended with status {status}"
+        return f"its process {ended}"
+
+    def _stop(self) -> int | None:
+        """End the process; its status if it had ended by itself."""
         process, self._process = self._process, None
         if process is None:
-            return "had ended"
+            return None
         self._pipe.close()  # it ends by itself when nobody can ask any more
         process.join(0.2)
-        if process.is_alive():
+        alone = not process.is_alive()
+        if not alone:
             process.kill()
         process.join(ENDING_TIME)
-        return f"ended with status {process.exitcode}"
+        return process.exitcode if alone else None
 
 
 def _serve(pipe: Connection, policy: Policy) -> None:
@@ -137,5 +153,7 @@ def _serve(pipe: Connection, policy: Policy) -> None:
 def _answer(detect: Detector, question: Question) -> tuple[str, list[Grasp] | str]:
     try:
         return "grasps", detect(*question)
+    except MemoryError as error:
+        return "memory", str(error)
     except Exception as error:
         return "error", f"{type(error).__name__}: {error}"

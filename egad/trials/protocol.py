@@ -136,7 +136,7 @@ class Bench:
             if isinstance(detect, Labels):
                 return best(detect.propose(place, view, self.gripper), self.gripper)
             return best(detect(view, self.gripper, rng), self.gripper)
-        except UserError:
+        except (UserError, MemoryError):
             raise
         except DetectorTimeoutError as error:
             log.warning("the detector was stopped: %s", error)

@@ -9,6 +9,8 @@ from egad.settings import Axes, Settings
 from egad.stage_settings import Measuring, select
 
 CODE = """
+import numpy as np
+
 def longest(mesh): return mesh.extents.max()
 def spoils(mesh):
     mesh.vertices *= 0
@@ -17,6 +19,7 @@ def wide_open(mesh): return 1 / 0
 def unknown(mesh): return float("nan")
 def endless(mesh): return float("inf")
 def nothing(mesh): return None
+def greedy(mesh): return np.ones(1 << 50).sum()
 number = 3
 """
 BOX = trimesh.creation.box((0.1, 0.06, 0.04))
@@ -55,6 +58,11 @@ def test_a_function_cannot_spoil_the_mesh(file):
 def test_what_is_no_number_rejects_the_object(file, name, reason):
     with pytest.raises(RejectedError, match=reason):
         own_value(f"{file}:{name}", BOX)
+
+
+def test_want_of_memory_is_no_reason_to_reject_an_object(file):
+    with pytest.raises(MemoryError):
+        own_value(f"{file}:greedy", BOX)
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,10 @@
 import pandas as pd
 import pytest
 
+from egad import __version__
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS, REJECTED
+from egad.tables.origin import Origin, made_by
 from egad.tables.parquet import TableError
 
 ROW = {"id": "a", "stage": "postprocess", "reason": "no volume"}
@@ -45,6 +47,16 @@ def test_missing_columns_are_named(tmp_path):
     path = tmp_path / "table.parquet"
     parquet.write(pd.DataFrame([ROW]), REJECTED, path)
     with pytest.raises(TableError, match="complexity"):
+        parquet.read(path, OBJECTS)
+
+
+def test_a_table_of_an_older_version_is_read_or_its_version_is_named(tmp_path):
+    path, older = tmp_path / "table.parquet", Origin(program="0.0.9", stage="postprocess", code="")
+    with made_by(older):
+        parquet.write(pd.DataFrame([ROW]), REJECTED, path)
+    assert parquet.read(path, REJECTED).to_dict("records") == [ROW]
+    ours = f"egad 0.0.9 wrote it, this is egad {__version__}"
+    with pytest.raises(TableError, match=f"columns are missing: .*complexity.*; {ours}"):
         parquet.read(path, OBJECTS)
 
 

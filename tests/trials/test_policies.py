@@ -14,7 +14,8 @@ from egad.trials.policies import QUICK, detector
 
 HAND = GRIPPERS["egad_75mm"]
 CODE = """
-import os, time
+import os, signal, time
+import numpy as np
 from collections import namedtuple
 from egad.trials.grasp import Grasp
 
@@ -38,6 +39,8 @@ def gives_text(view, gripper, rng): return ["grasp"]
 def gives_nothing(view, gripper, rng): return None
 def finds_nothing(view, gripper, rng): return []
 def leaves(view, gripper, rng): os._exit(7)
+def killed(view, gripper, rng): os.kill(os.getpid(), signal.SIGKILL)
+def greedy(view, gripper, rng): return np.ones(1 << 50)
 def sleeps(view, gripper, rng):
     if view.depth.max() > 0.5: time.sleep(600)
     return [MIDDLE]
@@ -172,6 +175,18 @@ def test_a_child_that_dies_is_started_anew(file, view):
         for _ in range(2):
             with pytest.raises(DetectorError, match="ended with status 7"):
                 asked(child, view)
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "words"),
+    [
+        ("killed", UserError, "the detector .*:killed was killed, probably for want of memory"),
+        ("greedy", MemoryError, "Unable to allocate"),
+    ],
+)
+def test_want_of_memory_is_no_outcome_of_an_attempt(file, view, name, error, words):
+    with pytest.raises(error, match=words), Child(Policy(detector=f"{file}:{name}"), 60) as child:
+        asked(child, view)
 
 
 def test_a_child_that_takes_too_long_is_stopped_and_started_anew(file, view):

@@ -60,7 +60,7 @@ class Checkout:
         """Run Snakemake to its end: its exit status and what it said."""
         with self.start(*arguments, configs=configs) as process:
             try:
-                said, _ = process.communicate(timeout=600)
+                said, _ = process.communicate(timeout=3600)
             except BaseException:
                 os.killpg(process.pid, signal.SIGKILL)
                 raise
@@ -132,9 +132,15 @@ def checkout(folder):
 
 
 @pytest.fixture
-def clean(tmp_path):
+def another(tmp_path):
+    """Makes clean checkouts by name."""
+    return lambda name: checkout(tmp_path / name)
+
+
+@pytest.fixture
+def clean(another):
     """A clean checkout."""
-    return checkout(tmp_path / "clean")
+    return another("clean")
 
 
 @pytest.fixture(scope="session")

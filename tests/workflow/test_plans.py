@@ -136,6 +136,7 @@ def test_an_edited_measure_or_mesh_of_ones_own_evolves_again(clean):
     measure.write_text(code)
     assert clean.planned(target, configs=configs) == {}
     trimesh.creation.icosphere().export(mesh)
+    os.utime(mesh, (0, 0))  # as if copied with its time, or written after the clock was set back
     assert clean.planned(target, configs=configs)["evolve"] == 1
 
 

@@ -19,14 +19,14 @@ def submitted(checkout):
     return [tuple(line.split()[1:5]) for line in table.read_text().splitlines()]
 
 
-@pytest.mark.parametrize("profile", ["kubernetes", "local-test", "slurm"])
+@pytest.mark.parametrize("profile", ["local-test", "slurm"])
 def test_every_option_of_a_profile_is_known(clean, profile):
     assert "evolve" in clean.make("--profile", f"profiles/{profile}", "--list-rules")
 
 
 def test_only_profiles_say_how_often_a_job_is_tried_again():
     assert not [path for path in RULES.glob("*.smk") if "retries:" in path.read_text()]
-    for profile in ("kubernetes", "local-test", "slurm"):
+    for profile in ("local-test", "slurm"):
         options = yaml.safe_load((ROOT / f"profiles/{profile}/config.yaml").read_text())
         assert options["retries"] == 2
 

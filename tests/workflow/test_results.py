@@ -352,6 +352,14 @@ def test_a_folder_of_meshes_is_a_dataset_and_bad_ones_are_named(own_meshes):
     assert reasons.str.len().gt(5).all()
 
     assert checkout.planned("results/own/objects.parquet", configs=configs) == {}
+    ball = checkout.folder / "my meshes" / "ball.stl"
+    kept = ball.read_bytes()
+    trimesh.creation.icosphere(subdivisions=2, radius=30).export(ball)
+    os.utime(ball, (0, 0))
+    planned = checkout.planned("results/own/objects.parquet", configs=configs)
+    assert planned == {"postprocess": SHARDS, "collect": 1}
+    ball.write_bytes(kept)
+    assert checkout.planned("results/own/objects.parquet", configs=configs) == {}
     (checkout.folder / "my meshes" / "new.obj").touch()
     planned = checkout.planned("results/own/objects.parquet", configs=configs)
     assert planned == {"postprocess": SHARDS, "collect": 1}

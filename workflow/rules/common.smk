@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import sys
+import time
 from functools import cache
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from egad.config_check import check
 from egad.data import released
 from egad.errors import UserError
 from egad.exchange.folders import EVERY_FILE, objects_in
+from egad.exchange.sums import sum_of
 from egad.measures.own import source_hash
 from egad.stages.shards import by_shard
 from egad.trials.files import fingerprint
@@ -49,6 +51,7 @@ GIVEN = {
 EVOLVED_DATASET = "|".join(EVOLVED) or "(?!)"  # patterns; the latter fits no name
 ARCHIVED_DATASET = "|".join([*EVOLVED, *GIVEN]) or "(?!)"
 ENVIRONMENT = "../../envs/egad.yaml"
+CLOCK_SKEW = 60  # seconds that the clocks of a cluster may differ
 
 
 wildcard_constraints:
@@ -124,10 +127,10 @@ def previous_archive(wildcards):
 def final_archive(wildcards):
     """The archive of the last epoch, or the one that a dataset starts from."""
     last = f"results/{wildcards.dataset}/epochs/epoch-{LAST_EPOCH}/archive.parquet"
-    return GIVEN.get(wildcards.dataset, last)
+    return [GIVEN.get(wildcards.dataset, last)]
 
 
-def region_meshes():
+def region_meshes(wildcards):
     """The mesh files that the envelope, part and hole are read from."""
     regions = [SETTINGS.envelope, SETTINGS.part, SETTINGS.hole]
     return [region.mesh for region in regions if region.mesh]
@@ -151,6 +154,47 @@ def meshes_by_shard(name):
     return [{each: str(files[each]) for each in names} for names in shards]
 
 
+def contents_of(files):
+    """A fingerprint of inputs that are not results, for which an older file may have been put.
+
+    Snakemake runs a job again for params of the wildcards, not for those of its input.
+    """
+    made = "results/"
+    return lambda wildcards: _contents(
+        tuple(file for file in files(wildcards) if not file.startswith(made))
+    )
+
+
+@cache
+def _contents(files):
+    sums = [sum_of(Path(file)) for file in files if Path(file).exists()]
+    return hashlib.sha256("".join(sums).encode()).hexdigest()[:16]
+
+
+def check_results():
+    """Stop before anything runs if nothing can be written, or would seem older than its inputs."""
+    results = Path("results")
+    if results.exists() and not os.access(results, os.W_OK):
+        raise WorkflowError(
+            f"{results.absolute()} cannot be written: read-only, or of another user"
+        )
+    files = (Path(folder, name) for folder, _, names in os.walk(results) for name in names)
+    late = sorted(str(path) for path in files if _is_late(path))
+    if late:
+        raise WorkflowError(
+            f"{late[0]} and {len(late) - 1} more are from the future: the clock was set back. Set it"
+            " right; or, if `egad verify results` finds nothing wrong, give them the time of now:"
+            " find results -newermt now -exec touch {} +"
+        )
+
+
+def _is_late(path):
+    try:
+        return path.lstat().st_mtime > time.time() + CLOCK_SKEW
+    except FileNotFoundError:
+        return False  # another run has replaced it
+
+
 def raw_objects(wildcards):
     """What the objects of a shard are made from: the archive, or its mesh files in the folder."""
     if SETTINGS.datasets[wildcards.dataset].source != "meshes":
@@ -158,12 +202,17 @@ def raw_objects(wildcards):
     return list(meshes_by_shard(wildcards.dataset)[int(wildcards.shard)].values())
 
 
-def raw_names(wildcards):
-    """A digest of what the objects of a shard are called: a new file can rename another."""
+def raw_state(wildcards):
+    """A digest of what the objects of a shard are called, and of size and time of their files.
+
+    A new file can rename another object, and an older file take the place of one.
+    """
     if SETTINGS.datasets[wildcards.dataset].source != "meshes":
         return ""
-    names = meshes_by_shard(wildcards.dataset)[int(wildcards.shard)]
-    return hashlib.sha256(json.dumps(names).encode()).hexdigest()
+    files = meshes_by_shard(wildcards.dataset)[int(wildcards.shard)]
+    stats = {name: os.stat(file) for name, file in files.items()}
+    state = [(name, files[name], each.st_size, each.st_mtime_ns) for name, each in stats.items()]
+    return hashlib.sha256(json.dumps(state).encode()).hexdigest()
 
 
 def raw_options(wildcards, input):

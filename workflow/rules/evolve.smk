@@ -17,7 +17,7 @@ rule evolve:
     """One epoch of one island."""
     input:
         base=previous_archive,
-        regions=region_meshes(),
+        regions=region_meshes,
     output:
         archive=ensure(
             "results/{dataset}/epochs/epoch-{epoch}/island-{island}.parquet",
@@ -42,6 +42,7 @@ rule evolve:
         settings=settings_of("Evolve"),
         base=each("--base", "base"),
         measures=MEASURES,
+        contents=contents_of(region_meshes),
         code=code_version("egad.stages.evolve"),
     message:
         "Evolving epoch {wildcards.epoch}, island {wildcards.island}"
@@ -99,6 +100,7 @@ rule archive:
     resources:
         **needs("archive"),
     params:
+        contents=contents_of(final_archive),
         code=code_version("egad.stages.merge"),
     message:
         "Publishing the archive"

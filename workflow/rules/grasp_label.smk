@@ -38,6 +38,7 @@ rule grasp_label:
         settings=settings_of("GraspLabels"),
         meshes=subpath(input.scales, parent=True),
         shards=len(SHARDS),
+        contents=contents_of(gripper_mesh),
         code=code_version("egad.stages.grasp_label"),
     message:
         "Labelling grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"

@@ -25,7 +25,7 @@ rule postprocess:
     params:
         settings=settings_of("PostprocessSolids"),
         objects=raw_options,
-        names=raw_names,
+        state=raw_state,
         measures=MEASURES,
         shards=len(SHARDS),
         code=code_version("egad.stages.postprocess"),

@@ -1,0 +1,138 @@
+"""What goes wrong around the program: each ends with a sentence, and then with the same bytes."""
+
+import os
+import subprocess
+import time
+from contextlib import contextmanager, suppress
+
+import numpy as np
+import psutil
+import pytest
+
+GRIPPER, POLICY = "egad_75mm", "antipodal-depth"
+TRIALS = f"egad/trials/{GRIPPER}/{POLICY}.parquet"
+PART = f"egad/parts/trials-{GRIPPER}-{POLICY}-0.parquet"
+
+
+@contextmanager
+def mounted(folder, *options):
+    """A mount for as long as the block lasts; without the right to mount, the test is skipped."""
+    folder.mkdir(exist_ok=True)
+    done = subprocess.run(["mount", *map(str, options), str(folder)], check=False)
+    if done.returncode:
+        pytest.skip("mounting is not permitted")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "--lazy", str(folder)], check=True)
+
+
+def make_trials(checkout):
+    return checkout.make("--cores", 1, f"results/{TRIALS}")
+
+
+def refused(checkout):
+    """What a run says that cannot make the table of trials."""
+    status, said = checkout.snakemake("--cores", 1, f"results/{TRIALS}")
+    assert status != 0, said
+    assert "Traceback" not in said
+    return said
+
+
+def test_a_full_disk_is_named_and_with_room_again_the_run_goes_on(copy):
+    expected = copy.bytes()
+    table = copy.results / TRIALS
+    table.unlink()
+    with mounted(table.parent, "-t", "tmpfs", "-o", "size=64k", "tmpfs"):
+        with suppress(OSError):
+            (table.parent / "filler").write_bytes(bytes(1 << 17))
+        said = refused(copy)
+        assert f"{table} cannot be written" in said
+        assert "No space left on device" in said
+    make_trials(copy)
+    assert copy.bytes() == expected
+
+
+def test_a_read_only_results_folder_is_named(copy):
+    expected = copy.bytes()
+    (copy.results / TRIALS).unlink()
+    with mounted(copy.results, "--bind", copy.results):
+        subprocess.run(["mount", "-o", "remount,ro,bind", str(copy.results)], check=True)
+        assert f"{copy.results} cannot be written: read-only" in refused(copy)
+    make_trials(copy)
+    assert copy.bytes() == expected
+
+
+def test_a_job_that_is_killed_for_memory_is_named_and_the_next_run_goes_on(copy):
+    expected = copy.bytes()
+    (copy.results / TRIALS).unlink()
+    process = copy.start("--cores", 1, f"results/{TRIALS}")
+    while process.poll() is None and not (jobs := jobs_of(process, "join")):
+        time.sleep(0.02)
+    jobs[0].kill()
+    said, _ = process.communicate()
+    assert process.returncode == 1
+    assert "Error in rule join_trials" in said
+    assert "exit status 137" in said
+    make_trials(copy)
+    assert copy.bytes() == expected
+
+
+def jobs_of(run, command):
+    """The processes of a run that are `egad COMMAND`."""
+    found = []
+    for child in psutil.Process(run.pid).children(recursive=True):
+        with suppress(psutil.Error):  # it has ended meanwhile
+            found += [child] if child.cmdline()[2:3] == [command] else []
+    return found
+
+
+def test_a_truncated_table_is_named_and_made_again_once_deleted(copy):
+    expected = copy.bytes()
+    part = copy.results / PART
+    part.write_bytes(part.read_bytes()[: part.stat().st_size // 2])
+    said = refused(copy)
+    assert f"{PART}: not a readable Parquet file" in said
+    assert "if the workflow made it, delete it and run again" in said
+    part.unlink()
+    make_trials(copy)
+    assert copy.bytes() == expected
+
+
+def test_a_clock_that_was_set_back_stops_a_run_with_the_remedy(copy):
+    expected = copy.bytes()
+    os.utime(copy.results / PART, (time.time() + 3600,) * 2)
+    (copy.results / TRIALS).unlink()
+    said = refused(copy)
+    assert f"results/{PART} and 0 more are from the future: the clock was set back" in said
+    remedy = "find results -newermt now -exec touch {} +"
+    assert remedy in said
+    subprocess.run(remedy.split(), cwd=copy.folder, check=True)
+    make_trials(copy)
+    assert copy.bytes() == expected
+
+
+def test_times_in_disorder_make_nothing_again_whose_inputs_are_the_same(copy):
+    """Contents of files up to a megabyte count; larger ones and folders are the oldest here."""
+    rng, now = np.random.default_rng(0), time.time()
+    tables = list(copy.results.rglob("*.parquet"))
+    for path in [*tables, *copy.results.rglob(".snakemake_timestamp")]:
+        by_time = path not in tables or path.stat().st_size > 1e6
+        os.utime(path, (0 if by_time else now - rng.uniform(0, 1e6),) * 2)
+    assert copy.planned(f"results/{TRIALS}") == {}
+
+
+def test_a_second_run_in_the_same_folder_is_refused_and_the_first_goes_on(copy):
+    expected = copy.bytes()
+    (copy.results / TRIALS).unlink()
+    (copy.results / PART).unlink()
+    first = copy.start("--cores", 1, f"results/{TRIALS}")
+    locks = copy.folder / ".snakemake" / "locks"
+    while first.poll() is None and not any(locks.glob("*")):
+        time.sleep(0.05)
+    said = refused(copy)
+    assert "no other Snakemake process is trying to create the same files" in said
+    assert "--unlock" in said
+    said, _ = first.communicate()
+    assert first.returncode == 0, said
+    assert copy.bytes() == expected

@@ -1,0 +1,69 @@
+"""Runs that are killed with all their processes go on to the same bytes."""
+
+import os
+import signal
+import subprocess
+from collections import Counter
+
+import numpy as np
+import psutil
+import pytest
+
+KILLS, SEED = 20, 8
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(4 * 3600)
+def test_twenty_kills_at_random_moments_leave_no_trace(finished, another):
+    """Where a run comes to its end before all kills are spent, the next one begins."""
+    moments, longest = np.random.default_rng(SEED), seconds(finished) / 4
+    expected, killed, runs = finished.bytes(), [], 1
+    run = another("run-1")
+    while len(killed) < KILLS:
+        moment = moments.uniform(0, longest)
+        at_work = killed_after(moment, run.start("--cores", 2))
+        if at_work is None:
+            assert run.bytes() == expected
+            runs += 1
+            run = another(f"run-{runs}")
+        else:
+            killed.append(at_work)
+            print(f"kill {len(killed)}, {moment:.1f} s after the start: {at_work}", flush=True)
+            run.make("--unlock")
+    run.make("--cores", 2)
+    assert run.bytes() == expected
+    hit = Counter(command for at_work in killed for command in at_work)
+    print(f"{KILLS} kills in {runs} runs: {dict(hit)}")
+    assert len(hit) >= 6
+
+
+def seconds(run):
+    """How long a run took, from the first of its files to the last."""
+    times = [path.stat().st_mtime for path in run.results.rglob("*")]
+    return max(times) - min(times)
+
+
+def killed_after(moment, process):
+    """Kill a run after some seconds: the stages that were at work; None if it ended before.
+
+    All of it stands still while it is looked at, so what is named is what was killed.
+    """
+    try:
+        said, _ = process.communicate(timeout=moment)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGSTOP)
+        tree = psutil.Process(process.pid).children(recursive=True)
+        at_work = sorted({command for child in tree for command in command_of(child)})
+        os.killpg(process.pid, signal.SIGKILL)
+        said, _ = process.communicate()
+        assert not psutil.wait_procs(tree, timeout=60)[1]
+        if process.returncode == -signal.SIGKILL:
+            return at_work
+    assert process.returncode == 0, said
+    return None
+
+
+def command_of(process):
+    """The command of a process that is `egad COMMAND`, in a list; else none."""
+    words = process.cmdline()
+    return [words[2]] if len(words) > 2 and words[1].endswith("/egad") else []
