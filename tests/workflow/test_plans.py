@@ -238,6 +238,7 @@ def test_a_measure_that_is_not_there_stops_the_run(clean):
     assert "Traceback" not in said
 
 
+@pytest.mark.slow
 def test_exports_are_made_if_they_are_asked_for(copy):
     wanted = copy.overlay("exports.yaml", {"targets": {"exports": ["dexnet", "acronym"]}})
     configs = ["config/test.yaml", wanted]
@@ -382,6 +383,7 @@ def test_a_folder_that_is_not_there_is_named(clean):
     assert not clean.results.exists()
 
 
+@pytest.mark.slow
 def test_labelled_grasps_are_carried_out_if_that_is_asked_for(copy):
     asked = {"targets": {"agreement": True}, "agreement": {"grasps": 4}}
     configs = ["config/test.yaml", copy.overlay("agreement.yaml", asked)]
