@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from egad.errors import UserError
+from egad.grasps.room import TABLE_CLEARANCE
 from egad.settings import Gripper
-from egad.trials.camera import View
 from egad.trials.files import GGCNN_WEIGHTS, check_ggcnn
 from egad.trials.grasp import Grasp
-from egad.trials.relief import TABLE_CLEARANCE
+from egad.vision.camera import View
 
 Floats = NDArray[np.float64]
 
