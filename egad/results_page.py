@@ -60,6 +60,11 @@ ARTEFACTS = [
         "These grasps as ACRONYM files, if `targets.exports` asks for `acronym`; the root of their "
         "meshes is `D`. See `docs/exchange.md`.",
     ),
+    Artefact(
+        "D/exchange/G-jacquard/, D/exchange/G-cornell/, D/exchange/G-gqcnn/",
+        "Rendered images with grasps for gripper G laid out as in Jacquard, Cornell and GQ-CNN, if "
+        "`targets.exports` asks for `jacquard`, `cornell` or `gqcnn`. See `docs/images.md`.",
+    ),
     Artefact("D/eval49.parquet", "The evaluation set.", EVAL49),
     Artefact(
         "D/eval49.rejected.parquet",

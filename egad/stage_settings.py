@@ -241,6 +241,12 @@ class RenderedImages(StageSettings):
     image_noise: ImageNoise
 
 
+class ImageLayouts(StageSettings):
+    """The same laid out as other datasets."""
+
+    gripper: Gripper
+
+
 class Compare(StageSettings):
     """Datasets side by side."""
 

@@ -154,10 +154,15 @@ def png(pixels: NDArray[np.uint16] | NDArray[np.uint8]) -> bytes:
     return buffer.getvalue()
 
 
-def _pose_columns(name: str, matrix: Floats) -> dict[str, float]:
+def pose_values(matrix: Floats) -> list[float]:
+    """Position and quaternion (x, y, z, w) of a transform (4, 4)."""
     quaternion = Rotation.from_matrix(matrix[:3, :3]).as_quat(canonical=True)
-    values = [*matrix[:3, 3].tolist(), *quaternion.tolist()]
-    return {f"{name}_{part}": value for part, value in zip(POSE_PARTS, values, strict=True)}
+    return [*matrix[:3, 3].tolist(), *quaternion.tolist()]
+
+
+def _pose_columns(name: str, matrix: Floats) -> dict[str, float]:
+    pairs = zip(POSE_PARTS, pose_values(matrix), strict=True)
+    return {f"{name}_{part}": value for part, value in pairs}
 
 
 def _pose_matrix(name: str, row: Mapping[str, Any]) -> Floats:

@@ -219,10 +219,12 @@ def published():
 
 
 def exported():
-    """The labelled grasps in the formats of other programs that are asked for."""
+    """The labelled grasps and images in the formats of other programs that are asked for."""
     targets = SETTINGS.targets
-    files = {"dexnet": "exchange/{gripper}.hdf5", "acronym": "exchange/{gripper}-acronym"}
-    wanted = [files[name] for name in targets.exports]
+    wanted = [
+        "exchange/{gripper}.hdf5" if name == "dexnet" else f"exchange/{{gripper}}-{name}"
+        for name in targets.exports
+    ]
     return of_datasets(targets.datasets, expand(wanted, gripper=targets.grippers))
 
 
