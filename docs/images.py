@@ -1,7 +1,7 @@
 """The picture of docs/images.md: `python docs/images.py results/D/images/G`.
 
-Depth images, near is bright, with a few free grasps in green, the best thickest, and one that
-collides in red.
+Depth images around their objects, near is bright; in green some of the best free grasps, in red the
+best that collides.
 """
 
 import sys
@@ -16,10 +16,11 @@ from egad.vision.rendering import Picture
 from egad.vision.shards import read
 
 HERE = Path(__file__).parent
-COLUMNS, ROWS, SCALE = 5, 2, 2
-SHOWN = 200  # pixels around the object, before they are enlarged
+COLUMNS, ROWS, SCALE = 5, 2, 3
+SHOWN = 130  # pixels around the object, before they are enlarged
 FREE, COLLIDING = (20, 190, 60), (220, 50, 40)
-DEEPEST = 0.12  # metres below the highest point that are drawn black
+JAW = 7  # pixels; half the breadth that is drawn
+DEEPEST = 0.06  # metres below the highest point that are drawn black
 
 
 def main(folder: str) -> None:
@@ -48,8 +49,9 @@ def drawn(picture: Picture) -> Image.Image:
         ends = (grasps.ends()[number] - corner[::-1] + 0.5) * SCALE
         colour = FREE if grasps.free[number] else COLLIDING
         pen.line([tuple(end) for end in ends.tolist()], fill=colour, width=3)
+        angle = grasps.angle[number]
+        across = JAW * SCALE * np.array([np.sin(angle), np.cos(angle)])
         for end in ends:
-            across = np.array([np.sin(grasps.angle[number]), np.cos(grasps.angle[number])]) * 12
             jaw = [tuple((end + sign * across).tolist()) for sign in (-1, 1)]
             pen.line(jaw, fill=colour, width=3)
     pen.text((6, 4), f"{picture.label}, pose {picture.pose}", "white")
@@ -75,7 +77,7 @@ def _corner(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
 def _shades(picture: Picture) -> NDArray[np.uint8]:
     depth = np.nan_to_num(picture.depth, nan=np.inf)
     bright = np.clip(1 - (depth - depth[picture.mask].min()) / DEEPEST, 0, 1)
-    grey = np.where(picture.mask, 90 + 165 * bright, 40 + 60 * bright).astype(np.uint8)
+    grey = np.where(picture.mask, 70 + 185 * bright, 45 + 20 * bright).astype(np.uint8)
     return np.stack([grey] * 3, axis=-1)
 
 

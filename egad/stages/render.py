@@ -15,7 +15,6 @@ from egad.stages.grasp_label import palm_of
 from egad.stages.shards import rejection
 from egad.tables import parquet
 from egad.tables.columns import vector_names
-from egad.tables.evaluation import EVAL49
 from egad.tables.images import IMAGES
 from egad.tables.objects import OBJECTS, REJECTED
 from egad.vision.reach import Grasped, Hand
@@ -84,11 +83,14 @@ def planned(
 ) -> list[Share]:
     """The images of all objects that are scaled to the gripper; arguments as in `run`."""
     table = parquet.read(objects, OBJECTS)[["id", "label", "complexity"]]
-    rows = parquet.batches(meshes / "scales.parquet", ["label"])
-    scaled = {label for batch in rows for label in batch["label"]}
-    held_out = parquet.read(evaluation, EVAL49)["id"].tolist() if evaluation else []
+    scaled = _names(meshes / "scales.parquet", "label")
+    held_out = _names(evaluation, "id") if evaluation else set()
     known = table[table["label"].isin(scaled)]
     return shares(known, held_out, settings.render, settings.seed)
+
+
+def _names(path: Path, column: str) -> set[str]:
+    return {name for rows in parquet.batches(path, [column]) for name in rows[column]}
 
 
 def _labelled(path: Path, ids: set[str]) -> dict[str, Grasped]:
