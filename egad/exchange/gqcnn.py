@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad.errors import UserError
 from egad.vision.holes import filled
 from egad.vision.rendering import Picture
 from egad.vision.shards import pose_values
@@ -51,6 +52,9 @@ def write_gqcnn(pictures: Iterable[Picture], folder: Path) -> int:
 
     Returns:
         How many rows there are.
+
+    Raises:
+        UserError: There are none.
     """
     (folder / "tensors").mkdir(parents=True)
     objects: dict[str, int] = {}
@@ -64,6 +68,8 @@ def write_gqcnn(pictures: Iterable[Picture], folder: Path) -> int:
         waiting = {key: np.concatenate([waiting[key], rows[key]]) for key in FIELDS}
         splits += [picture.split] * len(picture.grasps.u)
         waiting = _written(waiting, folder, len(splits))
+    if not splits:
+        raise UserError("no grasp can be reached in any of these images, so there are no tensors")
     if len(splits) % FILE:
         _save(waiting, folder, len(splits) // FILE)
     maps = {"object_category_map.json": objects, "pose_category_map.json": poses}

@@ -88,12 +88,14 @@ def pictures(
             scene = drawn_scene(resting, com, settings.camera, rng)
             ideal = eye.look(*scene)
             yield Picture(
-                image,
-                *(name, share.label, share.split),
-                int(pose),
-                spoilt(ideal, settings.image_noise, rng),
-                object_mask(ideal),
-                scene.matrix,
-                projected(scene, found, free, settings.gripper),
+                image=image,
+                id=name,
+                label=share.label,
+                split=share.split,
+                pose=int(pose),
+                view=spoilt(ideal, settings.image_noise, rng),
+                mask=object_mask(ideal),
+                matrix=scene.matrix,
+                grasps=projected(scene, found, free, settings.gripper),
             )
             image += 1

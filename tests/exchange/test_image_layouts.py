@@ -241,3 +241,11 @@ def test_images_that_do_not_fit_are_refused(tmp_path):
         write_jacquard(picture, GRIPPER, tmp_path)
     with pytest.raises(UserError, match="these 800 x 400"):
         write_cornell(picture, GRIPPER, tmp_path)
+
+
+def test_tensors_need_a_grasp(tmp_path):
+    settings = rendering()
+    none = Grasped(np.arange(0), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0))
+    block, share = trimesh.creation.box(SIDES), Share("i", "l", "train", 0, 1)
+    with pytest.raises(UserError, match="no grasp can be reached"):
+        write_gqcnn(pictures(block, none, share, HAND, settings), tmp_path / "set")
