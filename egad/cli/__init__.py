@@ -3,12 +3,22 @@
 import logging
 import sys
 
-from egad.cli import exchange, grasping, measuring, origins, stages, tools, trials
+from egad.cli import exchange, grasping, images, measuring, origins, stages, tools, trials
 from egad.cli.common import app
 from egad.errors import LESS_MEMORY, RejectedError, UserError
 from egad.tables.parquet import TableError
 
-__all__ = ["exchange", "grasping", "main", "measuring", "origins", "stages", "tools", "trials"]
+__all__ = [
+    "exchange",
+    "grasping",
+    "images",
+    "main",
+    "measuring",
+    "origins",
+    "stages",
+    "tools",
+    "trials",
+]
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Exports of labelled grasps in the formats of other programs."""
+"""Exports of labelled grasps and of images with them in the formats of other programs."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -9,7 +9,14 @@ import typer
 from egad.cli.common import TOOL, Config, Out, app, parse, settings_in
 from egad.cli.recorded import recorded
 from egad.errors import UserError
-from egad.stage_settings import AcronymFiles, DexNetDatabase, DexNetObjects, StageSettings, select
+from egad.stage_settings import (
+    AcronymFiles,
+    DexNetDatabase,
+    DexNetObjects,
+    ImageLayouts,
+    StageSettings,
+    select,
+)
 
 S = TypeVar("S", bound=StageSettings)
 Dataset = Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")]
@@ -21,6 +28,9 @@ class Format(StrEnum):
 
     DEXNET = "dexnet"
     ACRONYM = "acronym"
+    JACQUARD = "jacquard"
+    CORNELL = "cornell"
+    GQCNN = "gqcnn"
 
 
 @app.command(rich_help_panel=TOOL)
@@ -33,9 +43,14 @@ def export(
     settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
     part: Parts = [],  # noqa: B006 (typer copies it)
 ) -> None:
-    """Write labelled grasps as a Dex-Net database, or as a folder of ACRONYM files."""
+    """Write labelled grasps for Dex-Net or ACRONYM, or rendered images in other layouts."""
     from egad.exchange.grasps import check_opening, grasp_table
 
+    if ending in (Format.JACQUARD, Format.CORNELL, Format.GQCNN):
+        layouts = _chosen(ImageLayouts, settings, config, gripper)
+        check_opening(dataset, gripper, layouts.gripper.opening)
+        _images(layouts, ending.value, dataset / "images" / gripper, out)
+        return
     grasps = grasp_table(dataset, gripper)
     if ending is Format.DEXNET:
         database = _chosen(DexNetDatabase, settings, config, gripper)
@@ -95,6 +110,18 @@ def _acronym(settings: AcronymFiles, dataset: Path, gripper: str, grasps: Path, 
     objects = dataset / "objects.parquet"
     with recorded("acronym", settings, [objects, scales, grasps], [out], gripper=gripper):
         stage.run(settings, gripper, objects, scales, grasps, out)
+
+
+def _images(settings: ImageLayouts, layout: str, images: Path, out: Path) -> None:
+    from egad.stages import image_layout as stage
+    from egad.vision.shards import files
+
+    if out.is_file():
+        raise UserError(f"--out {out} is a file; name a folder")
+    if out.is_dir() and any(out.iterdir()):
+        raise UserError(f"--out {out} is not empty, and what is in it would be lost")
+    with recorded("image_layout", settings, files(images), [out], layout=layout):
+        stage.run(settings, layout, images, out)
 
 
 def _chosen(stage: type[S], text: str | None, config: Path | None, gripper: str | None = None) -> S:

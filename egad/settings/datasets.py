@@ -55,9 +55,14 @@ class Targets(Section):
         min_length=1,
         description="grasp detectors of the table below to try in simulation",
     )
-    exports: list[Literal["dexnet", "acronym"]] = Field(
-        [], description="formats of other programs to write the labelled grasps in, too"
+    exports: list[Literal["dexnet", "acronym", "jacquard", "cornell", "gqcnn"]] = Field(
+        [],
+        description="formats of other programs to write, too: the labelled grasps as dexnet or "
+        "acronym, rendered images with them as jacquard, cornell or gqcnn",
     )
     agreement: bool = Field(
         False, description="whether to carry out a sample of the labelled grasps in simulation, too"
+    )
+    render: bool = Field(
+        False, description="whether to render depth images with grasps, to train on, too"
     )

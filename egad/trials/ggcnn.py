@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from egad.errors import UserError
+from egad.grasps.room import TABLE_CLEARANCE
 from egad.settings import Gripper
-from egad.trials.camera import View
 from egad.trials.files import GGCNN_WEIGHTS, check_ggcnn
 from egad.trials.grasp import Grasp
-from egad.trials.relief import TABLE_CLEARANCE
+from egad.vision.camera import View
+from egad.vision.holes import filled
 
 Floats = NDArray[np.float64]
 
@@ -98,9 +99,7 @@ def middle(depth: NDArray[np.float32]) -> Crop:
     """The middle of a depth image, gaps filled with the depth of the nearest pixel that has one."""
     side = min(SIZE, *depth.shape)
     top, left = ((size - side) // 2 for size in depth.shape)
-    gaps = ~np.isfinite(depth)
-    nearest = ndimage.distance_transform_edt(gaps, return_distances=False, return_indices=True)
-    cut = depth[tuple(nearest)][top : top + side, left : left + side].astype(np.float64)
+    cut = filled(depth)[top : top + side, left : left + side].astype(np.float64)
     if side < SIZE:
         cut = ndimage.zoom(cut, SIZE / side, order=1, mode="nearest", grid_mode=True)
     return Crop(cut, (top, left), side / SIZE)

@@ -9,9 +9,9 @@ import trimesh
 
 from egad.errors import UserError
 from egad.settings import GRIPPERS
-from egad.trials.camera import View, above
 from egad.trials.files import check_ggcnn
 from egad.trials.ggcnn import GGCNN, middle, prepared
+from egad.vision.camera import View, above
 
 HAND = GRIPPERS["egad_75mm"]
 BAR = trimesh.creation.box((0.03, 0.12, 0.04))

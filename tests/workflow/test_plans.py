@@ -8,7 +8,8 @@ import trimesh
 from egad.settings import Settings
 from egad.stages.shards import shard_of
 from egad.tables import parquet
-from egad.tables.evaluation import AGREEMENT, TRIALS
+from egad.tables.evaluation import AGREEMENT, EVAL49, TRIALS
+from egad.vision.shards import read
 
 TRIED = {"simulated_trial", "join_trials"}
 AFTER_TRIALS = {"join_trials", "report", "all"}
@@ -210,6 +211,7 @@ def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean):
             "print/mine/manifest.parquet": "print_export",
             "trials/mine/antipodal-depth.parquet": "simulated_trial",
             "agreement/mine.parquet": "agreement",
+            "images/mine/card.md": "render",
             "size_effect/mine.parquet": "size_effect",
             "exchange/mine.hdf5": "dexnet",
             "exchange/mine-acronym": "acronym",
@@ -396,3 +398,24 @@ def test_labelled_grasps_are_carried_out_if_that_is_asked_for(copy):
     assert 'id="agreement"' in (copy.results / "report.html").read_text(encoding="utf-8")
     changed = copy.overlay("changed.yaml", {"agreement": {"grasps": 5}})
     assert copy.planned(configs=[*configs, changed]) == made
+
+
+def test_images_are_rendered_if_that_is_asked_for(copy):
+    asked = {"targets": {"render": True}, "render": {"images": 501}}
+    configs = ["config/test.yaml", copy.overlay("render.yaml", asked)]
+    made = {"render": 2, "image_card": 1, "report": 1, "all": 1}
+    assert copy.planned(configs=configs) == made
+    few = [*configs, copy.overlay("few.yaml", {"render": {"images": 24}})]
+    target, folder = "results/egad/images/egad_75mm/card.md", copy.results / "egad/images/egad_75mm"
+    folder.mkdir(parents=True)
+    (folder / "images-1.parquet").touch()  # as of a larger set
+    copy.make("--cores", 2, target, configs=few)
+    assert copy.planned(target, configs=few) == {}
+    images = read(folder)
+    assert len(images) == 24
+    chosen = parquet.read(copy.results / "egad/eval49.parquet", EVAL49)["id"]
+    tested = images.table.loc[images.table["split"] == "test", "id"]
+    trained = images.table.loc[images.table["split"] != "test", "id"]
+    assert set(tested) <= set(chosen) or set(chosen) <= set(tested)
+    assert not set(trained) & set(chosen)
+    assert "# Depth images of egad for egad_75mm" in (folder / "card.md").read_text()

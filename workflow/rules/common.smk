@@ -20,6 +20,7 @@ from egad.exchange.sums import sum_of
 from egad.measures.own import source_hash
 from egad.stages.shards import by_shard
 from egad.trials.files import fingerprint
+from egad.vision.splits import shard_count
 
 try:
     SETTINGS = check(config)
@@ -40,6 +41,7 @@ SHARDS = range(SETTINGS.shards)
 # An evaluation set has an object a cell: more shards would be empty ones.
 CELLS = SETTINGS.select_eval.rows * SETTINGS.select_eval.columns
 EVALUATION_SHARDS = range(min(SETTINGS.shards, CELLS))
+IMAGE_SHARDS = range(shard_count(SETTINGS.render.images))
 ISLANDS = range(SETTINGS.schedule.islands)
 LAST_EPOCH = SETTINGS.schedule.epochs - 1
 EVOLVED = [name for name, dataset in SETTINGS.datasets.items() if dataset.source == "evolved"]
@@ -115,6 +117,12 @@ def named_grippers(option, files):
 def parts(pattern, shards=SHARDS):
     """The files of all shards."""
     return lambda wildcards: expand(pattern, shard=shards, **wildcards)
+
+
+def held_out(wildcards):
+    """The evaluation set, if it is for testing."""
+    file = f"results/{wildcards.dataset}/eval49.parquet"
+    return [file] if SETTINGS.render.hold_out else []
 
 
 def previous_archive(wildcards):
@@ -264,8 +272,17 @@ def published():
 
 
 def exported():
-    """The labelled grasps in the formats of other programs that are asked for."""
+    """The labelled grasps and images in the formats of other programs that are asked for."""
     targets = SETTINGS.targets
-    files = {"dexnet": "exchange/{gripper}.hdf5", "acronym": "exchange/{gripper}-acronym"}
-    wanted = [files[name] for name in targets.exports]
+    wanted = [
+        "exchange/{gripper}.hdf5" if name == "dexnet" else f"exchange/{{gripper}}-{name}"
+        for name in targets.exports
+    ]
     return of_datasets(targets.datasets, expand(wanted, gripper=targets.grippers))
+
+
+def rendered():
+    """The images with grasps, if they are asked for."""
+    targets = SETTINGS.targets
+    wanted = expand("images/{gripper}/card.md", gripper=targets.grippers)
+    return of_datasets(targets.datasets, wanted) if targets.render else []

@@ -1,7 +1,9 @@
 """Exchange: labelled grasps in the formats of other programs. Made if `targets.exports` asks.
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet.
-Outputs: results/D/exchange/G.hdf5 (Dex-Net), results/D/exchange/G-acronym/LABEL.h5 (ACRONYM).
+For images results/D/images/G, which results/D/images/G/card.md is the last file of.
+Outputs: results/D/exchange/G.hdf5 (Dex-Net), results/D/exchange/G-acronym/LABEL.h5 (ACRONYM),
+results/D/exchange/G-LAYOUT (images as Jacquard, Cornell or GQ-CNN have them).
 Steps: for Dex-Net, shards of objects get distance fields and poses; then one file takes them all.
 """
 
@@ -91,3 +93,32 @@ rule acronym:
     shell:
         "egad export --format acronym --settings {params.settings:q} --gripper {wildcards.gripper:q}"
         " --out {output:q} {params.dataset:q} > {log:q} 2>&1"
+
+
+rule image_layout:
+    """The rendered images of a gripper in the layout of another dataset."""
+    input:
+        "results/{dataset}/images/{gripper}/card.md",
+    output:
+        directory("results/{dataset}/exchange/{gripper}-{layout}"),
+    log:
+        "logs/{dataset}/image_layout/{gripper}-{layout}.log",
+    benchmark:
+        "benchmarks/{dataset}/image_layout/{gripper}-{layout}.tsv"
+    wildcard_constraints:
+        layout="jacquard|cornell|gqcnn",
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=120,
+    params:
+        settings=settings_of("ImageLayouts"),
+        dataset="results/{dataset}",
+        code=code_version("egad.stages.image_layout"),
+    message:
+        "Writing the images of {wildcards.dataset} for {wildcards.gripper} as {wildcards.layout}"
+    shell:
+        "egad export --format {wildcards.layout} --settings {params.settings:q}"
+        " --gripper {wildcards.gripper:q} --out {output:q} {params.dataset:q} > {log:q} 2>&1"
