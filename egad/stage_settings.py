@@ -41,6 +41,7 @@ from egad.settings import (
     SizeEffect,
     Space,
     Symmetry,
+    Training,
     Trials,
 )
 
@@ -225,6 +226,13 @@ class LabelTrials(StageSettings):
     quality: Quality
     trials: Trials
     agreement: Agreement
+
+
+class TrainNetwork(StageSettings):
+    """Training of a grasp network."""
+
+    seed: int
+    training: Training
 
 
 class Compare(StageSettings):

@@ -3,12 +3,22 @@
 import logging
 import sys
 
-from egad.cli import exchange, grasping, measuring, origins, stages, tools, trials
+from egad.cli import exchange, grasping, measuring, origins, stages, tools, training, trials
 from egad.cli.common import app
 from egad.errors import RejectedError, UserError
 from egad.tables.parquet import TableError
 
-__all__ = ["exchange", "grasping", "main", "measuring", "origins", "stages", "tools", "trials"]
+__all__ = [
+    "exchange",
+    "grasping",
+    "main",
+    "measuring",
+    "origins",
+    "stages",
+    "tools",
+    "training",
+    "trials",
+]
 
 
 def main() -> None:

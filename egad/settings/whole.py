@@ -23,6 +23,7 @@ from egad.settings.objects import (
     SelectEval,
 )
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Shape, Symmetry
+from egad.settings.training import Training
 from egad.settings.trials import POLICIES, Agreement, Policy, Trials
 
 
@@ -68,6 +69,7 @@ class Settings(Section):
     acronym: Acronym = Acronym()
     trials: Trials = Trials()
     agreement: Agreement = Agreement()
+    training: Training = Training()
     grippers: dict[Name, Gripper] = Field(
         GRIPPERS, min_length=1, description="all grippers, by name"
     )
