@@ -13,6 +13,7 @@ from egad.files import write_text
 from egad.tables.evaluation import AGREEMENT, BUNDLE, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT, TALLY
+from egad.tables.images import IMAGES
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
 
 PAGE = Path("results/README.md")
@@ -94,6 +95,13 @@ ARTEFACTS = [
         "D/trials/G/P.parquet",
         "Simulated trials of detector P with gripper G, one attempt a row.",
         TRIALS,
+    ),
+    Artefact(
+        "D/images/G/images-N.parquet",
+        "Depth images with grasps for gripper G, if `targets.render` asks for them; "
+        "`egad.vision.shards.read` opens the folder. `card.md` beside them says what is in them, "
+        "`rejected.parquet` which objects have none. See `docs/images.md`.",
+        IMAGES,
     ),
     Artefact(
         "D/agreement/G.parquet",

@@ -13,6 +13,7 @@ from egad.settings import (
     Agreement,
     Axes,
     Bundle,
+    Camera,
     Complexity,
     DexNet,
     Difficulty,
@@ -22,6 +23,7 @@ from egad.settings import (
     GraspLabel,
     Gripper,
     Hole,
+    ImageNoise,
     Limits,
     Material,
     Neat,
@@ -31,6 +33,7 @@ from egad.settings import (
     PrintCheck,
     PrintExport,
     Quality,
+    Render,
     Rescale,
     Robust,
     Sampling,
@@ -47,7 +50,7 @@ from egad.settings import (
 
 
 class StageSettings(BaseModel):
-    """The sections that one stage reads; `gripper` and `policy` are entries of their tables."""
+    """The sections that one stage reads; `gripper`, `camera`, `policy` are entries of tables."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -235,6 +238,17 @@ class TrainNetwork(StageSettings):
     training: Training
 
 
+class RenderedImages(StageSettings):
+    """Depth images with grasps."""
+
+    seed: int
+    gripper: Gripper
+    grasp_label: GraspLabel
+    render: Render
+    camera: Camera
+    image_noise: ImageNoise
+
+
 class Compare(StageSettings):
     """Datasets side by side."""
 
@@ -256,13 +270,15 @@ def select(
         gripper: Name of the gripper, for stages that read one.
         policy: Name of the grasp detector, for the stage that tries one.
     """
-    names = [name for name in stage.model_fields if name not in ("gripper", "policy")]
+    names = [name for name in stage.model_fields if name not in ("gripper", "camera", "policy")]
     values = {name: getattr(settings, name) for name in names}
     if issubclass(stage, Measuring) and settings.difficulty.metric == "plain":
         values["robust"] = None
     if "gripper" in stage.model_fields:
         own = _narrowest(settings) if stage is EvalSelection else settings.difficulty.gripper
         values["gripper"] = settings.grippers[gripper or own]
+    if "camera" in stage.model_fields:
+        values["camera"] = settings.cameras[settings.render.camera]
     if "policy" in stage.model_fields:
         values["policy"] = settings.policies[policy or settings.targets.policies[0]]
     return stage(**values)

@@ -3,7 +3,17 @@
 import logging
 import sys
 
-from egad.cli import exchange, grasping, measuring, origins, stages, tools, training, trials
+from egad.cli import (
+    exchange,
+    grasping,
+    images,
+    measuring,
+    origins,
+    stages,
+    tools,
+    training,
+    trials,
+)
 from egad.cli.common import app
 from egad.errors import RejectedError, UserError
 from egad.tables.parquet import TableError
@@ -11,6 +21,7 @@ from egad.tables.parquet import TableError
 __all__ = [
     "exchange",
     "grasping",
+    "images",
     "main",
     "measuring",
     "origins",

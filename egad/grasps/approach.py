@@ -71,7 +71,7 @@ def best_approaches(
     turns = 2 * np.pi * np.arange(angles) / angles
     hand = parts(gripper, palm)
     there = blocked_turns(triangles, hand, grasps.centers, frames, turns)
-    there |= _swallowed(caster, hand, grasps.centers, frames, turns)
+    there |= swallowed(caster, hand, grasps.centers, frames, turns)
     swept = parts(gripper, palm, way)
     coming = blocked_turns(triangles, swept, grasps.centers, frames, turns, known=there)
     fits, free = ~there.all(axis=1), ~coming.all(axis=1)
@@ -97,7 +97,7 @@ def inside(caster: RayCaster, points: Floats) -> Flags:
     return np.asarray(np.isfinite(hits.distances) & ~hits.entering)
 
 
-def _swallowed(
+def swallowed(
     caster: RayCaster, hand: list[Part], origins: Floats, frames: Floats, turns: Floats
 ) -> Flags:
     """In which poses a part of the hand has its middle in the object: (n, k).

@@ -11,6 +11,7 @@ from egad.settings.evolution import Evolution, Neat, Schedule
 from egad.settings.exchange import Acronym, DexNet
 from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling, SizeEffect
 from egad.settings.grippers import GRIPPERS, Gripper
+from egad.settings.images import CAMERAS, Camera, ImageNoise, Render
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
 from egad.settings.objects import (
     Bundle,
@@ -28,6 +29,7 @@ from egad.settings.trials import POLICIES, Agreement, Policy, Trials
 from egad.settings.whole import Settings
 
 __all__ = [
+    "CAMERAS",
     "GRIPPERS",
     "POLICIES",
     "Acronym",
@@ -35,6 +37,7 @@ __all__ = [
     "Axes",
     "Axis",
     "Bundle",
+    "Camera",
     "Complexity",
     "Dataset",
     "DexNet",
@@ -45,6 +48,7 @@ __all__ = [
     "GraspLabel",
     "Gripper",
     "Hole",
+    "ImageNoise",
     "Limits",
     "Material",
     "Name",
@@ -57,6 +61,7 @@ __all__ = [
     "Quality",
     "Range",
     "Region",
+    "Render",
     "Rescale",
     "Robust",
     "Sampling",

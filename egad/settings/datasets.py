@@ -61,3 +61,6 @@ class Targets(Section):
     agreement: bool = Field(
         False, description="whether to carry out a sample of the labelled grasps in simulation, too"
     )
+    render: bool = Field(
+        False, description="whether to render depth images with grasps, to train on, too"
+    )

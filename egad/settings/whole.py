@@ -11,6 +11,7 @@ from egad.settings.evolution import Evolution, Neat, Schedule
 from egad.settings.exchange import Acronym, DexNet
 from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling, SizeEffect
 from egad.settings.grippers import GRIPPERS, Gripper
+from egad.settings.images import CAMERAS, Camera, ImageNoise, Render
 from egad.settings.measures import Axes, Complexity, Difficulty, Similarity, Space
 from egad.settings.objects import (
     Bundle,
@@ -70,8 +71,13 @@ class Settings(Section):
     trials: Trials = Trials()
     agreement: Agreement = Agreement()
     training: Training = Training()
+    render: Render = Render()
+    image_noise: ImageNoise = ImageNoise()
     grippers: dict[Name, Gripper] = Field(
         GRIPPERS, min_length=1, description="all grippers, by name"
+    )
+    cameras: dict[Name, Camera] = Field(
+        CAMERAS, min_length=1, description="all cameras of rendered images, by name"
     )
     policies: dict[Name, Policy] = Field(
         POLICIES, min_length=1, description="all grasp detectors, by name"
@@ -83,6 +89,7 @@ class Settings(Section):
             *_unknown("targets.datasets", self.targets.datasets, self.datasets),
             *_unknown("targets.grippers", self.targets.grippers, self.grippers),
             *_unknown("targets.policies", self.targets.policies, self.policies),
+            *_unknown("render.camera", [self.render.camera], self.cameras),
             *_unknown("difficulty.gripper", [self.difficulty.gripper], self.grippers),
             *_unknown(
                 "select_eval.gripper",

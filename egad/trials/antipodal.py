@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad.grasps.room import TABLE_CLEARANCE, roomy
 from egad.settings import Gripper
-from egad.trials.camera import View
 from egad.trials.grasp import Grasp, ranked
-from egad.trials.relief import TABLE_CLEARANCE, Relief, lowest_tip, relief_of, roomy
+from egad.trials.relief import Relief, lowest_tip, relief_of
+from egad.vision.camera import View
 
 Floats = NDArray[np.float64]
 

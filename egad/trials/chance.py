@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from egad.grasps.room import TABLE_CLEARANCE
 from egad.settings import Gripper
-from egad.trials.camera import View
 from egad.trials.grasp import Grasp
-from egad.trials.relief import TABLE_CLEARANCE
+from egad.vision.camera import View
 
 
 def random_grasp(view: View, gripper: Gripper, rng: np.random.Generator) -> list[Grasp]:

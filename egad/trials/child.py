@@ -9,9 +9,9 @@ import numpy as np
 
 from egad.errors import UserError
 from egad.settings import Gripper, Policy
-from egad.trials.camera import View
 from egad.trials.grasp import Grasp
 from egad.trials.policies import Detector, detector
+from egad.vision.camera import View
 
 STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load
 ENDING_TIME = 5.0

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from egad.errors import UserError
+from egad.grasps.room import TABLE_CLEARANCE
 from egad.settings import Gripper
-from egad.trials.camera import View
 from egad.trials.files import GGCNN_WEIGHTS, check_ggcnn
 from egad.trials.grasp import Grasp
-from egad.trials.relief import TABLE_CLEARANCE
-from egad.vision.maps import SIZE, filled, peaks, prepared, read
+from egad.vision.camera import View
+from egad.vision.holes import filled
+from egad.vision.maps import SIZE, peaks, prepared, read
 
 Floats = NDArray[np.float64]
 Infer = Callable[[NDArray[np.float32]], NDArray[np.float32]]

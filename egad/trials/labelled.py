@@ -8,15 +8,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from egad.grasps.room import LEAST_BITE, roomy
 from egad.settings import Gripper
-from egad.trials.camera import View
 from egad.trials.grasp import Grasp, ranked
-from egad.trials.relief import lowest_tip, relief_of, roomy
+from egad.trials.relief import lowest_tip, relief_of
+from egad.vision.camera import View
 
 Floats = NDArray[np.float64]
 
 TILT = np.radians(15)  # of the closing axis, which the hand holds level
-LEAST_BITE = 0.003  # the fingertips reach at least this far below the contacts
 
 
 class Labels:

@@ -10,11 +10,11 @@ from egad import own_code
 from egad.errors import UserError
 from egad.settings import Gripper, Policy
 from egad.trials.antipodal import antipodal_depth
-from egad.trials.camera import View
 from egad.trials.chance import random_grasp
 from egad.trials.files import WHERE
 from egad.trials.ggcnn import GGCNN
 from egad.trials.grasp import Grasp
+from egad.vision.camera import View
 
 
 class Detector(Protocol):

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from egad.errors import UserError
 from egad.settings import Gripper, Trials
-from egad.trials.camera import Eye, Intrinsics, View, above, noisy
 from egad.trials.child import DetectorTimeoutError
 from egad.trials.execution import execute
 from egad.trials.grasp import Grasp, best
@@ -17,6 +16,8 @@ from egad.trials.labelled import Labels
 from egad.trials.policies import Detector
 from egad.trials.starts import Start, moved, starts
 from egad.trials.world import TIME_STEP, Pose, UnstableError, World
+from egad.vision.camera import Eye, Intrinsics, View, above
+from egad.vision.noise import noisy
 
 log = logging.getLogger(__name__)
 Floats = NDArray[np.float64]

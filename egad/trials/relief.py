@@ -6,13 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad.grasps.room import TABLE_CLEARANCE
 from egad.settings import Gripper
-from egad.trials.camera import View
+from egad.vision.camera import View
 
 Floats = NDArray[np.float64]
 
-TABLE_CLEARANCE = 0.003  # fingertips stay this far above whatever lies below them
-SIDE_CLEARANCE = 0.008  # free space that is wanted on each side of what is held
 PROBE = 0.004  # distance of the points at which the space for the hand is probed
 
 
@@ -62,12 +61,6 @@ def relief_of(view: View) -> Relief | None:
     np.maximum.at(heights, (index[:, 0], index[:, 1]), standing[:, 2])
     # Between the pixels of a steep side are holes, and the probes step over narrow ridges.
     return Relief(np.asarray(ndimage.maximum_filter(heights, 3)), origin, cell)
-
-
-def roomy(distance: Floats, gripper: Gripper) -> Floats:
-    """How far to open for contacts this far apart: 8 mm more on each side, if the hand can."""
-    width: Floats = np.minimum(distance + 2 * SIDE_CLEARANCE, gripper.opening)
-    return width
 
 
 def lowest_tip(

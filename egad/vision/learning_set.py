@@ -1,7 +1,6 @@
 """Rendered images with their grasps, read on demand from the shards of the compact layout."""
 
 import io
-import re
 from collections import OrderedDict
 from pathlib import Path
 from threading import Lock
@@ -17,9 +16,9 @@ from egad.tables.promises import TableError
 from egad.tables.row_groups import RowGroups
 from egad.vision.maps import SIZE
 from egad.vision.rectangles import Rectangles, wrapped
+from egad.vision.shards import UNIT, files
+from egad.vision.splits import SPLITS
 
-UNIT = 1e-4  # metres that the number 1 means in a stored depth image
-SPLITS = ("train", "validation", "test")
 GRASP = ["u", "v", "angle", "opening", "depth_center", "quality", "free"]
 NAMES = ["image", "id", "split", "depth", "height", "width", "focal", *GRASP]
 WINDOW = 2048  # images that are mixed with each other; about so many are kept in memory, packed
@@ -56,11 +55,11 @@ class LearningSet:
             rule: Which grasps are positive.
 
         Raises:
-            UserError: There are none, or one in between is missing.
+            UserError: Some are missing, or are not all of one set.
             TableError: One cannot be read, or is not of this layout.
         """
         self.folder, self.rule = folder, rule
-        self._files = [RowGroups(path, NAMES) for path in shard_files(folder)]
+        self._files = [RowGroups(path, NAMES) for path in files(folder)]
         self.index = pd.concat(
             [
                 self._indexed(shard, group)
@@ -90,7 +89,7 @@ class LearningSet:
             raise UserError(f"{self.folder}: no image is of the split {split}")
         return found
 
-    def image(self, number: int) -> tuple[NDArray[np.float64], Rectangles]:
+    def image(self, number: int) -> tuple[NDArray[np.float32], Rectangles]:
         """The image of a row of the index.
 
         Returns:
@@ -134,31 +133,13 @@ class LearningSet:
         )
 
 
-def shard_files(folder: Path) -> list[Path]:
-    """The shards of a folder in order.
-
-    Raises:
-        UserError: There are none, or one in between is missing.
-    """
-    found = {
-        int(match[1]): path
-        for path in folder.glob("images-*.parquet")
-        if (match := re.fullmatch(r"images-(\d+)\.parquet", path.name))
-    }
-    if not found:
-        raise UserError(f"{folder} holds no images: there is no images-0.parquet")
-    if missing := sorted(set(range(max(found))) - set(found)):
-        raise UserError(f"{folder} is not complete: there is no images-{missing[0]}.parquet")
-    return [found[number] for number in sorted(found)]
-
-
 def positive(quality: Any, free: Any, rule: Rule) -> NDArray[np.bool_]:  # noqa: ANN401
     """Which grasps of an image are free of collision and good enough, (n,)."""
     good: NDArray[np.bool_] = np.asarray(free, bool) & (np.asarray(quality, float) > rule.quality)
     return good
 
 
-def decoded(shown: pd.Series) -> NDArray[np.float64]:
+def decoded(shown: pd.Series) -> NDArray[np.float32]:
     """The depth image of a row of a shard, metres, not a number where it is missing.
 
     Raises:
@@ -172,7 +153,7 @@ def decoded(shown: pd.Series) -> NDArray[np.float64]:
         stored = np.asarray(image, dtype=np.float64)
     if not stored.any():
         raise ValueError("it has no depth at any pixel")
-    return np.where(stored > 0, stored * UNIT, np.nan)
+    return np.where(stored > 0, stored * UNIT, np.nan).astype(np.float32)
 
 
 def positives(shown: pd.Series, rule: Rule) -> Rectangles:

@@ -2,8 +2,7 @@
 
 Morrison, Corke and Leitner, "Learning robust, real-time, reactive robotic grasping", IJRR 2020.
 Theirs are the size and scaling of what goes in, the code of angle and width, and that peaks of the
-smoothed quality are grasps. Ours are how gaps are filled, how angle and width are smoothed, and
-which peaks count.
+smoothed quality are grasps. Ours are how angle and width are smoothed, and which peaks count.
 """
 
 from typing import NamedTuple
@@ -33,19 +32,6 @@ class Answer(NamedTuple):
     quality: Floats
     angle: Floats
     opening: Floats
-
-
-def filled(depth: NDArray[np.floating]) -> NDArray[np.floating]:
-    """A depth image whose gaps have the depth of the nearest pixel that has one.
-
-    Args:
-        depth: (height, width), not a number in gaps, but not all of it.
-    """
-    gaps = ~np.isfinite(depth)
-    if not gaps.any():
-        return depth
-    nearest = ndimage.distance_transform_edt(gaps, return_distances=False, return_indices=True)
-    return depth[tuple(nearest)]
 
 
 def prepared(depth: NDArray[np.floating]) -> NDArray[np.float32]:

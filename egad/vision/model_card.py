@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from egad import __version__
-from egad.vision.learning_set import SPLITS
+from egad.vision.splits import SPLITS
 
 PACKAGES = ("torch", "safetensors", "numpy", "scipy", "pillow")
 PAGE = """# {title}, trained on {source}

@@ -29,7 +29,7 @@ class Judged(NamedTuple):
 
 
 @torch.inference_mode()
-def judged(network: nn.Module, depth: NDArray[np.float64], truth: Rectangles) -> Judged:
+def judged(network: nn.Module, depth: NDArray[np.float32], truth: Rectangles) -> Judged:
     """Compare a network's answer to an image with the positive grasps (n, 5) in it.
 
     The grasp that counts is the one at the highest peak of the smoothed quality

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from egad.seeds import generator
 from egad.vision.augmentation import Change, changed_depth, changed_rectangles, drawn
+from egad.vision.holes import filled
 from egad.vision.learning_set import WINDOW, LearningSet
-from egad.vision.maps import SIZE, filled, prepared
+from egad.vision.maps import SIZE, prepared
 from egad.vision.rectangles import Rectangles
 from egad.vision.targets import targets
 
@@ -65,7 +66,7 @@ class Stream:
 
 
 def example(
-    depth: NDArray[np.float64], rectangles: Rectangles, change: Change = UNCHANGED
+    depth: NDArray[np.float32], rectangles: Rectangles, change: Change = UNCHANGED
 ) -> Example:
     """What a network gets and should answer, (1, 300, 300) and (4, 300, 300), after a change."""
     seen = changed_depth(filled(depth), change)

@@ -54,6 +54,11 @@ def test_settings_cannot_be_changed():
         {"hole": {"kind": "box", "centre": [0, 0.6, 0]}},
         {"symmetry": {"mirror": ["w"]}},
         {"axes": {"complexity": "measures.py"}},
+        {"render": {"camera": "other"}},
+        {"render": {"complexity": [0.5, 0.5]}},
+        {"render": {"validation": 0.5, "test": 0.5}},
+        {"cameras": {"mine": {"focal": [0, 400], "distance": [0.6, 0.6], "tilt": [0, 0]}}},
+        {"cameras": {"mine": {"focal": [400, 400], "distance": [0.7, 0.6], "tilt": [0, 0]}}},
         {"axes": {"difficulty": "measures.py:two words"}},
     ],
 )
@@ -77,8 +82,9 @@ def test_every_section_is_read_by_some_stage():
     """A setting that no stage gets would change nothing, in silence."""
     stages = stage_models(StageSettings)
     read = {name for stage in stages for name in stage.model_fields}
-    of_the_workflow = {"shards", "datasets", "targets", "schedule", "grippers", "policies"}
-    assert set(Settings.model_fields) - of_the_workflow == read - {"gripper", "policy"}
+    of_the_workflow = {"shards", "datasets", "targets", "schedule"}
+    tables, entries = {"grippers", "cameras", "policies"}, {"gripper", "camera", "policy"}
+    assert set(Settings.model_fields) - of_the_workflow - tables == read - entries
 
 
 def stage_models(base):

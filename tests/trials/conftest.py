@@ -3,7 +3,7 @@
 import pytest
 import trimesh
 
-from egad.trials.camera import Eye, Intrinsics, View, above
+from egad.vision.camera import Eye, Intrinsics, View, above
 
 
 @pytest.fixture(scope="session")

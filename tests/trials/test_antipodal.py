@@ -6,8 +6,8 @@ import trimesh
 
 from egad.settings import GRIPPERS, Gripper
 from egad.trials.antipodal import antipodal_depth
-from egad.trials.camera import Eye, Intrinsics, View, above
 from egad.trials.grasp import Grasp
+from egad.vision.camera import Eye, Intrinsics, View, above
 
 HAND = GRIPPERS["egad_75mm"]
 CAMERA = Intrinsics.spanning(300, 300, 40.0)

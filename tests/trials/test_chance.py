@@ -2,8 +2,8 @@ import numpy as np
 import trimesh
 
 from egad.settings import GRIPPERS
-from egad.trials.camera import View
 from egad.trials.chance import random_grasp
+from egad.vision.camera import View
 
 HAND = GRIPPERS["egad_75mm"]
 

@@ -9,9 +9,9 @@ import trimesh
 import egad.vision
 from egad.errors import UserError
 from egad.settings import GRIPPERS
-from egad.trials.camera import View, above
 from egad.trials.files import check_ggcnn
 from egad.trials.ggcnn import GGCNN, MapDetector, middle
+from egad.vision.camera import View, above
 from egad.vision.maps import prepared
 
 HAND = GRIPPERS["egad_75mm"]

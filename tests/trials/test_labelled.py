@@ -6,11 +6,11 @@ import pytest
 import trimesh
 
 from egad.settings import GRIPPERS, Bundle, Trials
-from egad.trials.camera import Eye, Intrinsics, above
 from egad.trials.labelled import Labels
 from egad.trials.model import build
 from egad.trials.protocol import Bench
 from egad.trials.world import World
+from egad.vision.camera import Eye, Intrinsics, above
 
 BUNDLE = Bundle()
 HAND = GRIPPERS["egad_75mm"]

@@ -5,7 +5,6 @@ import pytest
 import trimesh
 
 from egad.settings import GRIPPERS, Bundle, Gripper, Trials
-from egad.trials.camera import View
 from egad.trials.child import DetectorTimeoutError
 from egad.trials.execution import Execution, execute
 from egad.trials.grasp import Grasp
@@ -14,6 +13,7 @@ from egad.trials.policies import Detector
 from egad.trials.protocol import Attempt, Bench
 from egad.trials.starts import Start
 from egad.trials.world import Pose, World
+from egad.vision.camera import View
 
 BUNDLE = Bundle()
 CUBE = trimesh.creation.box((0.04, 0.04, 0.04))

@@ -3,18 +3,11 @@
 import numpy as np
 import trimesh
 
+from egad.grasps.room import TABLE_CLEARANCE
 from egad.settings import GRIPPERS
-from egad.trials.relief import SIDE_CLEARANCE, TABLE_CLEARANCE, lowest_tip, relief_of, roomy
+from egad.trials.relief import lowest_tip, relief_of
 
 HAND = GRIPPERS["egad_75mm"]
-
-
-def test_there_is_room_on_both_sides_as_far_as_the_hand_opens():
-    distance = np.array([0.0, 0.03, HAND.opening - 2 * SIDE_CLEARANCE, 0.07, HAND.opening])
-    width = roomy(distance, HAND)
-    assert (width <= HAND.opening).all()
-    np.testing.assert_allclose((width - distance)[:3] / 2, SIDE_CLEARANCE)
-    assert width[3:].tolist() == [HAND.opening] * 2
 
 
 def test_fingers_reach_the_table_beside_a_box_and_its_top_on_it(look):

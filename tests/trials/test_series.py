@@ -9,13 +9,13 @@ from egad.settings import GRIPPERS, POLICIES, Bundle, Gripper, Trials
 from egad.stage_settings import SimulatedTrials
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
-from egad.trials.camera import View
 from egad.trials.grasp import Grasp
 from egad.trials.model import Model, build
 from egad.trials.policies import QUICK, Detector
 from egad.trials.protocol import Bench
 from egad.trials.series import START, columns_of, recorded, tried, untried
 from egad.trials.world import World
+from egad.vision.camera import View
 
 BUNDLE = Bundle()
 SETTINGS = SimulatedTrials(

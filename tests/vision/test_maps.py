@@ -1,17 +1,6 @@
 import numpy as np
 
-from egad.vision.maps import MOST_PEAKS, best, filled, peaks, prepared, read
-
-
-def test_gaps_get_the_nearest_depth():
-    depth = np.tile(np.linspace(0.5, 0.6, 50), (40, 1))
-    holed = depth.copy()
-    holed[10:13, 20:23] = np.nan
-    found = filled(holed)
-    assert np.isfinite(found).all()
-    np.testing.assert_array_equal(found[~np.isnan(holed)], depth[~np.isnan(holed)])
-    assert np.abs(found - depth).max() < 0.005
-    assert filled(depth) is depth
+from egad.vision.maps import MOST_PEAKS, best, peaks, prepared, read
 
 
 def test_depths_go_in_less_their_mean_and_clipped():

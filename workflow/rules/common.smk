@@ -15,6 +15,7 @@ from egad.errors import UserError
 from egad.exchange.folders import EVERY_FILE, mesh_files
 from egad.measures.own import source_hash
 from egad.trials.files import fingerprint
+from egad.vision.splits import shard_count
 
 try:
     SETTINGS = check(config)
@@ -32,6 +33,7 @@ sys.setrecursionlimit(20_000)
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
 
 SHARDS = range(SETTINGS.shards)
+IMAGE_SHARDS = range(shard_count(SETTINGS.render.images))
 ISLANDS = range(SETTINGS.schedule.islands)
 LAST_EPOCH = SETTINGS.schedule.epochs - 1
 EVOLVED = [name for name, dataset in SETTINGS.datasets.items() if dataset.source == "evolved"]
@@ -106,6 +108,17 @@ def named_grippers(option, files):
 def parts(pattern):
     """The files of all shards."""
     return lambda wildcards: expand(pattern, shard=SHARDS, **wildcards)
+
+
+def image_parts(pattern):
+    """The files of all shards of images."""
+    return lambda wildcards: expand(pattern, shard=IMAGE_SHARDS, **wildcards)
+
+
+def held_out(wildcards):
+    """The evaluation set, if it is for testing."""
+    file = f"results/{wildcards.dataset}/eval49.parquet"
+    return [file] if SETTINGS.render.hold_out else []
 
 
 def previous_archive(wildcards):
@@ -211,3 +224,10 @@ def exported():
     files = {"dexnet": "exchange/{gripper}.hdf5", "acronym": "exchange/{gripper}-acronym"}
     wanted = [files[name] for name in targets.exports]
     return of_datasets(targets.datasets, expand(wanted, gripper=targets.grippers))
+
+
+def rendered():
+    """The images with grasps, if they are asked for."""
+    targets = SETTINGS.targets
+    wanted = expand("images/{gripper}/card.md", gripper=targets.grippers)
+    return of_datasets(targets.datasets, wanted) if targets.render else []

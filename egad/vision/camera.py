@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Depth = NDArray[np.float32]
+Flags = NDArray[np.bool_]
+Window = tuple[slice, slice]
 
 LOOKING_DOWN = np.diag([1.0, -1.0, -1.0])
-BASELINE = 0.05  # metres between the two imagers of a D435
-LEAST_DISPARITY = 1.0  # pixels; far beyond everything there is
+WHOLE = (slice(None), slice(None))
 MISS = 1e30  # the ray caster gives 1e37 where it meets nothing
 
 
@@ -43,14 +44,29 @@ class Intrinsics(NamedTuple):
         """Whether all of some points (n, 3), in the frame of the camera, are in the image."""
         if points[:, 2].min() <= 0:
             return False
-        pixels = points[:, :2] / points[:, 2:] * self.focal + self.center
+        pixels = self.pixels(points)
         size = (self.width, self.height)
         return bool(((pixels >= -0.5) & (pixels <= np.array(size) - 0.5)).all())
 
-    def rays(self) -> Floats:
-        """For each pixel the point that it sees at depth 1, camera frame, (height, width, 3)."""
-        u, v = np.meshgrid(np.arange(self.width), np.arange(self.height))
+    def pixels(self, points: Floats) -> Floats:
+        """Where points (n, 3) in front of it, in its frame, are in the image, (n, 2) u and v."""
+        seen: Floats = points[:, :2] / points[:, 2:] * self.focal + self.center
+        return seen
+
+    def slopes(self) -> tuple[Floats, Floats]:
+        """What x is at depth 1 for each column of pixels, and y for each row."""
+        u, v = np.arange(self.width), np.arange(self.height)
         x, y = (u - self.center[0]) / self.focal, (v - self.center[1]) / self.focal
+        return np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+
+    def rays(self, window: Window = WHOLE) -> Floats:
+        """For each pixel the point that it sees at depth 1, camera frame, (height, width, 3).
+
+        Args:
+            window: Rows and columns; all of them by default.
+        """
+        x, y = self.slopes()
+        x, y = np.broadcast_arrays(x[None, window[1]], y[window[0], None])
         return np.stack([x, y, np.ones_like(x)], axis=-1)
 
 
@@ -108,11 +124,10 @@ class Eye:
             intrinsics: The camera.
             pose: (4, 4) transform from the camera to the world.
         """
-        rays = intrinsics.rays()
-        depth = _table_depth(rays, pose)
+        depth = table_depth(intrinsics, pose)
         to_object = np.linalg.inv(matrix) @ pose
         window = self._window(to_object, intrinsics)
-        seen = rays[window]
+        seen = intrinsics.rays(window)
         directions = (seen.reshape(-1, 3) @ to_object[:3, :3].T).astype(np.float32)
         origins = np.broadcast_to(to_object[:3, 3].astype(np.float32), directions.shape)
         # Directions reach depth 1 each, so distances along them are depths.
@@ -126,39 +141,29 @@ class Eye:
         distances: Depth = self._scene.run(origins, directions, query="DISTANCE")
         return np.where(distances < MISS, distances, np.float32(np.nan))
 
-    def _window(self, to_object: Floats, intrinsics: Intrinsics) -> tuple[slice, slice]:
+    def _window(self, to_object: Floats, intrinsics: Intrinsics) -> Window:
         """The rows and columns that can see the object; all if some of it is beside the lens."""
         to_camera = np.linalg.inv(to_object)
         seen = self._vertices @ to_camera[:3, :3].T + to_camera[:3, 3]
         if seen[:, 2].min() <= 0:
-            return slice(None), slice(None)
-        pixels = seen[:, :2] / seen[:, 2:] * intrinsics.focal + intrinsics.center
+            return WHOLE
+        pixels = intrinsics.pixels(seen)
         low = np.maximum(np.floor(pixels.min(axis=0)).astype(int), 0)
         high = np.maximum(np.ceil(pixels.max(axis=0)).astype(int) + 1, 0)
         return slice(low[1], high[1]), slice(low[0], high[0])
 
 
-def noisy(view: View, sigma: float, rng: np.random.Generator) -> View:
-    """The view of a stereo camera that matches its two images with some error (ours).
-
-    The disparity, baseline * focal length / depth, gets normal noise, so that the depth errs in
-    proportion to its square: with 0.1 pixels by 1.7 mm at 0.6 m. Each pixel errs by itself, and
-    none is lost, as in real images along edges.
-
-    Args:
-        view: What an ideal camera sees.
-        sigma: Standard deviation of the disparity, pixels.
-        rng: Source of chance.
-    """
-    scale = BASELINE * view.intrinsics.focal
-    disparity = scale / view.depth + sigma * rng.standard_normal(view.depth.shape)
-    depth = (scale / np.maximum(disparity, LEAST_DISPARITY)).astype(np.float32)
-    return View(depth, view.intrinsics, view.pose)
-
-
-def _table_depth(rays: Floats, pose: Floats) -> Depth:
-    """Depth of the plane z = 0 along each ray."""
-    sinking = rays @ -pose[2, :3]
-    down = sinking > 0
-    depth = np.where(down, pose[2, 3] / np.where(down, sinking, 1.0), np.nan)
+def table_depth(intrinsics: Intrinsics, pose: Floats) -> Depth:
+    """Depth of the plane z = 0 in each pixel, (height, width); not a number above the horizon."""
+    x, y = intrinsics.slopes()
+    across, down, forward = -pose[2, :3]
+    sinking = (y * down + forward)[:, None] + x * across
+    below = sinking > 0
+    depth = np.where(below, pose[2, 3] / np.where(below, sinking, 1.0), np.nan)
     return depth.astype(np.float32)
+
+
+def object_mask(view: View) -> Flags:
+    """Which pixels of an `Eye`'s view see the object, (height, width)."""
+    table = table_depth(view.intrinsics, view.pose)
+    return np.asarray(np.isfinite(view.depth) & ~(view.depth >= table))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.trials.camera import BASELINE, Eye, Intrinsics, above, noisy
+from egad.vision.camera import Eye, Intrinsics, above, object_mask
 
 SMALL = Intrinsics.spanning(101, 101, 40.0)
 
@@ -116,21 +116,26 @@ def test_what_is_in_the_image() -> None:
     assert not camera.sees(np.array([[0, 0, 1.0], [0, 0, -1.0]]))
 
 
-def test_noise_grows_with_the_square_of_the_depth() -> None:
-    """As baseline * focal length / depth errs by a tenth of a pixel."""
-    box = Eye(trimesh.creation.box((0.1, 0.1, 0.1)))
-    camera = Intrinsics.spanning(200, 200, 30.0)
-    for height in (0.6, 1.2):
-        view = box.look(shifted(5, 5, 0), camera, above(height))
-        noise = noisy(view, 0.1, np.random.default_rng(0)).depth - view.depth
-        expected = height**2 * 0.1 / (BASELINE * camera.focal)
-        assert noise.std() == pytest.approx(expected, rel=0.03)
-        assert abs(noise.mean()) < expected / 20
+def test_the_mask_is_the_silhouette() -> None:
+    """Its pixels are those whose rays meet the ball, whatever the camera's tilt."""
+    center, radius = np.array([0.03, -0.02, 0.04]), 0.04
+    for pose in (above(0.6), tilted_camera()):
+        view = Eye(trimesh.creation.icosphere(5, radius)).look(shifted(*center), SMALL, pose)
+        rays = SMALL.rays() @ pose[:3, :3].T
+        away = np.cross(rays, center - pose[:3, 3])
+        distance = np.linalg.norm(away, axis=-1) / np.linalg.norm(rays, axis=-1)
+        mask = object_mask(view)
+        assert mask[distance < radius - 1e-4].all()
+        assert not mask[distance > radius + 1e-4].any()
 
 
-def test_noise_leaves_the_image_alone_that_it_is_added_to() -> None:
-    view = Eye(trimesh.creation.box()).look(shifted(5, 5, 0), SMALL, above(0.6))
-    before = view.depth.copy()
-    first, second = (noisy(view, 0.1, np.random.default_rng(3)).depth for _ in range(2))
-    np.testing.assert_array_equal(view.depth, before)
-    np.testing.assert_array_equal(first, second)
+def test_a_window_has_the_rays_of_its_pixels() -> None:
+    window = (slice(3, 7), slice(90, None))
+    np.testing.assert_array_equal(SMALL.rays(window), SMALL.rays()[window])
+
+
+def test_pixels_are_where_rays_go_through() -> None:
+    points = SMALL.rays().reshape(-1, 3) * 0.7
+    u, v = np.meshgrid(np.arange(101), np.arange(101))
+    expected = np.column_stack([u.ravel(), v.ravel()])
+    np.testing.assert_allclose(SMALL.pixels(points), expected, atol=1e-9)

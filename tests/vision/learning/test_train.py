@@ -105,7 +105,7 @@ def test_nothing_to_learn_from_is_a_mistake(write, pictures, tmp_path):
 
 
 def test_a_folder_of_something_else_is_a_mistake(tmp_path):
-    with pytest.raises(UserError, match="holds no images"):
+    with pytest.raises(UserError, match="no images here"):
         stage.opened(tmp_path, SETTINGS)
     (tmp_path / "images-0.parquet").write_text("hello")
     with pytest.raises(TableError, match="not a readable Parquet file"):

@@ -1,0 +1,109 @@
+"""render: depth images of the objects of a dataset at rest, with their grasps."""
+
+import logging
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from egad.errors import RejectedError
+from egad.exchange.grasps import vectors
+from egad.exchange.meshes import read_mesh
+from egad.progress import progress
+from egad.stage_settings import RenderedImages
+from egad.stages.grasp_label import palm_of
+from egad.stages.shards import rejection
+from egad.tables import parquet
+from egad.tables.columns import vector_names
+from egad.tables.evaluation import EVAL49
+from egad.tables.images import IMAGES
+from egad.tables.objects import OBJECTS, REJECTED
+from egad.vision.reach import Grasped, Hand
+from egad.vision.rendering import pictures
+from egad.vision.shards import encoded
+from egad.vision.splits import Share, shares
+
+log = logging.getLogger(__name__)
+
+GRASP_COLUMNS = [
+    "id",
+    "grasp",
+    *vector_names("center"),
+    *vector_names("axis"),
+    "width",
+    "robust_quality",
+]
+
+
+def run(
+    settings: RenderedImages,
+    objects: Path,
+    meshes: Path,
+    grasps: Path,
+    evaluation: Path | None,
+    shard: tuple[int, int],
+    out: Path,
+    rejected: Path,
+) -> None:
+    """Render the images of a shard: all those of the objects whose first image is in it.
+
+    Args:
+        settings: What this stage reads.
+        objects: Table with the columns of `tables.objects.OBJECTS`.
+        meshes: Folder of the scaled meshes, with `scales.parquet`.
+        grasps: Their grasps, columns of `tables.grasping.GRASPS`.
+        evaluation: Table with the columns of `tables.evaluation.EVAL49`, if there is one.
+        shard: Number of the shard, and of how many.
+        out: Table with the columns of `tables.images.IMAGES`.
+        rejected: Table of the objects that have no images.
+    """
+    number, total = shard
+    chosen = [
+        share
+        for share in planned(settings, objects, meshes, evaluation)
+        if share.images and share.first * total // settings.render.images == number
+    ]
+    labelled = _labelled(grasps, {share.id for share in chosen})
+    hand = Hand(settings.gripper, palm_of(settings.gripper), settings.grasp_label.approach_way)
+    rows, left_out = [], []
+    for share in progress(chosen, "rendering", len(chosen)):
+        try:
+            mesh = read_mesh(meshes / f"{share.label}.obj", "m")
+            found = pictures(mesh, labelled[share.id], share, hand, settings)
+            rows += [encoded(picture) for picture in found]
+        except RejectedError as reason:
+            left_out.append(rejection(share.id, "render", reason))
+    notes = {"shard": number, "shards": total}
+    parquet.write(pd.DataFrame(rows), IMAGES, out, notes)
+    parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
+    log.info("%d images of %d objects, %d rejected", len(rows), len(chosen), len(left_out))
+
+
+def planned(
+    settings: RenderedImages, objects: Path, meshes: Path, evaluation: Path | None
+) -> list[Share]:
+    """The images of all objects that are scaled to the gripper; arguments as in `run`."""
+    table = parquet.read(objects, OBJECTS)[["id", "label", "complexity"]]
+    rows = parquet.batches(meshes / "scales.parquet", ["label"])
+    scaled = {label for batch in rows for label in batch["label"]}
+    held_out = parquet.read(evaluation, EVAL49)["id"].tolist() if evaluation else []
+    known = table[table["label"].isin(scaled)]
+    return shares(known, held_out, settings.render, settings.seed)
+
+
+def _labelled(path: Path, ids: set[str]) -> dict[str, Grasped]:
+    """The grasps of some objects; of one without grasps, none."""
+    parts = [batch[batch["id"].isin(ids)] for batch in parquet.batches(path, GRASP_COLUMNS)]
+    table = pd.concat(parts) if parts else pd.DataFrame(columns=GRASP_COLUMNS)
+    groups = dict(list(table.groupby("id")))
+    return {name: _grasped(groups.get(name, table.iloc[:0])) for name in ids}
+
+
+def _grasped(rows: pd.DataFrame) -> Grasped:
+    return Grasped(
+        rows["grasp"].to_numpy(np.int64),
+        vectors(rows, "center"),
+        vectors(rows, "axis"),
+        rows["width"].to_numpy(np.float64),
+        rows["robust_quality"].to_numpy(np.float64),
+    )

@@ -1,0 +1,48 @@
+"""Rendered images: one row an image, the pictures as PNG files."""
+
+import pyarrow as pa
+
+from egad.tables.columns import BINARY, FLOAT, ID, INT, LABEL, STRING, column, pose
+
+SINGLE = pa.float32()
+
+
+def _listed(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
+    return column(name, pa.list_(kind), f"of each grasp: {meaning}", unit)
+
+
+IMAGES = pa.schema(
+    [
+        column("image", INT, "number of the image in the dataset; those of an object are together"),
+        ID,
+        LABEL,
+        column("split", STRING, "train, validation or test; the same for all images of an object"),
+        column("pose", pa.int16(), "number of the stable pose, 0 = most probable"),
+        column(
+            "depth", BINARY, "PNG of 16 bits: depth along the optical axis; 0 = no value", "0.1 mm"
+        ),
+        column("mask", BINARY, "PNG of 8 bits: 255 = object, 0 = all else"),
+        column("height", INT, "of the image", "px"),
+        column("width", INT, "of the image", "px"),
+        column("focal", FLOAT, "focal length", "px"),
+        column("center_u", FLOAT, "column of the optical axis", "px"),
+        column("center_v", FLOAT, "row of the optical axis", "px"),
+        *pose("camera", "camera (x right, y down, z forward) in the world, whose table is z = 0"),
+        *pose("object", "frame of the scaled mesh in the world"),
+        _listed("grasp", INT, "number of the label in the table of grasps"),
+        _listed("u", SINGLE, "column of the centre; the middle of the first pixel is 0", "px"),
+        _listed("v", SINGLE, "row of the centre; the middle of the first pixel is 0", "px"),
+        _listed(
+            "angle",
+            SINGLE,
+            "closing axis, anticlockwise as seen in the image from its x axis (right), in "
+            "[-pi/2, pi/2)",
+            "rad",
+        ),
+        _listed("opening", SINGLE, "how far the hand opens, at the depth of the centre", "px"),
+        _listed("depth_center", SINGLE, "depth of the centre along the optical axis", "m"),
+        _listed("quality", SINGLE, "robust quality of the label"),
+        _listed("free", pa.bool_(), "whether the hand touches neither object nor table"),
+    ]
+)
+LISTS = [field.name for field in IMAGES if pa.types.is_list(field.type)]

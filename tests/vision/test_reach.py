@@ -1,0 +1,97 @@
+"""Which grasps a hand can reach from above, tried by hand."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.grasps.rays import RayCaster
+from egad.grasps.room import LEAST_BITE, TABLE_CLEARANCE
+from egad.vision.reach import Grasped, reachable
+
+TILT = np.radians(15)
+
+
+def lying(mesh, turn=None):
+    """The mesh turned, then put on the table."""
+    matrix = np.eye(4) if turn is None else turn.copy()
+    heights = mesh.vertices @ matrix[2, :3]
+    matrix[2, 3] = -heights.min()
+    return matrix
+
+
+def test_axes_near_level_are_reachable(block, grasped, hand):
+    found, free = reachable(RayCaster(block), grasped, lying(block), hand, TILT)
+    assert found.numbers.tolist() == [4, 9]
+    assert free.all()
+
+
+@pytest.mark.parametrize(("degrees", "numbers"), [(14.9, [4, 9]), (15.1, [])])
+def test_the_limit_is_the_angle_between_approach_and_vertical(
+    block, grasped, hand, degrees, numbers
+):
+    turn = trimesh.transformations.rotation_matrix(np.radians(degrees), (0, 1, 0))
+    found, _ = reachable(RayCaster(block), grasped, lying(block, turn), hand, TILT)
+    assert sorted(set(found.numbers.tolist()) & {4, 9}) == numbers
+
+
+def test_on_its_side_the_other_grasp_is_reachable(block, grasped, hand):
+    turn = trimesh.transformations.rotation_matrix(np.pi / 2, (0, 1, 0))
+    found, free = reachable(RayCaster(block), grasped, lying(block, turn), hand, TILT)
+    assert found.numbers.tolist() == [7]
+    assert free.all()
+
+
+def test_a_neighbour_within_the_room_of_a_finger_is_in_the_way(block, grasped, hand):
+    """A wall beside the block: free beyond the finger's outer face, not at it."""
+    outer = 0.015 + 0.008 + hand.gripper.finger_thickness
+    for gap, expected in ((-0.001, False), (0.001, True)):
+        wall = trimesh.creation.box((0.01, 0.06, 0.04))
+        wall.apply_translation((outer + gap + 0.005, 0, 0))
+        both = trimesh.util.concatenate([block, wall])
+        _, free = reachable(RayCaster(both), grasped, lying(block), hand, TILT)
+        assert free.tolist() == [expected] * 2
+
+
+def test_the_palm_meets_what_is_higher_than_the_fingers_are_long(block, hand):
+    grasp = Grasped(
+        np.array([0]), np.zeros((1, 3)), np.array([[1.0, 0, 0]]), np.array([0.03]), np.ones(1)
+    )
+    length = hand.gripper.finger_length
+    base = hand.gripper.finger_width / 2 - length
+    for top, expected in ((-base - 0.001, True), (-base + 0.001, False)):
+        tower = trimesh.creation.box((0.01, 0.01, 0.01))
+        tower.apply_translation((0, 0.025, top - 0.005))
+        both = trimesh.util.concatenate([block, tower])
+        _, free = reachable(RayCaster(both), grasp, lying(block), hand, TILT)
+        assert free.tolist() == [expected]
+
+
+def test_a_plate_is_grasped_as_low_as_the_table_allows(hand):
+    """The contacts are at half its height; the tips stay above the table and bite below them."""
+    for height in (TABLE_CLEARANCE + LEAST_BITE - 5e-4, TABLE_CLEARANCE + LEAST_BITE + 5e-4):
+        plate = trimesh.creation.box((0.03, 0.06, 2 * height))
+        grasp = Grasped(
+            np.array([0]), np.zeros((1, 3)), np.array([[1.0, 0, 0]]), np.array([0.03]), np.ones(1)
+        )
+        _, free = reachable(RayCaster(plate), grasp, lying(plate), hand, TILT)
+        assert free.tolist() == [height > TABLE_CLEARANCE + LEAST_BITE]
+
+
+def test_hands_open_as_far_as_they_can_and_no_further(hand):
+    """A block as wide as the hand opens is free; its walls are a hair inside the fingers."""
+    wide = trimesh.creation.box((hand.gripper.opening, 0.03, 0.04))
+    grasp = Grasped(
+        np.array([0]),
+        np.zeros((1, 3)),
+        np.array([[1.0, 0, 0]]),
+        np.array([hand.gripper.opening]),
+        np.ones(1),
+    )
+    _, free = reachable(RayCaster(wide), grasp, lying(wide), hand, TILT)
+    assert free.tolist() == [True]
+
+
+def test_an_object_without_grasps_has_none_to_reach(block, grasped, hand):
+    none = grasped.chosen(np.zeros(4, dtype=bool))
+    found, free = reachable(RayCaster(block), none, lying(block), hand, TILT)
+    assert len(found.numbers) == len(free) == 0

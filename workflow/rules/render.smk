@@ -1,0 +1,84 @@
+"""Render: depth images of the objects at rest, with the grasps that can be reached in them.
+
+Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet, and the
+evaluation set results/D/eval49.parquet, which is held out.
+Outputs: results/D/images/G/images-N.parquet; card.md, what is in them; rejected.parquet, the
+objects without images. Made if targets.render asks for them.
+Steps: shards of images are rendered, their number follows from that of the images; then the card.
+"""
+
+
+localrules:
+    image_card,
+
+
+rule render:
+    """Render the images of a shard."""
+    input:
+        objects="results/{dataset}/objects.parquet",
+        scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
+        grasps="results/{dataset}/grasps/{gripper}.parquet",
+        evaluation=held_out,
+        mesh=gripper_mesh,
+    output:
+        images=ensure("results/{dataset}/images/{gripper}/images-{shard}.parquet", non_empty=True),
+        rejected=ensure(
+            "results/{dataset}/parts/unrendered-{gripper}-{shard}.parquet",
+            non_empty=True,
+        ),
+    log:
+        "logs/{dataset}/render/{gripper}-{shard}.log",
+    benchmark:
+        "benchmarks/{dataset}/render/{gripper}-{shard}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=120,
+    params:
+        settings=settings_of("RenderedImages"),
+        meshes=subpath(input.scales, parent=True),
+        shards=len(IMAGE_SHARDS),
+        evaluation=each("--eval", "evaluation"),
+        code=code_version("egad.stages.render"),
+    message:
+        "Rendering {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
+    shell:
+        "egad render --settings {params.settings:q} --shard {wildcards.shard}"
+        " --shards {params.shards} --objects {input.objects:q} --meshes {params.meshes:q}"
+        " --grasps {input.grasps:q} {params.evaluation:q} --out {output.images:q}"
+        " --rejected {output.rejected:q} > {log:q} 2>&1"
+
+
+rule image_card:
+    """What is in the images of a gripper."""
+    input:
+        images=image_parts("results/{dataset}/images/{gripper}/images-{shard}.parquet"),
+        rejects=image_parts("results/{dataset}/parts/unrendered-{gripper}-{shard}.parquet"),
+    output:
+        card=ensure("results/{dataset}/images/{gripper}/card.md", non_empty=True),
+        rejected=ensure("results/{dataset}/images/{gripper}/rejected.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/image_card/{gripper}.log",
+    benchmark:
+        "benchmarks/{dataset}/image_card/{gripper}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        settings=settings_of("RenderedImages"),
+        folder=subpath(output.card, parent=True),
+        shards=len(IMAGE_SHARDS),
+        rejects=each("--rejects", "rejects"),
+        code=code_version("egad.stages.image_card"),
+    message:
+        "Describing the images of {wildcards.dataset} for {wildcards.gripper}"
+    shell:
+        "egad image-card --settings {params.settings:q} --dataset {wildcards.dataset:q}"
+        " --gripper {wildcards.gripper:q} --images {params.folder:q} --shards {params.shards}"
+        " {params.rejects:q}"
+        " --out {output.card:q} --rejected {output.rejected:q} > {log:q} 2>&1"
