@@ -14,7 +14,8 @@ def training_chart(history: pd.DataFrame) -> str:
     Returns:
         SVG text. A line marks the epoch whose weights were taken.
     """
-    images, taken = history["images"], history["validation_loss"].idxmin()
+    images = history["images"].to_numpy()
+    taken = images[int(history["validation_loss"].argmin())]
     with drawn(7.6, 3.0) as drawing:
         left, right = drawing.figure.subplots(1, 2)
         left.plot(images, history["loss"], "o-", ms=3, color=LINES[0], label="training")
@@ -30,10 +31,10 @@ def training_chart(history: pd.DataFrame) -> str:
         for axes in (left, right):
             axes.set_xlim(left=0)
             axes.grid(axis="y")
-            axes.axvline(images[taken], color=SOFT, lw=0.8, ls=(0, (4, 4)))
+            axes.axvline(taken, color=SOFT, lw=0.8, ls=(0, (4, 4)))
         right.annotate(
             "taken",
-            (images[taken], 0.02),
+            (taken, 0.02),
             xytext=(-4, 0),
             textcoords="offset points",
             ha="right",

@@ -32,7 +32,7 @@ class Training(Section):
         1000, ge=1, description="most images of the test set that the result is scored on"
     )
     quality: float = Field(
-        0.002, ge=0, description="robust quality that a grasp to learn must have more of"
+        0.001, ge=0, description="robust quality that a grasp to learn must have more of"
     )
     breadth: Length = Field(0.02, description="of the jaws, in the grasps to learn, metres")
     zoom: tuple[PositiveFraction, PositiveFraction] = Field(

@@ -58,7 +58,8 @@ def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
         for sign in (1.0, -1.0):
             corners = _clipped(corners, axis, sign, limit)
     common = _area(corners)
-    return common / (area + other_area - common)
+    result: float = common / (area + other_area - common)
+    return result
 
 
 @numba.njit(cache=True)
