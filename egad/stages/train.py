@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from egad.errors import UserError
+from egad.exchange.sums import sum_of
 from egad.files import write_text
 from egad.report.training_chart import training_chart
 from egad.stage_settings import TrainNetwork
@@ -51,7 +52,7 @@ def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score
     shards = opened(images, settings)
     held = training.spread(shards.numbers("test"), plan.test)
     network = networks.untrained(plan.network, seed)
-    kept = checkpoint.Checkpoint(out / CHECKPOINT, meaning(settings, out))
+    kept = checkpoint.Checkpoint(out / CHECKPOINT, meaning(settings, images, out))
     rows = training.train(network, shards, plan, seed, jobs, kept)
     with training.crew(jobs) as workers:
         score = scored(shards.index.loc[held], training.judge(network, shards, held, workers))
@@ -59,7 +60,7 @@ def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score
     trained = Trained(
         networks.TITLES[plan.network],
         networks.parameters(network),
-        images.as_posix(),
+        images.name if images.is_absolute() else images.as_posix(),
         shards.index,
         pd.DataFrame(rows),
         score,
@@ -89,12 +90,17 @@ def opened(images: Path, settings: TrainNetwork) -> LearningSet:
     return shards
 
 
-def meaning(settings: TrainNetwork, out: Path) -> str:
+def meaning(settings: TrainNetwork, images: Path, out: Path) -> str:
     """All that decides the result of a training, as text."""
     import torch  # noqa: PLC0415 (an extra)
 
-    known = {"settings": settings.model_dump(mode="json"), "torch": torch.__version__}
-    return json.dumps({**known, "origin": origin.noted(out)}, sort_keys=True)
+    known = {
+        "settings": settings.model_dump(mode="json"),
+        "images": sum_of(images),
+        "torch": torch.__version__,
+        "origin": origin.noted(out),
+    }
+    return json.dumps(known, sort_keys=True)
 
 
 def scored(index: pd.DataFrame, judgements: "list[Judged]") -> Score:

@@ -170,7 +170,7 @@ def positives(shown: pd.Series, rule: Rule) -> Rectangles:
     rows = rows[np.argsort(quality[rows], kind="stable")]
     with np.errstate(divide="ignore", invalid="ignore"):
         breadth = rule.breadth * shown["focal"] / depth
-    found = np.column_stack([u, v, wrapped(angle), opening, breadth])[rows]
+        found = np.column_stack([u, v, wrapped(angle), opening, breadth])[rows]
     if not (np.abs(found) < FARTHEST).all() or (found[:, 3:] < 0).any():
         raise ValueError("a grasp of it has numbers that are no pixels")
     return found

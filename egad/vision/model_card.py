@@ -3,8 +3,9 @@
 import math
 import platform
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import pandas as pd
@@ -146,8 +147,11 @@ def counts(index: pd.DataFrame) -> list[tuple[str, int, int, int, int, int]]:
 
 def versions() -> list[tuple[str, str]]:
     """Versions of all that the numbers depend on."""
-    found = [(name, version(name)) for name in PACKAGES]
-    return [("egad", __version__), ("python", platform.python_version()), *found]
+    found = [("egad", __version__), ("python", platform.python_version())]
+    for name in PACKAGES:
+        with suppress(PackageNotFoundError):
+            found.append((name, version(name)))
+    return found
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:

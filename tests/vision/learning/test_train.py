@@ -17,7 +17,7 @@ from egad.tables.promises import TableError
 from egad.tables.training import HISTORY
 from egad.trials.ggcnn import GGCNN
 
-PLAN = Training(images=4, epoch=2, batch=2, validation=2, test=3, network="ggcnn")
+PLAN = Training(images=4, epoch=2, batch=2, validation=2, test=3, quality=0.002, network="ggcnn")
 SETTINGS = TrainNetwork(seed=3, training=PLAN)
 
 
