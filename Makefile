@@ -4,6 +4,7 @@
 # make bounds  set up, then the tests of compiled code with every index checked
 # make slicer  set up, then slice plates of released objects (Debian: apt-get install prusa-slicer)
 # make slurm   set up, then run on a Slurm cluster of one node (root; Debian: slurm-wlm, munge)
+# make vision  set up, then the tests of networks (pip install safetensors torch)
 # make bench   set up, then the benchmarks
 # make lint    set up, then all checks of the code that need no run
 # make lock    add to requirements.lock what is new in pyproject.toml (newest of all: delete it first)
@@ -17,7 +18,7 @@ PYTHON ?= $(firstword $(foreach name,python3.11 python3.12 python3.13 python3 py
 	>/dev/null 2>&1 && echo $(name))))
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: all setup test bounds slicer slurm bench lint lock
+.PHONY: all setup test bounds slicer slurm vision bench lint lock
 
 all: setup
 	snakemake --cores $(CORES)
@@ -39,6 +40,10 @@ slurm: setup
 	@command -v slurmctld >/dev/null && command -v munged >/dev/null \
 		|| { echo "slurm-wlm and munge are needed" >&2; exit 1; }
 	pytest -m slurm tests/workflow/test_slurm.py
+
+vision: setup
+	@python -c 'import safetensors, torch' || { echo "safetensors and torch are needed" >&2; exit 1; }
+	pytest tests/vision tests/trials/test_ggcnn.py
 
 bench: setup
 	pytest tests/benchmarks --capture=no --override-ini python_files='bench_*.py'

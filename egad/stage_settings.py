@@ -45,6 +45,7 @@ from egad.settings import (
     SizeEffect,
     Space,
     Symmetry,
+    Training,
     Trials,
 )
 
@@ -229,6 +230,13 @@ class LabelTrials(StageSettings):
     quality: Quality
     trials: Lifting
     agreement: Agreement
+
+
+class TrainNetwork(StageSettings):
+    """Training of a grasp network."""
+
+    seed: int
+    training: Training
 
 
 class RenderedImages(StageSettings):

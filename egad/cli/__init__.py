@@ -3,7 +3,17 @@
 import logging
 import sys
 
-from egad.cli import exchange, grasping, images, measuring, origins, stages, tools, trials
+from egad.cli import (
+    exchange,
+    grasping,
+    images,
+    measuring,
+    origins,
+    stages,
+    tools,
+    training,
+    trials,
+)
 from egad.cli.common import app
 from egad.errors import LESS_MEMORY, RejectedError, UserError
 from egad.tables.parquet import TableError
@@ -17,6 +27,7 @@ __all__ = [
     "origins",
     "stages",
     "tools",
+    "training",
     "trials",
 ]
 

@@ -24,6 +24,7 @@ from egad.settings.objects import (
     SelectEval,
 )
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Region, Shape, Symmetry
+from egad.settings.training import Training
 from egad.settings.trials import POLICIES, Agreement, Lifting, Policy, Trials
 from egad.settings.whole import Settings
 
@@ -76,5 +77,6 @@ __all__ = [
     "Space",
     "Symmetry",
     "Targets",
+    "Training",
     "Trials",
 ]

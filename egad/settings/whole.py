@@ -24,6 +24,7 @@ from egad.settings.objects import (
     SelectEval,
 )
 from egad.settings.shapes import Envelope, Hole, Limits, Part, Shape, Symmetry
+from egad.settings.training import Training
 from egad.settings.trials import POLICIES, Agreement, Policy, Trials
 
 
@@ -69,6 +70,7 @@ class Settings(Section):
     acronym: Acronym = Acronym()
     trials: Trials = Trials()
     agreement: Agreement = Agreement()
+    training: Training = Training()
     render: Render = Render()
     image_noise: ImageNoise = ImageNoise()
     grippers: dict[Name, Gripper] = Field(

@@ -10,7 +10,8 @@ from egad.settings import Policy
 WHERE = "policies"
 MOST_BYTES = 1 << 24  # some 50 times those that were published
 GGCNN_WEIGHTS = (
-    "the published weights are in the releases of the project dougsm/ggcnn, as files named "
+    "`egad train` makes weights; the published ones are in the releases of the project "
+    "dougsm/ggcnn, as files named "
     "ggcnn_epoch_23_cornell_statedict.pt (GG-CNN) and epoch_50_cornell_statedict.pt (GG-CNN2)"
 )
 

@@ -1,11 +1,10 @@
 """ggcnn: grasps from the networks of GG-CNN, for every pixel of a depth image.
 
 Morrison, Corke and Leitner, "Learning robust, real-time, reactive robotic grasping", IJRR 2020.
-Theirs are the networks, the size and scaling of what goes in, the code of angle and width, and that
-peaks of the smoothed quality are grasps. Ours are how gaps are filled, how angle and width are
-smoothed, which peaks count, and how deep the hand reaches.
+`egad.vision.maps` says what is theirs; how deep the hand reaches is ours.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -19,14 +18,11 @@ from egad.trials.files import GGCNN_WEIGHTS, check_ggcnn
 from egad.trials.grasp import Grasp
 from egad.vision.camera import View
 from egad.vision.holes import filled
+from egad.vision.maps import SIZE, peaks, prepared, read
 
 Floats = NDArray[np.float64]
+Infer = Callable[[NDArray[np.float32]], NDArray[np.float32]]
 
-SIZE = 300  # pixels a side of the image that goes in, and of those that come out
-WIDEST = 150.0  # pixels; the width that the network calls 1
-SMOOTHING = 2.0  # pixels; of all four images
-APART = 21  # pixels; the best of a window this wide is proposed
-MOST_PEAKS = 10
 BITE = 0.02  # the fingertips go this far below the surface seen at the centre of the grasp
 
 
@@ -44,31 +40,20 @@ class Crop(NamedTuple):
     scale: float
 
 
-class GGCNN:
-    """GG-CNN or GG-CNN2, as the weights are."""
+class MapDetector:
+    """Any network that gives the four maps of GG-CNN, as a grasp detector."""
 
-    def __init__(self, weights: str | None) -> None:
-        """Load a network.
+    def __init__(self, infer: Infer) -> None:
+        """Take a network.
 
         Args:
-            weights: File of its published weights.
-
-        Raises:
-            UserError: PyTorch is missing, or the weights are, or they are of another network.
+            infer: From `egad.vision.maps.prepared` depths (300, 300) to quality, cos 2a, sin 2a
+                and width (4, 300, 300).
         """
-        try:
-            from egad.trials.networks import load  # noqa: PLC0415 (an extra)
-        except ModuleNotFoundError as error:
-            raise UserError(
-                "ggcnn needs PyTorch: install egad with its extra, egad[ggcnn]"
-            ) from error
-        try:
-            self._network = load(check_ggcnn(weights))
-        except ValueError as error:
-            raise UserError(f"{error}; {GGCNN_WEIGHTS}") from error
+        self._infer = infer
 
     def __call__(self, view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
-        """Grasps at the peaks of the quality, at most 10 (partly ours, see the top of the file).
+        """Grasps at the peaks of the quality, at most 10 (partly ours, see `egad.vision.maps`).
 
         The middle 300 x 300 pixels go in, a smaller image enlarged; pixels without depth get that
         of the nearest one with it. The four images that come out are smoothed. The hand opens as
@@ -78,21 +63,37 @@ class GGCNN:
         if not np.isfinite(view.depth).any():
             return []
         crop = middle(view.depth)
-        quality, cosine, sine, width = (
-            ndimage.gaussian_filter(image.astype(np.float64), SMOOTHING)
-            for image in self._network(prepared(crop.depth))
-        )
-        angle = np.arctan2(sine, cosine) / 2
+        answer = read(self._infer(prepared(crop.depth)))
         return [
-            _grasp(
-                place,
-                crop,
-                view,
-                gripper,
-                *(float(each[place]) for each in (angle, width, quality)),
-            )
-            for place in _peaks(quality)
+            _grasp(place, crop, view, gripper, *(float(each[place]) for each in answer))
+            for place in peaks(answer.quality)
         ]
+
+
+class GGCNN(MapDetector):
+    """GG-CNN or GG-CNN2, as the weights are."""
+
+    def __init__(self, weights: str | None) -> None:
+        """Load a network.
+
+        Args:
+            weights: File of weights: safetensors as `egad train` writes them, or published ones.
+
+        Raises:
+            UserError: PyTorch is missing, or the weights are, or they are of another network.
+        """
+        path = check_ggcnn(weights)
+        try:
+            from egad.vision import networks  # noqa: PLC0415 (an extra)
+            from egad.vision import weights as files  # noqa: PLC0415
+        except ModuleNotFoundError as error:
+            raise UserError(
+                "ggcnn needs PyTorch: install egad with its extra, egad[vision]"
+            ) from error
+        try:
+            super().__init__(networks.inference(files.read(path)))
+        except files.WeightsError as error:
+            raise UserError(f"{error}; {GGCNN_WEIGHTS}") from error
 
 
 def middle(depth: NDArray[np.float32]) -> Crop:
@@ -105,28 +106,14 @@ def middle(depth: NDArray[np.float32]) -> Crop:
     return Crop(cut, (top, left), side / SIZE)
 
 
-def prepared(depth: Floats) -> NDArray[np.float32]:
-    """Depths less their mean, clipped to [-1, 1] metre, as the networks were trained on."""
-    clipped: NDArray[np.float32] = np.clip(depth - depth.mean(), -1, 1).astype(np.float32)
-    return clipped
-
-
-def _peaks(quality: Floats) -> list[tuple[int, int]]:
-    """Places that are the best of all around them, the best first."""
-    highest = ndimage.maximum_filter(quality, APART) == quality
-    rows, columns = np.nonzero(highest)
-    order = np.argsort(-quality[rows, columns], kind="stable")[:MOST_PEAKS]
-    return [(int(rows[i]), int(columns[i])) for i in order]
-
-
 def _grasp(
     place: tuple[int, int],
     crop: Crop,
     view: View,
     gripper: Gripper,
-    angle: float,
-    width: float,
     quality: float,
+    angle: float,
+    opening: float,
 ) -> Grasp:
     """A grasp of the image, anticlockwise from its rows, as one of the world."""
     camera, depth = view.intrinsics, float(crop.depth[place])
@@ -139,11 +126,11 @@ def _grasp(
     along = view.pose[:3, :3] @ np.array([np.cos(angle), -np.sin(angle), 0.0])
     tip = max(top - BITE, TABLE_CLEARANCE)
     level = max((top + tip) / 2, tip)
-    opening = width * WIDEST * crop.scale * depth / camera.focal
+    width = opening * crop.scale * depth / camera.focal
     return Grasp(
         center=(x, y, level),
         angle=float(np.arctan2(along[1], along[0])),
-        width=float(np.clip(opening, 0.0, gripper.opening)),
+        width=float(np.clip(width, 0.0, gripper.opening)),
         depth=level - tip,
         quality=quality,
     )

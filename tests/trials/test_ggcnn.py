@@ -1,17 +1,18 @@
 """What goes into GG-CNN and what is made of its answer; a stand-in takes the network's place."""
 
 import sys
-import types
 
 import numpy as np
 import pytest
 import trimesh
 
+import egad.vision
 from egad.errors import UserError
 from egad.settings import GRIPPERS
 from egad.trials.files import check_ggcnn
-from egad.trials.ggcnn import GGCNN, middle, prepared
+from egad.trials.ggcnn import GGCNN, MapDetector, middle
 from egad.vision.camera import View, above
+from egad.vision.maps import prepared
 
 HAND = GRIPPERS["egad_75mm"]
 BAR = trimesh.creation.box((0.03, 0.12, 0.04))
@@ -33,9 +34,7 @@ class Stand:
 
 
 def answered(view, stand):
-    detect = GGCNN.__new__(GGCNN)
-    detect._network = stand
-    return detect(view, HAND, np.random.default_rng(0))
+    return MapDetector(stand)(view, HAND, np.random.default_rng(0))
 
 
 @pytest.mark.parametrize("size", [300, 400, 150])
@@ -111,17 +110,19 @@ def test_a_blind_camera_gives_nothing(look):
     assert answered(blind, Stand(150, 150, 0.0, 0.2)) == []
 
 
-def test_without_weights_the_message_says_where_they_are(monkeypatch):
-    monkeypatch.setitem(sys.modules, "egad.trials.networks", types.SimpleNamespace(load=None))
+def test_without_weights_the_message_says_where_they_are():
     with pytest.raises(UserError, match=r"needs `weights: FILE`.*dougsm/ggcnn"):
         GGCNN(None)
 
 
-def test_without_pytorch_the_message_names_the_extra(monkeypatch):
-    monkeypatch.delitem(sys.modules, "egad.trials.networks", raising=False)
+def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
+    for name in ("networks", "weights"):
+        monkeypatch.delitem(sys.modules, f"egad.vision.{name}", raising=False)
+        monkeypatch.delattr(egad.vision, name, raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
-    with pytest.raises(UserError, match=r"egad\[ggcnn\]"):
-        GGCNN("weights.pt")
+    (tmp_path / "weights.pt").touch()
+    with pytest.raises(UserError, match=r"egad\[vision\]"):
+        GGCNN(str(tmp_path / "weights.pt"))
 
 
 def test_weights_that_are_far_too_large_are_not_read(tmp_path):

@@ -111,8 +111,7 @@ rule image_layout:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=2000,
-        runtime=120,
+        **needs("image_layout"),
     params:
         settings=settings_of("ImageLayouts"),
         dataset="results/{dataset}",

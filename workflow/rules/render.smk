@@ -34,8 +34,7 @@ rule render:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=2000,
-        runtime=120,
+        **needs("render"),
     params:
         settings=settings_of("RenderedImages"),
         meshes=subpath(input.scales, parent=True),
@@ -54,8 +53,10 @@ rule render:
 rule image_card:
     """What is in the images of a gripper."""
     input:
-        images=image_parts("results/{dataset}/images/{gripper}/images-{shard}.parquet"),
-        rejects=image_parts("results/{dataset}/parts/unrendered-{gripper}-{shard}.parquet"),
+        images=parts("results/{dataset}/images/{gripper}/images-{shard}.parquet", IMAGE_SHARDS),
+        rejects=parts(
+            "results/{dataset}/parts/unrendered-{gripper}-{shard}.parquet", IMAGE_SHARDS
+        ),
     output:
         card=ensure("results/{dataset}/images/{gripper}/card.md", non_empty=True),
         rejected=ensure("results/{dataset}/images/{gripper}/rejected.parquet", non_empty=True),
@@ -67,8 +68,7 @@ rule image_card:
         ENVIRONMENT
     threads: 1
     resources:
-        mem_mb=1000,
-        runtime=10,
+        **needs("image_card"),
     params:
         settings=settings_of("RenderedImages"),
         folder=subpath(output.card, parent=True),

@@ -29,6 +29,9 @@ NEEDS = {
     "join_trials": (1000, 0, 10),
     "agreement": (4000, 0, 120),
     "join_agreement": (1000, 0, 10),
+    "render": (1500, 0, 30),
+    "image_card": (1000, 0, 10),
+    "image_layout": (1500, 0, 30),
     "compare": (1000, 0, 10),
     "report": (1000, 300, 30),
 }

@@ -1,0 +1,130 @@
+"""train: a grasp network learns from rendered images."""
+
+import json
+import logging
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from egad.errors import UserError
+from egad.exchange.sums import sum_of
+from egad.files import write_text
+from egad.report.training_chart import training_chart
+from egad.stage_settings import TrainNetwork
+from egad.tables import origin, parquet
+from egad.tables.training import HISTORY
+from egad.trials.statistics import mean_rate
+from egad.vision.learning_set import LearningSet, Rule
+from egad.vision.model_card import Score, Trained, card
+
+if TYPE_CHECKING:
+    from egad.vision.scoring import Judged
+
+log = logging.getLogger(__name__)
+WEIGHTS, TABLE, CHART, CARD = "weights.safetensors", "history.parquet", "history.svg", "README.md"
+CHECKPOINT = "checkpoint.pt"
+NEEDED = "training needs PyTorch and safetensors: install egad with its extra, egad[vision]"
+
+
+def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score:
+    """Train a network; an interrupted training goes on after its last epoch.
+
+    Args:
+        settings: What this stage reads.
+        images: Folder of images in the compact layout.
+        out: Folder for weights, history, chart and model card.
+        jobs: Cores; no result depends on it.
+
+    Returns:
+        What the network reaches on the split `test`.
+
+    Raises:
+        UserError: PyTorch is missing, or images of a split are, or all grasps to learn from.
+        TableError: A shard cannot be read.
+    """
+    try:
+        from egad.vision import checkpoint, networks, training, weights  # noqa: PLC0415 (an extra)
+    except ModuleNotFoundError as error:
+        raise UserError(NEEDED) from error
+    plan, seed = settings.training, settings.seed
+    shards = opened(images, settings)
+    held = training.spread(shards.numbers("test"), plan.test)
+    network = networks.untrained(plan.network, seed)
+    kept = checkpoint.Checkpoint(out / CHECKPOINT, meaning(settings, images, out))
+    rows = training.train(network, shards, plan, seed, jobs, kept)
+    with training.crew(jobs) as workers:
+        score = scored(shards.index.loc[held], training.judge(network, shards, held, workers))
+    weights.write(network, out / WEIGHTS, {"network": plan.network, "seed": seed})
+    trained = Trained(
+        networks.TITLES[plan.network],
+        networks.parameters(network),
+        images.name if images.is_absolute() else images.as_posix(),
+        shards.index,
+        pd.DataFrame(rows),
+        score,
+        {"seed": seed, **plan.model_dump(mode="json")},
+    )
+    tell(trained, out)
+    (out / CHECKPOINT).unlink(missing_ok=True)
+    return score
+
+
+def opened(images: Path, settings: TrainNetwork) -> LearningSet:
+    """The images to learn from.
+
+    Raises:
+        UserError: There is no image of some split, or none to learn from with a positive grasp.
+        TableError: A shard cannot be read.
+    """
+    plan = settings.training
+    shards = LearningSet(images, Rule(plan.quality, plan.breadth))
+    for split in ("validation", "test"):
+        shards.numbers(split)
+    if not shards.index.loc[shards.numbers("train"), "positive"].any():
+        raise UserError(
+            f"{images}: no image of the split train has a grasp that is free of collision with a "
+            f"robust quality above training.quality, {plan.quality}"
+        )
+    return shards
+
+
+def meaning(settings: TrainNetwork, images: Path, out: Path) -> str:
+    """All that decides the result of a training, as text."""
+    import torch  # noqa: PLC0415 (an extra)
+
+    known = {
+        "settings": settings.model_dump(mode="json"),
+        "images": sum_of(images),
+        "torch": torch.__version__,
+        "origin": origin.noted(out),
+    }
+    return json.dumps(known, sort_keys=True)
+
+
+def scored(index: pd.DataFrame, judgements: "list[Judged]") -> Score:
+    """Put the judgements of some images together.
+
+    Args:
+        index: Rows of `LearningSet.index`,
+        judgements: and what was answered to each.
+    """
+    hits = [each.hit for each in judgements]
+    table = pd.DataFrame({"label": index["id"].to_numpy(), "success": hits})
+    table = table[[hit is not None for hit in hits]]
+    mean = mean_rate(table)
+    loss = float(np.mean([each.losses.sum() for each in judgements]))
+    return Score(mean.successes, mean.attempts, table["label"].nunique(), mean.interval, loss)
+
+
+def tell(trained: Trained, out: Path) -> None:
+    """Write the history, its chart and the model card."""
+    parquet.write(trained.history, HISTORY, out / TABLE)
+    write_text(out / CHART, training_chart(trained.history))
+    write_text(out / CARD, card(trained))
+
+
+def files(out: Path) -> list[Path]:
+    """What a training leaves in its folder besides tables."""
+    return [out / name for name in (WEIGHTS, CHART, CARD)]

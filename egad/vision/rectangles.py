@@ -1,0 +1,90 @@
+"""Grasp rectangles in an image: what a label, and what a detector proposes, look like there.
+
+Rectangles are rows of an array (n, 5): u and v of the centre, pixels, pixel (0, 0) having its
+centre at 0, 0; the angle of the closing axis, radians anticlockwise as seen from the image's x
+axis, in [-pi/2, pi/2); the opening along that axis and the breadth of the jaws across it, pixels.
+"""
+
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+Rectangles = NDArray[np.float64]
+LEAST_OVERLAP = 0.25
+MOST_TURN = np.pi / 6
+
+
+def wrapped(angle: Any) -> Any:  # noqa: ANN401 (a number or an array)
+    """Angles of axes, which have no direction, in [-pi/2, pi/2)."""
+    return (angle + np.pi / 2) % np.pi - np.pi / 2
+
+
+def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
+    """Whether a proposed rectangle is as good as one of the labelled ones, by the usual score.
+
+    Jiang, Moseson and Saxena, "Efficient grasping from RGBD images", ICRA 2011: intersection over
+    union above 0.25 and axes less than 30 degrees apart, both with the same label.
+
+    Args:
+        proposed: (4,) u, v, angle and opening. The networks say nothing of the breadth of the
+            jaws: it is taken from each label (ours; GG-CNN takes half of the opening).
+        truth: (n, 5) labels.
+    """
+    near = truth[np.abs(wrapped(truth[:, 2] - proposed[2])) < MOST_TURN]
+    return any(overlap(np.append(proposed, row[4]), row) > LEAST_OVERLAP for row in near)
+
+
+@numba.njit(cache=True)
+def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    """Intersection over union of two rectangles (5,), exact; 0 if one has no area."""
+    area = one[3] * one[4]
+    other_area = other[3] * other[4]
+    if area <= 0 or other_area <= 0:
+        return 0.0
+    # In the frame of the other, the four half-planes that it is made of are |x| < w, |y| < h.
+    turn = one[2] - other[2]
+    across_u, across_v = one[0] - other[0], one[1] - other[1]
+    cosine, sine = np.cos(other[2]), np.sin(other[2])
+    x, y = cosine * across_u - sine * across_v, -sine * across_u - cosine * across_v
+    corners = np.empty((4, 2))
+    for k in range(4):
+        along = one[3] / 2 * (1 if k in (0, 3) else -1)
+        aside = one[4] / 2 * (1 if k < 2 else -1)
+        corners[k, 0] = x + np.cos(turn) * along - np.sin(turn) * aside
+        corners[k, 1] = y + np.sin(turn) * along + np.cos(turn) * aside
+    for axis, limit in ((0, other[3] / 2), (1, other[4] / 2)):
+        for sign in (1.0, -1.0):
+            corners = _clipped(corners, axis, sign, limit)
+    common = _area(corners)
+    result: float = common / (area + other_area - common)
+    return result
+
+
+@numba.njit(cache=True)
+def _clipped(
+    corners: NDArray[np.float64], axis: int, sign: float, limit: float
+) -> NDArray[np.float64]:
+    """The part of a convex polygon (n, 2) where sign * coordinate <= limit."""
+    kept = np.empty((2 * len(corners), 2))
+    count = 0
+    for k in range(len(corners)):
+        here, there = corners[k], corners[(k + 1) % len(corners)]
+        inside, outside = limit - sign * here[axis], limit - sign * there[axis]
+        if inside >= 0:
+            kept[count] = here
+            count += 1
+        if inside * outside < 0:
+            kept[count] = here + (there - here) * (inside / (inside - outside))
+            count += 1
+    return kept[:count]
+
+
+@numba.njit(cache=True)
+def _area(corners: NDArray[np.float64]) -> float:
+    total = 0.0
+    for k in range(len(corners)):
+        here, there = corners[k], corners[(k + 1) % len(corners)]
+        total += here[0] * there[1] - here[1] * there[0]
+    return abs(total) / 2

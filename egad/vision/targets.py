@@ -1,0 +1,56 @@
+"""What a network learns from an image: four maps painted from its grasp rectangles.
+
+Morrison, Corke and Leitner, "Learning robust, real-time, reactive robotic grasping", IJRR 2020.
+"""
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.vision.maps import SIZE, WIDEST
+from egad.vision.rectangles import Rectangles
+
+MIDDLE = 1 / 3  # of the opening, where the quality is 1
+
+
+def targets(rectangles: Rectangles, size: int = SIZE) -> NDArray[np.float32]:
+    """Maps of quality, cos 2a, sin 2a and width, (4, size, size).
+
+    The quality is 1 in the middle third along the opening of each rectangle, over its whole
+    breadth, and 0 elsewhere. There the other maps hold the angle a and the opening, clipped to 150
+    pixels, which count as 1. Where rectangles lie over each other, the later one is seen.
+    Elsewhere they are 0 (ours: in GG-CNN the angle there is 0, so its cosine 1, which smoothing
+    then mixes into the angles at the border).
+
+    Args:
+        rectangles: (n, 5), from the least important to the most.
+        size: Pixels a side.
+    """
+    maps = np.zeros((4, size, size), np.float32)
+    _paint(np.ascontiguousarray(rectangles, dtype=np.float64), maps)
+    return maps
+
+
+@numba.njit(cache=True, nogil=True)
+def _paint(rectangles: Rectangles, maps: NDArray[np.float32]) -> None:
+    size = maps.shape[1]
+    for u, v, angle, opening, breadth in rectangles:
+        cosine, sine = np.cos(angle), np.sin(angle)
+        along, aside = opening * MIDDLE / 2, breadth / 2
+        reach_u = abs(cosine) * along + abs(sine) * aside
+        reach_v = abs(sine) * along + abs(cosine) * aside
+        rows = range(max(0, int(np.ceil(v - reach_v))), min(size, int(np.floor(v + reach_v)) + 1))
+        columns = range(
+            max(0, int(np.ceil(u - reach_u))), min(size, int(np.floor(u + reach_u)) + 1)
+        )
+        for row in rows:
+            for column in columns:
+                x, y = column - u, v - row
+                if (
+                    abs(cosine * x + sine * y) <= along + 1e-9
+                    and abs(cosine * y - sine * x) <= aside + 1e-9
+                ):
+                    maps[0, row, column] = 1
+                    maps[1, row, column] = np.cos(2 * angle)
+                    maps[2, row, column] = np.sin(2 * angle)
+                    maps[3, row, column] = min(max(opening, 0), WIDEST) / WIDEST
