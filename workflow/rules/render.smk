@@ -54,9 +54,7 @@ rule image_card:
     """What is in the images of a gripper."""
     input:
         images=parts("results/{dataset}/images/{gripper}/images-{shard}.parquet", IMAGE_SHARDS),
-        rejects=parts(
-            "results/{dataset}/parts/unrendered-{gripper}-{shard}.parquet", IMAGE_SHARDS
-        ),
+        rejects=parts("results/{dataset}/parts/unrendered-{gripper}-{shard}.parquet", IMAGE_SHARDS),
     output:
         card=ensure("results/{dataset}/images/{gripper}/card.md", non_empty=True),
         rejected=ensure("results/{dataset}/images/{gripper}/rejected.parquet", non_empty=True),
