@@ -21,6 +21,7 @@ _SOUND_ENTRY: dict[str, dict[str, Any]] = {
     "grippers": {"opening": 0.05},
     "cameras": {"focal": [400.0, 400.0], "distance": [0.6, 0.6], "tilt": [0.0, 0.0]},
     "policies": {"detector": "random"},
+    "training_sets": {"weights": "weights"},
 }
 
 

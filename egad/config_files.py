@@ -14,7 +14,7 @@ import yaml
 
 from egad.config_schema import Node, allowed, keys_of, node_at, schema
 from egad.files import write_text
-from egad.settings import Settings
+from egad.settings import TRAINING_SETS, Settings
 
 WIDTH = 98
 SCHEMA = Path("workflow/schemas/config.schema.json")
@@ -59,6 +59,17 @@ and compared with the evolved dataset; without a file named, the targets below a
 RELEASED_TEXT = """
 The released objects: the whole pipeline from the archive that egad ships, without evolving.
 `snakemake --cores 2 --configfile config/released.yaml` lays this over config/config.yaml.
+"""
+DIVERSITY_TEXT = """
+What are diverse objects worth to a network that learns from them? The experiment of
+docs/diversity.md, some eight hours on two cores; what is done is not done again. Lay it over
+config/config.yaml:
+  snakemake --cores 2 --configfile config/diversity.yaml results/diversity/report.html
+What you must get for it, besides `pip install safetensors torch`:
+  - the YCB meshes in data/ycb, as config/datasets/ycb.yaml says (set and test `ycb`);
+  - weights/epoch_50_cornell_statedict.pt, GG-CNN2 as its authors trained it on the Cornell dataset,
+    from the releases of the project dougsm/ggcnn (set `cornell`).
+To do without, name fewer `sets` and `tests` in a file of your own that is laid over this one.
 """
 RELEASED: Values = {
     "shards": 32,
@@ -119,6 +130,30 @@ EGAD: Values = {
     "targets": {"datasets": ["egad_train"]},
 }
 
+DIVERSITY: Values = {
+    "shards": 32,
+    "datasets": {
+        **RELEASED["datasets"],
+        **YCB["datasets"],
+        "primitives": {"source": "primitives", "objects": 500},
+    },
+    "grasp_label": {"grasps": 500},
+    "trials": {"between": "anew"},
+    "training": {"patience": 16},
+    "diversity": {
+        "sets": ["evolved", "simple", "complex", "ycb", "primitives", "cornell"],
+        "seeds": 2,
+        "tests": ["egad", "ycb"],
+        "references": ["antipodal-depth", "labels", "random"],
+    },
+    "training_sets": {
+        **{name: each.model_dump(exclude_none=True) for name, each in TRAINING_SETS.items()},
+        "ycb": {"dataset": "ycb", "hold_out": False},
+        "primitives": {"dataset": "primitives", "hold_out": False},
+        "cornell": {"weights": "weights/epoch_50_cornell_statedict.pt"},
+    },
+}
+
 
 def files() -> dict[Path, str]:
     """The generated files, by their path in the repository."""
@@ -127,6 +162,7 @@ def files() -> dict[Path, str]:
         "config/paper.yaml": (PAPER_TEXT, PAPER),
         "config/full.yaml": (FULL_TEXT, FULL),
         "config/released.yaml": (RELEASED_TEXT, RELEASED),
+        "config/diversity.yaml": (DIVERSITY_TEXT, DIVERSITY),
         "config/test.yaml": (TEST_TEXT, TEST),
         "config/datasets/ycb.yaml": (YCB_TEXT, YCB),
         "config/datasets/egad.yaml": (EGAD_TEXT, EGAD),

@@ -15,6 +15,8 @@ from egad.tables.evolution import ARCHIVE, HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT, TALLY
 from egad.tables.images import IMAGES
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
+from egad.tables.training import COMPARED, SCORE
+from egad.tables.training import HISTORY as TRAINING
 
 PAGE = Path("results/README.md")
 
@@ -113,6 +115,32 @@ ARTEFACTS = [
         "A sample of the labelled grasps for gripper G carried out in simulation, if "
         "`targets.agreement` asks for it.",
         AGREEMENT,
+    ),
+    Artefact(
+        "diversity/report.html",
+        "The same network taught by different objects, if it is asked for. See "
+        "`docs/diversity.md`. `diversity/images/SET/` beside it has what a training set consists "
+        "of, as `D/images/G/`.",
+    ),
+    Artefact(
+        "diversity/results.parquet",
+        "All attempts of all networks, and of the detectors beside them.",
+        COMPARED,
+    ),
+    Artefact(
+        "diversity/networks/SET/SEED/",
+        "A network that learnt from a training set: `weights.safetensors`, its model card "
+        "`README.md`, and `history.svg`. See `docs/vision.md`.",
+    ),
+    Artefact(
+        "diversity/networks/SET/SEED/history.parquet",
+        "How the network learnt, an epoch a row.",
+        TRAINING,
+    ),
+    Artefact(
+        "diversity/networks/SET/SEED/score.parquet",
+        "What it reached on images of objects that it has not learnt from.",
+        SCORE,
     ),
 ]
 

@@ -17,6 +17,7 @@ from egad.settings import (
     Complexity,
     DexNet,
     Difficulty,
+    Diversity,
     Engraving,
     Envelope,
     Evolution,
@@ -46,6 +47,7 @@ from egad.settings import (
     Space,
     Symmetry,
     Training,
+    TrainingSet,
     Trials,
 )
 
@@ -256,6 +258,18 @@ class ImageLayouts(StageSettings):
     gripper: Gripper
 
 
+class DiversityReport(StageSettings):
+    """Networks that learnt from different objects side by side."""
+
+    diversity: Diversity
+    training_sets: dict[str, TrainingSet]  # those that are compared
+    render: Render
+    training: Training
+    trials: Trials
+    select_eval: SelectEval
+    axes: Axes
+
+
 class Compare(StageSettings):
     """Datasets side by side."""
 
@@ -281,6 +295,10 @@ def select(
     values = {name: getattr(settings, name) for name in names}
     if issubclass(stage, Measuring) and settings.difficulty.metric == "plain":
         values["robust"] = None
+    if "training_sets" in values:
+        values["training_sets"] = {
+            name: settings.training_sets[name] for name in settings.diversity.sets
+        }
     if "gripper" in stage.model_fields:
         own = _narrowest(settings) if stage is EvalSelection else settings.difficulty.gripper
         values["gripper"] = settings.grippers[gripper or own]

@@ -7,6 +7,7 @@ Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles de
 
 from egad.settings.base import Axis, Name, Range, ScaleRule, Section
 from egad.settings.datasets import Dataset, Targets
+from egad.settings.diversity import TRAINING_SETS, Diversity, TrainingSet
 from egad.settings.evolution import Evolution, Neat, Schedule
 from egad.settings.exchange import Acronym, DexNet
 from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling, SizeEffect
@@ -32,6 +33,7 @@ __all__ = [
     "CAMERAS",
     "GRIPPERS",
     "POLICIES",
+    "TRAINING_SETS",
     "Acronym",
     "Agreement",
     "Axes",
@@ -42,6 +44,7 @@ __all__ = [
     "Dataset",
     "DexNet",
     "Difficulty",
+    "Diversity",
     "Engraving",
     "Envelope",
     "Evolution",
@@ -78,5 +81,6 @@ __all__ = [
     "Symmetry",
     "Targets",
     "Training",
+    "TrainingSet",
     "Trials",
 ]

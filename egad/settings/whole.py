@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from egad.settings.base import Name, Section
 from egad.settings.datasets import Dataset, Targets
+from egad.settings.diversity import TRAINING_SETS, Diversity, TrainingSet
 from egad.settings.evolution import Evolution, Neat, Schedule
 from egad.settings.exchange import Acronym, DexNet
 from egad.settings.grasps import GraspLabel, Quality, Robust, Sampling, SizeEffect
@@ -73,6 +74,7 @@ class Settings(Section):
     training: Training = Training()
     render: Render = Render()
     image_noise: ImageNoise = ImageNoise()
+    diversity: Diversity = Diversity()
     grippers: dict[Name, Gripper] = Field(
         GRIPPERS, min_length=1, description="all grippers, by name"
     )
@@ -81,6 +83,9 @@ class Settings(Section):
     )
     policies: dict[Name, Policy] = Field(
         POLICIES, min_length=1, description="all grasp detectors, by name"
+    )
+    training_sets: dict[Name, TrainingSet] = Field(
+        TRAINING_SETS, min_length=1, description="all that networks can learn from, by name"
     )
 
     @model_validator(mode="after")
@@ -96,13 +101,29 @@ class Settings(Section):
                 [name] if (name := self.select_eval.gripper) else [],
                 self.grippers,
             ),
+            *_unknown("diversity.sets", self.diversity.sets, self.training_sets),
+            *_unknown("diversity.tests", self.diversity.tests, self.datasets),
+            *_unknown("diversity.references", self.diversity.references, self.policies),
+            *self._unknown_datasets_of_sets(),
         ]
         evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]
         if len(evolved) > 1:
             problems.append(f"datasets: at most one can be evolved, got {', '.join(evolved)}")
+        if "diversity" in self.datasets:
+            problems.append("datasets.diversity: results/diversity is another folder; rename it")
         if problems:
             raise ValueError("\n".join(problems))
         return self
+
+    def _unknown_datasets_of_sets(self) -> list[str]:
+        """Of those sets that are used: the ones by default are of a dataset that may be gone."""
+        used = [name for name in self.diversity.sets if name in self.training_sets]
+        return [
+            problem
+            for name in used
+            if (dataset := self.training_sets[name].dataset)
+            for problem in _unknown(f"training_sets.{name}.dataset", [dataset], self.datasets)
+        ]
 
 
 def _unknown(key: str, used: list[str], table: Mapping[str, Section]) -> list[str]:

@@ -14,7 +14,7 @@ from egad.files import write_text
 from egad.report.training_chart import training_chart
 from egad.stage_settings import TrainNetwork
 from egad.tables import origin, parquet
-from egad.tables.training import HISTORY
+from egad.tables.training import HISTORY, SCORE
 from egad.trials.statistics import mean_rate
 from egad.vision.learning_set import LearningSet, Rule
 from egad.vision.model_card import Score, Trained, card
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from egad.vision.scoring import Judged
 
 log = logging.getLogger(__name__)
-WEIGHTS, TABLE, CHART, CARD = "weights.safetensors", "history.parquet", "history.svg", "README.md"
+WEIGHTS, CHART, CARD = "weights.safetensors", "history.svg", "README.md"
+TABLE, REACHED = "history.parquet", "score.parquet"
 CHECKPOINT = "checkpoint.pt"
 NEEDED = "training needs PyTorch and safetensors: install egad with its extra, egad[vision]"
 
@@ -34,7 +35,7 @@ def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score
     Args:
         settings: What this stage reads.
         images: Folder of images in the compact layout.
-        out: Folder for weights, history, chart and model card.
+        out: Folder for weights, history, score, chart and model card.
         jobs: Cores; no result depends on it.
 
     Returns:
@@ -119,10 +120,18 @@ def scored(index: pd.DataFrame, judgements: "list[Judged]") -> Score:
 
 
 def tell(trained: Trained, out: Path) -> None:
-    """Write the history, its chart and the model card."""
+    """Write the history, its chart, the score and the model card."""
     parquet.write(trained.history, HISTORY, out / TABLE)
+    parquet.write(reached(trained.score), SCORE, out / REACHED)
     write_text(out / CHART, training_chart(trained.history))
     write_text(out / CARD, card(trained))
+
+
+def reached(score: Score) -> pd.DataFrame:
+    """The score as a table of one row, columns of `tables.training.SCORE`."""
+    low, high = score.interval
+    numbers = (score.right, score.count, score.objects, low, high, score.loss)
+    return pd.DataFrame([numbers], columns=SCORE.names)
 
 
 def files(out: Path) -> list[Path]:

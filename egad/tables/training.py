@@ -1,8 +1,9 @@
-"""The table of a training."""
+"""The tables of a training, and of the experiment on training sets."""
 
 import pyarrow as pa
 
-from egad.tables.columns import FLOAT, INT, column
+from egad.tables.columns import FLOAT, INT, STRING, column
+from egad.tables.evaluation import RESULTS
 
 HISTORY = pa.schema(
     [
@@ -19,5 +20,25 @@ HISTORY = pa.schema(
             FLOAT,
             "part of the validation images whose best grasp agrees with a positive one",
         ),
+    ]
+)
+
+SCORE = pa.schema(
+    [
+        column("right", INT, "images of the split test whose best grasp agrees with a positive one"),
+        column("count", INT, "images of the split test with a positive grasp"),
+        column("objects", INT, "objects in these"),
+        column("low", FLOAT, "lower end of the interval of right / count, 95 %"),
+        column("high", FLOAT, "upper end"),
+        column("loss", FLOAT, "mean over all images of the split test"),
+    ]
+)
+
+COMPARED = pa.schema(
+    [
+        column("test", STRING, "dataset whose evaluation set was tried"),
+        column("training_set", STRING, "what the network learnt from; empty for other detectors"),
+        column("seed", INT, "number of the training; 0 where nothing was trained"),
+        *RESULTS,
     ]
 )

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-from egad import stage_settings
+from egad import diversity, stage_settings
 from egad.code_version import code_version
 from egad.config_check import check
 from egad.data import released
@@ -24,6 +24,8 @@ from egad.vision.splits import shard_count
 
 try:
     SETTINGS = check(config)
+    # The same, with the networks of the experiment among the detectors.
+    TRIED = diversity.with_networks(SETTINGS)
     # The user's own measures by their code, so that editing it re-runs what they measure.
     MEASURES = [source_hash(measure) for _, measure in SETTINGS.axes if measure]
     # Files of detectors that are targets have to be there before anything runs.
@@ -42,6 +44,9 @@ SHARDS = range(SETTINGS.shards)
 CELLS = SETTINGS.select_eval.rows * SETTINGS.select_eval.columns
 EVALUATION_SHARDS = range(min(SETTINGS.shards, CELLS))
 IMAGE_SHARDS = range(shard_count(SETTINGS.render.images))
+NETWORKS = {network.name: network for network in diversity.networks_of(SETTINGS)}
+# The images of training sets, and the trials of the networks, are for the first target.
+GRIPPER = SETTINGS.targets.grippers[0]
 ISLANDS = range(SETTINGS.schedule.islands)
 LAST_EPOCH = SETTINGS.schedule.epochs - 1
 EVOLVED = [name for name, dataset in SETTINGS.datasets.items() if dataset.source == "evolved"]
@@ -59,10 +64,12 @@ CLOCK_SKEW = 60  # seconds that the clocks of a cluster may differ
 wildcard_constraints:
     dataset="|".join(SETTINGS.datasets),
     gripper="|".join(SETTINGS.grippers),
-    policy="|".join(SETTINGS.policies),
+    policy="|".join(TRIED.policies),
+    training_set="|".join(SETTINGS.training_sets),
     epoch=r"\d+",
     island=r"\d+",
     shard=r"\d+",
+    seed=r"\d+",
 
 
 def settings_of(stage):
@@ -75,15 +82,29 @@ def settings_of(stage):
     def chosen(wildcards):
         model = getattr(stage_settings, stage)
         names = wildcards.get("gripper"), wildcards.get("policy")
-        part = stage_settings.select(SETTINGS, model, *names)
-        return json.dumps(part.model_dump(mode="json"), separators=(",", ":"), sort_keys=True)
+        return _as_json(stage_settings.select(TRIED, model, *names))
 
     return chosen
 
 
+def settings_of_set(stage):
+    """The same for a training set and, if the wildcards have a seed, a network."""
+
+    def chosen(wildcards):
+        network = diversity.Network(wildcards.training_set, int(wildcards.get("seed", 0)))
+        whole = diversity.settings_for(SETTINGS, network)
+        return _as_json(stage_settings.select(whole, getattr(stage_settings, stage), GRIPPER))
+
+    return chosen
+
+
+def _as_json(part):
+    return json.dumps(part.model_dump(mode="json"), separators=(",", ":"), sort_keys=True)
+
+
 def labelled(wildcards):
     """The grasps that the detector `labels` knows; none for others."""
-    knows = SETTINGS.policies[wildcards.policy].detector == "labels"
+    knows = TRIED.policies[wildcards.policy].detector == "labels"
     return [f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"] if knows else []
 
 
@@ -93,10 +114,23 @@ def touched_surface(wildcards):
     return [file] if SETTINGS.engraving.enabled else []
 
 
+def learnt(wildcards):
+    """The weights that are trained for a detector; none for others."""
+    network = NETWORKS.get(wildcards.policy)
+    return [TRIED.policies[network.name].weights] if network and is_trained(network) else []
+
+
+def is_trained(network):
+    """Whether a network of the experiment is trained here."""
+    return SETTINGS.training_sets[network.training_set].dataset is not None
+
+
 def detector_code(wildcards):
-    """The code and weights of a detector, so that editing them tries again."""
+    """The code and weights of a detector that is not trained here: editing them tries again."""
+    if learnt(wildcards):
+        return []
     try:
-        return fingerprint(SETTINGS.policies[wildcards.policy])
+        return fingerprint(TRIED.policies[wildcards.policy])
     except UserError as error:
         raise WorkflowError(f"The detector {wildcards.policy} cannot be used: {error}")
 
@@ -123,6 +157,47 @@ def held_out(wildcards):
     """The evaluation set, if it is for testing."""
     file = f"results/{wildcards.dataset}/eval49.parquet"
     return [file] if SETTINGS.render.hold_out else []
+
+
+def of_set(file):
+    """A file of the dataset that a training set is made from."""
+    return lambda wildcards: of_datasets([SETTINGS.training_sets[wildcards.training_set].dataset], [file])
+
+
+def held_out_of_set(wildcards):
+    """The evaluation set of this dataset, if it is for testing."""
+    held = SETTINGS.training_sets[wildcards.training_set].hold_out
+    return of_set("eval49.parquet")(wildcards) if held else []
+
+
+def mesh_of_the_gripper(wildcards):
+    """The mesh file of the gripper that training sets are for."""
+    mesh = SETTINGS.grippers[GRIPPER].mesh
+    return [mesh] if mesh else []
+
+
+def compared(wildcards):
+    """What the report on training sets shows; by what: trials, evaluation, trained, images."""
+    asked = SETTINGS.diversity
+    for key, meaning in (("sets", "training set"), ("tests", "dataset to try networks on")):
+        if not getattr(asked, key):
+            raise WorkflowError(
+                f"diversity.{key} names no {meaning}: lay config/diversity.yaml over the others"
+            )
+    networks = "results/diversity/networks"
+    trained = [network for network in NETWORKS.values() if is_trained(network)]
+    sets = sorted({network.training_set for network in trained})
+    return [
+        *expand(
+            "results/{dataset}/trials/{gripper}/{policy}.parquet",
+            dataset=asked.tests,
+            gripper=GRIPPER,
+            policy=[*NETWORKS, *asked.references],
+        ),
+        *of_datasets(asked.tests, ["eval49.parquet"]),
+        *[f"{networks}/{each.folder}/{file}.parquet" for each in trained for file in ("history", "score")],
+        *expand("results/diversity/images/{training_set}/card.md", training_set=sets),
+    ]
 
 
 def previous_archive(wildcards):

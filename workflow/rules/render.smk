@@ -69,6 +69,8 @@ rule image_card:
         **needs("image_card"),
     params:
         settings=settings_of("RenderedImages"),
+        dataset="{dataset}",
+        gripper="{gripper}",
         folder=subpath(output.card, parent=True),
         shards=len(IMAGE_SHARDS),
         rejects=each("--rejects", "rejects"),
@@ -76,7 +78,7 @@ rule image_card:
     message:
         "Describing the images of {wildcards.dataset} for {wildcards.gripper}"
     shell:
-        "egad image-card --settings {params.settings:q} --dataset {wildcards.dataset:q}"
-        " --gripper {wildcards.gripper:q} --images {params.folder:q} --shards {params.shards}"
+        "egad image-card --settings {params.settings:q} --dataset {params.dataset:q}"
+        " --gripper {params.gripper:q} --images {params.folder:q} --shards {params.shards}"
         " {params.rejects:q}"
         " --out {output.card:q} --rejected {output.rejected:q} > {log:q} 2>&1"

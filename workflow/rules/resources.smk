@@ -32,6 +32,8 @@ NEEDS = {
     "render": (1500, 0, 30),
     "image_card": (1000, 0, 10),
     "image_layout": (1500, 0, 30),
+    "train_network": (2000, 500, 120),
+    "diversity": (2000, 0, 30),
     "compare": (1000, 0, 10),
     "report": (1000, 300, 30),
 }

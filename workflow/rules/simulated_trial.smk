@@ -1,7 +1,7 @@
 """Simulated-trial: attempts of a grasp detector on the evaluation set.
 
 Inputs: results/D/eval49.parquet, results/D/bundle/G; for the detector `labels` also
-results/D/grasps/G.parquet.
+results/D/grasps/G.parquet, and for a network of the experiment on training sets its weights.
 Outputs: results/D/trials/G/P.parquet, a row an attempt.
 Steps: shards of objects are tried; then the tables of the shards are joined.
 """
@@ -17,6 +17,7 @@ rule simulated_trial:
         evaluation="results/{dataset}/eval49.parquet",
         bundle="results/{dataset}/bundle/{gripper}/bundle.parquet",
         grasps=labelled,
+        weights=learnt,
     output:
         ensure(
             "results/{dataset}/parts/trials-{gripper}-{policy}-{shard}.parquet",

@@ -1,0 +1,128 @@
+"""Diversity: the same network taught by different objects. Made if it is named: docs/diversity.md.
+
+Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet and
+results/D/eval49.parquet of the datasets of the training sets, for the first target gripper G.
+Outputs: results/diversity/report.html and results.parquet; on the way images/SET, as of render, and
+networks/SET/SEED, as of `egad train`.
+Steps: the images of each set are rendered; a network learns from them for each seed; rules
+simulated_trial and join_trials try it as the detector SET-SEED; then the report.
+"""
+
+
+localrules:
+    set_card,
+
+
+use rule render as render_set with:
+    input:
+        objects=of_set("objects.parquet"),
+        scales=of_set(f"rescaled/{GRIPPER}/scales.parquet"),
+        grasps=of_set(f"grasps/{GRIPPER}.parquet"),
+        evaluation=held_out_of_set,
+        mesh=mesh_of_the_gripper,
+    output:
+        images=ensure(
+            "results/diversity/images/{training_set}/images-{shard}.parquet", non_empty=True
+        ),
+        rejected=ensure(
+            "results/diversity/parts/unrendered-{training_set}-{shard}.parquet", non_empty=True
+        ),
+    log:
+        "logs/diversity/render_set/{training_set}-{shard}.log",
+    benchmark:
+        "benchmarks/diversity/render_set/{training_set}-{shard}.tsv"
+    params:
+        settings=settings_of_set("RenderedImages"),
+        meshes=subpath(input.scales, parent=True),
+        shards=len(IMAGE_SHARDS),
+        evaluation=each("--eval", "evaluation"),
+        code=code_version("egad.stages.render"),
+    message:
+        "Rendering the training set {wildcards.training_set}, shard {wildcards.shard}"
+
+
+use rule image_card as set_card with:
+    input:
+        images=parts("results/diversity/images/{training_set}/images-{shard}.parquet", IMAGE_SHARDS),
+        rejects=parts(
+            "results/diversity/parts/unrendered-{training_set}-{shard}.parquet", IMAGE_SHARDS
+        ),
+    output:
+        card=ensure("results/diversity/images/{training_set}/card.md", non_empty=True),
+        rejected=ensure("results/diversity/images/{training_set}/rejected.parquet", non_empty=True),
+    log:
+        "logs/diversity/set_card/{training_set}.log",
+    benchmark:
+        "benchmarks/diversity/set_card/{training_set}.tsv"
+    params:
+        settings=settings_of_set("RenderedImages"),
+        dataset=lambda wildcards: SETTINGS.training_sets[wildcards.training_set].dataset,
+        gripper=GRIPPER,
+        folder=subpath(output.card, parent=True),
+        shards=len(IMAGE_SHARDS),
+        rejects=each("--rejects", "rejects"),
+        code=code_version("egad.stages.image_card"),
+    message:
+        "Describing the images of the training set {wildcards.training_set}"
+
+
+rule train_network:
+    """Train a network on the images of a set; what an interrupted training left is gone on with."""
+    input:
+        card="results/diversity/images/{training_set}/card.md",
+    output:
+        weights="results/diversity/networks/{training_set}/{seed}/weights.safetensors",
+        history="results/diversity/networks/{training_set}/{seed}/history.parquet",
+        score="results/diversity/networks/{training_set}/{seed}/score.parquet",
+        chart="results/diversity/networks/{training_set}/{seed}/history.svg",
+        card="results/diversity/networks/{training_set}/{seed}/README.md",
+    log:
+        "logs/diversity/train_network/{training_set}-{seed}.log",
+    benchmark:
+        "benchmarks/diversity/train_network/{training_set}-{seed}.tsv"
+    # The longest jobs, and trials wait for them.
+    priority: 2
+    conda:
+        ENVIRONMENT
+    threads: 2
+    resources:
+        **needs("train_network"),
+    params:
+        settings=settings_of_set("TrainNetwork"),
+        images=subpath(input.card, parent=True),
+        folder=subpath(output.weights, parent=True),
+        code=code_version("egad.stages.train"),
+    message:
+        "Training network {wildcards.seed} on the training set {wildcards.training_set}"
+    shell:
+        "egad train --settings {params.settings:q} --out {params.folder:q} --jobs {threads}"
+        " {params.images:q} > {log:q} 2>&1"
+
+
+rule diversity:
+    """Put all networks side by side."""
+    input:
+        compared,
+    output:
+        page=ensure("results/diversity/report.html", non_empty=True),
+        table=ensure("results/diversity/results.parquet", non_empty=True),
+    log:
+        "logs/diversity/diversity.log",
+    benchmark:
+        "benchmarks/diversity/diversity.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        **needs("diversity"),
+    params:
+        settings=settings_of("DiversityReport"),
+        gripper=GRIPPER,
+        results="results",
+        code=code_version("egad.stages.diversity"),
+    message:
+        "Comparing the networks of all training sets"
+    shell:
+        "egad diversity --settings {params.settings:q} --gripper {params.gripper:q}"
+        " --results {params.results:q} --out {output.page:q} --table {output.table:q}"
+        " {input:q} > {log:q} 2>&1"
