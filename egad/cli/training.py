@@ -1,12 +1,24 @@
-"""The command that trains a grasp network."""
+"""The commands that train grasp networks, and compare what they learnt from."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from egad.cli.common import CORES, STAGE, Config, Jobs, OutFolder, app, changed, parse, settings_in
+from egad.cli.common import (
+    CORES,
+    STAGE,
+    Config,
+    Jobs,
+    Out,
+    OutFolder,
+    app,
+    changed,
+    parse,
+    settings_in,
+)
 from egad.cli.recorded import recorded
+from egad.cli.stages import SettingsText
 from egad.errors import UserError
 
 
@@ -48,3 +60,23 @@ def train(
         f"{out}: right in {score.right} of {score.count} images of held-out objects, "
         f"{score.rate:.0%} ({score.interval[0]:.0%} to {score.interval[1]:.0%})"
     )
+
+
+@app.command(rich_help_panel=STAGE)
+def diversity(
+    settings: SettingsText,
+    gripper: Annotated[str, typer.Option(help="name of the gripper of the trials")],
+    results: Annotated[Path, typer.Option(help="folder of all results")],
+    out: Out,
+    table: Annotated[Path, typer.Option(help="table of all attempts to write")],
+    reads: Annotated[
+        list[Path] | None, typer.Argument(help="what it shows, for the record")
+    ] = None,
+) -> None:
+    """Put networks side by side that learnt from different objects."""
+    from egad.stage_settings import DiversityReport
+    from egad.stages import diversity as stage
+
+    parsed = parse(DiversityReport, settings)
+    with recorded("diversity", parsed, reads or [], [out], gripper=gripper):
+        stage.run(parsed, gripper, results, out, table)

@@ -84,6 +84,7 @@ def replay(
     config: Config = None,
 ) -> None:
     """Repeat an attempt of the simulation, bit by bit, and film it."""
+    from egad.diversity import with_networks
     from egad.exchange.frames import check_ending
     from egad.stage_settings import SimulatedTrials, select
     from egad.stages import replay as stage
@@ -91,7 +92,7 @@ def replay(
 
     film = out or Path(f"{label}-{attempt}.gif")
     check_ending(film, ENDINGS)
-    settings = settings_in(config)
+    settings = with_networks(settings_in(config))
     hand = known("gripper", gripper or settings.targets.grippers[0], settings.grippers)
     detector = known("policy", policy or settings.targets.policies[0], settings.policies)
     outcome = stage.run(

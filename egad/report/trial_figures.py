@@ -178,11 +178,14 @@ def _trend_text(trend: Trend) -> str:
     return f"rank correlation {rho} ({low} to {high})".replace("-", "\N{MINUS SIGN}")
 
 
-def side_by_side(rows: Mapping[str, Sequence[Mean]]) -> str:
+def side_by_side(
+    rows: Mapping[str, Sequence[Mean]], called: Sequence[str] = string.ascii_uppercase
+) -> str:
     """Success rates of detectors by row of the evaluation set, with intervals of 95 %.
 
     Args:
         rows: Rates of each row, and then the one over all, by detector.
+        called: Names of the rows; or of the columns, if these are given.
 
     Returns:
         SVG text.
@@ -197,7 +200,7 @@ def side_by_side(rows: Mapping[str, Sequence[Mean]]) -> str:
             colour = LINES[number % len(LINES)]
             axes.bar(x, [mean.value for mean in means], 0.88 * step, color=colour, label=name)
             _whiskers(axes, x, means, INK)
-        names = [*string.ascii_uppercase[: count - 1], "all"]
+        names = [*called[: count - 1], "all"]
         axes.set_xticks([*range(count - 1), count - 1 + 0.35], names)
         axes.tick_params(axis="x", length=0)
         axes.set(ylim=(0, 1), ylabel="success rate")

@@ -25,12 +25,12 @@ HISTORY = pa.schema(
 
 SCORE = pa.schema(
     [
-        column("right", INT, "images of the split test whose best grasp agrees with a positive one"),
-        column("count", INT, "images of the split test with a positive grasp"),
+        column("right", INT, "test images whose best grasp agrees with a positive one"),
+        column("count", INT, "test images with a positive grasp"),
         column("objects", INT, "objects in these"),
         column("low", FLOAT, "lower end of the interval of right / count, 95 %"),
         column("high", FLOAT, "upper end"),
-        column("loss", FLOAT, "mean over all images of the split test"),
+        column("loss", FLOAT, "mean over all test images"),
     ]
 )
 

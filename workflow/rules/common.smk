@@ -161,13 +161,17 @@ def held_out(wildcards):
 
 def of_set(file):
     """A file of the dataset that a training set is made from."""
-    return lambda wildcards: of_datasets([SETTINGS.training_sets[wildcards.training_set].dataset], [file])
+
+    def chosen(wildcards):
+        return f"results/{SETTINGS.training_sets[wildcards.training_set].dataset}/{file}"
+
+    return chosen
 
 
 def held_out_of_set(wildcards):
     """The evaluation set of this dataset, if it is for testing."""
     held = SETTINGS.training_sets[wildcards.training_set].hold_out
-    return of_set("eval49.parquet")(wildcards) if held else []
+    return [of_set("eval49.parquet")(wildcards)] if held else []
 
 
 def mesh_of_the_gripper(wildcards):
@@ -195,7 +199,11 @@ def compared(wildcards):
             policy=[*NETWORKS, *asked.references],
         ),
         *of_datasets(asked.tests, ["eval49.parquet"]),
-        *[f"{networks}/{each.folder}/{file}.parquet" for each in trained for file in ("history", "score")],
+        *[
+            f"{networks}/{each.folder}/{file}.parquet"
+            for each in trained
+            for file in ("history", "score")
+        ],
         *expand("results/diversity/images/{training_set}/card.md", training_set=sets),
     ]
 

@@ -118,7 +118,7 @@ rule diversity:
     params:
         settings=settings_of("DiversityReport"),
         gripper=GRIPPER,
-        results="results",
+        results=subpath(output.page, ancestor=2),
         code=code_version("egad.stages.diversity"),
     message:
         "Comparing the networks of all training sets"

@@ -1,0 +1,211 @@
+"""Networks that learnt from different objects, as the page about them shows them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import pandas as pd
+
+from egad.diversity import Network
+from egad.report.diversity_figures import colours, score_chart, success_chart, training_curves
+from egad.report.environment import environment
+from egad.report.heat_map import trial_heat_map
+from egad.report.maps import data_uri
+from egad.report.trial_figures import outcome_bars, side_by_side
+from egad.report.trial_views import Set
+from egad.settings import TrainingSet
+from egad.stage_settings import DiversityReport
+from egad.trials.statistics import Mean, mean_rate, trial_grid
+from egad.trials.training_sets import (
+    SetPair,
+    SetRate,
+    by_set,
+    references,
+    set_pairs,
+    set_rate,
+)
+
+
+@dataclass(frozen=True)
+class Images:
+    """The rendered images of a training set.
+
+    Attributes:
+        learnt: Ids of the objects that networks are taught by: the splits train and validation.
+        train: How many images they learn from.
+    """
+
+    learnt: frozenset[str]
+    train: int
+
+
+@dataclass(frozen=True)
+class Training:
+    """How a network was trained.
+
+    Attributes:
+        history: Columns of `tables.training.HISTORY`.
+        score: Columns of `tables.training.SCORE`, by name.
+    """
+
+    history: pd.DataFrame
+    score: Mapping[str, float]
+
+    @property
+    def rate(self) -> float:
+        """The part of the test images in which its grasp is right; NaN if none counts."""
+        right, count = self.score["right"], self.score["count"]
+        return right / count if count else float("nan")
+
+    @property
+    def taken(self) -> pd.Series:
+        """The epoch whose weights were taken."""
+        return self.history.iloc[int(self.history["validation_loss"].argmin())]
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """All that was made.
+
+    Attributes:
+        settings: What was asked for.
+        table: Columns of `tables.training.COMPARED`.
+        tests: The evaluation sets, by their dataset.
+        images: By training set, of those that are trained on.
+        trainings: By network, of the same sets.
+    """
+
+    settings: DiversityReport
+    table: pd.DataFrame
+    tests: Mapping[str, Set]
+    images: Mapping[str, Images]
+    trainings: Mapping[Network, Training]
+
+
+@dataclass(frozen=True)
+class SetView:
+    """A training set in a test; the heat map is an address.
+
+    Attributes:
+        name: Of the set.
+        rate: Its success.
+        ends: Success in the first and in the last row: the easiest and the hardest objects.
+        seen: Objects of the test that its networks learnt from.
+        heat_map: Success of each object, all networks together.
+    """
+
+    name: str
+    rate: SetRate
+    ends: tuple[Mean, Mean]
+    seen: int
+    heat_map: str
+
+
+@dataclass(frozen=True)
+class TestView:
+    """A test; figures are addresses, empty if there is none."""
+
+    name: str
+    objects: int
+    sets: list[SetView]
+    references: dict[str, Mean]
+    pairs: list[SetPair]
+    rows_figure: str
+    columns_figure: str
+    outcome_figure: str
+    score_figure: str
+
+
+def page(found: Experiment) -> str:
+    """The page about the experiment: HTML that needs no other file."""
+    tests = {name: found.table[found.table["test"] == name] for name in found.tests}
+    rates = {
+        name: {key: set_rate(rows) for key, rows in by_set(table).items()}
+        for name, table in tests.items()
+    }
+    others = {
+        name: {key: mean_rate(rows) for key, rows in references(table).items()}
+        for name, table in tests.items()
+    }
+    inks = colours(found.settings.diversity.sets)
+    template = environment().get_template("diversity.html.j2")
+    return template.render(
+        settings=found.settings,
+        described={key: described(each) for key, each in found.settings.training_sets.items()},
+        images=found.images,
+        trainings=found.trainings,
+        success_figure=_figure(success_chart(rates, others)),
+        curves=_figure(training_curves(_histories(found), inks)) if found.trainings else "",
+        tests=[_test(name, rates[name], others[name], found) for name in tests],
+    )
+
+
+def described(training_set: TrainingSet) -> str:
+    """What a training set consists of, in words; a name stands between backticks."""
+    if training_set.weights:
+        return f"given weights, `{training_set.weights}`: nothing was trained"
+    low, high = training_set.complexity
+    part = "all objects" if (low, high) == (0, 1) else f"ranks {low:g} to {high:g} in complexity"
+    kept = ", but for its evaluation set" if training_set.hold_out else ""
+    return f"dataset `{training_set.dataset}`, {part}{kept}"
+
+
+def _test(
+    name: str, rates: Mapping[str, SetRate], others: dict[str, Mean], found: Experiment
+) -> TestView:
+    table, tried = found.table[found.table["test"] == name], found.tests[name]
+    sets = by_set(table)
+    grids = {key: trial_grid(rows, tried.rows, tried.columns) for key, rows in sets.items()}
+    present = set((table if tried.chosen is None else tried.chosen)["label"])
+    ids = set(table["id"])
+    views = [
+        SetView(
+            name=key,
+            rate=rates[key],
+            ends=(grid.rows[0], grid.rows[-1]),
+            seen=_seen(key, name, ids, found),
+            heat_map=_figure(trial_heat_map(grid, tried.rows, tried.columns, present, tried.axes)),
+        )
+        for key, grid in grids.items()
+    ]
+    rows = {key: [*grid.rows, grid.overall] for key, grid in grids.items()}
+    columns = {key: [*grid.columns, grid.overall] for key, grid in grids.items()}
+    points = _points(rates, found)
+    return TestView(
+        name=name,
+        objects=len(ids),
+        sets=views,
+        references=others,
+        pairs=set_pairs(sets),
+        rows_figure=_figure(side_by_side(rows)),
+        columns_figure=_figure(side_by_side(columns, [str(i) for i in range(tried.columns)])),
+        outcome_figure=_figure(outcome_bars({**sets, **references(table)})),
+        score_figure=_figure(score_chart(points, colours(list(rates)))) if points else "",
+    )
+
+
+def _seen(name: str, test: str, ids: set[str], found: Experiment) -> int:
+    """How many objects of a test the networks of a set learnt from; ids are those of a dataset."""
+    same = found.settings.training_sets[name].dataset == test
+    return len(ids & found.images[name].learnt) if same else 0
+
+
+def _points(
+    rates: Mapping[str, SetRate], found: Experiment
+) -> dict[str, list[tuple[float, float]]]:
+    """Score and success of the networks that were trained, by training set."""
+    points: dict[str, list[tuple[float, float]]] = {}
+    for network, training in found.trainings.items():
+        success = rates[network.training_set].each[network.seed].value
+        points.setdefault(network.training_set, []).append((training.rate, success))
+    return points
+
+
+def _histories(found: Experiment) -> dict[str, list[pd.DataFrame]]:
+    histories: dict[str, list[pd.DataFrame]] = {}
+    for network, training in found.trainings.items():
+        histories.setdefault(network.training_set, []).append(training.history)
+    return histories
+
+
+def _figure(svg: str) -> str:
+    return data_uri(svg.encode(), "image/svg+xml")

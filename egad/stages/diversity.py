@@ -1,0 +1,84 @@
+"""diversity: networks that learnt from different objects, side by side."""
+
+import logging
+from pathlib import Path
+
+import pandas as pd
+
+from egad.diversity import Network, networks
+from egad.files import write_text
+from egad.report.axes import axis_pair
+from egad.report.diversity_view import Experiment, Images, Training, page
+from egad.report.trial_views import Set
+from egad.stage_settings import DiversityReport
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49
+from egad.tables.training import COMPARED, HISTORY, SCORE
+from egad.trials.records import read
+from egad.vision.shards import files
+
+log = logging.getLogger(__name__)
+
+
+def run(settings: DiversityReport, gripper: str, results: Path, out: Path, table: Path) -> None:
+    """Write the page about the experiment, and the table of all attempts.
+
+    Args:
+        settings: What this stage reads.
+        gripper: Name of the gripper of the trials.
+        results: Folder of all results.
+        out: The HTML file.
+        table: Table with the columns of `tables.training.COMPARED`.
+    """
+    asked = settings.diversity
+    found = networks(settings.training_sets, asked.sets, asked.seeds)
+    trials = pd.concat(
+        _attempts(results / test / "trials" / gripper, test, found, asked.references)
+        for test in asked.tests
+    )
+    trained = [each for each in found if settings.training_sets[each.training_set].dataset]
+    made = results / "diversity"
+    experiment = Experiment(
+        settings=settings,
+        table=trials,
+        tests={test: _set(results / test / "eval49.parquet", settings) for test in asked.tests},
+        images={each.training_set: _images(made, each.training_set) for each in trained},
+        trainings={each: _training(made / "networks" / each.folder) for each in trained},
+    )
+    write_text(out, page(experiment))
+    parquet.write(trials, COMPARED, table)
+    log.info("%d networks, %d attempts", len(found), len(trials))
+
+
+def _attempts(folder: Path, test: str, found: list[Network], references: list[str]) -> pd.DataFrame:
+    """All attempts of a test, columns of `COMPARED`."""
+    kinds = {each.name: each for each in found} | {name: Network("", 0) for name in references}
+    parts = [
+        read(folder / f"{name}.parquet")[name].assign(
+            test=test, training_set=kind.training_set, seed=kind.seed
+        )
+        for name, kind in kinds.items()
+    ]
+    return pd.concat(parts, ignore_index=True).loc[:, list(COMPARED.names)]
+
+
+def _set(evaluation: Path, settings: DiversityReport) -> Set:
+    grid = settings.select_eval
+    chosen = parquet.read(evaluation, EVAL49)
+    return Set(grid.rows, grid.columns, chosen, axis_pair(settings.axes))
+
+
+def _images(made: Path, name: str) -> Images:
+    batches = [
+        rows
+        for path in files(made / "images" / name)
+        for rows in parquet.batches(path, ["id", "split"])
+    ]
+    rows = pd.concat(batches)
+    learnt = frozenset(rows.loc[rows["split"] != "test", "id"])
+    return Images(learnt, int((rows["split"] == "train").sum()))
+
+
+def _training(folder: Path) -> Training:
+    score = parquet.records(parquet.read(folder / "score.parquet", SCORE))[0]
+    return Training(parquet.read(folder / "history.parquet", HISTORY), score)
