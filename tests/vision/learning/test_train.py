@@ -14,7 +14,7 @@ from egad.stage_settings import TrainNetwork, select
 from egad.stages import train as stage
 from egad.tables import parquet
 from egad.tables.promises import TableError
-from egad.tables.training import HISTORY
+from egad.tables.training import HISTORY, SCORE
 from egad.trials.ggcnn import GGCNN
 
 PLAN = Training(images=4, epoch=2, batch=2, validation=2, test=3, quality=0.002, network="ggcnn")
@@ -44,6 +44,7 @@ def test_both_ways_and_any_number_of_cores_give_the_same_bytes(trained):
         [
             *("README.md", "README.md.sha256", "history.parquet", "history.svg"),
             *("history.svg.sha256", "weights.safetensors", "weights.safetensors.sha256"),
+            "score.parquet",
         ]
     )
     for name in names:
@@ -56,6 +57,14 @@ def test_the_history_is_there_and_says_where_it_is_from(trained):
     assert parquet.read(path, HISTORY)["images"].tolist() == [2, 4]
     assert parquet.origin_of(path)["stage"] == "train"
     assert parquet.origin_of(path)["seed"] == 3
+
+
+def test_the_score_is_that_of_the_card(trained):
+    (row,) = parquet.records(parquet.read(trained / "words/score.parquet", SCORE))
+    text = (trained / "words/README.md").read_text()
+    said = f"right in {row['right']} of {row['count']} images of {row['objects']} held-out objects"
+    assert said in text.replace("\n", " ")
+    assert f"The loss on them was {row['loss']:.4f}" in text.replace("\n", " ")
 
 
 def test_the_card_says_what_it_learnt_from_and_how(trained, pictures):

@@ -1,0 +1,153 @@
+"""The page about training sets, from made-up tables."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from egad.config_check import check
+from egad.diversity import networks_of
+from egad.report.diversity_view import Experiment, Images, Training, described, page
+from egad.report.trial_views import Set
+from egad.settings import TrainingSet
+from egad.stage_settings import DiversityReport, select
+from egad.tables.training import COMPARED, HISTORY
+
+CONFIG = {
+    "datasets": {
+        "egad": {"source": "evolved"},
+        "own": {"source": "meshes", "folder": ".", "units": "m"},
+    },
+    "diversity": {
+        "sets": ["simple", "own", "given"],
+        "seeds": 2,
+        "tests": ["egad", "own"],
+        "references": ["random"],
+    },
+    "training_sets": {
+        "simple": {"dataset": "egad", "complexity": [0.0, 0.333]},
+        "own": {"dataset": "own", "hold_out": False},
+        "given": {"weights": "<given>.pt"},
+    },
+}
+RATES = {"simple": 0.9, "own": 0.6, "given": 0.3, "": 0.1}
+LABELS = ["A0", "A1", "B0", "C2"]
+
+
+def tried(test, name, seed, detector):
+    rng = np.random.default_rng([len(test), len(name), seed])
+    rows = [
+        (test, name, seed, label, f"{test} {label}", n, bool(won), detector, f"{n}")
+        for label in LABELS
+        for n, won in enumerate(rng.random(10) < RATES[name])
+    ]
+    columns = [*COMPARED.names[:6], "success", "detector", "start"]
+    table = pd.DataFrame(rows, columns=columns).assign(quality=0.5)
+    outcome = np.where(table["success"], "success", "collided")
+    return table.assign(outcome=outcome)[COMPARED.names]
+
+
+def history(seed):
+    numbers = {name: np.linspace(0.5, 0.1 + 0.01 * seed, 3) for name in HISTORY.names}
+    return pd.DataFrame(numbers | {"epoch": [0, 1, 2], "images": [8, 16, 24]})
+
+
+def experiment(config=CONFIG):
+    whole = check(config)
+    found = networks_of(whole)
+    names = [(each.training_set, each.seed, each.name) for each in found] + [("", 0, "random")]
+    score = {"right": 6, "count": 8, "objects": 4, "low": 0.3, "high": 0.9, "loss": 0.1}
+    trained = [each for each in found if each.training_set != "given"]
+    return Experiment(
+        settings=select(whole, DiversityReport),
+        table=pd.concat(tried(test, *name) for test in whole.diversity.tests for name in names),
+        tests={test: Set(3, 3) for test in whole.diversity.tests},
+        images={
+            each.training_set: Images(frozenset({"own A0", "own A1", "egad A0"}), 44)
+            for each in trained
+        },
+        trainings={each: Training(history(each.seed), score) for each in trained},
+    )
+
+
+@pytest.fixture(scope="module")
+def text():
+    return page(experiment())
+
+
+def rows(text, heading):
+    """Cells of the first table after some text, a list a row."""
+    table = text.partition(heading)[2].partition("<tbody>")[2].partition("</tbody>")[0]
+    lines = re.findall(r"<tr.*?</tr>", table, flags=re.DOTALL)
+    cells = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", line, flags=re.DOTALL) for line in lines]
+    return [[cell.replace("\N{NO-BREAK SPACE}", " ") for cell in line] for line in cells]
+
+
+def test_the_page_needs_no_other_file_and_is_the_same_every_time(text):
+    assert text == page(experiment())
+    assert text.startswith("<!DOCTYPE html>")
+    sources = re.findall(r'(?:src|href)="([^"]*)"', text)
+    assert sources
+    assert all(source.startswith("data:image/svg+xml") for source in sources)
+    assert "nan" not in re.sub(r'src="[^"]*"', "", text)
+
+
+def test_every_set_is_in_every_test_with_its_networks(text):
+    for test in ("egad", "own"):
+        found = rows(text, f"<h2>Tried on {test}</h2>")
+        assert [line[0] for line in found] == ["simple", "own", "given", "random"]
+        simple = pd.concat(tried(test, "simple", seed, "") for seed in (0, 1))
+        assert found[0][1] == f"{simple['success'].mean():.1%}".replace("%", " %")
+        each = simple.groupby("seed")["success"].mean()
+        assert found[0][3] == ", ".join(f"{rate:.1%}".replace("%", " %") for rate in each)
+        assert found[2][3].count("%") == 1
+
+
+def test_what_was_learnt_from_is_said_where_it_is_tried(text):
+    """Objects of other datasets may have the same names."""
+    own = text.partition("<h2>Tried on own</h2>")[2]
+    assert "<code>own</code> learnt from 2 of them" in own
+    assert [line[-1] for line in rows(own, "</p>")[:3]] == ["0", "2", "0"]
+    egad = text.partition("<h2>Tried on egad</h2>")[2].partition("<h2>Tried on own</h2>")[0]
+    assert "<code>simple</code> learnt from 1 of them" in egad
+    assert "<code>own</code> learnt" not in egad
+
+
+def test_every_pair_is_tested_and_corrected(text):
+    found = rows(text.partition("<h2>Tried on egad</h2>")[2], "Is one set better?")
+    assert [line[0] for line in found] == [
+        "simple against own",
+        "simple against given",
+        "own against given",
+    ]
+    assert all(line[1] == str(len(LABELS)) for line in found)
+
+
+def test_trainings_are_told_with_the_weights_that_were_taken(text):
+    found = rows(text, 'alt="Validation loss and score of all trainings"')
+    assert [line[0] for line in found] == ["simple-0", "simple-1", "own-0", "own-1"]
+    assert found[1][1:4] == ["24", "24", "0.1100"]
+    assert found[1][5] == "75.0 %"
+
+
+def test_a_name_cannot_break_the_page(text):
+    assert "<code>&lt;given&gt;.pt</code>" in text
+    assert "<given>" not in text
+
+
+def test_given_weights_alone_have_no_training():
+    alone = {"sets": ["given"], "tests": ["egad"]}
+    found = page(experiment({**CONFIG, "diversity": alone}))
+    assert "Validation loss" not in found
+    assert "Is one set better?" not in found
+    assert [line[0] for line in rows(found, "<h2>Tried on egad</h2>")] == ["given", "random"]
+
+
+def test_sets_in_words():
+    assert described(TrainingSet(dataset="egad")) == (
+        "dataset `egad`, all objects, but for its evaluation set"
+    )
+    part = TrainingSet(dataset="egad", complexity=(0.667, 1.0), hold_out=False)
+    assert described(part) == "dataset `egad`, ranks 0.667 to 1 in complexity"
+    assert described(TrainingSet(weights="w.pt")) == "given weights, `w.pt`: nothing was trained"
