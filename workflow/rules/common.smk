@@ -204,10 +204,13 @@ def _is_late(path):
 
 
 def raw_objects(wildcards):
-    """What the objects of a shard are made from: the archive, or its mesh files in the folder."""
-    if SETTINGS.datasets[wildcards.dataset].source != "meshes":
-        return [f"results/{wildcards.dataset}/archive.parquet"]
-    return list(meshes_by_shard(wildcards.dataset)[int(wildcards.shard)].values())
+    """What the objects of a shard are made from: the archive, its mesh files, or nothing."""
+    source = SETTINGS.datasets[wildcards.dataset].source
+    if source == "primitives":
+        return []
+    if source == "meshes":
+        return list(meshes_by_shard(wildcards.dataset)[int(wildcards.shard)].values())
+    return [f"results/{wildcards.dataset}/archive.parquet"]
 
 
 def raw_state(wildcards):
@@ -226,6 +229,8 @@ def raw_state(wildcards):
 def raw_options(wildcards, input):
     """The options of postprocess that say what the objects are made from."""
     dataset = SETTINGS.datasets[wildcards.dataset]
+    if dataset.source == "primitives":
+        return ["--primitives", str(dataset.objects)]
     if dataset.source != "meshes":
         return ["--archive", str(input[0])]
     pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
