@@ -226,15 +226,18 @@ def raw_state(wildcards):
     return hashlib.sha256(json.dumps(state).encode()).hexdigest()
 
 
-def raw_options(wildcards, input):
-    """The options of postprocess that say what the objects are made from."""
+def raw_options(wildcards):
+    """The options of postprocess that say what the objects are made from.
+
+    Without `input`, so that other units or another number of objects run it again.
+    """
     dataset = SETTINGS.datasets[wildcards.dataset]
     if dataset.source == "primitives":
         return ["--primitives", str(dataset.objects)]
-    if dataset.source != "meshes":
-        return ["--archive", str(input[0])]
-    pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
-    return ["--folder", dataset.folder, "--units", dataset.units, *pattern]
+    if dataset.source == "meshes":
+        pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
+        return ["--folder", dataset.folder, "--units", dataset.units, *pattern]
+    return ["--archive", *raw_objects(wildcards)]
 
 
 def of_datasets(datasets, files):
