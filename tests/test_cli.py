@@ -9,7 +9,7 @@ import trimesh
 
 from egad.cli.common import parse
 from egad.settings import Settings
-from egad.stage_settings import Merge, select
+from egad.stage_settings import Merge, PostprocessSolids, select
 from egad.tables import parquet
 from egad.tables.grasping import SCALES, SIZE_EFFECT
 from egad.tables.objects import MEASURED, OBJECTS, REJECTED
@@ -48,6 +48,15 @@ def test_a_damaged_table_is_one_sentence_without_a_traceback(tmp_path):
     assert "delete it and run again" in result.stderr
     assert "Traceback" not in result.stderr
     assert not (tmp_path / "out.parquet").exists()
+
+
+def test_postprocess_says_what_objects_can_be_made_from(tmp_path):
+    settings = select(Settings(), PostprocessSolids).model_dump_json()
+    files = ["--out", tmp_path / "solids.parquet", "--rejected", tmp_path / "rejected.parquet"]
+    result = egad("postprocess", "--settings", settings, "--shard", 0, "--shards", 1, *files)
+    assert result.returncode == 1
+    assert "needs --archive, --folder and --units, or --primitives" in result.stderr
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(

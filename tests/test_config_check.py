@@ -72,6 +72,18 @@ def test_every_problem_has_one_line():
         ({"seed": None}, "seed: nothing is not allowed; allowed: a whole number"),
         ({"material": {"density": float("nan")}}, "material.density: NaN is not allowed"),
         ({"neat": 3}, "neat: 3 is not allowed; allowed: a section with the keys activations"),
+        (
+            {"datasets": {"mine": {"source": "primitives"}}},
+            "datasets.mine: a dataset with source `primitives` needs `objects`",
+        ),
+        (
+            {"datasets": {"mine": {"source": "evolved", "objects": 5}}},
+            "datasets.mine: a dataset with source `evolved` takes no `objects`",
+        ),
+        (
+            {"datasets": {"mine": {"source": "primitives", "objects": 0}}},
+            "datasets.mine.objects: 0 is not allowed; allowed: ",
+        ),
         ({"datasets": {}}, "datasets: {} is not allowed; allowed: a table with at least one name"),
         (
             {"targets": {"datasets": "egad"}},

@@ -2,6 +2,7 @@
 
 import pytest
 
+from egad.code_version import imported
 from egad.config_check import check
 from egad.diversity import Network, networks_of, settings_for, with_networks
 from egad.errors import UserError
@@ -70,6 +71,12 @@ def test_a_set_decides_what_is_rendered_and_a_seed_the_training_alone(asked):
 
 def test_the_report_reads_the_sets_that_are_compared(asked):
     assert set(select(asked, DiversityReport).training_sets) == {"complex", "given"}
+
+
+def test_a_page_is_no_reason_to_train_again():
+    """The workflow trains again for the code of these modules."""
+    for module in ("egad.vision.training", "egad.vision.weights"):
+        assert not [name for name in imported(module) if name.startswith("egad.report")]
 
 
 def test_a_detector_with_the_name_of_a_network_is_refused():

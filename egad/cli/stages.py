@@ -66,8 +66,11 @@ def postprocess(
     folder: Annotated[Path | None, typer.Option(help="folder of meshes")] = None,
     units: Annotated[str | None, typer.Option(help="unit of these meshes: m, mm, cm, inch")] = None,
     pattern: Annotated[str, typer.Option(help="glob of these meshes in the folder")] = "*",
+    primitives: Annotated[
+        int | None, typer.Option(min=1, help="number of objects of primitives joined at random")
+    ] = None,
 ) -> None:
-    """Repair and measure the objects of a shard, from an archive or a folder of meshes."""
+    """Repair and measure the objects of a shard: of an archive, a folder of meshes, or random."""
     from egad.stage_settings import PostprocessSolids
     from egad.stages import postprocess as stage
 
@@ -78,16 +81,27 @@ def postprocess(
     elif folder is not None and units is not None:
         sources, known = stage.from_folder(folder, units, shard, shards, pattern)
         reads = list(stage.files_of_shard(folder, shard, shards, pattern).values())
+    elif primitives is not None:
+        sources, known = stage.from_primitives(primitives, parsed, shard, shards)
+        reads = []
     else:
-        raise UserError("postprocess needs --archive, or --folder and --units")
-    with recorded("postprocess", parsed, reads, shard=shard, shards=shards, units=units):
+        raise UserError("postprocess needs --archive, --folder and --units, or --primitives")
+    with recorded(
+        "postprocess",
+        parsed,
+        reads,
+        shard=shard,
+        shards=shards,
+        units=units,
+        primitives=primitives,
+    ):
         stage.run(parsed, sources, known, out, rejected)
 
 
 @app.command(rich_help_panel=STAGE)
 def collect(
     settings: SettingsText,
-    source: Annotated[str, typer.Option(help="evolved, archive or meshes")],
+    source: Annotated[str, typer.Option(help="evolved, archive, meshes or primitives")],
     solids: Annotated[list[Path], typer.Option(help="shards of postprocess")],
     rejects: Annotated[list[Path], typer.Option(help="rejected objects of the shards")],
     out: Out,
@@ -101,7 +115,8 @@ def collect(
 
     parsed = parse(Collect, settings)
     with recorded("collect", parsed, [*solids, *rejects], [meshes], source=source):
-        stage.run(parsed, source != "meshes", solids, rejects, out, rejected, meshes, jobs)
+        evolved = source in ("evolved", "archive")
+        stage.run(parsed, evolved, solids, rejects, out, rejected, meshes, jobs)
 
 
 @app.command(name="grasp-label", rich_help_panel=STAGE)

@@ -50,7 +50,7 @@ def parameter_tables(settings: Settings) -> list[ParameterTable]:
 
 
 def entry_tables(settings: Settings) -> list[EntryTable]:
-    """Tables of named entries: datasets and grippers."""
+    """Tables of named entries, such as datasets and grippers."""
     tables = []
     for name, field in Settings.model_fields.items():
         entries = getattr(settings, name)

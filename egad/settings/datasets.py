@@ -6,13 +6,15 @@ from pydantic import Field, model_validator
 
 from egad.settings.base import Name, Section
 
+MOST_PRIMITIVES = 100_000  # their ids have five digits
+
 
 class Dataset(Section):
-    """A set of objects: evolved here, from an archive, or meshes that somebody else made."""
+    """A set of objects: evolved here, from an archive, meshes of somebody else, or random ones."""
 
-    source: Literal["evolved", "archive", "meshes"] = Field(
-        description="`evolved` by this pipeline, from an `archive` that was evolved before, or "
-        "`meshes` read from a folder"
+    source: Literal["evolved", "archive", "meshes", "primitives"] = Field(
+        description="`evolved` by this pipeline, from an `archive` that was evolved before, "
+        "`meshes` read from a folder, or `primitives` joined at random"
     )
     archive: str | None = Field(
         None, description="file of the archive, or `released`: the one shipped (source: archive)"
@@ -26,10 +28,21 @@ class Dataset(Section):
         description="glob of the mesh files, relative to the folder; what its wildcards match "
         "names the objects; nothing: `*`, all in the folder itself (source: meshes)",
     )
+    objects: int | None = Field(
+        None,
+        ge=1,
+        le=MOST_PRIMITIVES,
+        description="how many, each of 2 to 5 boxes, cylinders and spheres (source: primitives)",
+    )
 
     @model_validator(mode="after")
     def _keys_belong_to_the_source(self) -> Self:
-        needed = {"evolved": (), "archive": ("archive",), "meshes": ("folder", "units")}
+        needed = {
+            "evolved": (),
+            "archive": ("archive",),
+            "meshes": ("folder", "units"),
+            "primitives": ("objects",),
+        }
         allowed = {**needed, "meshes": ("folder", "units", "pattern")}
         given = [name for name, value in self if name != "source" and value is not None]
         if any(name not in given for name in needed[self.source]):

@@ -17,6 +17,8 @@ from egad.exchange.meshes import read_mesh
 from egad.measures import reeb
 from egad.measures.coordinates import graded
 from egad.progress import progress
+from egad.seeds import generator
+from egad.shapes.joined import joined_primitives
 from egad.shapes.solid import body
 from egad.shapes.surface import packed_surface
 from egad.stage_settings import PostprocessSolids
@@ -92,6 +94,26 @@ def files_of_shard(
     """The mesh files of a shard, by the names of their objects."""
     files = objects_in(folder, pattern)
     return {name: path for name, path in files.items() if in_shard(name, shard, shards)}
+
+
+def from_primitives(
+    count: int, settings: PostprocessSolids, shard: int, shards: int
+) -> tuple[Sources, pd.Series]:
+    """Those of so many random objects that are of a shard; nothing selected them.
+
+    An object depends on its number, the seed and its size, not on how many there are.
+    """
+    names = {f"p{number:05d}": number for number in range(count)}
+    sources: Sources = {
+        name: partial(_primitives, settings.seed, number, settings.shape.longest_side)
+        for name, number in names.items()
+        if in_shard(name, shard, shards)
+    }
+    return sources, pd.Series(dtype=float)
+
+
+def _primitives(seed: int, number: int, longest_side: float) -> trimesh.Trimesh:
+    return joined_primitives(generator(seed, "primitives", number), longest_side)
 
 
 def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids) -> dict[str, Any]:

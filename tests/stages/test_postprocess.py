@@ -1,7 +1,20 @@
+import pandas as pd
 import pytest
 import trimesh
 
-from egad.stages.postprocess import from_folder
+from egad.settings import Settings
+from egad.stage_settings import PostprocessSolids, select
+from egad.stages.postprocess import from_folder, from_primitives, run
+from egad.tables import parquet
+from egad.tables.objects import REJECTED, SOLIDS
+
+COARSE = Settings.model_validate(
+    {
+        "postprocess": {"grasps": 20},
+        "similarity": {"vertices": 1000, "base_count": 20},
+        "shape": {"longest_side": 0.07},
+    }
+)
 
 
 @pytest.fixture
@@ -24,3 +37,44 @@ def test_every_mesh_is_in_one_shard(scans):
     assert sorted(name for shard in shards for name in shard) == [
         *("bowl-scan-mesh", "can-scan-mesh", "mug-scan-mesh")
     ]
+
+
+def postprocessed(folder, count, shards):
+    """The solids and the rejected ones among so many random objects, of all shards."""
+    settings = select(COARSE, PostprocessSolids)
+    solids, rejected = [], []
+    for shard in range(shards):
+        sources, known = from_primitives(count, settings, shard, shards)
+        assert known.empty
+        out, left_out = folder / f"solids-{shard}.parquet", folder / f"rejected-{shard}.parquet"
+        run(settings, sources, known, out, left_out)
+        solids.append(parquet.read(out, SOLIDS))
+        rejected.append(parquet.read(left_out, REJECTED))
+    return pd.concat(solids).sort_values("id", ignore_index=True), pd.concat(rejected)
+
+
+def test_random_objects_are_the_same_however_many_and_in_any_number_of_shards(tmp_path):
+    whole, _ = postprocessed(tmp_path, 6, 1)
+    parts, _ = postprocessed(tmp_path, 8, 3)
+    assert parts["id"].tolist() == [f"p{number:05d}" for number in range(8)]
+    pd.testing.assert_frame_equal(whole, parts.head(6))
+    assert whole[["extents_x", "extents_y", "extents_z"]].max(axis=1).to_numpy() == pytest.approx(
+        [0.07] * 6
+    )
+
+
+@pytest.mark.slow
+def test_no_random_object_is_rejected(tmp_path):
+    solids, rejected = postprocessed(tmp_path, 100, 1)
+    assert (len(solids), len(rejected)) == (100, 0)
+    assert solids["watertight"].all()
+    assert solids["volume"].gt(0).all()
+    assert solids["volume"].nunique() == 100
+
+
+def test_random_objects_follow_the_seed():
+    def bytes_of(seed):
+        settings = select(COARSE.model_copy(update={"seed": seed}), PostprocessSolids)
+        return from_primitives(1, settings, 0, 1)[0]["p00000"]().vertices.tobytes()
+
+    assert bytes_of(1) == bytes_of(1) != bytes_of(2)

@@ -9,6 +9,7 @@ from egad.settings import Settings
 from egad.stages.shards import shard_of
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49, TRIALS
+from egad.tables.objects import OBJECTS
 from egad.vision.shards import read
 
 TRIED = {"simulated_trial", "join_trials"}
@@ -293,6 +294,23 @@ def test_a_configuration_of_ones_own_can_stand_alone(clean):
     assert set(planned) == {"postprocess", "collect", "compare", "report", "all"}
 
 
+def test_random_objects_need_no_file_and_more_of_them_are_made_again(clean):
+    def planned(**more):
+        dataset = {"source": "primitives", "objects": 3} | more
+        own = clean.overlay("random.yaml", {"datasets": {"random": dataset}})
+        return clean.planned(target, configs=["config/test.yaml", own])
+
+    target = "results/random/objects.parquet"
+    assert planned() == {"postprocess": 2, "collect": 1}
+    clean.make("--cores", 1, target, configs=["config/test.yaml", "random.yaml"])
+    assert planned() == {}
+    assert planned(objects=4) == {"postprocess": 2, "collect": 1}
+    labels = parquet.read(clean.folder / target, OBJECTS)["label"].tolist()
+    assert labels == ["p00000", "p00001", "p00002"]
+    meshes = clean.results / "random/meshes"
+    assert sorted(path.stem for path in meshes.glob("*.obj")) == labels
+
+
 def test_a_mesh_more_makes_its_shard_again_and_those_that_it_renames(clean):
     box, folder = trimesh.creation.box(), clean.folder / "boxes"
     folder.mkdir()
@@ -310,6 +328,8 @@ def test_a_mesh_more_makes_its_shard_again_and_those_that_it_renames(clean):
     targets = [f"results/own/parts/solids-{shard}.parquet" for shard in (0, 1)]
     clean.make("--cores", 1, *targets, configs=configs)
     assert clean.planned(*targets, configs=configs) == {}
+    larger = clean.overlay("larger.yaml", {"datasets": {"own": {"units": "cm"}}})
+    assert clean.planned(*targets, configs=[*configs, larger]) == {"postprocess": 2}
     box.export(folder / f"{other}.stl.obj")
     assert clean.planned(*targets, configs=configs) == {"postprocess": 1}
     (folder / f"{other}.stl.obj").unlink()

@@ -287,10 +287,13 @@ def _is_late(path):
 
 
 def raw_objects(wildcards):
-    """What the objects of a shard are made from: the archive, or its mesh files in the folder."""
-    if SETTINGS.datasets[wildcards.dataset].source != "meshes":
-        return [f"results/{wildcards.dataset}/archive.parquet"]
-    return list(meshes_by_shard(wildcards.dataset)[int(wildcards.shard)].values())
+    """What the objects of a shard are made from: the archive, its mesh files, or nothing."""
+    source = SETTINGS.datasets[wildcards.dataset].source
+    if source == "primitives":
+        return []
+    if source == "meshes":
+        return list(meshes_by_shard(wildcards.dataset)[int(wildcards.shard)].values())
+    return [f"results/{wildcards.dataset}/archive.parquet"]
 
 
 def raw_state(wildcards):
@@ -306,13 +309,18 @@ def raw_state(wildcards):
     return hashlib.sha256(json.dumps(state).encode()).hexdigest()
 
 
-def raw_options(wildcards, input):
-    """The options of postprocess that say what the objects are made from."""
+def raw_options(wildcards):
+    """The options of postprocess that say what the objects are made from.
+
+    Without `input`, so that other units or another number of objects run it again.
+    """
     dataset = SETTINGS.datasets[wildcards.dataset]
-    if dataset.source != "meshes":
-        return ["--archive", str(input[0])]
-    pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
-    return ["--folder", dataset.folder, "--units", dataset.units, *pattern]
+    if dataset.source == "primitives":
+        return ["--primitives", str(dataset.objects)]
+    if dataset.source == "meshes":
+        pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
+        return ["--folder", dataset.folder, "--units", dataset.units, *pattern]
+    return ["--archive", *raw_objects(wildcards)]
 
 
 def of_datasets(datasets, files):

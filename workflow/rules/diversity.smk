@@ -91,7 +91,8 @@ rule train_network:
         settings=settings_of_set("TrainNetwork"),
         images=subpath(input.card, parent=True),
         folder=subpath(output.weights, parent=True),
-        code=code_version("egad.stages.train"),
+        # The chart and the card of a network decide nothing about it.
+        code=[code_version(f"egad.vision.{name}") for name in ("training", "weights")],
     message:
         "Training network {wildcards.seed} on the training set {wildcards.training_set}"
     shell:

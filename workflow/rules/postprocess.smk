@@ -1,6 +1,6 @@
 """Postprocess: repaired meshes with mass properties, graded again without the luck of selection.
 
-Inputs: results/D/archive.parquet, or the folder of meshes of the dataset.
+Inputs: results/D/archive.parquet, the folder of meshes of the dataset, or nothing: primitives.
 Outputs: results/D/objects.parquet, results/D/meshes/LABEL.obj (metres), results/D/rejected.parquet.
 Steps: shards of objects are repaired and measured; then cells, labels and diversities of all.
 """
