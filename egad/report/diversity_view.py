@@ -130,7 +130,10 @@ def page(found: Experiment) -> str:
     template = environment().get_template("diversity.html.j2")
     return template.render(
         settings=found.settings,
-        described={key: described(each) for key, each in found.settings.training_sets.items()},
+        described={
+            key: described(found.settings.training_sets[key])
+            for key in found.settings.diversity.sets
+        },
         images=found.images,
         trainings=found.trainings,
         success_figure=_figure(success_chart(rates, others)),

@@ -26,9 +26,9 @@ CONFIG = {
         "references": ["random"],
     },
     "training_sets": {
-        "simple": {"dataset": "egad", "complexity": [0.0, 0.333]},
-        "own": {"dataset": "own", "hold_out": False},
         "given": {"weights": "<given>.pt"},
+        "own": {"dataset": "own", "hold_out": False},
+        "simple": {"dataset": "egad", "complexity": [0.0, 0.333]},
     },
 }
 RATES = {"simple": 0.9, "own": 0.6, "given": 0.3, "": 0.1}
@@ -59,8 +59,10 @@ def experiment(config=CONFIG):
     names = [(each.training_set, each.seed, each.name) for each in found] + [("", 0, "random")]
     score = {"right": 6, "count": 8, "objects": 4, "low": 0.3, "high": 0.9, "loss": 0.1}
     trained = [each for each in found if each.training_set != "given"]
+    settings = select(whole, DiversityReport)
+    by_name = dict(sorted(settings.training_sets.items()))  # as the workflow hands them over
     return Experiment(
-        settings=select(whole, DiversityReport),
+        settings=settings.model_copy(update={"training_sets": by_name}),
         table=pd.concat(tried(test, *name) for test in whole.diversity.tests for name in names),
         tests={test: Set(3, 3) for test in whole.diversity.tests},
         images={
@@ -91,6 +93,13 @@ def test_the_page_needs_no_other_file_and_is_the_same_every_time(text):
     assert sources
     assert all(source.startswith("data:image/svg+xml") for source in sources)
     assert "nan" not in re.sub(r'src="[^"]*"', "", text)
+
+
+def test_the_sets_are_told_in_their_order(text):
+    found = rows(text, "<h2>Training sets</h2>")
+    assert [line[0] for line in found] == ["simple", "own", "given"]
+    assert found[1][1:] == ["3", "44", "dataset <code>own</code>, all objects"]
+    assert found[2][1:3] == ["", ""]
 
 
 def test_every_set_is_in_every_test_with_its_networks(text):

@@ -27,4 +27,4 @@ def test_grippers_stand_side_by_side():
     names = [column.name for column in tables["grippers"].columns]
     row = dict(zip(names, tables["grippers"].rows["panda"], strict=True))
     assert (row["opening"], row["palm"]) == ("0.08", "0.2, 0.063, 0.06")
-    assert tables["datasets"].rows["egad"] == ["evolved", "", "", "", ""]
+    assert tables["datasets"].rows["egad"] == ["evolved", "", "", "", "", ""]
