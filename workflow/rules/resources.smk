@@ -27,7 +27,7 @@ NEEDS = {
     "bundle": (1500, 500, 60),
     "simulated_trial": (1500, 0, 120),
     "join_trials": (1000, 0, 10),
-    "agreement": (4000, 0, 120),
+    "agreement": (2000, 0, 60),
     "join_agreement": (1000, 0, 10),
     "compare": (1000, 0, 10),
     "report": (1000, 300, 30),
