@@ -308,6 +308,8 @@ def test_a_mesh_more_makes_its_shard_again_and_those_that_it_renames(clean):
     targets = [f"results/own/parts/solids-{shard}.parquet" for shard in (0, 1)]
     clean.make("--cores", 1, *targets, configs=configs)
     assert clean.planned(*targets, configs=configs) == {}
+    larger = clean.overlay("larger.yaml", {"datasets": {"own": {"units": "cm"}}})
+    assert clean.planned(*targets, configs=[*configs, larger]) == {"postprocess": 2}
     box.export(folder / f"{other}.stl.obj")
     assert clean.planned(*targets, configs=configs) == {"postprocess": 1}
     (folder / f"{other}.stl.obj").unlink()

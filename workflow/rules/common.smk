@@ -215,11 +215,14 @@ def raw_state(wildcards):
     return hashlib.sha256(json.dumps(state).encode()).hexdigest()
 
 
-def raw_options(wildcards, input):
-    """The options of postprocess that say what the objects are made from."""
+def raw_options(wildcards):
+    """The options of postprocess that say what the objects are made from.
+
+    Without `input`, for Snakemake would not run it again for other units then.
+    """
     dataset = SETTINGS.datasets[wildcards.dataset]
     if dataset.source != "meshes":
-        return ["--archive", str(input[0])]
+        return ["--archive", *raw_objects(wildcards)]
     pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
     return ["--folder", dataset.folder, "--units", dataset.units, *pattern]
 
