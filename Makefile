@@ -37,8 +37,7 @@ slicer: setup
 	pytest -m slow tests/evalset/test_slicer.py
 
 slurm: setup
-	@command -v slurmctld >/dev/null && command -v munged >/dev/null \
-		|| { echo "slurm-wlm and munge are needed" >&2; exit 1; }
+	@cd tests/workflow && python -c 'import slurm_node; raise SystemExit(slurm_node.why_not() or 0)'
 	pytest -m slurm tests/workflow/test_slurm.py
 
 vision: setup

@@ -1,5 +1,6 @@
 """Writing files so that what exists is complete."""
 
+import errno
 import fcntl
 import os
 import shutil
@@ -8,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from egad.errors import UserError
+
+OF_DISKS = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG)
 
 
 @contextmanager
@@ -34,9 +37,8 @@ def replacing(path: Path, keep: bool = True) -> Iterator[Path]:
         except BaseException as error:
             if not keep:
                 _remove(temporary)
-            if isinstance(error, OSError) and error.filename is None:
-                why = error.strerror or error
-                raise UserError(f"{path} cannot be written: {why}") from error
+            if isinstance(error, OSError) and error.filename is None and error.errno in OF_DISKS:
+                raise UserError(f"{path} cannot be written: {error.strerror or error}") from error
             raise
         _remove(old)
         if temporary.is_dir() and path.exists():
@@ -52,14 +54,18 @@ def _alone(path: Path) -> Iterator[None]:
     with lock.open("w") as file:
         try:
             fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except (BlockingIOError, PermissionError) as error:
-            raise UserError(f"{path}: another process is writing it; wait, or end it") from error
+            # Else its owner has just removed it.
+            free = lock.stat().st_ino == os.fstat(file.fileno()).st_ino
+        except (BlockingIOError, PermissionError, FileNotFoundError):
+            free = False
         except OSError:
-            pass  # the file system has no locks
+            free = True  # the file system has no locks
+        if not free:
+            raise UserError(f"{path}: another process is writing it; wait, or end it")
         try:
             yield
         finally:
-            lock.unlink()
+            lock.unlink(missing_ok=True)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -22,6 +22,7 @@ from egad.errors import LESS_MEMORY, RejectedError, UserError
 log = logging.getLogger(__name__)
 
 CHANCES = 2
+ENDING_TIME = 5.0  # seconds
 KILLED = "was killed, probably for want of memory"
 Work = Callable[[Any], Any]
 Mapper = Callable[[Work, Iterable[Any]], Iterable[Any]]
@@ -39,7 +40,9 @@ def workers(count: int) -> Iterator[Mapper]:
         with ProcessPoolExecutor(count, initializer=_start_worker) as pool:
             yield partial(pool.map, chunksize=2)
     except BrokenProcessPool as error:
-        raise UserError(f"a worker process {KILLED}; {LESS_MEMORY}") from error
+        raise UserError(
+            f"a worker process ended all at once, probably for want of memory; {LESS_MEMORY}"
+        ) from error
 
 
 def check_not_killed(status: int | None, who: str) -> None:
@@ -100,7 +103,7 @@ class Survivor:
         trace: TracebackType | None,
     ) -> None:
         self._pipe.close()  # it ends by itself when nobody can ask any more
-        self._process.join(self._limit)
+        self._process.join(ENDING_TIME)
         self._process.kill()
         self._process.join()
 

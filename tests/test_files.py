@@ -1,3 +1,4 @@
+import errno
 import subprocess
 import sys
 from pathlib import Path
@@ -59,7 +60,7 @@ def test_a_failed_write_need_not_leave_the_temporary(tmp_path):
             replacing(tmp_path / "a", keep=False) as temporary,
         ):
             make(temporary)
-            raise OSError("full")
+            raise OSError(errno.ENOSPC, "full")
         assert list(tmp_path.iterdir()) == []
 
 
@@ -93,3 +94,20 @@ def test_a_folder_is_never_missing_while_it_is_replaced(tmp_path):
         folder.mkdir()
         assert (path / "old").exists()
     assert [entry.name for entry in tmp_path.iterdir()] == ["meshes"]
+
+
+def test_a_lock_that_was_removed_while_it_was_taken_is_none(tmp_path, monkeypatch):
+    """Another process finished between the opening of its lock and the locking of it."""
+    lock = tmp_path / ".file.txt.lock"
+
+    def late(*_arguments):
+        lock.unlink()
+
+    monkeypatch.setattr("egad.files.fcntl.lockf", late)
+    with pytest.raises(UserError, match="another process is writing it"):
+        write_text(tmp_path / "file.txt", "words")
+
+
+def test_what_fails_otherwise_is_not_taken_for_a_full_disk(tmp_path):
+    with pytest.raises(OSError, match="cannot identify"), replacing(tmp_path / "file.txt"):
+        raise OSError("cannot identify image file")

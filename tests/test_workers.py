@@ -39,7 +39,7 @@ def killed(number):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-WANT = "killed, probably for want of memory; use fewer cores: --jobs"
+WANT = "probably for want of memory; use fewer cores: --jobs"
 
 
 def test_a_worker_killed_for_memory_stops_all_with_advice():

@@ -52,6 +52,7 @@ def only_geometry(data: bytes) -> bytes:
         RejectedError: These are too many, or a polygon has too many corners.
     """
     lines = data.replace(b"\r\n", b"\n").replace(b"\\\n", b"")
+    lines = re.sub(rb"^[ \t]+", b"", lines, flags=re.MULTILINE)
     text = np.frombuffer(lines + b"\n", np.uint8)
     ends = np.flatnonzero(text == ord("\n"))
     starts = np.concatenate(([0], ends[:-1] + 1))

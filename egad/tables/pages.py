@@ -14,6 +14,7 @@ import pyarrow.parquet as pq
 PADDING = 100  # bytes that readers grant to old files after the last page of a column
 DIFFERENCES = 7  # the encoding DELTA_BYTE_ARRAY: texts that share their beginnings
 _SIZE, _PACKED, _KINDS = 2, 3, (5, 7, 8)  # of a page; of data, a dictionary, data again
+_DICTIONARY = 7
 _VALUES, _ENCODINGS = 1, {5: 2, 7: 2, 8: 4}
 _TRUE, _FALSE, _BYTE, _INTEGERS, _DOUBLE, _TEXT, _STRUCT = 1, 2, 3, (4, 5, 6), 7, 8, 12
 
@@ -45,21 +46,24 @@ def pages(path: Path, chunk: pq.ColumnChunkMetaData) -> Iterator[Page]:
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
         end = min(start + chunk.total_compressed_size + PADDING, len(data))
         while seen < chunk.num_values and 0 <= start < end:
-            header, start = _header(data, start)
-            start += header[_PACKED]
-            for kind in header.keys() & set(_KINDS):
-                values = header[kind][_VALUES]
-                if min(values, header[_SIZE], header[_PACKED]) < 0:
-                    raise ValueError("a page of less than nothing")
-                yield Page(header[_SIZE], values, header[kind][_ENCODINGS[kind]])
-                seen += values if kind != 7 else 0
+            page, is_data, start = _page(data, start)
+            yield page
+            seen += page.values if is_data else 0
 
 
-def _header(data: mmap.mmap, at: int) -> tuple[dict[int, Any], int]:
+def _page(data: mmap.mmap, at: int) -> tuple[Page, bool, int]:
+    """A page, whether it is one of data, and where the next one begins."""
     try:
-        return _struct(data, at)
-    except (IndexError, KeyError, RecursionError) as error:
+        header, at = _struct(data, at)
+        kind = next(kind for kind in _KINDS if kind in header)
+        page = Page(header[_SIZE], header[kind][_VALUES], header[kind][_ENCODINGS[kind]])
+        end = at + header[_PACKED]
+        damaged = min(page.size, page.values, header[_PACKED]) < 0
+    except (IndexError, KeyError, StopIteration, RecursionError, TypeError) as error:
         raise ValueError("the header of a page is damaged") from error
+    if damaged:
+        raise ValueError("a page of less than nothing")
+    return page, kind != _DICTIONARY, end
 
 
 def _struct(data: mmap.mmap, at: int) -> tuple[dict[int, Any], int]:

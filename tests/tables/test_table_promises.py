@@ -228,6 +228,19 @@ def archive(tmp_path):
     return tmp_path / "any.parquet", KEPT["whole"]
 
 
+@pytest.fixture
+def stranger(archive):
+    """The same of a table that has no seal, and where its footer begins.
+
+    Only the seal keeps pyarrow from footers that end the process: these stay as they are.
+    """
+    path, whole = archive
+    path.write_bytes(whole)
+    pq.write_table(pq.read_table(path).replace_schema_metadata(), path)
+    bare = path.read_bytes()
+    return path, bare, len(bare) - 8 - int.from_bytes(bare[-8:-4], "little")
+
+
 @st.composite
 def changes(draw):
     """Places in a file, in parts of its length, and what to write there; how much to keep."""
@@ -245,6 +258,11 @@ def read_or_refuse(path, whole, change):
         start = int(place * (len(data) - 1))
         data[start : start + len(word)] = word
     path.write_bytes(data[: int(kept * len(data))])
+    read_all(path)
+
+
+def read_all(path):
+    """Read it in every way; all that may be raised is that it cannot be read."""
     for read in (
         lambda: parquet.read(path, ARCHIVE),
         lambda: parquet.notes(path),
@@ -290,7 +308,45 @@ def test_very_many_damaged_archives_are_tables_or_refused(archive, change):
     read_or_refuse(*archive, change)
 
 
+def read_pages_or_refuse(path, bare, footer, change):
+    """The same with changes to the pages alone."""
+    data, (places, _) = bytearray(bare), change
+    for place, word in places:
+        start = int(place * (footer - len(word)))
+        data[start : start + len(word)] = word
+    path.write_bytes(data)
+    read_all(path)
+
+
+@settings(
+    max_examples=150, derandomize=True, deadline=None, database=None, suppress_health_check=QUIET
+)
+@given(changes())
+def test_damaged_pages_are_tables_or_refused(stranger, change):
+    read_pages_or_refuse(*stranger, change)
+
+
+@pytest.mark.slow
+@settings(max_examples=20_000, deadline=None, database=None, suppress_health_check=QUIET)
+@given(changes())
+def test_very_many_damaged_pages_are_tables_or_refused(stranger, change):
+    read_pages_or_refuse(*stranger, change)
+
+
 def test_grasps_of_the_pipeline_are_read_as_before(tmp_path):
     frame = parquet.empty(GRASPS)
     parquet.write(frame, GRASPS, tmp_path / "grasps")
     assert parquet.read(tmp_path / "grasps", GRASPS).dtypes.equals(frame.dtypes)
+
+
+def test_damaged_headers_of_pages_are_refused(tmp_path):
+    """Without a seal nothing but the pages themselves says that they are damaged."""
+    path = tmp_path / "a.parquet"
+    pq.write_table(pa.table({"id": ["a", "b"], "label": ["c", "d"]}), path)
+    whole = path.read_bytes()
+    start = pq.read_metadata(path).row_group(0).column(0).data_page_offset
+    for at in range(start, start + 24):
+        for byte in (0, 0x15, 0x1C, 0x55, 0xFF):
+            path.write_bytes(whole[:at] + bytes([byte]) + whole[at + 1 :])
+            with contextlib.suppress(TableError):
+                list(parquet.batches(path, ["id", "label"]))

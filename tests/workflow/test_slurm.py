@@ -36,6 +36,9 @@ def queued(columns):
 def test_slurm_makes_the_same_bytes(clean, finished):
     clean.make(*PROFILE, *HERE)
     assert clean.bytes() == finished.bytes()
+    states = [state for (state,) in queued("%T")]
+    assert len(states) > 10
+    assert set(states) == {"COMPLETED"}  # in the first attempt, within what was asked for
 
 
 def test_a_job_that_was_killed_for_memory_gets_more(clean):

@@ -6,12 +6,12 @@ it asks for as much once more each time.
 
 # Rule: megabytes, as many more for each thread, minutes.
 NEEDS = {
-    "evolve": (1000, 500, 60),
+    "evolve": (1000, 600, 60),
     "merge": (1000, 100, 10),
     "archive": (1000, 0, 10),
     "history": (1000, 0, 10),
     "postprocess": (1500, 0, 30),
-    "collect": (2000, 500, 30),
+    "collect": (2000, 1000, 30),
     "rescale": (1000, 300, 30),
     "grasp_label": (1000, 0, 30),
     "join_grasps": (2000, 0, 10),
@@ -25,9 +25,9 @@ NEEDS = {
     "print_export": (1500, 0, 10),
     "datasheet": (1000, 0, 10),
     "bundle": (1500, 500, 60),
-    "simulated_trial": (1500, 0, 30),
+    "simulated_trial": (1500, 0, 120),
     "join_trials": (1000, 0, 10),
-    "agreement": (4000, 0, 120),
+    "agreement": (2000, 0, 60),
     "join_agreement": (1000, 0, 10),
     "render": (1500, 0, 30),
     "image_card": (1000, 0, 10),
