@@ -13,6 +13,8 @@ from egad.settings import Settings
 SettingsText = Annotated[str, typer.Option("--settings", help="settings of this stage, as JSON")]
 Shard = Annotated[int, typer.Option(help="number of this shard")]
 Shards = Annotated[int, typer.Option(help="number of all shards")]
+Evaluation = Annotated[Path, typer.Option("--eval", help="evaluation set")]
+BundleFolder = Annotated[Path, typer.Option("--bundle", help="folder of the simulation bundle")]
 Rejected = Annotated[Path, typer.Option(help="table of the objects left out, with reasons")]
 
 
@@ -173,7 +175,7 @@ def select_eval(
 @app.command(name="size-effect-eval", rich_help_panel=STAGE)
 def size_effect_eval(
     settings: SettingsText,
-    evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
+    evaluation: Evaluation,
     meshes: Annotated[Path, typer.Option(help="folder of the meshes of the dataset")],
     out: Out,
 ) -> None:
@@ -189,7 +191,7 @@ def size_effect_eval(
 @app.command(name="print-export", rich_help_panel=STAGE)
 def print_export(
     settings: SettingsText,
-    evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
+    evaluation: Evaluation,
     meshes: Annotated[Path, typer.Option(help="folder of the scaled meshes")],
     scales: Annotated[Path, typer.Option(help="table of the scales")],
     gripper: Annotated[str, typer.Option(help="name of the gripper, for the plates")],
@@ -210,7 +212,7 @@ def print_export(
 def datasheet(
     settings: SettingsText,
     dataset: Annotated[str, typer.Option(help="name of the dataset")],
-    evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
+    evaluation: Evaluation,
     manifest: Annotated[list[str], typer.Option(help="GRIPPER=manifest.parquet")],
     grasps: Annotated[list[str], typer.Option(help="GRIPPER=grasps.parquet")],
     out: OutFolder,
@@ -249,8 +251,8 @@ def simulate(
     settings: SettingsText,
     shard: Shard,
     shards: Shards,
-    evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
-    bundle: Annotated[Path, typer.Option(help="folder of the simulation bundle")],
+    evaluation: Evaluation,
+    bundle: BundleFolder,
     out: Out,
     grasps: Annotated[Path | None, typer.Option(help="labelled grasps, for `labels`")] = None,
 ) -> None:
@@ -269,8 +271,8 @@ def agreement(
     settings: SettingsText,
     shard: Shard,
     shards: Shards,
-    evaluation: Annotated[Path, typer.Option("--eval", help="evaluation set")],
-    bundle: Annotated[Path, typer.Option(help="folder of the simulation bundle")],
+    evaluation: Evaluation,
+    bundle: BundleFolder,
     grasps: Annotated[Path, typer.Option(help="labelled grasps")],
     out: Out,
 ) -> None:

@@ -56,8 +56,9 @@ def run(
         for row in progress(chosen, "trying", len(chosen)):
             label, name = row["label"], row["id"]
             sample = sampled(labelled[labelled["id"] == name], name, share[name], settings.seed)
-            found = partial(execute, (known[name], sample)) if name in known else None
-            parts.append(outlived(row, found, partial(not_carried_out, label, name, sample)))
+            task = (known[name], sample) if name in known else None
+            failed = partial(not_carried_out, label, name, sample)
+            parts.append(outlived(row, execute, task, failed))
     filled = [table for table in parts if len(table)]
     whole = pd.concat(filled) if filled else parquet.empty(AGREEMENT)
     parquet.write(whole, AGREEMENT, out)

@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -18,6 +18,7 @@ from egad.trials.model import Model, model_of
 log = logging.getLogger(__name__)
 ENGINE_TIME = 60.0  # seconds; an attempt takes less than one, unless the engine hangs
 Row = Mapping[str, Any]
+Item = TypeVar("Item")
 
 
 def rows_by_id(bundle: Path) -> dict[str, Row]:
@@ -50,20 +51,21 @@ def model_in(bundle: Path, row: Row) -> Model:
 
 def outlived(
     row: Row,
-    found: Callable[[], pd.DataFrame | None] | None,
+    work: Callable[[Item], pd.DataFrame | None],
+    item: Item | None,
     otherwise: Callable[[str], pd.DataFrame],
 ) -> pd.DataFrame:
     """What comes of an object of the evaluation set, whatever the engine does.
 
     Args:
         row: Label and id of the object.
-        found: Gives its table, or None if the process died of it; None if the object is not in
-            the bundle.
+        work: Gives its table from the item, or None if the process died of it.
+        item: What the work takes; None if the object is not in the bundle.
         otherwise: Gives its table from the outcome that all its attempts have then.
     """
-    table = found() if found else None
+    table = None if item is None else work(item)
     if table is not None:
         return table
-    outcome = "crashed" if found else "failed"
+    outcome = "failed" if item is None else "crashed"
     log.warning("%s (%s): everything %s", row["label"], row["id"], outcome)
     return otherwise(outcome)

@@ -8,9 +8,9 @@ import numpy as np
 
 from egad.errors import UserError
 from egad.stage_settings import SimulatedTrials
-from egad.stages.bundled import model_in
+from egad.stages.bundled import model_in, rows_by_id
 from egad.tables import parquet
-from egad.tables.evaluation import BUNDLE, TRIALS
+from egad.tables.evaluation import TRIALS
 from egad.trials.film import Film, Pixels, write_film
 from egad.trials.protocol import Attempt, Bench
 from egad.trials.series import END, columns_of, recorded
@@ -57,7 +57,10 @@ def repeated(
         row: Columns of `tables.evaluation.TRIALS`, of an attempt that began.
         bundle: Folder of the simulation bundle.
     """
-    with World(model_in(bundle, _object(bundle, row["label"]))) as world:
+    known = rows_by_id(bundle)
+    if row["id"] not in known:
+        raise UserError(f"{bundle}: no object {row['label']}")
+    with World(model_in(bundle, known[row["id"]])) as world:
         film = Film(world)
         again = Bench(world, settings.gripper, settings.trials).repeat(*recorded(row))
     return again, film.frames
@@ -72,14 +75,6 @@ def _row(trials: Path, label: str, attempt: int) -> dict[str, Any]:
     found = parquet.records(own[own["attempt"] == attempt])
     if not found:
         raise UserError(f"{trials}: {label} has no attempt {attempt}; its last is {len(own) - 1}")
-    return found[0]
-
-
-def _object(bundle: Path, label: str) -> dict[str, Any]:
-    table = parquet.read(bundle / "bundle.parquet", BUNDLE)
-    found = parquet.records(table[table["label"] == label])
-    if not found:
-        raise UserError(f"{bundle}: no object {label}")
     return found[0]
 
 

@@ -54,9 +54,8 @@ def run(
     limit = settings.trials.attempts * (settings.trials.planning_time + ENGINE_TIME)
     with Survivor(partial(trier, settings, bundle, grasps), limit) as attempt:
         for row in progress(parquet.records(chosen), "trying", len(chosen)):
-            found = partial(attempt, known[row["id"]]) if row["id"] in known else None
             failed = partial(untried, row["label"], row["id"], settings)
-            parts.append(outlived(row, found, failed))
+            parts.append(outlived(row, attempt, known.get(row["id"]), failed))
     whole = pd.concat(parts) if parts else parquet.empty(TRIALS)
     parquet.write(whole, TRIALS, out)
     log.info("%d attempts, %d successes", len(whole), int(whole["success"].sum()))

@@ -46,4 +46,7 @@ CELLS = [
     column("complexity_cell", INT, "cell along complexity, 0 = simplest"),
     column("difficulty_cell", INT, "cell along difficulty, 0 = easiest"),
 ]
+QUALITY = column("quality", FLOAT, "Ferrari-Canny quality")
+ROBUST_QUALITY = column("robust_quality", FLOAT, "mean quality over disturbed copies")
+HELD = column("held", FLOAT, "fraction of the disturbed copies with positive quality")
 DIVERSITY = column("diversity", FLOAT, "mean distance to the nearest objects of the dataset")

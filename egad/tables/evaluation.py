@@ -8,13 +8,19 @@ from egad.tables.columns import (
     COMPLEXITY,
     DIFFICULTY,
     FLOAT,
+    HELD,
     ID,
     INT,
+    QUALITY,
+    ROBUST_QUALITY,
     STRING,
     column,
     pose,
     vector,
 )
+
+PLACE = column("label", STRING, "name in the evaluation set")
+SUCCESS = column("success", BOOL, "whether the object was still held at the end")
 
 EVAL49 = pa.schema(
     [
@@ -33,7 +39,7 @@ EVAL49 = pa.schema(
 
 MANIFEST = pa.schema(
     [
-        column("label", STRING, "name in the evaluation set"),
+        PLACE,
         ID,
         column("file", STRING, "STL file, coordinates in millimetres"),
         column("plate", INT, "number of the 3MF plate; null if it does not fit the bed"),
@@ -78,10 +84,10 @@ BUNDLE = pa.schema(
 
 RESULTS = pa.schema(
     [
-        column("label", STRING, "name in the evaluation set"),
+        PLACE,
         column("id", STRING, "name of the object within its dataset; empty on a real robot"),
         column("attempt", INT, "number of the attempt"),
-        column("success", BOOL, "whether the object was still held at the end"),
+        SUCCESS,
         column("outcome", STRING, "as in the table of simulated trials, slipped or other"),
         column("quality", FLOAT, "quality that the detector gave; null if it gave none"),
         column("detector", STRING, "name of the grasp detector"),
@@ -93,11 +99,11 @@ RESULTS = pa.schema(
 
 TRIALS = pa.schema(
     [
-        column("label", STRING, "name in the evaluation set"),
+        PLACE,
         ID,
         column("attempt", INT, "number of the attempt"),
         column("seed", pa.string(), "seed of the attempt (hexadecimal)"),
-        column("success", BOOL, "whether the object was still held at the end"),
+        SUCCESS,
         column(
             "outcome",
             STRING,
@@ -120,13 +126,13 @@ TRIALS = pa.schema(
 
 AGREEMENT = pa.schema(
     [
-        column("label", STRING, "name in the evaluation set"),
+        PLACE,
         ID,
         column("grasp", INT, "number of the grasp on its object, as in the table of grasps"),
-        column("quality", FLOAT, "Ferrari-Canny quality"),
-        column("robust_quality", FLOAT, "mean quality over disturbed copies"),
-        column("held", FLOAT, "fraction of the disturbed copies with positive quality"),
-        column("success", BOOL, "whether the object was still held at the end"),
+        QUALITY,
+        ROBUST_QUALITY,
+        HELD,
+        SUCCESS,
         column(
             "outcome",
             STRING,

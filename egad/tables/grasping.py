@@ -2,7 +2,19 @@
 
 import pyarrow as pa
 
-from egad.tables.columns import BOOL, FLOAT, ID, INT, LABEL, STRING, column, vector
+from egad.tables.columns import (
+    BOOL,
+    FLOAT,
+    HELD,
+    ID,
+    INT,
+    LABEL,
+    QUALITY,
+    ROBUST_QUALITY,
+    STRING,
+    column,
+    vector,
+)
 
 GRASPS = pa.schema(
     [
@@ -24,10 +36,10 @@ GRASPS = pa.schema(
         *vector("contact1", "second contact", "m"),
         *vector("normal0", "outward unit normal at the first contact"),
         *vector("normal1", "outward unit normal at the second contact"),
-        column("quality", FLOAT, "Ferrari-Canny quality"),
-        column("robust_quality", FLOAT, "mean quality over disturbed copies"),
+        QUALITY,
+        ROBUST_QUALITY,
         column("robust_quality_std", FLOAT, "standard deviation over disturbed copies"),
-        column("held", FLOAT, "fraction of the disturbed copies with positive quality"),
+        HELD,
         column(
             "fits",
             BOOL,

@@ -2,7 +2,6 @@
 
 import multiprocessing
 from multiprocessing.connection import Connection
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -12,10 +11,9 @@ from egad.settings import Gripper, Policy
 from egad.trials.grasp import Grasp
 from egad.trials.policies import Detector, detector
 from egad.vision.camera import View
-from egad.workers import check_not_killed
+from egad.workers import ENDING_TIME, check_not_killed
 
 STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load
-ENDING_TIME = 5.0
 
 Question = tuple[View, Gripper, np.random.Generator]
 
@@ -47,12 +45,7 @@ class Child:
         self._start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._stop()
 
     def __call__(self, view: View, gripper: Gripper, rng: np.random.Generator) -> list[Grasp]:

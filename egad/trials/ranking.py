@@ -46,9 +46,7 @@ def area(rating: Floats, success: Bools, objects: Names) -> Area:
         success: (n,) whether it held.
         objects: (n,) name of its object.
     """
-    areas, within, count = _areas(rating, success, objects)
-    value = float(areas(np.arange(count)[None])[0]) if count else np.nan
-    return Area(value, _interval(areas, success, objects), within)
+    return _area(*_areas(rating, success, objects), success, objects)
 
 
 def gain(rating: Floats, other: Floats, success: Bools, objects: Names) -> Area:
@@ -63,23 +61,22 @@ def gain(rating: Floats, other: Floats, success: Bools, objects: Names) -> Area:
     Returns:
         The differences; the interval comes from the same draws of objects for both.
     """
-    first, within, count = _areas(rating, success, objects)
-    second, others, _ = _areas(other, success, objects)
-
-    def gains(drawn: NDArray[np.int64]) -> Floats:
-        return first(drawn) - second(drawn)
-
-    value = float(gains(np.arange(count)[None])[0]) if count else np.nan
-    return Area(value, _interval(gains, success, objects), within - others)
+    first, within = _areas(rating, success, objects)
+    second, others = _areas(other, success, objects)
+    return _area(lambda drawn: first(drawn) - second(drawn), within - others, success, objects)
 
 
-def _interval(areas: Areas, success: Bools, objects: Names) -> Interval:
+def _area(areas: Areas, within: float, success: Bools, objects: Names) -> Area:
+    """The area of all objects, each once, and its interval if enough of them are known."""
+    count = len(np.unique(objects))
+    value = float(areas(np.arange(count)[None])[0]) if count else np.nan
     fewest = min(len(np.unique(objects[each])) for each in (success, ~success))
-    return bootstrap(areas, len(np.unique(objects))) if fewest >= FEWEST else (np.nan, np.nan)
+    interval = bootstrap(areas, count) if fewest >= FEWEST else (np.nan, np.nan)
+    return Area(value, interval, within)
 
 
-def _areas(rating: Floats, success: Bools, objects: Names) -> tuple[Areas, float, int]:
-    """From draws of objects to areas; the area of pairs of one object; and how many objects."""
+def _areas(rating: Floats, success: Bools, objects: Names) -> tuple[Areas, float]:
+    """From draws of objects to areas; and the area of pairs of one object."""
     names, owner = np.unique(objects, return_inverse=True)
     count = len(names)
     member = (owner[:, None] == np.arange(count)).astype(np.float64)
@@ -99,4 +96,4 @@ def _areas(rating: Floats, success: Bools, objects: Names) -> tuple[Areas, float
         return found
 
     pairs = float(counts[0] @ counts[1])
-    return areas, float(np.trace(won) / pairs) if pairs else np.nan, count
+    return areas, float(np.trace(won) / pairs) if pairs else np.nan

@@ -41,6 +41,16 @@ def test_obj_round_trip_is_exact_and_repeats(tmp_path):
     assert np.array_equal(mesh.faces, BALL.faces)
 
 
+def test_indented_lines_of_an_obj_file_count_too(tmp_path):
+    path = tmp_path / "ball.obj"
+    write_obj(BALL, path)
+    indents, lines = ("", "  ", "\t"), path.read_text().splitlines()
+    path.write_text("\n".join(indents[n % 3] + line for n, line in enumerate(lines)))
+    mesh = read_mesh(path, "m")
+    assert np.array_equal(mesh.vertices, BALL.vertices)
+    assert np.array_equal(mesh.faces, BALL.faces)
+
+
 def test_stl_is_in_millimetres_and_says_so(tmp_path):
     path = tmp_path / "ball.stl"
     write_stl_mm(BALL, path)

@@ -215,6 +215,8 @@ def test_an_object_without_voxels_is_rejected():
 
 
 QUIET = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+MANY = settings(max_examples=20_000, deadline=None, database=None, suppress_health_check=QUIET)
+SOME = settings(MANY, max_examples=150, derandomize=True)
 KEPT = {}
 
 
@@ -293,16 +295,14 @@ def test_damaged_statistics_are_refused(archive):
             parquet.read(path, ARCHIVE)
 
 
-@settings(
-    max_examples=150, derandomize=True, deadline=None, database=None, suppress_health_check=QUIET
-)
+@SOME
 @given(changes())
 def test_damaged_archives_are_tables_or_refused(archive, change):
     read_or_refuse(*archive, change)
 
 
 @pytest.mark.slow
-@settings(max_examples=20_000, deadline=None, database=None, suppress_health_check=QUIET)
+@MANY
 @given(changes())
 def test_very_many_damaged_archives_are_tables_or_refused(archive, change):
     read_or_refuse(*archive, change)
@@ -318,16 +318,14 @@ def read_pages_or_refuse(path, bare, footer, change):
     read_all(path)
 
 
-@settings(
-    max_examples=150, derandomize=True, deadline=None, database=None, suppress_health_check=QUIET
-)
+@SOME
 @given(changes())
 def test_damaged_pages_are_tables_or_refused(stranger, change):
     read_pages_or_refuse(*stranger, change)
 
 
 @pytest.mark.slow
-@settings(max_examples=20_000, deadline=None, database=None, suppress_health_check=QUIET)
+@MANY
 @given(changes())
 def test_very_many_damaged_pages_are_tables_or_refused(stranger, change):
     read_pages_or_refuse(*stranger, change)

@@ -98,7 +98,7 @@ rule acronym:
 rule image_layout:
     """The rendered images of a gripper in the layout of another dataset."""
     input:
-        "results/{dataset}/images/{gripper}/card.md",
+        card="results/{dataset}/images/{gripper}/card.md",
     output:
         directory("results/{dataset}/exchange/{gripper}-{layout}"),
     log:
@@ -114,7 +114,7 @@ rule image_layout:
         **needs("image_layout"),
     params:
         settings=settings_of("ImageLayouts"),
-        dataset="results/{dataset}",
+        dataset=subpath(input.card, ancestor=3),
         code=code_version("egad.stages.image_layout"),
     message:
         "Writing the images of {wildcards.dataset} for {wildcards.gripper} as {wildcards.layout}"
