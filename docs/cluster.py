@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 ROOT = Path(__file__).parents[1]
+INHERITED = {"render_set": "render", "set_card": "image_card"}  # rules of diversity.smk
 NEEDS = runpy.run_path(str(ROOT / "workflow/rules/resources.smk"))["NEEDS"]
 
 
@@ -23,8 +24,8 @@ def main(folders: list[Path]) -> None:
 
 
 def job(path: Path) -> pd.DataFrame:
-    """What a job took, with its rule: the first part of the path of its file that is one."""
-    parts = path.with_suffix("").parts
+    """What a job took, with its rule: the last part of the path of its file that is one."""
+    parts = [INHERITED.get(part, part) for part in reversed(path.with_suffix("").parts)]
     return pd.read_csv(path, sep="\t").assign(rule=next(name for name in parts if name in NEEDS))
 
 

@@ -12,7 +12,7 @@ from egad.errors import UserError
 from egad.exchange.pictures import corners, write_depth
 from egad.settings import Gripper
 from egad.vision.camera import table_depth
-from egad.vision.projection import Rectangles
+from egad.vision.projection import ImageGrasps
 from egad.vision.rendering import Picture
 
 WIDTH, HEIGHT = 640, 480  # pixels of the images, which readers count on
@@ -67,6 +67,6 @@ def _surrounded(picture: Picture, left: int, top: int) -> NDArray[np.float32]:
     return depth
 
 
-def _lines(grasps: Rectangles, breadth: NDArray[np.float64]) -> str:
+def _lines(grasps: ImageGrasps, breadth: NDArray[np.float64]) -> str:
     points = corners(grasps, breadth).reshape(-1, 2)
     return "".join(f"{u:.3f} {v:.3f}\n" for u, v in points)

@@ -15,7 +15,7 @@ from scipy import ndimage
 from egad.errors import UserError
 from egad.vision.holes import filled
 from egad.vision.rendering import Picture
-from egad.vision.shards import pose_values
+from egad.vision.rows import pose_values
 
 Image = NDArray[np.float32]
 Tensors = dict[str, NDArray[Any]]

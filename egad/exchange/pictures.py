@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from egad.vision.projection import Rectangles
+from egad.vision.projection import ImageGrasps
 
 NOTHING = 0.0  # what readers of these sets take for a missing depth
 
@@ -22,7 +22,7 @@ def write_mask(mask: NDArray[np.bool_], path: Path) -> None:
     Image.fromarray(np.where(mask, np.uint8(255), np.uint8(0))).save(path, "png")
 
 
-def corners(grasps: Rectangles, breadth: NDArray[np.float64]) -> NDArray[np.float64]:
+def corners(grasps: ImageGrasps, breadth: NDArray[np.float64]) -> NDArray[np.float64]:
     """Corners of the rectangles, pixels, (n, 4, 2) u and v.
 
     From the first to the second along the opening, from the second to the third along the jaw.

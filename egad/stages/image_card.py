@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from egad.errors import UserError
 from egad.files import write_text
 from egad.stage_settings import RenderedImages
 from egad.stages.shards import join
@@ -27,6 +28,8 @@ def tidy(images: Path, shards: int) -> list[Path]:
     Raises:
         UserError: Shards are missing, or are not all of one set.
     """
+    if parquet.notes(images / "images-0.parquet").get("shards") != shards:
+        raise UserError(f"{images}: its images are not in {shards} shards; render them again")
     wanted = {f"images-{number}.parquet" for number in range(shards)}
     for path in images.glob("images-*.parquet"):
         if path.name not in wanted:

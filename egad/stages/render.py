@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from egad.errors import RejectedError
+from egad.errors import RejectedError, UserError
 from egad.exchange.grasps import vectors
 from egad.exchange.meshes import read_mesh
 from egad.progress import progress
@@ -19,7 +19,7 @@ from egad.tables.images import IMAGES
 from egad.tables.objects import OBJECTS, REJECTED
 from egad.vision.reach import Grasped, Hand
 from egad.vision.rendering import pictures
-from egad.vision.shards import encoded
+from egad.vision.rows import encoded
 from egad.vision.splits import Share, shares
 
 log = logging.getLogger(__name__)
@@ -81,7 +81,17 @@ def run(
 def planned(
     settings: RenderedImages, objects: Path, meshes: Path, evaluation: Path | None
 ) -> list[Share]:
-    """The images of all objects that are scaled to the gripper; arguments as in `run`."""
+    """The images of all objects that are scaled to the gripper; arguments as in `run`.
+
+    Raises:
+        UserError: There is an evaluation set though none is held out, or the other way round.
+    """
+    if settings.render.hold_out != (evaluation is not None):
+        raise UserError(
+            "render.hold_out is true: the evaluation set must be given (--eval)"
+            if settings.render.hold_out
+            else "render.hold_out is false: no evaluation set must be given (--eval)"
+        )
     table = parquet.read(objects, OBJECTS)[["id", "label", "complexity"]]
     scaled = _names(meshes / "scales.parquet", "label")
     held_out = _names(evaluation, "id") if evaluation else set()

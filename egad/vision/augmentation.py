@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from egad.vision.rectangles import Rectangles, wrapped
+from egad.vision.rectangles import Rectangles, half_turn
 
 
 class Change(NamedTuple):
@@ -58,7 +58,7 @@ def changed_rectangles(rectangles: Rectangles, change: Change, size: int) -> Rec
         [
             middle + u / change.zoom,
             middle + v / change.zoom,
-            wrapped(rectangles[:, 2] + change.turns * np.pi / 2),
+            half_turn(rectangles[:, 2] + change.turns * np.pi / 2),
             rectangles[:, 3:] / change.zoom,
         ]
     )

@@ -1,6 +1,5 @@
 """Rendered images with their grasps, read on demand from the shards of the compact layout."""
 
-import io
 from collections import OrderedDict
 from pathlib import Path
 from threading import Lock
@@ -9,14 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from PIL import Image
 
 from egad.errors import UserError
 from egad.tables.promises import TableError
 from egad.tables.row_groups import RowGroups
 from egad.vision.maps import SIZE
-from egad.vision.rectangles import Rectangles, wrapped
-from egad.vision.shards import UNIT, files
+from egad.vision.rectangles import Rectangles, half_turn
+from egad.vision.rows import depth_of
+from egad.vision.shards import files
 from egad.vision.splits import SPLITS
 
 GRASP = ["u", "v", "angle", "opening", "depth_center", "quality", "free"]
@@ -102,8 +101,8 @@ class LearningSet:
         place = self.index.iloc[number]
         shown = self._group(place["shard"], place["group"]).iloc[place["row"]]
         try:
-            return decoded(shown), positives(shown, self.rule)
-        except (ValueError, OSError, SyntaxError, TypeError, Image.DecompressionBombError) as error:
+            return _whole(shown), positives(shown, self.rule)
+        except (ValueError, TypeError, TableError) as error:
             raise TableError(f"{self.folder}: image {place['image']}: {error}") from error
 
     def _group(self, shard: int, group: int) -> pd.DataFrame:
@@ -139,21 +138,14 @@ def positive(quality: Any, free: Any, rule: Rule) -> NDArray[np.bool_]:  # noqa:
     return good
 
 
-def decoded(shown: pd.Series) -> NDArray[np.float32]:
-    """The depth image of a row of a shard, metres, not a number where it is missing.
-
-    Raises:
-        ValueError: It is of another size or kind than it should be; also OSError if damaged.
-    """
+def _whole(shown: pd.Series) -> NDArray[np.float32]:
+    """The depth image of a row of a shard, of the size that goes in, with some depth in it."""
     if (shown["height"], shown["width"]) != (SIZE, SIZE):
         raise ValueError(f"it is {shown['width']} x {shown['height']}, not {SIZE} x {SIZE}")
-    with Image.open(io.BytesIO(shown["depth"]), formats=["PNG"]) as image:
-        if image.size != (SIZE, SIZE) or not image.mode.startswith("I"):
-            raise ValueError("its depths are no 16-bit PNG of the size that is said")
-        stored = np.asarray(image, dtype=np.float64)
-    if not stored.any():
+    depth = depth_of({str(name): value for name, value in shown.items()})
+    if not np.isfinite(depth).any():
         raise ValueError("it has no depth at any pixel")
-    return np.where(stored > 0, stored * UNIT, np.nan).astype(np.float32)
+    return depth
 
 
 def positives(shown: pd.Series, rule: Rule) -> Rectangles:
@@ -170,7 +162,7 @@ def positives(shown: pd.Series, rule: Rule) -> Rectangles:
     rows = rows[np.argsort(quality[rows], kind="stable")]
     with np.errstate(divide="ignore", invalid="ignore"):
         breadth = rule.breadth * shown["focal"] / depth
-        found = np.column_stack([u, v, wrapped(angle), opening, breadth])[rows]
+        found = np.column_stack([u, v, half_turn(angle), opening, breadth])[rows]
     if not (np.abs(found) < FARTHEST).all() or (found[:, 3:] < 0).any():
         raise ValueError("a grasp of it has numbers that are no pixels")
     return found

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from egad.grasps.room import roomy
 from egad.settings import Gripper
 from egad.vision.reach import Grasped
+from egad.vision.rectangles import half_turn
 from egad.vision.scenes import Scene
 
 Floats = NDArray[np.float64]
@@ -15,7 +16,7 @@ Flags = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 
 
-class Rectangles(NamedTuple):
+class ImageGrasps(NamedTuple):
     """Grasps in an image; pixel (0, 0) has its centre at u = v = 0.
 
     Attributes:
@@ -39,9 +40,9 @@ class Rectangles(NamedTuple):
     quality: Floats
     free: Flags
 
-    def chosen(self, which: Flags | Ints) -> "Rectangles":
+    def chosen(self, which: Flags | Ints) -> "ImageGrasps":
         """Some of them."""
-        return Rectangles(*(values[which] for values in self))  # type: ignore[arg-type]
+        return ImageGrasps(*(values[which] for values in self))  # type: ignore[arg-type]
 
     def ends(self) -> Floats:
         """Both ends of each opening, pixels, (n, 2, 2) u and v."""
@@ -51,7 +52,7 @@ class Rectangles(NamedTuple):
         return np.stack([middle - along, middle + along], axis=1)
 
 
-def projected(scene: Scene, grasps: Grasped, free: Flags, gripper: Gripper) -> Rectangles:
+def projected(scene: Scene, grasps: Grasped, free: Flags, gripper: Gripper) -> ImageGrasps:
     """Grasps in the image of a scene; those whose centres are beside it are left out.
 
     Args:
@@ -65,7 +66,7 @@ def projected(scene: Scene, grasps: Grasped, free: Flags, gripper: Gripper) -> R
     aside = grasps.widths[:, None] / 2 * (grasps.axes @ matrix[:3, :3].T)
     u, v = camera.pixels(centers).T
     right, down = (camera.pixels(centers + aside) - camera.pixels(centers - aside)).T
-    found = Rectangles(
+    found = ImageGrasps(
         grasp=grasps.numbers,
         u=u,
         v=v,
@@ -79,9 +80,3 @@ def projected(scene: Scene, grasps: Grasped, free: Flags, gripper: Gripper) -> R
         np.abs(v - (camera.height - 1) / 2) <= camera.height / 2
     )
     return found.chosen(inside)
-
-
-def half_turn(angle: Floats) -> Floats:
-    """Angles of lines in [-pi/2, pi/2), radians."""
-    wrapped = (angle + np.pi / 2) % np.pi - np.pi / 2
-    return np.asarray(np.where(wrapped >= np.pi / 2, -np.pi / 2, wrapped))

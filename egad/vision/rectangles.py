@@ -16,9 +16,10 @@ LEAST_OVERLAP = 0.25
 MOST_TURN = np.pi / 6
 
 
-def wrapped(angle: Any) -> Any:  # noqa: ANN401 (a number or an array)
-    """Angles of axes, which have no direction, in [-pi/2, pi/2)."""
-    return (angle + np.pi / 2) % np.pi - np.pi / 2
+def half_turn(angle: Any) -> Any:  # noqa: ANN401 (a number or an array)
+    """Angles of axes, which have no direction, in [-pi/2, pi/2), radians."""
+    within = (angle + np.pi / 2) % np.pi - np.pi / 2
+    return np.where(within >= np.pi / 2, -np.pi / 2, within)
 
 
 def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
@@ -32,7 +33,7 @@ def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
             jaws: it is taken from each label (ours; GG-CNN takes half of the opening).
         truth: (n, 5) labels.
     """
-    near = truth[np.abs(wrapped(truth[:, 2] - proposed[2])) < MOST_TURN]
+    near = truth[np.abs(half_turn(truth[:, 2] - proposed[2])) < MOST_TURN]
     return any(overlap(np.append(proposed, row[4]), row) > LEAST_OVERLAP for row in near)
 
 

@@ -14,7 +14,7 @@ from egad.shapes.poses import stable_poses
 from egad.stage_settings import RenderedImages
 from egad.vision.camera import Eye, View, object_mask
 from egad.vision.noise import spoilt
-from egad.vision.projection import Rectangles, projected
+from egad.vision.projection import ImageGrasps, projected
 from egad.vision.reach import Grasped, Hand, reachable
 from egad.vision.scenes import drawn_poses, drawn_scene
 from egad.vision.splits import Share
@@ -47,7 +47,7 @@ class Picture:
     view: View
     mask: Flags
     matrix: Floats
-    grasps: Rectangles
+    grasps: ImageGrasps
 
     @property
     def depth(self) -> NDArray[np.float32]:

@@ -13,7 +13,7 @@ from egad.tables.grasping import SCALES
 from egad.tables.images import IMAGES
 from egad.vision.reach import Grasped, Hand
 from egad.vision.rendering import pictures
-from egad.vision.shards import encoded
+from egad.vision.rows import encoded
 from egad.vision.splits import SPLITS, Share
 
 

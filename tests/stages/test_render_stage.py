@@ -8,6 +8,7 @@ import pytest
 import trimesh
 
 from egad.cli import main
+from egad.errors import UserError
 from egad.exchange.meshes import write_obj
 from egad.settings import Settings
 from egad.stage_settings import RenderedImages, select
@@ -95,16 +96,26 @@ def test_objects_without_a_pose_are_left_out_and_without_grasps_are_not(dataset,
 
 
 def test_images_depend_on_their_object_alone(dataset, images, tmp_path):
-    """With other settings of the splits an object has other numbers, but the same first views."""
-    render_settings = {"images": 40, "test": 0.2, "validation": 0.2, "hold_out": False}
-    whole = Settings.model_validate({"render": render_settings})
-    other = made(
-        dataset, tmp_path, 1, select(whole, RenderedImages, "egad_75mm"), held_out=False
-    ).table
-    for label, rows in other.groupby("label"):
-        before = images.table[images.table["label"] == label]
-        if len(before) == len(rows):
-            assert before["depth"].tolist() == rows["depth"].tolist()
+    """With other splits an object has other numbers, and in each pose the same first views."""
+    whole = Settings.model_validate({"render": {"images": 90, "hold_out": False}})
+    settings = select(whole, RenderedImages, "egad_75mm")
+    other = made(dataset, tmp_path, 1, settings, held_out=False).table
+    assert not other.groupby("id").size().equals(images.table.groupby("id").size())
+    compared = 0
+    for key, rows in other.groupby(["label", "pose"]):
+        before = images.table[(images.table[["label", "pose"]] == list(key)).all(axis=1)]
+        count = min(len(before), len(rows))
+        assert before["depth"].tolist()[:count] == rows["depth"].tolist()[:count]
+        compared += count
+    assert compared > 20
+
+
+@pytest.mark.parametrize("held_out", [True, False])
+def test_holding_out_needs_the_evaluation_set_and_nothing_else_does(dataset, tmp_path, held_out):
+    whole = Settings.model_validate({"render": {"hold_out": not held_out}})
+    settings = select(whole, RenderedImages, "egad_75mm")
+    with pytest.raises(UserError, match="hold_out is"):
+        made(dataset, tmp_path, 1, settings, held_out)
 
 
 def test_the_card_counts_what_is_there(dataset, images, tmp_path):
@@ -132,7 +143,11 @@ def test_the_card_counts_what_is_there(dataset, images, tmp_path):
 def test_leftovers_of_a_larger_set_are_removed(dataset, tmp_path):
     made(dataset, tmp_path, 3)
     made_again = tmp_path / "images-0.parquet"
-    render.run(SETTINGS, *paths(dataset), None, (0, 1), made_again, tmp_path / "r")
+    with pytest.raises(UserError, match="not in 1 shards"):
+        image_card.tidy(tmp_path, 1)
+    assert len(list(tmp_path.glob("images-*"))) == 3
+    evaluation = dataset / "eval49.parquet"
+    render.run(SETTINGS, *paths(dataset), evaluation, (0, 1), made_again, tmp_path / "r")
     assert image_card.tidy(tmp_path, 1) == [made_again]
     assert sorted(path.name for path in tmp_path.glob("images-*")) == ["images-0.parquet"]
 

@@ -1,5 +1,8 @@
 """What is written is read again, whole or with a sentence about what is missing."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,9 +11,11 @@ import trimesh
 from egad.errors import RejectedError, UserError
 from egad.tables import parquet
 from egad.tables.images import IMAGES
+from egad.tables.origin import Origin, made_by
 from egad.tables.parquet import TableError
 from egad.vision.rendering import pictures
-from egad.vision.shards import Images, coded, decoded, encoded, read, shards
+from egad.vision.rows import coded, decoded, encoded
+from egad.vision.shards import Images, read, shards
 from egad.vision.splits import Share
 
 SHARE = Share("id-1", "A1", "train", 10, 6)
@@ -89,6 +94,28 @@ def test_shards_of_another_set_are_no_part(folder, rendered):
     parquet.write(table, IMAGES, folder / "images-2.parquet", {"shard": 2, "shards": 3})
     with pytest.raises(UserError, match="of several sets"):
         read(folder)
+
+
+@pytest.mark.parametrize("changed", [{"settings": "b"}, {"inputs": ((Path("o"), "2"),)}])
+def test_shards_made_from_something_else_are_no_part(folder, rendered, changed):
+    """As a changed configuration leaves them if it is interrupted: their splits may differ."""
+    before = Origin("1", "render", "code", settings="a", inputs=((Path("o"), "1"),))
+    for number, origin in enumerate((before, replace(before, **changed))):
+        table = pd.DataFrame([encoded(rendered[number])])
+        with made_by(origin):
+            notes = {"shard": number, "shards": 2}
+            parquet.write(table, IMAGES, folder / f"images-{number}.parquet", notes)
+    with pytest.raises(UserError, match="of several sets"):
+        read(folder)
+
+
+def test_a_data_loader_takes_them(folder):
+    torch = pytest.importorskip("torch")
+    batches = list(torch.utils.data.DataLoader(read(folder), batch_size=4, collate_fn=list))
+    assert [[picture.image for picture in batch] for batch in batches] == [
+        [10, 11, 12, 13],
+        [14, 15],
+    ]
 
 
 def test_a_shard_that_was_cut_short_is_not_read(folder):

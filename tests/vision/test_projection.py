@@ -7,8 +7,9 @@ import trimesh
 from egad.grasps.room import roomy
 from egad.settings import CAMERAS
 from egad.vision.camera import Eye, Intrinsics, above
-from egad.vision.projection import half_turn, projected
+from egad.vision.projection import projected
 from egad.vision.reach import Grasped
+from egad.vision.rectangles import half_turn
 from egad.vision.scenes import Scene, drawn_scene
 
 CAMERA = Intrinsics(300, 300, 417.0, (149.5, 149.5))

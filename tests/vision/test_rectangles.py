@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from egad.vision.rectangles import agrees, overlap, wrapped
+from egad.vision.rectangles import agrees, half_turn, overlap
 
 SQUARE = np.array([10.0, 20.0, 0.0, 6.0, 6.0])
 
@@ -50,8 +50,8 @@ def test_overlap_is_what_counting_points_gives(one, other):
 
 
 def test_axes_have_no_direction():
-    assert wrapped(np.pi / 2) == pytest.approx(-np.pi / 2)
-    np.testing.assert_allclose(wrapped(np.array([3.0, -1.6, 0.2])), [3 - np.pi, np.pi - 1.6, 0.2])
+    assert half_turn(np.pi / 2) == pytest.approx(-np.pi / 2)
+    np.testing.assert_allclose(half_turn(np.array([3.0, -1.6, 0.2])), [3 - np.pi, np.pi - 1.6, 0.2])
 
 
 @pytest.mark.parametrize(

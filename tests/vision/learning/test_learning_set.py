@@ -111,7 +111,7 @@ def test_an_unknown_split_and_an_empty_one_are_mistakes(write, changed, tmp_path
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"depth": b"hello"}, "image 0: cannot identify"),
+        ({"depth": b"hello"}, "image 0: its depth cannot be read"),
         ({"height": 200}, "300 x 200, not 300 x 300"),
         ({"u": np.ones(3, np.float32)}, "not of equal lengths"),
     ],
