@@ -77,6 +77,6 @@ def settings_for(settings: Settings, network: Network) -> Settings:
     seed of the training.
     """
     chosen = settings.training_sets[network.training_set]
-    parts = {"complexity": chosen.complexity, "hold_out": chosen.hold_out}
+    parts = {name: getattr(chosen, name) for name in ("complexity", "part", "hold_out")}
     render = settings.render.model_copy(update=parts)
     return settings.model_copy(update={"render": render, "seed": settings.seed + network.seed})

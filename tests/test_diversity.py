@@ -18,7 +18,12 @@ from egad.stage_settings import (
 ASKED = {
     "diversity": {"sets": ["complex", "given"], "seeds": 2, "tests": ["egad"]},
     "training_sets": {
-        "complex": {"dataset": "egad", "complexity": [0.5, 1.0], "hold_out": False},
+        "complex": {
+            "dataset": "egad",
+            "complexity": [0.5, 1.0],
+            "part": 0.4,
+            "hold_out": False,
+        },
         "given": {"weights": "given.pt"},
     },
 }
@@ -61,7 +66,8 @@ def test_the_trials_of_all_networks_have_the_same_seed(asked):
 def test_a_set_decides_what_is_rendered_and_a_seed_the_training_alone(asked):
     first, second = (settings_for(asked, Network("complex", seed)) for seed in (0, 1))
     images = select(first, RenderedImages, "egad_75mm")
-    assert (images.render.complexity, images.render.hold_out) == ((0.5, 1.0), False)
+    chosen = images.render
+    assert (chosen.complexity, chosen.part, chosen.hold_out) == ((0.5, 1.0), 0.4, False)
     assert images.render.images == asked.render.images
     assert images.seed == asked.seed
     one, other = (select(whole, TrainNetwork) for whole in (first, second))
@@ -112,7 +118,7 @@ def test_a_detector_with_the_name_of_a_network_is_refused():
         ),
         (
             {"training_sets": {"a": {"weights": "w", "complexity": [0, 0.5]}}},
-            "training_sets.a: a training set with `weights` takes no `complexity`",
+            "training_sets.a: a training set with `weights` takes no `complexity`, `part`",
         ),
         ({"diversity": {"seeds": 0}}, "diversity.seeds: 0 is not allowed"),
         (

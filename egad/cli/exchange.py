@@ -114,7 +114,7 @@ def _acronym(settings: AcronymFiles, dataset: Path, gripper: str, grasps: Path, 
 
 def _images(settings: ImageLayouts, layout: str, images: Path, out: Path) -> None:
     from egad.stages import image_layout as stage
-    from egad.vision.shards import files
+    from egad.vision.folder import files
 
     if out.is_file():
         raise UserError(f"--out {out} is a file; name a folder")

@@ -59,7 +59,7 @@ class Training:
     @property
     def taken(self) -> pd.Series:
         """The epoch whose weights were taken."""
-        return self.history.iloc[int(self.history["validation_loss"].argmin())]
+        return self.history[self.history["taken"]].iloc[0]
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ def training_chart(history: pd.DataFrame) -> str:
         SVG text. A line marks the epoch whose weights were taken.
     """
     images = history["images"].to_numpy()
-    taken = images[int(history["validation_loss"].argmin())]
+    taken = images[int(history["taken"].argmax())]
     with drawn(7.6, 3.0) as drawing:
         left, right = drawing.figure.subplots(1, 2)
         left.plot(images, history["loss"], "o-", ms=3, color=LINES[0], label="training")

@@ -4,7 +4,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from egad.settings.base import FractionRange, Name, Section, ascending
+from egad.settings.base import FractionRange, Name, PositiveFraction, Section, ascending
 
 WHOLE = (0.0, 1.0)
 
@@ -17,6 +17,7 @@ class TrainingSet(Section):
         WHOLE,
         description="which of them, by their rank in complexity: [0, 0.33] is the simplest third",
     )
+    part: PositiveFraction = Field(1.0, description="how many of these, drawn by chance")
     hold_out: bool = Field(
         True, description="whether the objects of its evaluation set are left out of the training"
     )
@@ -28,14 +29,17 @@ class TrainingSet(Section):
     def _either_objects_or_weights(self) -> Self:
         if (self.dataset is None) == (self.weights is None):
             raise ValueError("a training set needs either `dataset` or `weights`")
-        if self.weights and (self.complexity != WHOLE or not self.hold_out):
-            raise ValueError("a training set with `weights` takes no `complexity` or `hold_out`")
+        if self.weights and (self.complexity != WHOLE or self.part < 1 or not self.hold_out):
+            raise ValueError(
+                "a training set with `weights` takes no `complexity`, `part` or `hold_out`"
+            )
         ascending(self, "complexity")
         return self
 
 
 TRAINING_SETS = {
     "evolved": TrainingSet(dataset="egad"),
+    "third": TrainingSet(dataset="egad", part=0.333),
     "simple": TrainingSet(dataset="egad", complexity=(0.0, 0.333)),
     "complex": TrainingSet(dataset="egad", complexity=(0.667, 1.0)),
 }

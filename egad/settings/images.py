@@ -4,7 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from egad.settings.base import Fraction, FractionRange, Name, Range, Section
+from egad.settings.base import Fraction, FractionRange, Name, PositiveFraction, Range, Section
 from egad.settings.trials import Pixels
 
 Angle = Annotated[float, Field(ge=0, le=60)]
@@ -72,6 +72,7 @@ class Render(Section):
         (0.0, 1.0),
         description="which objects, by their rank in complexity: [0, 0.33] is the simplest third",
     )
+    part: PositiveFraction = Field(1.0, description="how many of these, drawn by chance")
     validation: Fraction = Field(0.1, description="part of the objects, and of the images")
     test: Fraction = Field(0.1, description="the same")
     hold_out: bool = Field(

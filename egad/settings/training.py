@@ -22,8 +22,11 @@ class Training(Section):
     epoch: int = Field(1000, ge=1, description="images between two looks at the validation set")
     batch: int = Field(8, ge=1, description="images a step of the optimiser, Adam")
     learning_rate: float = Field(0.001, gt=0, le=1, description="of Adam")
-    patience: int = Field(
-        5, ge=1, description="training ends after this many epochs without a lower validation loss"
+    patience: int | None = Field(
+        5,
+        ge=1,
+        description="training ends after this many epochs without a lower validation loss, and the "
+        "weights of the lowest are taken; nothing: it goes to its end, and the last are taken",
     )
     validation: int = Field(
         250, ge=1, description="most images of the validation set that are looked at"

@@ -15,7 +15,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.training import COMPARED, HISTORY, SCORE
 from egad.trials.records import read
-from egad.vision.shards import files
+from egad.vision.folder import files
 
 log = logging.getLogger(__name__)
 

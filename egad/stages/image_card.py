@@ -12,7 +12,7 @@ from egad.stages.shards import join
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
 from egad.vision.card import card, summary
-from egad.vision.shards import files
+from egad.vision.folder import files
 
 log = logging.getLogger(__name__)
 COLUMNS = ["id", "split", "pose", "free"]

@@ -3,24 +3,21 @@
 import json
 import logging
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
 
+from egad.code_version import code_version
 from egad.errors import UserError
 from egad.exchange.sums import sum_of
 from egad.files import write_text
 from egad.report.training_chart import training_chart
 from egad.stage_settings import TrainNetwork
-from egad.tables import origin, parquet
+from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
-from egad.trials.statistics import mean_rate
+from egad.vision import folder
 from egad.vision.learning_set import LearningSet, Rule
-from egad.vision.model_card import Score, Trained, card
-
-if TYPE_CHECKING:
-    from egad.vision.scoring import Judged
+from egad.vision.model_card import Trained, card
+from egad.vision.score import Score, reached, scored
 
 log = logging.getLogger(__name__)
 WEIGHTS, CHART, CARD = "weights.safetensors", "history.svg", "README.md"
@@ -51,12 +48,10 @@ def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score
         raise UserError(NEEDED) from error
     plan, seed = settings.training, settings.seed
     shards = opened(images, settings)
-    held = training.spread(shards.numbers("test"), plan.test)
     network = networks.untrained(plan.network, seed)
-    kept = checkpoint.Checkpoint(out / CHECKPOINT, meaning(settings, images, out))
+    kept = checkpoint.Checkpoint(out / CHECKPOINT, meaning(settings, images))
     rows = training.train(network, shards, plan, seed, jobs, kept)
-    with training.crew(jobs) as workers:
-        score = scored(shards.index.loc[held], training.judge(network, shards, held, workers))
+    score = scored(*training.examined(network, shards, plan.test, jobs))
     weights.write(network, out / WEIGHTS, {"network": plan.network, "seed": seed})
     trained = Trained(
         networks.TITLES[plan.network],
@@ -91,32 +86,17 @@ def opened(images: Path, settings: TrainNetwork) -> LearningSet:
     return shards
 
 
-def meaning(settings: TrainNetwork, images: Path, out: Path) -> str:
+def meaning(settings: TrainNetwork, images: Path) -> str:
     """All that decides the result of a training, as text."""
     import torch  # noqa: PLC0415 (an extra)
 
     known = {
         "settings": settings.model_dump(mode="json"),
-        "images": sum_of(images),
+        "images": [sum_of(path) for path in folder.files(images)],
         "torch": torch.__version__,
-        "origin": origin.noted(out),
+        "code": [code_version(f"egad.vision.{name}") for name in ("networks", "training")],
     }
     return json.dumps(known, sort_keys=True)
-
-
-def scored(index: pd.DataFrame, judgements: "list[Judged]") -> Score:
-    """Put the judgements of some images together.
-
-    Args:
-        index: Rows of `LearningSet.index`,
-        judgements: and what was answered to each.
-    """
-    hits = [each.hit for each in judgements]
-    table = pd.DataFrame({"label": index["id"].to_numpy(), "success": hits})
-    table = table[[hit is not None for hit in hits]]
-    mean = mean_rate(table)
-    loss = float(np.mean([each.losses.sum() for each in judgements]))
-    return Score(mean.successes, mean.attempts, table["label"].nunique(), mean.interval, loss)
 
 
 def tell(trained: Trained, out: Path) -> None:
@@ -125,13 +105,6 @@ def tell(trained: Trained, out: Path) -> None:
     parquet.write(reached(trained.score), SCORE, out / REACHED)
     write_text(out / CHART, training_chart(trained.history))
     write_text(out / CARD, card(trained))
-
-
-def reached(score: Score) -> pd.DataFrame:
-    """The score as a table of one row, columns of `tables.training.SCORE`."""
-    low, high = score.interval
-    numbers = (score.right, score.count, score.objects, low, high, score.loss)
-    return pd.DataFrame([numbers], columns=SCORE.names)
 
 
 def files(out: Path) -> list[Path]:

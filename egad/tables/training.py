@@ -2,7 +2,7 @@
 
 import pyarrow as pa
 
-from egad.tables.columns import FLOAT, INT, STRING, column
+from egad.tables.columns import BOOL, FLOAT, INT, STRING, column
 from egad.tables.evaluation import RESULTS
 
 HISTORY = pa.schema(
@@ -20,6 +20,7 @@ HISTORY = pa.schema(
             FLOAT,
             "part of the validation images whose best grasp agrees with a positive one",
         ),
+        column("taken", BOOL, "whether the weights are those after this epoch"),
     ]
 )
 

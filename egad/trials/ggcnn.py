@@ -58,7 +58,7 @@ class MapDetector:
         The middle 300 x 300 pixels go in, a smaller image enlarged; pixels without depth get that
         of the nearest one with it. The four images that come out are smoothed. The hand opens as
         wide as the network says or as it can; its fingertips go 20 mm below the surface seen at
-        the centre, but not onto the table.
+        the centre, but not onto the table. Half way between the two are the contacts.
         """
         if not np.isfinite(view.depth).any():
             return []
@@ -121,12 +121,15 @@ def _grasp(
         (i + 0.5) * crop.scale - 0.5 + low for i, low in zip(place, crop.corner, strict=True)
     )
     u, v = column - camera.center[0], row - camera.center[1]
-    seen = depth * np.array([u / camera.focal, v / camera.focal, 1.0])
-    x, y, top = (float(part) for part in view.pose[:3, :3] @ seen + view.pose[:3, 3])
-    along = view.pose[:3, :3] @ np.array([np.cos(angle), -np.sin(angle), 0.0])
+    ray, eye = view.pose[:3, :3] @ np.array([u, v, camera.focal]) / camera.focal, view.pose[:3, 3]
+    top = float(eye[2] + depth * ray[2])
     tip = max(top - BITE, TABLE_CLEARANCE)
     level = max((top + tip) / 2, tip)
-    width = opening * crop.scale * depth / camera.focal
+    # The contacts are seen through the surface above them, on the same ray.
+    deep = depth + (level - top) / ray[2] if ray[2] < 0 else depth
+    x, y = (float(part) for part in (eye + deep * ray)[:2])
+    along = view.pose[:3, :3] @ np.array([np.cos(angle), -np.sin(angle), 0.0])
+    width = opening * crop.scale * deep / camera.focal
     return Grasp(
         center=(x, y, level),
         angle=float(np.arctan2(along[1], along[0])),

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from egad.settings import Camera, ImageNoise
+from egad.settings import Camera, ImageNoise, Render
 from egad.stage_settings import RenderedImages
 from egad.vision.splits import SPLITS
 
@@ -71,7 +71,7 @@ def card(
         f"vertical, and free if the hand, opening {1000 * settings.gripper.opening:g} mm at most, "
         "touches neither object nor table. Images without a free grasp are kept: there is nothing "
         "to grasp in them.",
-        _objects(render.complexity),
+        _objects(render),
         "## Camera",
         *_camera(settings.camera),
         "## Noise",
@@ -92,11 +92,13 @@ def _table(counts: pd.DataFrame) -> str:
     return "\n".join([*lines, f"| free, of the reachable | {shares} |"])
 
 
-def _objects(complexity: tuple[float, float]) -> str:
-    low, high = (100 * rank for rank in complexity)
-    if (low, high) == (0, 100):
+def _objects(render: Render) -> str:
+    low, high = (100 * rank for rank in render.complexity)
+    if (low, high, render.part) == (0, 100, 1):
         return ""
-    return f"Only objects from {low:g} to {high:g} % of the ranks in complexity."
+    drawn = f"{100 * render.part:g} %, drawn by chance, of the objects" * (render.part < 1)
+    ranks = f"from {low:g} to {high:g} % of the ranks in complexity"
+    return f"Only {drawn or 'objects'} {ranks}."
 
 
 def _camera(camera: Camera) -> list[str]:

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from egad.errors import UserError
 from egad.tables.promises import TableError
 from egad.tables.row_groups import RowGroups
+from egad.vision.folder import files
 from egad.vision.maps import SIZE
+from egad.vision.png import depth_of
 from egad.vision.rectangles import Rectangles, half_turn
-from egad.vision.rows import depth_of
-from egad.vision.shards import files
 from egad.vision.splits import SPLITS
 
 GRASP = ["u", "v", "angle", "opening", "depth_center", "quality", "free"]

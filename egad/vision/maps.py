@@ -2,7 +2,8 @@
 
 Morrison, Corke and Leitner, "Learning robust, real-time, reactive robotic grasping", IJRR 2020.
 Theirs are the size and scaling of what goes in, the code of angle and width, and that peaks of the
-smoothed quality are grasps. Ours are how angle and width are smoothed, and which peaks count.
+smoothed quality are grasps. Ours are how angle and width are smoothed, that the width is divided by
+the quality, and which peaks count.
 """
 
 from typing import NamedTuple
@@ -16,6 +17,7 @@ Floats = NDArray[np.float64]
 SIZE = 300  # pixels a side of the image that goes in, and of those that come out
 WIDEST = 150.0  # pixels; the width that the network calls 1
 SMOOTHING = 2.0  # pixels; of all four maps
+LEAST = 0.01  # quality; less is no grasp, and no width is read by it
 APART = 21  # pixels; the best of a window this wide is proposed
 MOST_PEAKS = 10
 
@@ -41,11 +43,16 @@ def prepared(depth: NDArray[np.floating]) -> NDArray[np.float32]:
 
 
 def read(maps: NDArray[np.floating]) -> Answer:
-    """Smooth the four maps (4, height, width) of a network, and decode angle and width."""
+    """Smooth the four maps (4, height, width) of a network, and decode angle and width.
+
+    A network learns a width of 0 wherever there is no grasp. So where it is half certain it answers
+    with half of the width; the quotient by the quality is the width of the grasp, if there is one.
+    """
     quality, cosine, sine, width = (
         ndimage.gaussian_filter(each.astype(np.float64), SMOOTHING) for each in maps
     )
-    return Answer(quality, np.arctan2(sine, cosine) / 2, width * WIDEST)
+    part = np.clip(width / np.maximum(quality, LEAST), 0, 1)
+    return Answer(quality, np.arctan2(sine, cosine) / 2, part * WIDEST)
 
 
 def peaks(quality: Floats) -> list[tuple[int, int]]:

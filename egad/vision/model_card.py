@@ -1,6 +1,5 @@
 """The model card of a trained network: what it learnt from, how, and how good it is."""
 
-import math
 import platform
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -11,6 +10,7 @@ from typing import Any
 import pandas as pd
 
 from egad import __version__
+from egad.vision.score import Score
 from egad.vision.splits import SPLITS
 
 PACKAGES = ("torch", "safetensors", "numpy", "scipy", "pillow")
@@ -42,8 +42,7 @@ without any are learnt from, too: as places where nothing can be held.
 
 ## Training
 
-{images:,} images in {epochs} epochs. The weights are those after epoch {taken}, which had the
-lowest validation loss.
+{images:,} images in {epochs} epochs. The weights are those after epoch {taken}.
 
 ![Losses and score](history.svg)
 
@@ -51,30 +50,6 @@ lowest validation loss.
 ## Versions
 
 {versions}"""
-
-
-@dataclass(frozen=True)
-class Score:
-    """What a network reached on images of held-out objects.
-
-    Attributes:
-        right: Images in which its best grasp agrees with a positive one.
-        count: Images with a positive grasp.
-        objects: Objects in these.
-        interval: Of the part that is right, for other objects of the same kind, 95 %.
-        loss: Mean over all images.
-    """
-
-    right: int
-    count: int
-    objects: int
-    interval: tuple[float, float]
-    loss: float
-
-    @property
-    def rate(self) -> float:
-        """The part that is right; NaN if no image counts."""
-        return self.right / self.count if self.count else math.nan
 
 
 @dataclass(frozen=True)
@@ -103,7 +78,7 @@ class Trained:
 def card(trained: Trained) -> str:
     """The model card as Markdown; it holds no time, so the same training gives the same card."""
     history, score = trained.history, trained.score
-    taken = history.iloc[int(history["validation_loss"].argmin())]
+    taken = history[history["taken"]].iloc[0]
     return PAGE.format(
         title=trained.title,
         parameters=trained.parameters,

@@ -1,25 +1,20 @@
 """An image as a row of a table: depths and mask as PNG files, poses as numbers, grasps as lists."""
 
-import io
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from egad.tables.columns import POSE_PARTS
 from egad.tables.images import LISTS
-from egad.tables.promises import TableError
 from egad.vision.camera import Intrinsics, View
+from egad.vision.png import coded, depth_of, pixels, png
 from egad.vision.projection import ImageGrasps
 from egad.vision.rendering import Picture
 
 Floats = NDArray[np.float64]
-
-UNIT = 1e-4  # metres; of the depths in the files
-PNG_LEVEL = 6
 
 
 def encoded(picture: Picture) -> dict[str, Any]:
@@ -57,47 +52,16 @@ def decoded(row: Mapping[str, Any]) -> Picture:
         split=row["split"],
         pose=int(row["pose"]),
         view=View(depth_of(row), intrinsics, _pose_matrix("camera", row)),
-        mask=_pixels(row, "mask", "L") > 0,
+        mask=pixels(row, "mask", "L") > 0,
         matrix=_pose_matrix("object", row),
         grasps=ImageGrasps(*(np.asarray(row[name]) for name in LISTS)),
     )
-
-
-def depth_of(row: Mapping[str, Any]) -> NDArray[np.float32]:
-    """The depths of a row, metres, not a number where they are missing; errors as `decoded`."""
-    steps = _pixels(row, "depth", "I")
-    return np.where(steps > 0, steps * UNIT, np.nan).astype(np.float32)
-
-
-def coded(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Depths in units of 0.1 mm; 0 for what is missing or deeper than 6.5 m."""
-    steps = np.round(depth.astype(np.float64) / UNIT)
-    known = np.isfinite(steps) & (steps < 2**16)
-    return np.where(known, steps, 0).astype(np.uint16)
-
-
-def png(pixels: NDArray[np.uint16] | NDArray[np.uint8]) -> bytes:
-    """A PNG file of one channel."""
-    buffer = io.BytesIO()
-    Image.fromarray(pixels).save(buffer, "png", compress_level=PNG_LEVEL)
-    return buffer.getvalue()
 
 
 def pose_values(matrix: Floats) -> list[float]:
     """Position and quaternion (x, y, z, w) of a transform (4, 4)."""
     quaternion = Rotation.from_matrix(matrix[:3, :3]).as_quat(canonical=True)
     return [*matrix[:3, 3].tolist(), *quaternion.tolist()]
-
-
-def _pixels(row: Mapping[str, Any], name: str, mode: str) -> NDArray[np.integer]:
-    """The pixels of a PNG file of a row, (height, width) as the row says."""
-    try:
-        with Image.open(io.BytesIO(row[name]), formats=["PNG"]) as image:
-            if image.size != (row["width"], row["height"]) or not image.mode.startswith(mode):
-                raise ValueError("it is not of the size and kind that is said")
-            return np.asarray(image)
-    except (ValueError, OSError, SyntaxError, TypeError, Image.DecompressionBombError) as error:
-        raise TableError(f"its {name} cannot be read: {error}") from error
 
 
 def _pose_columns(name: str, matrix: Floats) -> dict[str, float]:

@@ -48,7 +48,7 @@ def shares(
         seed: Of the configuration.
     """
     split = split_of(objects["id"].tolist(), evaluation, settings, seed)
-    wanted = objects[_within(objects, settings.complexity)]
+    wanted = _drawn(objects[_within(objects, settings.complexity)], settings.part, seed)
     chosen = sorted(
         zip(wanted["id"], wanted["label"], strict=True),
         key=lambda names: entropy(seed, "image order", names[0]),
@@ -107,6 +107,12 @@ def _budgets(settings: Render) -> dict[str, int]:
         "validation": validation,
         "test": test,
     }
+
+
+def _drawn(objects: pd.DataFrame, part: float, seed: int) -> pd.DataFrame:
+    """A part of some objects, at least one if there are any, by chance."""
+    order = sorted(objects["id"], key=lambda name: entropy(seed, "part", name))
+    return objects[objects["id"].isin(order[: max(round(part * len(order)), 1)])]
 
 
 def _within(objects: pd.DataFrame, wanted: tuple[float, float]) -> "pd.Series[bool]":

@@ -15,6 +15,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import torch
 from numpy.typing import NDArray
 from torch import nn
@@ -39,7 +40,7 @@ def train(
     jobs: int = 1,
     checkpoint: Checkpoint | None = None,
 ) -> list[Row]:
-    """Train a network; it ends with the weights of the lowest validation loss.
+    """Train a network; it ends with the weights of one of its epochs (`settings.patience`).
 
     Args:
         network: From depths (n, 1, 300, 300) to maps (n, 4, 300, 300), without parts that draw
@@ -68,8 +69,10 @@ def train(
         words = partial(_told, state.rows)
         for _ in progress(lesson.steps(), "learning", steps, scale=settings.batch, state=words):
             pass
-    network.load_state_dict(state.best)
-    return state.rows
+    if settings.patience is not None:
+        network.load_state_dict(state.best)
+    taken = len(state.rows) - 1 if settings.patience is None else _lowest(state.rows)
+    return [{**row, "taken": row["epoch"] == taken} for row in state.rows]
 
 
 def judge(
@@ -81,6 +84,15 @@ def judge(
     """A network's answers to the images of some rows of the index, compared with their grasps."""
     network.eval()
     return list(workers.map(lambda number: judged(network, *shards.image(number)), numbers))
+
+
+def examined(
+    network: nn.Module, shards: LearningSet, most: int, jobs: int
+) -> tuple[pd.DataFrame, list[Judged]]:
+    """A network's answers to at most so many images of the split `test`, with their index rows."""
+    held = spread(shards.numbers("test"), most)
+    with crew(jobs) as workers:
+        return shards.index.loc[held], judge(network, shards, held, workers)
 
 
 def crew(jobs: int) -> ThreadPoolExecutor:
@@ -150,10 +162,14 @@ def _cut(numbers: range, size: int) -> list[range]:
     return [range(start, end) for start, end in pairwise(ends)]
 
 
-def _finished(rows: list[Row], patience: int) -> bool:
+def _finished(rows: list[Row], patience: int | None) -> bool:
     """Whether the validation loss has not come to a new low for so many epochs."""
-    losses = [row["validation_loss"] for row in rows]
-    return bool(losses) and len(losses) - 1 - int(np.argmin(losses)) >= patience
+    return bool(rows) and patience is not None and len(rows) - 1 - _lowest(rows) >= patience
+
+
+def _lowest(rows: list[Row]) -> int:
+    """The epoch of the lowest validation loss."""
+    return int(np.argmin([row["validation_loss"] for row in rows]))
 
 
 def _note(state: State, images: int, losses: Losses, judgements: list[Judged]) -> None:

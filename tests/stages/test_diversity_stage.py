@@ -11,13 +11,12 @@ from egad.cli import main
 from egad.config_check import check
 from egad.stage_settings import DiversityReport, select
 from egad.stages import diversity as stage
-from egad.stages.train import reached
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.images import IMAGES
 from egad.tables.promises import TableError
 from egad.tables.training import COMPARED, HISTORY, SCORE
-from egad.vision.model_card import Score
+from egad.vision.score import Score, reached
 
 CONFIG = {
     "diversity": {"sets": ["all", "given"], "tests": ["egad"], "references": ["random"]},
@@ -32,7 +31,8 @@ LABELS = ["A0", "B1"]
 def empty(kind):
     if pa.types.is_list(kind):
         return []
-    return "" if kind == pa.string() else b"" if kind == pa.large_binary() else 0
+    zeros = {pa.string(): "", pa.large_binary(): b"", pa.bool_(): False}
+    return zeros.get(kind, 0)
 
 
 def blank(schema, rows):
@@ -67,7 +67,9 @@ def results(tmp_path):
     for seed in (0, 1):
         folder = made / "networks/all" / str(seed)
         parquet.write(
-            blank(HISTORY, [{"images": 8}, {"epoch": 1}]), HISTORY, folder / "history.parquet"
+            blank(HISTORY, [{"images": 8}, {"epoch": 1, "taken": True}]),
+            HISTORY,
+            folder / "history.parquet",
         )
         score = Score(3, 4, 2, (0.2, 0.9), 0.1)
         parquet.write(reached(score), SCORE, folder / "score.parquet")

@@ -13,8 +13,9 @@ from egad.tables import parquet
 from egad.tables.images import IMAGES
 from egad.tables.origin import Origin, made_by
 from egad.tables.parquet import TableError
+from egad.vision.png import coded
 from egad.vision.rendering import pictures
-from egad.vision.rows import coded, decoded, encoded
+from egad.vision.rows import decoded, encoded
 from egad.vision.shards import Images, read, shards
 from egad.vision.splits import Share
 

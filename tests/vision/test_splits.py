@@ -59,6 +59,22 @@ def test_a_part_of_the_dataset_has_the_splits_of_the_whole():
     assert sum(map(len, thirds)) == 300
 
 
+def test_a_part_is_drawn_by_chance_from_all_of_the_range():
+    table = objects(300)
+    whole = {share.id: share.split for share in shares(table, [], RENDER, 0)}
+    settings = Render(images=1000, part=1 / 3)
+    found = shares(table, [], settings, 0)
+    assert len(found) == 100
+    assert all(whole[share.id] == share.split for share in found)
+    assert images_by_split(found) == {"train": 800, "validation": 100, "test": 100}
+    ranks = table.set_index("id")["complexity"].rank(pct=True)[[share.id for share in found]]
+    assert abs(ranks.mean() - 0.5) < 0.1
+    assert {share.id for share in shares(table, [], settings, 1)} != {each.id for each in found}
+    simple = shares(table, [], Render(complexity=(0, 0.5), part=0.1), 0)
+    assert len(simple) == 15
+    assert {each.id for each in simple} < set(table.nsmallest(150, "complexity")["id"])
+
+
 def test_order_of_rows_does_not_matter_and_the_seed_does():
     table = objects(50)
     again = shares(table.sample(frac=1, random_state=1), [], RENDER, 0)

@@ -92,7 +92,7 @@ rule train_network:
         images=subpath(input.card, parent=True),
         folder=subpath(output.weights, parent=True),
         # The chart and the card of a network decide nothing about it.
-        code=[code_version(f"egad.vision.{name}") for name in ("training", "weights")],
+        code=[code_version(f"egad.vision.{name}") for name in ("training", "weights", "score")],
     message:
         "Training network {wildcards.seed} on the training set {wildcards.training_set}"
     shell:

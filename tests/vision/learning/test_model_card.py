@@ -3,14 +3,17 @@ import pytest
 
 from egad.report.training_chart import training_chart
 from egad.vision.learning_set import LearningSet, Rule
-from egad.vision.model_card import Score, Trained, card, counts, table
+from egad.vision.model_card import Trained, card, counts, table
+from egad.vision.score import Score
 
 
 @pytest.fixture
 def history():
     losses = {"loss": [0.03, 0.02, 0.01], "validation_loss": [0.04, 0.02, 0.03]}
     score = {"validation_score": [float("nan"), 0.5, 0.6]}
-    return pd.DataFrame({"epoch": [0, 1, 2], "images": [1000, 2000, 3000], **losses, **score})
+    return pd.DataFrame(
+        {"epoch": [0, 1, 2], "images": [1000, 2000, 3000], **losses, **score}
+    ).assign(taken=[False, True, False])
 
 
 def test_counts_are_of_objects_images_negatives_and_grasps(images, pictures):
@@ -31,7 +34,7 @@ def test_the_card_names_the_epoch_that_was_taken_and_the_score(images, history):
     assert "right in 30 of 40 images of 7 held-out objects" in text
     assert "75.0%, for other objects of the same kind 60.0% to 85.0%" in text
     assert "3,000 images in 3 epochs" in text
-    assert "those after epoch 1," in text
+    assert "those after epoch 1." in text
     assert text.count("| quality | 0.002 |") == 1
 
 

@@ -104,6 +104,20 @@ def test_the_weights_of_the_lowest_validation_loss_are_taken(shards):
         judgements = training.judge(network, shards, held, workers)
     assert np.mean([each.losses.sum() for each in judgements]) == pytest.approx(min(losses))
     assert int(np.argmin(losses)) < len(losses) - 1
+    assert [row["taken"] for row in rows] == [loss == min(losses) for loss in losses]
+
+
+def test_without_patience_it_goes_to_its_end_and_the_last_weights_are_taken(shards):
+    settings = SHORT.model_copy(update={"learning_rate": 0.3, "images": 16, "patience": None})
+    network = Tiny()
+    rows = training.train(network, shards, settings, 0)
+    losses = [row["validation_loss"] for row in rows]
+    held = training.spread(shards.numbers("validation"), settings.validation)
+    with training.crew(1) as workers:
+        judgements = training.judge(network, shards, held, workers)
+    assert np.mean([each.losses.sum() for each in judgements]) == pytest.approx(losses[-1])
+    assert losses[-1] > min(losses)
+    assert [row["taken"] for row in rows] == [False] * (len(rows) - 1) + [True]
 
 
 def test_it_ends_when_nothing_gets_better(shards, monkeypatch):
