@@ -30,7 +30,7 @@ test: setup
 
 bounds: setup
 	NUMBA_BOUNDSCHECK=1 pytest --numprocesses 2 --dist loadgroup \
-		tests/evolution tests/measures tests/grasps tests/shapes tests/trials
+		tests/evolution tests/measures tests/grasps tests/shapes tests/trials tests/vision
 
 slicer: setup
 	@command -v prusa-slicer >/dev/null || { echo "prusa-slicer is needed" >&2; exit 1; }
