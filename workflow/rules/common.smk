@@ -1,4 +1,4 @@
-"""Functions that the rules use, and the names that may stand in file names. No rules here."""
+"""Settings, names that may stand in file names, and functions of many rules. No rules here."""
 
 import hashlib
 import json
@@ -15,10 +15,8 @@ from egad.code_version import code_version
 from egad.config_check import check
 from egad.data import released
 from egad.errors import UserError
-from egad.exchange.folders import EVERY_FILE, objects_in
 from egad.exchange.sums import sum_of
 from egad.measures.own import source_hash
-from egad.stages.shards import by_shard
 from egad.trials.files import fingerprint
 from egad.vision.splits import shard_count
 
@@ -87,17 +85,6 @@ def settings_of(stage):
     return chosen
 
 
-def settings_of_set(stage):
-    """The same for a training set and, if the wildcards have a seed, a network."""
-
-    def chosen(wildcards):
-        network = diversity.Network(wildcards.training_set, int(wildcards.get("seed", 0)))
-        whole = diversity.settings_for(SETTINGS, network)
-        return _as_json(stage_settings.select(whole, getattr(stage_settings, stage), GRIPPER))
-
-    return chosen
-
-
 def _as_json(part):
     return json.dumps(part.model_dump(mode="json"), separators=(",", ":"), sort_keys=True)
 
@@ -112,27 +99,6 @@ def touched_surface(wildcards):
     """The grasps that engraved labels keep away from; none without engraving."""
     file = f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"
     return [file] if SETTINGS.engraving.enabled else []
-
-
-def learnt(wildcards):
-    """The weights that are trained for a detector; none for others."""
-    network = NETWORKS.get(wildcards.policy)
-    return [TRIED.policies[network.name].weights] if network and is_trained(network) else []
-
-
-def is_trained(network):
-    """Whether a network of the experiment is trained here."""
-    return SETTINGS.training_sets[network.training_set].dataset is not None
-
-
-def detector_code(wildcards):
-    """The code and weights of a detector that is not trained here: editing them tries again."""
-    if learnt(wildcards):
-        return []
-    try:
-        return fingerprint(TRIED.policies[wildcards.policy])
-    except UserError as error:
-        raise WorkflowError(f"The detector {wildcards.policy} cannot be used: {error}")
 
 
 def each(option, name):
@@ -159,90 +125,10 @@ def held_out(wildcards):
     return [file] if SETTINGS.render.hold_out else []
 
 
-def of_set(file):
-    """A file of the dataset that a training set is made from."""
-
-    def chosen(wildcards):
-        return f"results/{SETTINGS.training_sets[wildcards.training_set].dataset}/{file}"
-
-    return chosen
-
-
-def held_out_of_set(wildcards):
-    """The evaluation set of this dataset, if it is for testing."""
-    held = SETTINGS.training_sets[wildcards.training_set].hold_out
-    return [of_set("eval49.parquet")(wildcards)] if held else []
-
-
-def mesh_of_the_gripper(wildcards):
-    """The mesh file of the gripper that training sets are for."""
-    mesh = SETTINGS.grippers[GRIPPER].mesh
-    return [mesh] if mesh else []
-
-
-def compared(wildcards):
-    """What the report on training sets shows; by what: trials, evaluation, trained, images."""
-    asked = SETTINGS.diversity
-    for key, meaning in (("sets", "training set"), ("tests", "dataset to try networks on")):
-        if not getattr(asked, key):
-            raise WorkflowError(
-                f"diversity.{key} names no {meaning}: lay config/diversity.yaml over the others"
-            )
-    networks = "results/diversity/networks"
-    trained = [network for network in NETWORKS.values() if is_trained(network)]
-    sets = sorted({network.training_set for network in trained})
-    return [
-        *expand(
-            "results/{dataset}/trials/{gripper}/{policy}.parquet",
-            dataset=asked.tests,
-            gripper=GRIPPER,
-            policy=[*NETWORKS, *asked.references],
-        ),
-        *of_datasets(asked.tests, ["eval49.parquet"]),
-        *[
-            f"{networks}/{each.folder}/{file}.parquet"
-            for each in trained
-            for file in ("history", "score")
-        ],
-        *expand("results/diversity/images/{training_set}/card.md", training_set=sets),
-    ]
-
-
-def previous_archive(wildcards):
-    """The merged archive of the epoch before; none for the first."""
-    epoch = int(wildcards.epoch)
-    previous = f"results/{wildcards.dataset}/epochs/epoch-{epoch - 1}/archive.parquet"
-    return [previous] if epoch else []
-
-
-def final_archive(wildcards):
-    """The archive of the last epoch, or the one that a dataset starts from."""
-    last = f"results/{wildcards.dataset}/epochs/epoch-{LAST_EPOCH}/archive.parquet"
-    return [GIVEN.get(wildcards.dataset, last)]
-
-
-def region_meshes(wildcards):
-    """The mesh files that the envelope, part and hole are read from."""
-    regions = [SETTINGS.envelope, SETTINGS.part, SETTINGS.hole]
-    return [region.mesh for region in regions if region.mesh]
-
-
 def gripper_mesh(wildcards):
     """The mesh file of a gripper, if it has one."""
     mesh = SETTINGS.grippers[wildcards.gripper].mesh
     return [mesh] if mesh else []
-
-
-@cache
-def meshes_by_shard(name):
-    """For each shard of a dataset, its mesh files by the names of the objects."""
-    dataset = SETTINGS.datasets[name]
-    try:
-        files = objects_in(Path(dataset.folder), dataset.pattern or EVERY_FILE)
-    except UserError as error:
-        raise WorkflowError(f"The dataset {name} cannot be used: {error}")
-    shards = by_shard(files, len(SHARDS))
-    return [{each: str(files[each]) for each in names} for names in shards]
 
 
 def contents_of(files):
@@ -286,94 +172,6 @@ def _is_late(path):
         return False  # another run has replaced it
 
 
-def raw_objects(wildcards):
-    """What the objects of a shard are made from: the archive, its mesh files, or nothing."""
-    source = SETTINGS.datasets[wildcards.dataset].source
-    if source == "primitives":
-        return []
-    if source == "meshes":
-        return list(meshes_by_shard(wildcards.dataset)[int(wildcards.shard)].values())
-    return [f"results/{wildcards.dataset}/archive.parquet"]
-
-
-def raw_state(wildcards):
-    """A digest of what the objects of a shard are called, and of size and time of their files.
-
-    A new file can rename another object, and an older file take the place of one.
-    """
-    if SETTINGS.datasets[wildcards.dataset].source != "meshes":
-        return ""
-    files = meshes_by_shard(wildcards.dataset)[int(wildcards.shard)]
-    stats = {name: os.stat(file) for name, file in files.items()}
-    state = [(name, files[name], each.st_size, each.st_mtime_ns) for name, each in stats.items()]
-    return hashlib.sha256(json.dumps(state).encode()).hexdigest()
-
-
-def raw_options(wildcards):
-    """The options of postprocess that say what the objects are made from.
-
-    Without `input`, so that other units or another number of objects run it again.
-    """
-    dataset = SETTINGS.datasets[wildcards.dataset]
-    if dataset.source == "primitives":
-        return ["--primitives", str(dataset.objects)]
-    if dataset.source == "meshes":
-        pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
-        return ["--folder", dataset.folder, "--units", dataset.units, *pattern]
-    return ["--archive", *raw_objects(wildcards)]
-
-
 def of_datasets(datasets, files):
     """The same files of several datasets."""
     return expand("results/{dataset}/{file}", dataset=datasets, file=files)
-
-
-def published():
-    """What the report shows: all files for people, but the report itself."""
-    targets = SETTINGS.targets
-    of_gripper = [
-        "rescaled/{gripper}/scales.parquet",
-        "rescaled/{gripper}/rejected.parquet",
-        "grasps/{gripper}.parquet",
-        "grasps/{gripper}.tally.parquet",
-        "grasps/{gripper}.rejected.parquet",
-        "size_effect/{gripper}.parquet",
-        "print/{gripper}/manifest.parquet",
-    ]
-    if targets.agreement:
-        of_gripper.append("agreement/{gripper}.parquet")
-    trials = "trials/{gripper}/{policy}.parquet"
-    of_target = [
-        "eval49.parquet",
-        "eval49.rejected.parquet",
-        "eval49/README.md",
-        "eval49/contact-sheet.pdf",
-        "eval49/trials.csv",
-        *expand(of_gripper, gripper=targets.grippers),
-        *expand(trials, gripper=targets.grippers, policy=targets.policies),
-    ]
-    return [
-        "results/comparison.parquet",
-        "results/comparison.svg",
-        *of_datasets([*EVOLVED, *GIVEN], ["archive.parquet"]),
-        *of_datasets(EVOLVED, ["history.parquet"]),
-        *of_datasets(SETTINGS.datasets, ["objects.parquet", "rejected.parquet", "meshes"]),
-        *of_datasets(targets.datasets, of_target),
-    ]
-
-
-def exported():
-    """The labelled grasps and images in the formats of other programs that are asked for."""
-    targets = SETTINGS.targets
-    wanted = [
-        "exchange/{gripper}.hdf5" if name == "dexnet" else f"exchange/{{gripper}}-{name}"
-        for name in targets.exports
-    ]
-    return of_datasets(targets.datasets, expand(wanted, gripper=targets.grippers))
-
-
-def rendered():
-    """The images with grasps, if they are asked for."""
-    targets = SETTINGS.targets
-    wanted = expand("images/{gripper}/card.md", gripper=targets.grippers)
-    return of_datasets(targets.datasets, wanted) if targets.render else []

@@ -1,0 +1,79 @@
+"""Functions: what archives and objects of a dataset are made from. No rules here."""
+
+import hashlib
+import json
+import os
+from functools import cache
+from pathlib import Path
+
+from egad.errors import UserError
+from egad.exchange.folders import EVERY_FILE, objects_in
+from egad.stages.shards import by_shard
+
+
+def previous_archive(wildcards):
+    """The merged archive of the epoch before; none for the first."""
+    epoch = int(wildcards.epoch)
+    previous = f"results/{wildcards.dataset}/epochs/epoch-{epoch - 1}/archive.parquet"
+    return [previous] if epoch else []
+
+
+def final_archive(wildcards):
+    """The archive of the last epoch, or the one that a dataset starts from."""
+    last = f"results/{wildcards.dataset}/epochs/epoch-{LAST_EPOCH}/archive.parquet"
+    return [GIVEN.get(wildcards.dataset, last)]
+
+
+def region_meshes(wildcards):
+    """The mesh files that the envelope, part and hole are read from."""
+    regions = [SETTINGS.envelope, SETTINGS.part, SETTINGS.hole]
+    return [region.mesh for region in regions if region.mesh]
+
+
+@cache
+def meshes_by_shard(name):
+    """For each shard of a dataset, its mesh files by the names of the objects."""
+    dataset = SETTINGS.datasets[name]
+    try:
+        files = objects_in(Path(dataset.folder), dataset.pattern or EVERY_FILE)
+    except UserError as error:
+        raise WorkflowError(f"The dataset {name} cannot be used: {error}")
+    shards = by_shard(files, len(SHARDS))
+    return [{each: str(files[each]) for each in names} for names in shards]
+
+
+def raw_objects(wildcards):
+    """What the objects of a shard are made from: the archive, its mesh files, or nothing."""
+    source = SETTINGS.datasets[wildcards.dataset].source
+    if source == "primitives":
+        return []
+    if source == "meshes":
+        return list(meshes_by_shard(wildcards.dataset)[int(wildcards.shard)].values())
+    return [f"results/{wildcards.dataset}/archive.parquet"]
+
+
+def raw_state(wildcards):
+    """A digest of what the objects of a shard are called, and of size and time of their files.
+
+    A new file can rename another object, and an older file take the place of one.
+    """
+    if SETTINGS.datasets[wildcards.dataset].source != "meshes":
+        return ""
+    files = meshes_by_shard(wildcards.dataset)[int(wildcards.shard)]
+    stats = {name: os.stat(file) for name, file in files.items()}
+    state = [(name, files[name], each.st_size, each.st_mtime_ns) for name, each in stats.items()]
+    return hashlib.sha256(json.dumps(state).encode()).hexdigest()
+
+
+def raw_options(wildcards):
+    """The options of postprocess that say what the objects are made from.
+
+    Without `input`, so that other units or another number of objects run it again.
+    """
+    dataset = SETTINGS.datasets[wildcards.dataset]
+    if dataset.source == "primitives":
+        return ["--primitives", str(dataset.objects)]
+    if dataset.source == "meshes":
+        pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
+        return ["--folder", dataset.folder, "--units", dataset.units, *pattern]
+    return ["--archive", *raw_objects(wildcards)]

@@ -1,0 +1,52 @@
+"""Functions: what is made by default. No rules here."""
+
+
+def published():
+    """What the report shows: all files for people, but the report itself."""
+    targets = SETTINGS.targets
+    of_gripper = [
+        "rescaled/{gripper}/scales.parquet",
+        "rescaled/{gripper}/rejected.parquet",
+        "grasps/{gripper}.parquet",
+        "grasps/{gripper}.tally.parquet",
+        "grasps/{gripper}.rejected.parquet",
+        "size_effect/{gripper}.parquet",
+        "print/{gripper}/manifest.parquet",
+    ]
+    if targets.agreement:
+        of_gripper.append("agreement/{gripper}.parquet")
+    trials = "trials/{gripper}/{policy}.parquet"
+    of_target = [
+        "eval49.parquet",
+        "eval49.rejected.parquet",
+        "eval49/README.md",
+        "eval49/contact-sheet.pdf",
+        "eval49/trials.csv",
+        *expand(of_gripper, gripper=targets.grippers),
+        *expand(trials, gripper=targets.grippers, policy=targets.policies),
+    ]
+    return [
+        "results/comparison.parquet",
+        "results/comparison.svg",
+        *of_datasets([*EVOLVED, *GIVEN], ["archive.parquet"]),
+        *of_datasets(EVOLVED, ["history.parquet"]),
+        *of_datasets(SETTINGS.datasets, ["objects.parquet", "rejected.parquet", "meshes"]),
+        *of_datasets(targets.datasets, of_target),
+    ]
+
+
+def exported():
+    """The labelled grasps and images in the formats of other programs that are asked for."""
+    targets = SETTINGS.targets
+    wanted = [
+        "exchange/{gripper}.hdf5" if name == "dexnet" else f"exchange/{{gripper}}-{name}"
+        for name in targets.exports
+    ]
+    return of_datasets(targets.datasets, expand(wanted, gripper=targets.grippers))
+
+
+def rendered():
+    """The images with grasps, if they are asked for."""
+    targets = SETTINGS.targets
+    wanted = expand("images/{gripper}/card.md", gripper=targets.grippers)
+    return of_datasets(targets.datasets, wanted) if targets.render else []

@@ -1,0 +1,82 @@
+"""Functions: training sets and the networks that learn from them. No rules here."""
+
+
+def settings_of_set(stage):
+    """The same for a training set and, if the wildcards have a seed, a network."""
+
+    def chosen(wildcards):
+        network = diversity.Network(wildcards.training_set, int(wildcards.get("seed", 0)))
+        whole = diversity.settings_for(SETTINGS, network)
+        return _as_json(stage_settings.select(whole, getattr(stage_settings, stage), GRIPPER))
+
+    return chosen
+
+
+def learnt(wildcards):
+    """The weights that are trained for a detector; none for others."""
+    network = NETWORKS.get(wildcards.policy)
+    return [TRIED.policies[network.name].weights] if network and is_trained(network) else []
+
+
+def is_trained(network):
+    """Whether a network of the experiment is trained here."""
+    return SETTINGS.training_sets[network.training_set].dataset is not None
+
+
+def detector_code(wildcards):
+    """The code and weights of a detector that is not trained here: editing them tries again."""
+    if learnt(wildcards):
+        return []
+    try:
+        return fingerprint(TRIED.policies[wildcards.policy])
+    except UserError as error:
+        raise WorkflowError(f"The detector {wildcards.policy} cannot be used: {error}")
+
+
+def of_set(file):
+    """A file of the dataset that a training set is made from."""
+
+    def chosen(wildcards):
+        return f"results/{SETTINGS.training_sets[wildcards.training_set].dataset}/{file}"
+
+    return chosen
+
+
+def held_out_of_set(wildcards):
+    """The evaluation set of this dataset, if it is for testing."""
+    held = SETTINGS.training_sets[wildcards.training_set].hold_out
+    return [of_set("eval49.parquet")(wildcards)] if held else []
+
+
+def mesh_of_the_gripper(wildcards):
+    """The mesh file of the gripper that training sets are for."""
+    mesh = SETTINGS.grippers[GRIPPER].mesh
+    return [mesh] if mesh else []
+
+
+def compared(wildcards):
+    """What the report on training sets shows; by what: trials, evaluation, trained, images."""
+    asked = SETTINGS.diversity
+    for key, meaning in (("sets", "training set"), ("tests", "dataset to try networks on")):
+        if not getattr(asked, key):
+            raise WorkflowError(
+                f"diversity.{key} names no {meaning}: lay config/diversity.yaml over the others"
+            )
+    networks = "results/diversity/networks"
+    trained = [network for network in NETWORKS.values() if is_trained(network)]
+    sets = sorted({network.training_set for network in trained})
+    return [
+        *expand(
+            "results/{dataset}/trials/{gripper}/{policy}.parquet",
+            dataset=asked.tests,
+            gripper=GRIPPER,
+            policy=[*NETWORKS, *asked.references],
+        ),
+        *of_datasets(asked.tests, ["eval49.parquet"]),
+        *[
+            f"{networks}/{each.folder}/{file}.parquet"
+            for each in trained
+            for file in ("history", "score")
+        ],
+        *expand("results/diversity/images/{training_set}/card.md", training_set=sets),
+    ]
