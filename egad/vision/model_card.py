@@ -100,10 +100,19 @@ class Trained:
     settings: Mapping[str, Any]
 
 
+def taken(history: pd.DataFrame) -> pd.Series:
+    """The epoch whose weights were taken: the first with the lowest loss on the validation set.
+
+    Args:
+        history: Columns of `tables.training.HISTORY`, at least one row.
+    """
+    return history.iloc[int(history["validation_loss"].argmin())]
+
+
 def card(trained: Trained) -> str:
     """The model card as Markdown; it holds no time, so the same training gives the same card."""
     history, score = trained.history, trained.score
-    taken = history.iloc[int(history["validation_loss"].argmin())]
+    epoch = taken(history)
     return PAGE.format(
         title=trained.title,
         parameters=trained.parameters,
@@ -115,7 +124,7 @@ def card(trained: Trained) -> str:
         low=score.interval[0],
         high=score.interval[1],
         loss=score.loss,
-        validation=taken["validation_loss"],
+        validation=epoch["validation_loss"],
         data=table(
             ["split", "objects", "images", "without a positive grasp", "grasps", "positive"],
             counts(trained.index),
@@ -123,7 +132,7 @@ def card(trained: Trained) -> str:
         quality=trained.settings["quality"],
         images=int(history["images"].iloc[-1]),
         epochs=len(history),
-        taken=int(taken["epoch"]),
+        taken=int(epoch["epoch"]),
         settings=table(["setting", "value"], trained.settings.items()),
         versions=table(["program", "version"], versions()),
     )
