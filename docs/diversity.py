@@ -81,9 +81,9 @@ def by_luck(shift: float, spread: float) -> float:
     """
     random = generator(0, "luck", round(1000 * shift), round(1000 * spread))
     easy = random.beta(2, 2, size=(REPEATS, 1, 1, OBJECTS))
-    luck = random.normal(0, shift, (REPEATS, 2, 2, 1))  # two sets of two networks
+    all_alike = random.normal(0, shift, (REPEATS, 2, 2, 1))  # two sets of two networks
     own = random.normal(0, spread, (REPEATS, 2, 2, OBJECTS))
-    won = random.binomial(ATTEMPTS, np.clip(easy + luck + own, 0, 1)).sum(axis=2)
+    won = random.binomial(ATTEMPTS, np.clip(easy + all_alike + own, 0, 1)).sum(axis=2)
     return float(np.mean([sign_flip(gains) < 0.05 for gains in won[:, 0] - won[:, 1]]))
 
 

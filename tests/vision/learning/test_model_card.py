@@ -3,7 +3,7 @@ import pytest
 
 from egad.report.training_chart import training_chart
 from egad.vision.learning_set import LearningSet, Rule
-from egad.vision.model_card import Score, Trained, card, counts, table
+from egad.vision.model_card import Score, Trained, card, counts, table, taken
 
 
 @pytest.fixture
@@ -33,6 +33,11 @@ def test_the_card_names_the_epoch_that_was_taken_and_the_score(images, history):
     assert "3,000 images in 3 epochs" in text
     assert "those after epoch 1," in text
     assert text.count("| quality | 0.002 |") == 1
+
+
+def test_of_equal_epochs_the_first_is_taken(history):
+    assert taken(history)["epoch"] == 1
+    assert taken(history.assign(validation_loss=[0.03, 0.02, 0.02]))["epoch"] == 1
 
 
 def test_tables_are_markdown():
