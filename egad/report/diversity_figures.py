@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from egad.report.style import INK, LINES, SOFT, drawn
 from egad.trials.statistics import Mean
-from egad.trials.training_sets import SetRate
+from egad.trials.training_sets import Tried
 
 PERCENT = "{:.0%}".format
 STYLES = ("-", "--", ":", "-.")
@@ -18,24 +18,21 @@ def colours(names: Sequence[str]) -> dict[str, str]:
     return {name: LINES[number % len(LINES)] for number, name in enumerate(names)}
 
 
-def success_chart(
-    tests: Mapping[str, Mapping[str, SetRate]], references: Mapping[str, Mapping[str, Mean]]
-) -> str:
+def success_chart(tests: Mapping[str, Tried]) -> str:
     """Success of each training set, a panel a test.
 
     Args:
-        tests: Rates by training set, by test.
-        references: Rates of other detectors, by the same tests.
+        tests: What was tried, by test.
 
     Returns:
         SVG text: a filled dot is the rate over all networks of a set, with its interval of 95 %;
         hollow dots are single networks; other detectors are grey.
     """
-    rows = max(len(tests[test]) + len(references[test]) for test in tests)
+    rows = max(len(tried.sets) + len(tried.references) for tried in tests.values())
     with drawn(1.2 + 3.7 * len(tests), 0.9 + 0.34 * rows) as drawing:
         panels = drawing.figure.subplots(1, len(tests), squeeze=False)[0]
-        for axes, (test, rates) in zip(panels, tests.items(), strict=True):
-            others = references[test]
+        for axes, (test, tried) in zip(panels, tests.items(), strict=True):
+            rates, others = tried.sets, tried.references
             for place, (name, found) in enumerate(rates.items()):
                 _row(axes, place, found.pooled, colours(list(rates))[name])
                 each = [one.value for one in found.each.values()]

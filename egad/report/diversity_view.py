@@ -14,15 +14,17 @@ from egad.report.trial_figures import outcome_bars, side_by_side
 from egad.report.trial_views import Set
 from egad.settings import TrainingSet
 from egad.stage_settings import DiversityReport
-from egad.trials.statistics import Mean, mean_rate, trial_grid
+from egad.trials.statistics import Mean, trial_grid
 from egad.trials.training_sets import (
     SetPair,
     SetRate,
+    Tried,
     by_set,
+    by_test,
     references,
     set_pairs,
-    set_rate,
 )
+from egad.vision.model_card import taken
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class Training:
     @property
     def taken(self) -> pd.Series:
         """The epoch whose weights were taken."""
-        return self.history[self.history["taken"]].iloc[0]
+        return taken(self.history)
 
 
 @dataclass(frozen=True)
@@ -117,15 +119,7 @@ class TestView:
 
 def page(found: Experiment) -> str:
     """The page about the experiment: HTML that needs no other file."""
-    tests = {name: found.table[found.table["test"] == name] for name in found.tests}
-    rates = {
-        name: {key: set_rate(rows) for key, rows in by_set(table).items()}
-        for name, table in tests.items()
-    }
-    others = {
-        name: {key: mean_rate(rows) for key, rows in references(table).items()}
-        for name, table in tests.items()
-    }
+    tests = by_test(found.table)
     inks = colours(found.settings.diversity.sets)
     template = environment().get_template("diversity.html.j2")
     return template.render(
@@ -136,9 +130,9 @@ def page(found: Experiment) -> str:
         },
         images=found.images,
         trainings=found.trainings,
-        success_figure=_figure(success_chart(rates, others)),
+        success_figure=_figure(success_chart(tests)),
         curves=_figure(training_curves(_histories(found), inks)) if found.trainings else "",
-        tests=[_test(name, rates[name], others[name], found) for name in tests],
+        tests=[_test(name, tried, found) for name, tried in tests.items()],
     )
 
 
@@ -152,37 +146,35 @@ def described(training_set: TrainingSet) -> str:
     return f"dataset `{training_set.dataset}`, {part}{kept}"
 
 
-def _test(
-    name: str, rates: Mapping[str, SetRate], others: dict[str, Mean], found: Experiment
-) -> TestView:
-    table, tried = found.table[found.table["test"] == name], found.tests[name]
+def _test(name: str, tried: Tried, found: Experiment) -> TestView:
+    table, area = tried.rows, found.tests[name]
     sets = by_set(table)
-    grids = {key: trial_grid(rows, tried.rows, tried.columns) for key, rows in sets.items()}
-    present = set((table if tried.chosen is None else tried.chosen)["label"])
+    grids = {key: trial_grid(rows, area.rows, area.columns) for key, rows in sets.items()}
+    present = set((table if area.chosen is None else area.chosen)["label"])
     ids = set(table["id"])
     views = [
         SetView(
             name=key,
-            rate=rates[key],
+            rate=tried.sets[key],
             ends=(grid.rows[0], grid.rows[-1]),
             seen=_seen(key, name, ids, found),
-            heat_map=_figure(trial_heat_map(grid, tried.rows, tried.columns, present, tried.axes)),
+            heat_map=_figure(trial_heat_map(grid, area.rows, area.columns, present, area.axes)),
         )
         for key, grid in grids.items()
     ]
     rows = {key: [*grid.rows, grid.overall] for key, grid in grids.items()}
     columns = {key: [*grid.columns, grid.overall] for key, grid in grids.items()}
-    points = _points(rates, found)
+    points = _points(tried.sets, found)
     return TestView(
         name=name,
         objects=len(ids),
         sets=views,
-        references=others,
+        references=tried.references,
         pairs=set_pairs(sets),
         rows_figure=_figure(side_by_side(rows)),
-        columns_figure=_figure(side_by_side(columns, [str(i) for i in range(tried.columns)])),
+        columns_figure=_figure(side_by_side(columns, [str(i) for i in range(area.columns)])),
         outcome_figure=_figure(outcome_bars({**sets, **references(table)})),
-        score_figure=_figure(score_chart(points, colours(list(rates)))) if points else "",
+        score_figure=_figure(score_chart(points, colours(list(tried.sets)))) if points else "",
     )
 
 

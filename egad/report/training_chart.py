@@ -3,6 +3,7 @@
 import pandas as pd
 
 from egad.report.style import INK, LINES, SOFT, drawn
+from egad.vision.model_card import taken
 
 
 def training_chart(history: pd.DataFrame) -> str:
@@ -15,7 +16,7 @@ def training_chart(history: pd.DataFrame) -> str:
         SVG text. A line marks the epoch whose weights were taken.
     """
     images = history["images"].to_numpy()
-    taken = images[int(history["taken"].argmax())]
+    chosen = taken(history)["images"]
     with drawn(7.6, 3.0) as drawing:
         left, right = drawing.figure.subplots(1, 2)
         left.plot(images, history["loss"], "o-", ms=3, color=LINES[0], label="training")
@@ -31,10 +32,10 @@ def training_chart(history: pd.DataFrame) -> str:
         for axes in (left, right):
             axes.set_xlim(left=0)
             axes.grid(axis="y")
-            axes.axvline(taken, color=SOFT, lw=0.8, ls=(0, (4, 4)))
+            axes.axvline(chosen, color=SOFT, lw=0.8, ls=(0, (4, 4)))
         right.annotate(
             "taken",
-            (taken, 0.02),
+            (chosen, 0.02),
             xytext=(-4, 0),
             textcoords="offset points",
             ha="right",

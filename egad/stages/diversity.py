@@ -15,6 +15,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.training import COMPARED, HISTORY, SCORE
 from egad.trials.records import read
+from egad.trials.training_sets import check_starts
 from egad.vision.folder import files
 
 log = logging.getLogger(__name__)
@@ -29,6 +30,9 @@ def run(settings: DiversityReport, gripper: str, results: Path, out: Path, table
         results: Folder of all results.
         out: The HTML file.
         table: Table with the columns of `tables.training.COMPARED`.
+
+    Raises:
+        UserError: Attempts that should have begun with the same drop did not.
     """
     asked = settings.diversity
     found = networks(settings.training_sets, asked.sets, asked.seeds)
@@ -36,6 +40,9 @@ def run(settings: DiversityReport, gripper: str, results: Path, out: Path, table
         _attempts(results / test / "trials" / gripper, test, found, asked.references)
         for test in asked.tests
     )
+    if settings.trials.between == "anew":
+        for _, rows in trials.groupby("test"):
+            check_starts(rows)
     trained = [each for each in found if settings.training_sets[each.training_set].dataset]
     made = results / "diversity"
     experiment = Experiment(
@@ -52,12 +59,11 @@ def run(settings: DiversityReport, gripper: str, results: Path, out: Path, table
 
 def _attempts(folder: Path, test: str, found: list[Network], references: list[str]) -> pd.DataFrame:
     """All attempts of a test, columns of `COMPARED`."""
-    kinds = {each.name: each for each in found} | {name: Network("", 0) for name in references}
+    made_by = {each.name: (each.training_set, each.seed) for each in found}
+    made_by |= dict.fromkeys(references, ("", 0))
     parts = [
-        read(folder / f"{name}.parquet")[name].assign(
-            test=test, training_set=kind.training_set, seed=kind.seed
-        )
-        for name, kind in kinds.items()
+        read(folder / f"{name}.parquet")[name].assign(test=test, training_set=chosen, seed=seed)
+        for name, (chosen, seed) in made_by.items()
     ]
     return pd.concat(parts, ignore_index=True).loc[:, list(COMPARED.names)]
 

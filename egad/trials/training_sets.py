@@ -1,13 +1,14 @@
-"""Networks that learnt from different objects, tried on the same drops: is one set better?"""
+"""Networks that learnt from different objects, tried on the same drops: are some better?"""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from egad.errors import UserError
 from egad.trials.comparison import Comparison, compare
 from egad.trials.statistics import Mean, Rate, mean_rate, rate
 
@@ -28,21 +29,54 @@ class SetRate:
 
 
 @dataclass(frozen=True)
+class Tried:
+    """All that was tried in a test.
+
+    Attributes:
+        rows: Its attempts, columns of `tables.training.COMPARED`.
+        sets: Success by training set, in the order of the table.
+        references: Success of the other detectors.
+    """
+
+    rows: pd.DataFrame
+    sets: dict[str, SetRate]
+    references: dict[str, Mean]
+
+
+@dataclass(frozen=True)
 class SetPair:
-    """Two training sets; the first has the higher rate.
+    """Two training sets; the networks of the first have the higher rate.
 
     Attributes:
         first: Name of the set.
         second: Name of the other one.
         result: Networks against networks, see `set_pairs`. Where one set has a single network, its
             attempts count once for each network of the other, so look at the objects only.
+        each: The same difference of network 0 and network 0 and so on.
         p_holm: The p-value over the objects, for as many pairs as there are.
     """
 
     first: str
     second: str
     result: Comparison
+    each: list[float]
     p_holm: float
+
+
+def by_test(table: pd.DataFrame) -> dict[str, Tried]:
+    """Success in each test, in the order of the table.
+
+    Args:
+        table: Columns of `tables.training.COMPARED`.
+    """
+    return {
+        str(name): Tried(
+            rows,
+            {key: set_rate(own) for key, own in by_set(rows).items()},
+            {key: mean_rate(own) for key, own in references(rows).items()},
+        )
+        for name, rows in table.groupby("test", sort=False)
+    }
 
 
 def by_set(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
@@ -71,6 +105,28 @@ def set_rate(rows: pd.DataFrame) -> SetRate:
     return SetRate(mean_rate(rows), {seed: rate(rows[rows["seed"] == seed]) for seed in seeds})
 
 
+def check_starts(rows: pd.DataFrame) -> None:
+    """Refuse attempts that should have begun with the same drop and did not.
+
+    An attempt that never began, because its object could not be simulated, has no start.
+
+    Args:
+        rows: Columns label, attempt, start and detector, of one test.
+
+    Raises:
+        UserError: A detector met an object in another pose than those before it.
+    """
+    begun = rows[rows["start"] != ""]
+    usual = begun.groupby(["label", "attempt"])["start"].transform("first")
+    odd = begun[begun["start"] != usual]
+    if len(odd):
+        detector, label, attempt = odd.iloc[0][["detector", "label", "attempt"]]
+        raise UserError(
+            f"{detector} began attempt {attempt} at {label} with another drop than the detectors "
+            "before it: with trials.between anew all must have the same, so make the trials again"
+        )
+
+
 def set_pairs(sets: Mapping[str, pd.DataFrame]) -> list[SetPair]:
     """Every two training sets compared, network 0 with network 0 and so on.
 
@@ -82,34 +138,46 @@ def set_pairs(sets: Mapping[str, pd.DataFrame]) -> list[SetPair]:
         sets: From `by_set`.
 
     Raises:
-        UserError: They did not try the same objects.
+        UserError: They did not try the same objects, or have different numbers of networks, both
+            more than one.
     """
-    most = max((rows["seed"].nunique() for rows in sets.values()), default=0)
-    tables = {name: _numbered(rows, most) for name, rows in sets.items()}
-    found = [_ordered(tables, *names) for names in combinations(tables, 2)]
-    corrected = holm(np.array([result.p_objects for _, _, result in found]))
-    return [SetPair(*pair, float(p)) for pair, p in zip(found, corrected, strict=True)]
+    found = [_pair(sets, *names) for names in combinations(sets, 2)]
+    corrected = holm(np.array([pair.p_holm for pair in found]))
+    return [replace(pair, p_holm=float(p)) for pair, p in zip(found, corrected, strict=True)]
 
 
-def _ordered(
-    tables: Mapping[str, pd.DataFrame], first: str, second: str
-) -> tuple[str, str, Comparison]:
-    result = compare(tables[first], tables[second])
-    if result.difference >= 0:
-        return first, second, result
-    return second, first, compare(tables[second], tables[first])
+def _pair(sets: Mapping[str, pd.DataFrame], first: str, second: str) -> SetPair:
+    """Two sets compared, as if there were no others."""
+    networks = _opposite(sets, first, second)
+    one, other = (_numbered(parts) for parts in zip(*networks, strict=True))
+    result = compare(one, other)
+    if result.difference < 0:
+        return _pair(sets, second, first)
+    each = [compare(*parts).difference for parts in networks]
+    return SetPair(first, second, result, each, result.p_objects)
 
 
-def _numbered(rows: pd.DataFrame, networks: int) -> pd.DataFrame:
-    """Attempts of several networks, or those of one again and again, under numbers of their own."""
-    seeds = sorted(rows["seed"].unique())
-    shift = int(rows["attempt"].max()) + 1
-    parts = [rows[rows["seed"] == seeds[number % len(seeds)]] for number in range(networks)]
-    numbers = [part["attempt"] + number * shift for number, part in enumerate(parts)]
-    columns = ["label", "id", "success", "start"]
-    renamed = zip(parts, numbers, strict=True)
-    table: pd.DataFrame = pd.concat([part[columns].assign(attempt=each) for part, each in renamed])
-    return table
+def _opposite(
+    sets: Mapping[str, pd.DataFrame], first: str, second: str
+) -> list[tuple[pd.DataFrame, pd.DataFrame]]:
+    """Attempts of each network of a set and of that of the other set it is compared with."""
+    one, other = ([rows for _, rows in sets[name].groupby("seed")] for name in (first, second))
+    most = max(len(one), len(other))
+    if {len(one), len(other)} - {1, most}:
+        raise UserError(
+            f"{len(one)} networks of {first} and {len(other)} of {second} are no pairs: "
+            "both sets must have as many, or one of them a single network"
+        )
+    return list(zip(one * (most // len(one)), other * (most // len(other)), strict=True))
+
+
+def _numbered(parts: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Attempts of several networks in one table, under numbers of their own."""
+    numbered = [
+        rows.assign(attempt=rows["attempt"] * len(parts) + number)
+        for number, rows in enumerate(parts)
+    ]
+    return pd.concat(numbered)
 
 
 def holm(p_values: Floats) -> Floats:

@@ -75,10 +75,15 @@ class Trained:
     settings: Mapping[str, Any]
 
 
+def taken(history: pd.DataFrame) -> pd.Series:
+    """The row of a history (`tables.training.HISTORY`) of the epoch whose weights were taken."""
+    return history[history["taken"]].iloc[0]
+
+
 def card(trained: Trained) -> str:
     """The model card as Markdown; it holds no time, so the same training gives the same card."""
     history, score = trained.history, trained.score
-    taken = history[history["taken"]].iloc[0]
+    epoch = taken(history)
     return PAGE.format(
         title=trained.title,
         parameters=trained.parameters,
@@ -90,7 +95,7 @@ def card(trained: Trained) -> str:
         low=score.interval[0],
         high=score.interval[1],
         loss=score.loss,
-        validation=taken["validation_loss"],
+        validation=epoch["validation_loss"],
         data=table(
             ["split", "objects", "images", "without a positive grasp", "grasps", "positive"],
             counts(trained.index),
@@ -98,7 +103,7 @@ def card(trained: Trained) -> str:
         quality=trained.settings["quality"],
         images=int(history["images"].iloc[-1]),
         epochs=len(history),
-        taken=int(taken["epoch"]),
+        taken=int(epoch["epoch"]),
         settings=table(["setting", "value"], trained.settings.items()),
         versions=table(["program", "version"], versions()),
     )

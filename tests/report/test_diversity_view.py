@@ -125,13 +125,26 @@ def test_what_was_learnt_from_is_said_where_it_is_tried(text):
 
 
 def test_every_pair_is_tested_and_corrected(text):
-    found = rows(text.partition("<h2>Tried on egad</h2>")[2], "Is one set better?")
+    found = rows(text.partition("<h2>Tried on egad</h2>")[2], "Are these networks better?")
     assert [line[0] for line in found] == [
         "simple against own",
         "simple against given",
         "own against given",
     ]
     assert all(line[1] == str(len(LABELS)) for line in found)
+    assert all(line[2] == "80 of 80" for line in found)
+
+
+def test_a_pair_tells_the_difference_of_each_two_networks(text):
+    found = rows(text.partition("<h2>Tried on egad</h2>")[2], "Are these networks better?")
+    simple, own = (
+        [tried("egad", name, seed, "")["success"].mean() for seed in (0, 1)]
+        for name in ("simple", "own")
+    )
+    gains = [100 * (one - other) for one, other in zip(simple, own, strict=True)]
+    assert found[0][4] == ", ".join(f"{gain:.1f} %" for gain in gains).replace(
+        "-", "\N{MINUS SIGN}"
+    )
 
 
 def test_trainings_are_told_with_the_weights_that_were_taken(text):
@@ -150,7 +163,7 @@ def test_given_weights_alone_have_no_training():
     alone = {"sets": ["given"], "tests": ["egad"]}
     found = page(experiment({**CONFIG, "diversity": alone}))
     assert "Validation loss" not in found
-    assert "Is one set better?" not in found
+    assert "Are these networks better?" not in found
     assert [line[0] for line in rows(found, "<h2>Tried on egad</h2>")] == ["given", "random"]
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from egad.cli import main
 from egad.config_check import check
+from egad.errors import UserError
 from egad.stage_settings import DiversityReport, select
 from egad.stages import diversity as stage
 from egad.tables import parquet
@@ -109,6 +110,19 @@ def test_the_command_makes_the_same(results, monkeypatch, capsys):
     assert left.value.code in (0, None), capsys.readouterr().err
     assert (results / "b.html").read_bytes() == (results / "a.html").read_bytes()
     assert parquet.origin_of(results / "b.parquet")["stage"] == "diversity"
+
+
+def test_drops_that_should_be_the_same_are_compared(results):
+    path = results / "egad/trials/hand/all-1.parquet"
+    parquet.write(attempts("all-1").assign(start_y=0.1), TRIALS, path)
+    outputs = results / "out.html", results / "out.parquet"
+    stage.run(SETTINGS, "hand", results, *outputs)
+    assert "10 of 20" in outputs[0].read_text(encoding="utf-8")
+    anew = SETTINGS.model_copy(
+        update={"trials": SETTINGS.trials.model_copy(update={"between": "anew"})}
+    )
+    with pytest.raises(UserError, match="all-1 began attempt 0 at A0 with another drop"):
+        stage.run(anew, "hand", results, *outputs)
 
 
 @pytest.mark.parametrize(

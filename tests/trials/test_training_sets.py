@@ -9,7 +9,15 @@ import pytest
 from egad.errors import UserError
 from egad.trials.comparison import sign_flip
 from egad.trials.statistics import mean_rate
-from egad.trials.training_sets import by_set, holm, references, set_pairs, set_rate
+from egad.trials.training_sets import (
+    by_set,
+    by_test,
+    check_starts,
+    holm,
+    references,
+    set_pairs,
+    set_rate,
+)
 
 OBJECTS = [f"{letter}{digit}" for letter in "ABC" for digit in range(3)]
 SETS = {"poor": (0.2, 2), "good": (0.8, 2), "given": (0.5, 1)}
@@ -42,6 +50,15 @@ def test_the_table_is_taken_apart_in_its_order(table):
     assert list(references(table)) == ["random"]
     parts = [*by_set(table).values(), *references(table).values()]
     assert sum(map(len, parts)) == len(table)
+
+
+def test_each_test_has_its_own_rates(table):
+    found = by_test(pd.concat([table.assign(test="one"), table[::2].assign(test="two")]))
+    assert list(found) == ["one", "two"]
+    for tried, rows in ((found["one"], table), (found["two"], table[::2])):
+        assert len(tried.rows) == len(rows)
+        assert tried.sets == {name: set_rate(own) for name, own in by_set(rows).items()}
+        assert tried.references == {"random": mean_rate(references(rows)["random"])}
 
 
 def test_a_rate_is_that_of_all_networks_and_each_is_there(table):
@@ -95,6 +112,52 @@ def test_the_difference_is_that_of_the_rates(table):
     rates = {name: set_rate(rows).pooled.value for name, rows in by_set(table).items()}
     for pair in set_pairs(by_set(table)):
         assert pair.result.difference == pytest.approx(rates[pair.first] - rates[pair.second])
+
+
+def test_each_pair_of_networks_is_compared_alone(table):
+    rates = {name: set_rate(rows).each for name, rows in by_set(table).items()}
+    for pair in set_pairs(by_set(table)):
+        one, other = (
+            [each.value for each in rates[name].values()] for name in (pair.first, pair.second)
+        )
+        expected = np.subtract(one, other)  # a single network is against each of the other set
+        assert pair.each == pytest.approx(expected.tolist())
+        assert pair.result.difference == pytest.approx(np.mean(pair.each))
+
+
+def test_numbers_of_networks_that_make_no_pairs_are_refused(table):
+    sets = by_set(table)
+    third = sets["good"][sets["good"]["seed"] == 0].assign(seed=2)
+    three = pd.concat([sets["good"], third])
+    with pytest.raises(UserError, match="2 networks of poor and 3 of three are no pairs"):
+        set_pairs({"poor": sets["poor"], "three": three})
+    (pair,) = set_pairs({"given": sets["given"], "three": three})
+    assert len(pair.each) == 3
+
+
+def test_two_single_networks_count_once_whatever_the_other_sets_have(table):
+    sets = by_set(table)
+    alone = {name: sets[name][sets[name]["seed"] == 0] for name in ("good", "given")}
+    pairs = set_pairs({**alone, "poor": sets["poor"]})
+    attempts = {(pair.first, pair.second): pair.result.attempts for pair in pairs}
+    assert attempts["good", "given"] == 6 * len(OBJECTS)
+    assert attempts["good", "poor"] == 2 * 6 * len(OBJECTS)
+
+
+def test_what_began_alike_is_counted_and_what_should_have_is_refused(table):
+    sets = by_set(table)
+    moved = sets["poor"].copy()
+    moved.iloc[:3, moved.columns.get_loc("start")] = "elsewhere"
+    (pair,) = set_pairs({"good": sets["good"], "poor": moved})
+    assert (pair.result.attempts, pair.result.alike) == (len(moved), len(moved) - 3)
+    check_starts(table)
+    with pytest.raises(UserError, match="poor-0 began attempt 0 at A0 with another drop"):
+        check_starts(pd.concat([sets["good"], moved]))
+
+
+def test_an_attempt_that_never_began_is_no_other_drop(table):
+    sets = by_set(table)
+    check_starts(pd.concat([sets["poor"].assign(start=""), sets["good"]]))
 
 
 def test_the_same_network_is_not_better_than_itself(table):

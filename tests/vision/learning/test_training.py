@@ -130,6 +130,7 @@ def test_it_ends_when_nothing_gets_better(shards, monkeypatch):
     settings = SHORT.model_copy(update={"images": 20, "patience": 2})
     rows = training.train(Tiny(), shards, settings, 0)
     assert [row["validation_loss"] for row in rows] == [3, 2, 2.5, 2]
+    assert [row["taken"] for row in rows] == [False, True, False, False]
     assert math.isnan(rows[0]["validation_score"])
 
 
