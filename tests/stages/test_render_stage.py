@@ -26,7 +26,10 @@ NAMES = [f"B{number}" for number in range(8)]
 
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory):
-    """Blocks with a grasp each, but for B6 without one, and B7, whose mesh is flat."""
+    """Blocks with a grasp that is free and a narrow one, for which the fingers stand in the block.
+
+    But B5 has the latter only, B6 none, and the mesh of B7 is flat.
+    """
     folder = tmp_path_factory.mktemp("results") / "mine"
     meshes = folder / "rescaled" / "egad_75mm"
     grasps = []
@@ -36,9 +39,10 @@ def dataset(tmp_path_factory):
         if name == "B7":
             mesh.vertices[:, 2] = 0
         write_obj(mesh, meshes / f"{name}.obj")
-        row = {"axis_x": 1.0, "width": sides[0], "robust_quality": 0.001 * number}
         base = dict.fromkeys(GRASPS.names, 0) | {"id": f"id-{name}", "label": name}
-        grasps += [base | row] * (name != "B6")
+        base |= {"axis_x": 1.0, "robust_quality": 0.001 * number}
+        widths = {"B5": [0.01], "B6": []}.get(name, [sides[0], 0.01])
+        grasps += [base | {"grasp": n, "width": width} for n, width in enumerate(widths)]
     parquet.write(pd.DataFrame(grasps), GRASPS, folder / "grasps.parquet")
     rows = [dict.fromkeys(OBJECTS.names, 0) | {"id": f"id-{n}", "label": n} for n in NAMES]
     objects = pd.DataFrame(rows)[OBJECTS.names].assign(complexity=np.arange(8.0))
@@ -126,11 +130,17 @@ def test_the_card_counts_what_is_there(dataset, images, tmp_path):
     text = out.read_text()
     grasps = [picture.grasps for picture in images]
     free = sum(int(each.free.sum()) for each in grasps)
+    reachable = sum(len(each.free) for each in grasps)
+    bare = sum(len(each.free) == 0 for each in grasps)
     empty = sum(not each.free.any() for each in grasps)
+    assert 0 < free < reachable
+    assert 0 < bare < empty
     for title, number in (
         ("objects", 7),
         ("images", len(images)),
+        ("images without a reachable grasp", bare),
         ("images without a free grasp", empty),
+        ("reachable grasps", reachable),
         ("free grasps", free),
     ):
         line = next(line for line in text.splitlines() if line.startswith(f"| {title} |"))

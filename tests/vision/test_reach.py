@@ -19,6 +19,20 @@ def lying(mesh, turn=None):
     return matrix
 
 
+def across(width):
+    """A grasp along x whose contacts are so far apart, centred on the origin."""
+    centers, axes = np.zeros((1, 3)), np.array([[1.0, 0, 0]])
+    return Grasped(np.array([0]), centers, axes, np.array([width]), np.ones(1))
+
+
+@pytest.fixture
+def slim(hand):
+    """A hand whose palm is a stick: what is over a finger meets that finger alone."""
+    palm = trimesh.creation.box((0.01, 0.01, 0.06))
+    palm.apply_translation((0, 0, -0.03))
+    return hand._replace(palm=palm)
+
+
 def test_axes_near_level_are_reachable(block, grasped, hand):
     found, free = reachable(RayCaster(block), grasped, lying(block), hand, TILT)
     assert found.numbers.tolist() == [4, 9]
@@ -53,16 +67,36 @@ def test_a_neighbour_within_the_room_of_a_finger_is_in_the_way(block, grasped, h
 
 
 def test_the_palm_meets_what_is_higher_than_the_fingers_are_long(block, hand):
-    grasp = Grasped(
-        np.array([0]), np.zeros((1, 3)), np.array([[1.0, 0, 0]]), np.array([0.03]), np.ones(1)
-    )
     length = hand.gripper.finger_length
     base = hand.gripper.finger_width / 2 - length
     for top, expected in ((-base - 0.001, True), (-base + 0.001, False)):
         tower = trimesh.creation.box((0.01, 0.01, 0.01))
         tower.apply_translation((0, 0.025, top - 0.005))
         both = trimesh.util.concatenate([block, tower])
-        _, free = reachable(RayCaster(both), grasp, lying(block), hand, TILT)
+        _, free = reachable(RayCaster(both), across(0.03), lying(block), hand, TILT)
+        assert free.tolist() == [expected]
+
+
+@pytest.mark.parametrize(("x", "height"), [(-0.028, 0), (0.028, 0), (0, 0.06)])
+def test_what_hangs_over_a_finger_or_the_palm_blocks_its_way_in(block, slim, x, height):
+    """It is far above the hand at its place, and in the way if it is lower than the way is long."""
+    top = slim.gripper.finger_length - slim.gripper.finger_width / 2 + height
+    for gap, expected in ((-0.001, False), (0.001, True)):
+        roof = trimesh.creation.box((0.004, 0.06, 0.01))
+        roof.apply_translation((x, 0, top + slim.way + gap + 0.005))
+        both = trimesh.util.concatenate([block, roof])
+        _, free = reachable(RayCaster(both), across(0.03), lying(block), slim, TILT)
+        assert free.tolist() == [expected]
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_finger_inside_a_thick_block_collides_though_it_meets_no_surface(block, slim, side):
+    """A tower beside the block has the whole finger inside it, or leaves the finger out."""
+    for near, expected in ((0.018, False), (0.034, True)):
+        tower = trimesh.creation.box((0.1, 0.1, 0.6))
+        tower.apply_translation((side * (near + 0.05), 0, 0.28))
+        both = trimesh.util.concatenate([block, tower])
+        _, free = reachable(RayCaster(both), across(0.03), lying(block), slim, TILT)
         assert free.tolist() == [expected]
 
 
@@ -70,23 +104,14 @@ def test_a_plate_is_grasped_as_low_as_the_table_allows(hand):
     """The contacts are at half its height; the tips stay above the table and bite below them."""
     for height in (TABLE_CLEARANCE + LEAST_BITE - 5e-4, TABLE_CLEARANCE + LEAST_BITE + 5e-4):
         plate = trimesh.creation.box((0.03, 0.06, 2 * height))
-        grasp = Grasped(
-            np.array([0]), np.zeros((1, 3)), np.array([[1.0, 0, 0]]), np.array([0.03]), np.ones(1)
-        )
-        _, free = reachable(RayCaster(plate), grasp, lying(plate), hand, TILT)
+        _, free = reachable(RayCaster(plate), across(0.03), lying(plate), hand, TILT)
         assert free.tolist() == [height > TABLE_CLEARANCE + LEAST_BITE]
 
 
 def test_hands_open_as_far_as_they_can_and_no_further(hand):
     """A block as wide as the hand opens is free; its walls are a hair inside the fingers."""
     wide = trimesh.creation.box((hand.gripper.opening, 0.03, 0.04))
-    grasp = Grasped(
-        np.array([0]),
-        np.zeros((1, 3)),
-        np.array([[1.0, 0, 0]]),
-        np.array([hand.gripper.opening]),
-        np.ones(1),
-    )
+    grasp = across(hand.gripper.opening)
     _, free = reachable(RayCaster(wide), grasp, lying(wide), hand, TILT)
     assert free.tolist() == [True]
 

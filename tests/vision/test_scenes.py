@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial.transform import Rotation
 
 from egad.settings import CAMERAS, Settings
 from egad.shapes.poses import stable_poses
-from egad.vision.camera import Intrinsics, above
+from egad.vision.camera import LOOKING_DOWN, Intrinsics, above
 from egad.vision.scenes import drawn_poses, drawn_scene
 
 CENTER = np.array([0.001, -0.002, 0.003])
@@ -58,6 +59,25 @@ def test_ranges_are_kept_and_filled(poses, name):
         assert np.min(values) >= low - 1e-9
         assert np.max(values) <= high + 1e-9
         assert np.ptp(values) >= 0.95 * (high - low)
+
+
+def test_turns_of_object_and_camera_are_spread_over_their_ranges(poses):
+    """Each quarter of what is possible comes up as often: yaw, where the camera leans, its roll."""
+    camera = CAMERAS["dexnet"].model_copy(update={"roll": (-30.0, 60.0)})
+    yaws, leans, rolls = [], [], []
+    for scene in scenes(poses, camera, 1000):
+        turn = scene.matrix[:3, :3] @ poses[0].transform(CENTER)[:3, :3].T
+        yaws.append(np.arctan2(turn[1, 0], turn[0, 0]))
+        up = -scene.camera[:3, 2]
+        leans.append(np.arctan2(up[1], up[0]))
+        axis = np.array([-up[1], up[0], 0])  # upright, it is turned about this to look from there
+        upright = Rotation.from_rotvec(axis / np.linalg.norm(axis) * np.arccos(up[2])).inv()
+        rolled = LOOKING_DOWN.T @ upright.as_matrix() @ scene.camera[:3, :3]
+        rolls.append(np.degrees(np.arctan2(rolled[1, 0], rolled[0, 0])))
+    for values, ends in ((yaws, (-np.pi, np.pi)), (leans, (-np.pi, np.pi)), (rolls, camera.roll)):
+        counts, _ = np.histogram(values, np.linspace(*ends, 5))
+        assert counts.sum() == 1000
+        assert np.abs(counts - 250).max() < 5 * np.sqrt(1000 * 0.25 * 0.75)
 
 
 @pytest.mark.parametrize("name", CAMERAS)
