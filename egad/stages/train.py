@@ -14,7 +14,7 @@ from egad.report.training_chart import training_chart
 from egad.stage_settings import TrainNetwork
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
-from egad.vision import folder
+from egad.vision import folder, plain
 from egad.vision.learning_set import LearningSet, Rule
 from egad.vision.model_card import Trained, card
 from egad.vision.score import Score, reached, scored
@@ -51,7 +51,8 @@ def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score
     network = networks.untrained(plan.network, seed)
     kept = checkpoint.Checkpoint(out / CHECKPOINT, meaning(settings, images))
     rows = training.train(network, shards, plan, seed, jobs, kept)
-    score = scored(*training.examined(network, shards, plan.test, jobs))
+    held, judgements = training.examined(network, shards, plan.test, jobs)
+    score = scored(shards.index.loc[held], judgements)
     weights.write(network, out / WEIGHTS, {"network": plan.network, "seed": seed})
     trained = Trained(
         networks.TITLES[plan.network],
@@ -60,6 +61,7 @@ def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score
         shards.index,
         pd.DataFrame(rows),
         score,
+        plain.right(shards, held),
         {"seed": seed, **plan.model_dump(mode="json")},
     )
     tell(trained, out)

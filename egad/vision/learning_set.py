@@ -1,6 +1,8 @@
 """Rendered images with their grasps, read on demand from the shards of the compact layout."""
 
 from collections import OrderedDict
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock
 from typing import Any, NamedTuple
@@ -14,12 +16,12 @@ from egad.tables.promises import TableError
 from egad.tables.row_groups import RowGroups
 from egad.vision.folder import files
 from egad.vision.maps import SIZE
-from egad.vision.png import depth_of
+from egad.vision.png import depth_of, pixels
 from egad.vision.rectangles import Rectangles, half_turn
 from egad.vision.splits import SPLITS
 
 GRASP = ["u", "v", "angle", "opening", "depth_center", "quality", "free"]
-NAMES = ["image", "id", "split", "depth", "height", "width", "focal", *GRASP]
+NAMES = ["image", "id", "split", "depth", "mask", "height", "width", "focal", *GRASP]
 WINDOW = 2048  # images that are mixed with each other; about so many are kept in memory, packed
 FARTHEST = 1e5  # pixels; numbers of grasps beyond this are no pixels of an image
 
@@ -98,10 +100,21 @@ class LearningSet:
         Raises:
             TableError: It is damaged or of another size.
         """
-        place = self.index.iloc[number]
-        shown = self._group(place["shard"], place["group"]).iloc[place["row"]]
-        try:
+        with self._named(number) as shown:
             return _whole(shown), positives(shown, self.rule)
+
+    def mask(self, number: int) -> NDArray[np.bool_]:
+        """Which pixels of it see the object, (300, 300); errors as `image`."""
+        with self._named(number) as shown:
+            return pixels(shown, "mask", "L") > 0
+
+    @contextmanager
+    def _named(self, number: int) -> Iterator[dict[str, Any]]:
+        """What is stored of the image of a row of the index; what is wrong with it is told so."""
+        place = self.index.iloc[number]
+        row = self._group(place["shard"], place["group"]).iloc[place["row"]]
+        try:
+            yield {str(name): value for name, value in row.items()}
         except (ValueError, TypeError, TableError) as error:
             raise TableError(f"{self.folder}: image {place['image']}: {error}") from error
 
@@ -138,17 +151,17 @@ def positive(quality: Any, free: Any, rule: Rule) -> NDArray[np.bool_]:  # noqa:
     return good
 
 
-def _whole(shown: pd.Series) -> NDArray[np.float32]:
+def _whole(shown: Mapping[str, Any]) -> NDArray[np.float32]:
     """The depth image of a row of a shard, of the size that goes in, with some depth in it."""
     if (shown["height"], shown["width"]) != (SIZE, SIZE):
         raise ValueError(f"it is {shown['width']} x {shown['height']}, not {SIZE} x {SIZE}")
-    depth = depth_of({str(name): value for name, value in shown.items()})
+    depth = depth_of(shown)
     if not np.isfinite(depth).any():
         raise ValueError("it has no depth at any pixel")
     return depth
 
 
-def positives(shown: pd.Series, rule: Rule) -> Rectangles:
+def positives(shown: Mapping[str, Any], rule: Rule) -> Rectangles:
     """The positive grasps of a row of a shard, (n, 5), from the worst to the best.
 
     Raises:

@@ -27,7 +27,8 @@ closing axis is anticlockwise as seen from the image's x axis.
 ## Score
 
 The best grasp was right in {right:,} of {count:,} images of {objects:,} held-out objects, the split
-`test`: {rate:.1%}, for other objects of the same kind {low:.1%} to {high:.1%} (95 %). The loss on
+`test`: {rate:.1%}, for other objects of the same kind {low:.1%} to {high:.1%} (95 %). The middle of
+the object, across its narrower side, was right in {plain:,} of them. The loss on
 them was {loss:.4f}, that on the validation set {validation:.4f}.
 
 Right is a grasp, the one at the highest peak, that overlaps a positive one by more than 0.25
@@ -63,6 +64,7 @@ class Trained:
         index: `egad.vision.learning_set.LearningSet.index`.
         history: Columns of `tables.training.HISTORY`.
         score: On the split `test`.
+        plain: Images of these in which the outline alone suggests a right grasp.
         settings: How it was trained, by name; among them `quality`.
     """
 
@@ -72,6 +74,7 @@ class Trained:
     index: pd.DataFrame
     history: pd.DataFrame
     score: Score
+    plain: int
     settings: Mapping[str, Any]
 
 
@@ -92,6 +95,7 @@ def card(trained: Trained) -> str:
         count=score.count,
         objects=score.objects,
         rate=score.rate,
+        plain=trained.plain,
         low=score.interval[0],
         high=score.interval[1],
         loss=score.loss,

@@ -15,7 +15,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import torch
 from numpy.typing import NDArray
 from torch import nn
@@ -88,11 +87,11 @@ def judge(
 
 def examined(
     network: nn.Module, shards: LearningSet, most: int, jobs: int
-) -> tuple[pd.DataFrame, list[Judged]]:
-    """A network's answers to at most so many images of the split `test`, with their index rows."""
+) -> tuple[NDArray[np.int64], list[Judged]]:
+    """At most so many rows of the index of the split `test`, and a network's answers to them."""
     held = spread(shards.numbers("test"), most)
     with crew(jobs) as workers:
-        return shards.index.loc[held], judge(network, shards, held, workers)
+        return held, judge(network, shards, held, workers)
 
 
 def crew(jobs: int) -> ThreadPoolExecutor:

@@ -16,12 +16,16 @@ FOCAL, FAR, SIZE = 417.0, 0.6, 300
 PARTS = {"train": 0.7, "validation": 0.15, "test": 0.15}
 
 
+def png(pixels):
+    """A PNG file of one channel."""
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, format="PNG")
+    return buffer.getvalue()
+
+
 def packed(depth):
     """A depth image as a 16-bit PNG of tenths of millimetres; 0 where there is none."""
-    buffer = io.BytesIO()
-    stored = np.nan_to_num(np.round(depth * 10_000)).astype(np.uint16)
-    Image.fromarray(stored).save(buffer, format="PNG")
-    return buffer.getvalue()
+    return png(np.nan_to_num(np.round(depth * 10_000)).astype(np.uint16))
 
 
 def drawn_object(rng):
@@ -75,7 +79,7 @@ def rows(objects, each, seed, empty=0):
                 "depth": packed(depth),
                 "height": SIZE,
                 "width": SIZE,
-                "mask": b"",
+                "mask": png(np.where(depth < FAR - 0.01, np.uint8(255), np.uint8(0))),
                 "focal": FOCAL,
                 "center_u": 149.5,
                 "center_v": 149.5,

@@ -29,10 +29,11 @@ def test_counts_are_of_objects_images_negatives_and_grasps(images, pictures):
 def test_the_card_names_the_epoch_that_was_taken_and_the_score(images, history):
     index = LearningSet(images, Rule(0.002, 0.02)).index
     score = Score(right=30, count=40, objects=7, interval=(0.6, 0.85), loss=0.0234)
-    trained = Trained("GG-CNN", 62420, "pictures", index, history, score, {"quality": 0.002})
+    trained = Trained("GG-CNN", 62420, "pictures", index, history, score, 22, {"quality": 0.002})
     text = card(trained)
     assert "right in 30 of 40 images of 7 held-out objects" in text
     assert "75.0%, for other objects of the same kind 60.0% to 85.0%" in text
+    assert "narrower side, was right in 22 of them" in text
     assert "3,000 images in 3 epochs" in text
     assert "those after epoch 1." in text
     assert text.count("| quality | 0.002 |") == 1
