@@ -74,7 +74,11 @@ class Checkout:
 
     def planned(self, *arguments, configs=(TEST_CONFIG,)):
         """How many jobs of each rule a run would start."""
-        text = self.make("--dry-run", "--cores", 2, *arguments, configs=configs)
+        return self.jobs(self.make("--dry-run", "--cores", 2, *arguments, configs=configs))
+
+    @staticmethod
+    def jobs(text):
+        """The same, from what a dry run said."""
         table = text.partition("Job stats:")[2].partition("total ")[0]
         rows = re.findall(r"^(\w+) +(\d+)$", table, flags=re.MULTILINE)
         found = {rule: int(count) for rule, count in rows}

@@ -24,8 +24,9 @@ def configs(clean):
     return ["config/test.yaml", clean.overlay("asked.yaml", ASKED)]
 
 
-def test_every_set_and_network_has_its_jobs(clean, configs):
-    planned = clean.planned(TARGET, configs=configs)
+def test_every_set_and_network_has_its_jobs_with_its_settings(clean, configs):
+    said = clean.make("--dry-run", "--printshellcmds", TARGET, configs=configs)
+    planned = clean.jobs(said)
     assert (planned["render_set"], planned["set_card"]) == (2 * 2, 2)
     assert planned["train_network"] == 2 * 2
     detectors = 2 * 2 + 1 + 1
@@ -34,6 +35,15 @@ def test_every_set_and_network_has_its_jobs(clean, configs):
     assert planned["diversity"] == 1
     assert "report" not in planned
     assert "render" not in planned
+    lines = [line for line in said.splitlines() if "egad render" in line]
+    for name, part in (("simple", "[0.0,0.333]"), ("complex", "[0.667,1.0]")):
+        own = [line for line in lines if f"images/{name}/" in line]
+        assert len(own) == 2
+        assert all(f'"complexity":{part}' in line for line in own)
+    for seed in (0, 1):
+        (line,) = [each for each in said.splitlines() if f"networks/simple/{seed} " in each]
+        assert f'"seed":{seed},' in line
+        assert "results/diversity/images/simple" in line
 
 
 def test_another_seed_adds_its_own_jobs_alone(clean, configs):
@@ -42,13 +52,6 @@ def test_another_seed_adds_its_own_jobs_alone(clean, configs):
     after = clean.planned(TARGET, configs=[*configs, more])
     added = {rule: after[rule] - before[rule] for rule in after if after[rule] != before[rule]}
     assert added == {"train_network": 2, "simulated_trial": 2 * SHARDS, "join_trials": 2}
-    said = clean.make("--dry-run", "--printshellcmds", TARGET, configs=[*configs, more])
-    first = "results/diversity/networks/simple/0/weights.safetensors"
-    command = next(
-        line for line in said.splitlines() if "--out results/diversity/networks/simple/0 " in line
-    )
-    alone = clean.make("--dry-run", "--printshellcmds", first, configs=configs)
-    assert command in alone
 
 
 def test_networks_are_tried_one_by_one_and_without_the_others(clean, configs):
@@ -64,36 +67,13 @@ def test_nothing_of_it_is_made_unless_it_is_named(clean, configs):
     assert not {"render_set", "train_network", "diversity"} & set(clean.planned(configs=configs))
 
 
-def test_sets_differ_in_what_they_render_and_networks_in_the_seed(clean, configs):
-    said = clean.make("--dry-run", "--printshellcmds", TARGET, configs=configs)
-    lines = [line for line in said.splitlines() if "egad render" in line]
-    for name, part in (("simple", "[0.0,0.333]"), ("complex", "[0.667,1.0]")):
-        own = [line for line in lines if f"images/{name}/" in line]
-        assert len(own) == 2
-        assert all(f'"complexity":{part}' in line for line in own)
-    for seed in (0, 1):
-        (line,) = [each for each in said.splitlines() if f"networks/simple/{seed} " in each]
-        assert f'"seed":{seed},' in line
-        assert "results/diversity/images/simple" in line
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"diversity": {"sets": ["lost"]}}, "diversity.sets: 'lost' is not defined"),
-        (
-            {"training_sets": {"simple": {"dataset": "lost"}}},
-            "training_sets.simple.dataset: 'lost' is not defined",
-        ),
-        (
-            {"training_sets": {"simple": {"complexity": [0.4, 0.4]}}},
-            "complexity must go from low to high",
-        ),
         (
             {"training_sets": {"given": {"weights": "lost.pt"}}},
             "The detector given-0 cannot be used: policies: there is no file lost.pt",
         ),
-        ({"policies": {"simple-1": {"detector": "random"}}}, "policies.simple-1: that is what"),
         ({"diversity": {"sets": []}}, "diversity.sets names no training set"),
         ({"diversity": {"tests": []}}, "diversity.tests names no dataset"),
     ],
