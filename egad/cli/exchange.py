@@ -99,8 +99,7 @@ def _acronym(settings: AcronymFiles, dataset: Path, gripper: str, grasps: Path, 
     from egad.exchange.acronym import is_ours
     from egad.stages import acronym as stage
 
-    if out.is_file():
-        raise UserError(f"--out {out} is a file; name a folder")
+    _check_folder(out)
     if foreign := [path.name for path in sorted(out.glob("*")) if not is_ours(path)]:
         raise UserError(
             f"--out {out}: {foreign[0]} is no earlier export and would be lost; "
@@ -116,12 +115,16 @@ def _images(settings: ImageLayouts, layout: str, images: Path, out: Path) -> Non
     from egad.stages import image_layout as stage
     from egad.vision.folder import files
 
-    if out.is_file():
-        raise UserError(f"--out {out} is a file; name a folder")
+    _check_folder(out)
     if out.is_dir() and any(out.iterdir()):
         raise UserError(f"--out {out} is not empty, and what is in it would be lost")
     with recorded("image_layout", settings, files(images), [out], layout=layout):
         stage.run(settings, layout, images, out)
+
+
+def _check_folder(out: Path) -> None:
+    if out.is_file():
+        raise UserError(f"--out {out} is a file; name a folder")
 
 
 def _chosen(stage: type[S], text: str | None, config: Path | None, gripper: str | None = None) -> S:

@@ -4,7 +4,15 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from egad.settings.base import Fraction, FractionRange, Name, PositiveFraction, Range, Section
+from egad.settings.base import (
+    Fraction,
+    FractionRange,
+    Name,
+    PositiveFraction,
+    Range,
+    Section,
+    ascending,
+)
 from egad.settings.trials import Pixels
 
 Angle = Annotated[float, Field(ge=0, le=60)]
@@ -85,9 +93,7 @@ class Render(Section):
     def _something_is_left(self) -> Self:
         if self.validation + self.test >= 1:
             raise ValueError("validation and test together must be less than 1")
-        low, high = self.complexity
-        if not low < high:
-            raise ValueError(f"complexity must go from low to high, got {low} to {high}")
+        ascending(self, "complexity")
         return self
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from egad.code_version import code_version
+from egad.diversity import WEIGHTS
 from egad.errors import UserError
 from egad.exchange.sums import sum_of
 from egad.files import write_text
@@ -20,7 +21,7 @@ from egad.vision.model_card import Trained, card
 from egad.vision.score import Score, reached, scored
 
 log = logging.getLogger(__name__)
-WEIGHTS, CHART, CARD = "weights.safetensors", "history.svg", "README.md"
+CHART, CARD = "history.svg", "README.md"
 TABLE, REACHED = "history.parquet", "score.parquet"
 CHECKPOINT = "checkpoint.pt"
 NEEDED = "training needs PyTorch and safetensors: install egad with its extra, egad[vision]"
