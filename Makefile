@@ -26,10 +26,10 @@ all: setup
 setup: $(READY)
 
 test: setup
-	pytest --numprocesses 2 --dist loadgroup
+	pytest --numprocesses 2
 
 bounds: setup
-	NUMBA_BOUNDSCHECK=1 pytest --numprocesses 2 --dist loadgroup \
+	NUMBA_BOUNDSCHECK=1 pytest --numprocesses 2 \
 		tests/evolution tests/measures tests/grasps tests/shapes tests/trials tests/vision
 
 slicer: setup

@@ -22,6 +22,8 @@ log = logging.getLogger(__name__)
 
 CHANCES = 2
 ENDING_TIME = 5.0  # seconds
+# A fork of this process would have its locks without the threads that hold them.
+APART = multiprocessing.get_context("forkserver")
 KILLED = "was killed, probably for want of memory"
 Work = Callable[[Any], Any]
 Mapper = Callable[[Work, Iterable[Any]], Iterable[Any]]
@@ -36,7 +38,7 @@ def workers(count: int) -> Iterator[Mapper]:
             yield map
         return
     try:
-        with ProcessPoolExecutor(count, initializer=_start_worker) as pool:
+        with ProcessPoolExecutor(count, APART, _start_worker) as pool:
             yield partial(pool.map, chunksize=2)
     except BrokenProcessPool as error:
         raise UserError(

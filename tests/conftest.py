@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from xdist.scheduler import LoadScopeScheduling
 
 from egad.data import released
 from egad.settings import Shape
@@ -16,11 +17,16 @@ from egad.tables.evolution import ARCHIVE
 RELEASED_SET = Path(__file__).parent / "data/released_set.csv"
 
 
-def pytest_collection_modifyitems(items):
-    """One process a file, when tests run in several; those of the workflow share a finished run."""
-    for item in items:
-        group = "workflow" if "workflow" in item.path.parts else str(item.path)
-        item.add_marker(pytest.mark.xdist_group(group))
+class ByFixtures(LoadScopeScheduling):
+    """Tests that share what is slow to make run in one process: those of a file, or of a run."""
+
+    def _split_scope(self, nodeid):
+        path = nodeid.partition("::")[0]
+        return "workflow" if "/workflow/" in path else path
+
+
+def pytest_xdist_make_scheduler(config, log):
+    return ByFixtures(config, log)
 
 
 @pytest.fixture(scope="session")

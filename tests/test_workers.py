@@ -55,14 +55,17 @@ def pid(_):
     time.sleep(0.3)
     return os.getpid()
 
-with workers(2) as mapper:
-    print(*set(mapper(pid, range(8))), flush=True)
-    os.kill(os.getpid(), signal.SIGKILL)
+if __name__ == "__main__":
+    with workers(2) as mapper:
+        print(*set(mapper(pid, range(8))), flush=True)
+        os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
-def test_workers_end_when_what_they_work_for_is_killed():
-    with subprocess.Popen([sys.executable, "-c", ABANDONS], stdout=subprocess.PIPE) as process:
+def test_workers_end_when_what_they_work_for_is_killed(tmp_path):
+    program = tmp_path / "abandons.py"
+    program.write_text(ABANDONS)
+    with subprocess.Popen([sys.executable, program], stdout=subprocess.PIPE) as process:
         pids = list(map(int, process.stdout.readline().split()))
     assert process.returncode == -signal.SIGKILL
     assert pids

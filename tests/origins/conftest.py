@@ -49,10 +49,11 @@ def soon():
     def late(*_):
         raise TimeoutError("this does not end")
 
-    signal.signal(signal.SIGALRM, late)
+    before = signal.signal(signal.SIGALRM, late)
     signal.alarm(20)
     yield
     signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
 
 
 @pytest.fixture(params=["/dev/zero", "/", "../outside", "../link", "../never", "../loop"])
