@@ -1,35 +1,78 @@
-"""The chart and the tables of docs/diversity.md: `python docs/diversity.py results.parquet`.
+"""The figures and tables of docs/diversity.md: `python docs/diversity.py results.parquet`."""
 
-`python docs/diversity.py --luck` prints how often the luck of trainings looks like a better set.
-"""
-
+import string
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
+import matplotlib
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 
 from egad.files import write_text
 from egad.report.diversity_figures import success_chart
 from egad.report.environment import p_value
-from egad.seeds import generator
+from egad.report.style import drawn, ink_on
+from egad.report.summary import outcome_counts
+from egad.report.trial_figures import OUTCOMES
+from egad.settings import Settings
 from egad.tables import parquet
 from egad.tables.training import COMPARED
-from egad.trials.comparison import sign_flip
-from egad.trials.statistics import Rate
-from egad.trials.training_sets import Tried, by_set, by_test, set_pairs
+from egad.trials.statistics import Mean, Rate, TrialGrid, trial_grid
+from egad.trials.training_sets import Tried, by_set, by_test, references, set_pairs
 
 HERE = Path(__file__).parent
-OBJECTS, ATTEMPTS, REPEATS = 48, 20, 4000
-SHIFTS, SPREADS = (0.0, 0.03, 0.06), (0.0, 0.1)
+ROWS, COLUMNS = Settings().select_eval.rows, Settings().select_eval.columns
+ACROSS = 4  # panels
+SHADES = matplotlib.colormaps["Blues"]
 
 
 def main(path: Path) -> None:
-    """Write the chart beside this file and print the tables."""
+    """Write the figures beside this file and print the tables."""
     tests = by_test(parquet.read(path, COMPARED))
     write_text(HERE / "diversity.svg", success_chart(tests))
     for name, tried in tests.items():
+        grids = {key: trial_grid(rows, ROWS, COLUMNS) for key, rows in everyone(tried).items()}
+        write_text(HERE / f"diversity-{name}.svg", maps(grids))
         tell(name, tried)
         compare(tried)
+        along(name, grids)
+        ends(name, tried)
+
+
+def everyone(tried: Tried) -> dict[str, pd.DataFrame]:
+    """Attempts of the networks of each set, and of each other detector."""
+    return by_set(tried.rows) | references(tried.rows)
+
+
+def maps(grids: Mapping[str, TrialGrid]) -> str:
+    """Success of each object, a panel a set, as SVG."""
+    down = -(-len(grids) // ACROSS)
+    with drawn(2.4 * ACROSS, 2.6 * down) as drawing:
+        panels = list(drawing.figure.subplots(down, ACROSS, squeeze=False).flat)
+        for axes, (name, grid) in zip(panels, grids.items(), strict=False):
+            panel(axes, grid)
+            axes.set_title(f"{name}, {grid.overall.value:.0%}", fontsize=10)
+        for axes in panels[len(grids) :]:
+            axes.remove()
+    return drawing.svg
+
+
+def panel(axes: Axes, grid: TrialGrid) -> None:
+    """One of them: a square an object, percent; the easiest row is at the bottom."""
+    for (row, column), rate in grid.cells.items():
+        colour = to_hex(SHADES(0.06 + 0.84 * rate.value))
+        axes.fill_between(
+            [column - 0.48, column + 0.48], row - 0.48, row + 0.48, color=colour, lw=0
+        )
+        text, ink = f"{100 * rate.value:.0f}", ink_on(colour)
+        axes.text(column, row, text, ha="center", va="center", fontsize=7, color=ink)
+    axes.set(xlim=(-0.5, COLUMNS - 0.5), ylim=(-0.5, ROWS - 0.5), aspect="equal")
+    axes.set_xticks(range(COLUMNS))
+    axes.set_yticks(range(ROWS), list(string.ascii_uppercase[:ROWS]))
+    axes.tick_params(length=0, labelsize=8)
+    axes.spines[:].set_visible(False)
 
 
 def tell(test: str, tried: Tried) -> None:
@@ -46,12 +89,43 @@ def compare(tried: Tried) -> None:
     """Print every pair of sets."""
     print("\n| pair | points | each | began alike | p | p, Holm |\n" + "| --- " * 6 + "|")
     for pair in set_pairs(by_set(tried.rows)):
-        low, high = (100 * end for end in pair.result.interval)
-        points = f"{100 * pair.result.difference:.0f} ({low:.0f} to {high:.0f})"
-        each = ", ".join(f"{100 * gain:.0f}" for gain in pair.each)
+        gain, low, high = map(points, (pair.result.difference, *pair.result.interval))
+        each = ", ".join(map(points, pair.each))
         alike = f"{pair.result.alike} of {pair.result.attempts}"
         numbers = f"{each} | {alike} | {p_value(pair.result.p_objects)} | {p_value(pair.p_holm)}"
-        print(f"| `{pair.first}` against `{pair.second}` | {points} | {numbers} |")
+        difference = f"{gain} ({low} to {high})"
+        print(f"| `{pair.first}` against `{pair.second}` | {difference} | {numbers} |")
+
+
+def along(test: str, grids: Mapping[str, TrialGrid]) -> None:
+    """Print the success of whole rows, then of whole columns."""
+    letters, digits = string.ascii_uppercase[:ROWS], string.digits[:COLUMNS]
+    share(f"by row on {test}, %", letters, {key: grid.rows for key, grid in grids.items()})
+    share(f"by column on {test}, %", digits, {key: grid.columns for key, grid in grids.items()})
+
+
+def share(title: str, places: str, rates: Mapping[str, list[Mean]]) -> None:
+    """Print rates of places, a line a set."""
+    print(f"\n| {title} | {' | '.join(places)} |\n" + "| --- " * (len(places) + 1) + "|")
+    for name, found in rates.items():
+        cells = (f"{100 * rate.value:.0f}" if rate.attempts else "" for rate in found)
+        print(f"| `{name}` | {' | '.join(cells)} |")
+
+
+def ends(test: str, tried: Tried) -> None:
+    """Print how attempts ended."""
+    counts = {name: outcome_counts(rows) for name, rows in everyone(tried).items()}
+    kinds = [kind for kind in OUTCOMES if any(kind in found for found in counts.values())]
+    print(f"\n| attempts on {test}, % | {' | '.join(kind.replace('_', ' ') for kind in kinds)} |")
+    print("| --- " * (len(kinds) + 1) + "|")
+    for name, found in counts.items():
+        parts = (f"{100 * found.get(kind, 0) / sum(found.values()):.1f}" for kind in kinds)
+        print(f"| `{name}` | {' | '.join(parts)} |")
+
+
+def points(gain: float) -> str:
+    """A difference of rates, percentage points."""
+    return str(round(100 * gain))
 
 
 def text(rate: Rate) -> str:
@@ -60,32 +134,5 @@ def text(rate: Rate) -> str:
     return f"{100 * rate.value:.0f} ({low:.0f} to {high:.0f})"
 
 
-def luck() -> None:
-    """Print how often p is below 0.05 for sets that are equally good to learn from."""
-    print("| cases of p < 0.05, % | " + " | ".join(f"{100 * each:.0f}" for each in SHIFTS) + " |")
-    print("| --- " * (len(SHIFTS) + 1) + "|")
-    for spread in SPREADS:
-        found = [f"{100 * by_luck(shift, spread):.0f}" for shift in SHIFTS]
-        print(f"| objects apart by {100 * spread:.0f} | {' | '.join(found)} |")
-
-
-def by_luck(shift: float, spread: float) -> float:
-    """How often two networks are found better than two others by nothing but their trainings.
-
-    An object is grasped with a probability of its own, Beta(2, 2). Each training shifts that of all
-    objects by one normal number, and of each object by one more. Attempts are independent.
-
-    Args:
-        shift: Standard deviation of the first.
-        spread: Standard deviation of the second.
-    """
-    random = generator(0, "luck", round(1000 * shift), round(1000 * spread))
-    easy = random.beta(2, 2, size=(REPEATS, 1, 1, OBJECTS))
-    all_alike = random.normal(0, shift, (REPEATS, 2, 2, 1))  # two sets of two networks
-    own = random.normal(0, spread, (REPEATS, 2, 2, OBJECTS))
-    won = random.binomial(ATTEMPTS, np.clip(easy + all_alike + own, 0, 1)).sum(axis=2)
-    return float(np.mean([sign_flip(gains) < 0.05 for gains in won[:, 0] - won[:, 1]]))
-
-
 if __name__ == "__main__":
-    luck() if sys.argv[1] == "--luck" else main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]))

@@ -25,6 +25,7 @@ class ByFixtures(LoadScopeScheduling):
         return "workflow" if "/workflow/" in path else path
 
 
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
     return ByFixtures(config, log)
 

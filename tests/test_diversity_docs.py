@@ -1,4 +1,4 @@
-"""What docs/diversity.md is written with: twins against a slow count, luck against what must be."""
+"""What docs/diversity.md is written with: twins and rates against slow counts, luck."""
 
 import runpy
 from pathlib import Path
@@ -14,6 +14,7 @@ from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import ARCHIVE
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS
+from egad.tables.training import COMPARED
 
 DOCS = Path(__file__).parents[1] / "docs"
 NAMES = [f"o{number:02}" for number in range(30)]
@@ -83,8 +84,59 @@ def test_every_set_of_the_dataset_has_its_twins(twins, dataset, capsys):
 
 
 def test_luck_of_trainings_is_no_news_to_the_test_only_where_there_is_none():
-    by_luck = runpy.run_path(str(DOCS / "diversity.py"))["by_luck"]
+    by_luck = runpy.run_path(str(DOCS / "luck.py"))["by_luck"]
     by_luck.__globals__["REPEATS"] = 200
     assert by_luck(0.0, 0.0) < 0.1
     assert by_luck(0.0, 0.1) < 0.1
     assert by_luck(0.06, 0.0) > 0.5
+
+
+@pytest.fixture(scope="module")
+def tried(tmp_path_factory):
+    """Attempts of two sets of two networks and of a detector, and where they are written."""
+    rng = np.random.default_rng(5)
+    names = [("few", 0), ("few", 1), ("many", 0), ("many", 1), ("", 0)]
+    labels = [f"{row}{column}" for row in "ABG" for column in range(3)]
+    rows = [
+        {"test": "own", "training_set": name, "seed": seed, "id": label, "label": label}
+        | {"attempt": attempt, "detector": f"{name or 'random'}-{seed}", "start": str(attempt)}
+        | {"outcome": "success" if rng.random() < 0.7 - 0.1 * seed else "missed"}
+        for name, seed in names
+        for label in labels
+        for attempt in range(4)
+    ]
+    table = pd.DataFrame(rows).assign(quality=0.5)
+    table = table.assign(success=table["outcome"] == "success")
+    path = tmp_path_factory.mktemp("tried") / "results.parquet"
+    parquet.write(table[COMPARED.names], COMPARED, path)
+    return path, table
+
+
+def tables(text):
+    """Printed tables by their first heading: cells by the first one of their line."""
+    found = {}
+    for block in text.strip().split("\n\n"):
+        head, _, *lines = [
+            [cell.strip() for cell in line.split("|")] for line in block.splitlines()
+        ]
+        found[head[1]] = {line[1]: line[2:-1] for line in lines}
+    return found
+
+
+def test_tables_of_the_experiment_are_counts_of_its_attempts(tried, monkeypatch, capsys):
+    path, table = tried
+    program = runpy.run_path(str(DOCS / "diversity.py"))
+    monkeypatch.setitem(program["main"].__globals__, "HERE", path.parent)
+    program["main"](path)
+    said = tables(capsys.readouterr().out)
+    few = table[table["training_set"] == "few"]
+    rate = few["success"].mean()
+    by_seed = few.groupby("seed")["success"].mean()
+    by_row = few.groupby(few["label"].str[0])["success"].mean()
+    pooled, each = said["success on own, %"]["`few`"]
+    assert pooled.startswith(f"{100 * rate:.0f} (")
+    assert each == ", ".join(f"{100 * part:.0f}" for part in by_seed)
+    assert said["attempts on own, %"]["`few`"] == [f"{100 * rate:.1f}", f"{100 - 100 * rate:.1f}"]
+    expected = [f"{100 * by_row[row]:.0f}" if row in by_row else "" for row in "ABCDEFG"]
+    assert said["by row on own, %"]["`few`"] == expected
+    assert f"few, {rate:.0%}" in (path.parent / "diversity-own.svg").read_text()
