@@ -10,6 +10,9 @@
 # make lock    add to requirements.lock what is new in pyproject.toml (newest of all: delete it first)
 
 CORES ?= 2
+# Two processes; one that hangs, in compiled code or while it is given up, is ended and says where.
+TESTS := pytest --numprocesses 2 \
+	-o faulthandler_timeout=600 -o faulthandler_exit_on_timeout=true
 VENV := .venv
 READY := $(VENV)/.ready
 # 3.11 first, for which every package has a wheel
@@ -26,10 +29,10 @@ all: setup
 setup: $(READY)
 
 test: setup
-	pytest --numprocesses 2
+	$(TESTS)
 
 bounds: setup
-	NUMBA_BOUNDSCHECK=1 pytest --numprocesses 2 \
+	NUMBA_BOUNDSCHECK=1 $(TESTS) \
 		tests/evolution tests/measures tests/grasps tests/shapes tests/trials tests/vision
 
 slicer: setup
