@@ -10,20 +10,19 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 
+from egad.evalset.labels import place
 from egad.files import write_text
 from egad.report.diversity_figures import success_chart
 from egad.report.environment import p_value
 from egad.report.style import drawn, ink_on
 from egad.report.summary import outcome_counts
 from egad.report.trial_figures import OUTCOMES
-from egad.settings import Settings
 from egad.tables import parquet
 from egad.tables.training import COMPARED
 from egad.trials.statistics import Mean, Rate, TrialGrid, trial_grid
 from egad.trials.training_sets import Tried, by_set, by_test, references, set_pairs
 
 HERE = Path(__file__).parent
-ROWS, COLUMNS = Settings().select_eval.rows, Settings().select_eval.columns
 ACROSS = 4  # panels
 SHADES = matplotlib.colormaps["Blues"]
 
@@ -33,7 +32,7 @@ def main(path: Path) -> None:
     tests = by_test(parquet.read(path, COMPARED))
     write_text(HERE / "diversity.svg", success_chart(tests))
     for name, tried in tests.items():
-        grids = {key: trial_grid(rows, ROWS, COLUMNS) for key, rows in everyone(tried).items()}
+        grids = grids_of(tried)
         write_text(HERE / f"diversity-{name}.svg", maps(grids))
         tell(name, tried)
         compare(tried)
@@ -44,6 +43,13 @@ def main(path: Path) -> None:
 def everyone(tried: Tried) -> dict[str, pd.DataFrame]:
     """Attempts of the networks of each set, and of each other detector."""
     return by_set(tried.rows) | references(tried.rows)
+
+
+def grids_of(tried: Tried) -> dict[str, TrialGrid]:
+    """Success of each object by its place in the evaluation set, the same places for all."""
+    places = [place(label) for label in tried.rows["label"].unique()]
+    rows, columns = (1 + max(each) for each in zip(*places, strict=True))
+    return {key: trial_grid(own, rows, columns) for key, own in everyone(tried).items()}
 
 
 def maps(grids: Mapping[str, TrialGrid]) -> str:
@@ -68,9 +74,10 @@ def panel(axes: Axes, grid: TrialGrid) -> None:
         )
         text, ink = f"{100 * rate.value:.0f}", ink_on(colour)
         axes.text(column, row, text, ha="center", va="center", fontsize=7, color=ink)
-    axes.set(xlim=(-0.5, COLUMNS - 0.5), ylim=(-0.5, ROWS - 0.5), aspect="equal")
-    axes.set_xticks(range(COLUMNS))
-    axes.set_yticks(range(ROWS), list(string.ascii_uppercase[:ROWS]))
+    rows, columns = len(grid.rows), len(grid.columns)
+    axes.set(xlim=(-0.5, columns - 0.5), ylim=(-0.5, rows - 0.5), aspect="equal")
+    axes.set_xticks(range(columns))
+    axes.set_yticks(range(rows), list(string.ascii_uppercase[:rows]))
     axes.tick_params(length=0, labelsize=8)
     axes.spines[:].set_visible(False)
 
@@ -99,12 +106,14 @@ def compare(tried: Tried) -> None:
 
 def along(test: str, grids: Mapping[str, TrialGrid]) -> None:
     """Print the success of whole rows, then of whole columns."""
-    letters, digits = string.ascii_uppercase[:ROWS], string.digits[:COLUMNS]
+    one = next(iter(grids.values()))
+    letters = list(string.ascii_uppercase[: len(one.rows)])
+    digits = [str(column) for column in range(len(one.columns))]
     share(f"by row on {test}, %", letters, {key: grid.rows for key, grid in grids.items()})
     share(f"by column on {test}, %", digits, {key: grid.columns for key, grid in grids.items()})
 
 
-def share(title: str, places: str, rates: Mapping[str, list[Mean]]) -> None:
+def share(title: str, places: list[str], rates: Mapping[str, list[Mean]]) -> None:
     """Print rates of places, a line a set."""
     print(f"\n| {title} | {' | '.join(places)} |\n" + "| --- " * (len(places) + 1) + "|")
     for name, found in rates.items():

@@ -22,8 +22,8 @@ log = logging.getLogger(__name__)
 
 CHANCES = 2
 ENDING_TIME = 5.0  # seconds
-# A fork of this process would have its locks without the threads that hold them.
-APART = multiprocessing.get_context("forkserver")
+# New processes, not copies of this one, which have its locks without the threads that hold them.
+ANEW = multiprocessing.get_context("spawn")
 KILLED = "was killed, probably for want of memory"
 Work = Callable[[Any], Any]
 Mapper = Callable[[Work, Iterable[Any]], Iterable[Any]]
@@ -32,13 +32,17 @@ Opened = Callable[[], AbstractContextManager[Work]]
 
 @contextmanager
 def workers(count: int) -> Iterator[Mapper]:
-    """A `map` that keeps order and runs in `count` processes (in this one if 1)."""
+    """A `map` that keeps order and runs in `count` processes (in this one if 1).
+
+    They import the module of the work, so a program that calls this from its top level needs
+    `if __name__ == "__main__":` there.
+    """
     if count == 1:
         with _one_thread():
             yield map
         return
     try:
-        with ProcessPoolExecutor(count, APART, _start_worker) as pool:
+        with ProcessPoolExecutor(count, ANEW, _start_worker) as pool:
             yield partial(pool.map, chunksize=2)
     except BrokenProcessPool as error:
         raise UserError(
@@ -132,9 +136,8 @@ class Survivor:
         return None
 
     def _start(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        self._pipe, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs, self._opened))
+        self._pipe, theirs = ANEW.Pipe()
+        self._process = ANEW.Process(target=_serve, args=(theirs, self._opened))
         self._process.start()
         theirs.close()
         try:

@@ -1,7 +1,7 @@
 """A detector in a process of its own: it can be stopped, and what it breaks is only its own."""
 
-import multiprocessing
 from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from typing import Self
 
 import numpy as np
@@ -11,7 +11,7 @@ from egad.settings import Gripper, Policy
 from egad.trials.grasp import Grasp
 from egad.trials.policies import Detector, detector
 from egad.vision.camera import View
-from egad.workers import ENDING_TIME, check_not_killed
+from egad.workers import ANEW, ENDING_TIME, check_not_killed
 
 STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load
 
@@ -38,7 +38,7 @@ class Child:
         """
         self._policy = policy
         self._limit = limit
-        self._process: multiprocessing.process.BaseProcess | None = None
+        self._process: BaseProcess | None = None
         self._was_ready = False
 
     def __enter__(self) -> Self:
@@ -84,9 +84,8 @@ class Child:
             raise
 
     def _start(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        self._pipe, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs, self._policy), daemon=True)
+        self._pipe, theirs = ANEW.Pipe()
+        self._process = ANEW.Process(target=_serve, args=(theirs, self._policy), daemon=True)
         self._process.start()
         theirs.close()
         name = self._policy.detector
