@@ -9,6 +9,7 @@ import matplotlib
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
+from matplotlib.patches import Rectangle
 
 from egad.evalset.labels import place
 from egad.files import write_text
@@ -20,6 +21,7 @@ from egad.report.trial_figures import OUTCOMES
 from egad.tables import parquet
 from egad.tables.training import COMPARED
 from egad.trials.statistics import Mean, Rate, TrialGrid, trial_grid
+from egad.trials.training_luck import luck
 from egad.trials.training_sets import Tried, by_set, by_test, references, set_pairs
 
 HERE = Path(__file__).parent
@@ -36,6 +38,7 @@ def main(path: Path) -> None:
         write_text(HERE / f"diversity-{name}.svg", maps(grids))
         tell(name, tried)
         compare(tried)
+        of_trainings(tried)
         along(name, grids)
         ends(name, tried)
 
@@ -69,9 +72,8 @@ def panel(axes: Axes, grid: TrialGrid) -> None:
     """One of them: a square an object, percent; the easiest row is at the bottom."""
     for (row, column), rate in grid.cells.items():
         colour = to_hex(SHADES(0.06 + 0.84 * rate.value))
-        axes.fill_between(
-            [column - 0.48, column + 0.48], row - 0.48, row + 0.48, color=colour, lw=0
-        )
+        box = Rectangle((column - 0.48, row - 0.48), 0.96, 0.96, facecolor=colour, lw=0)
+        axes.add_patch(box)
         text, ink = f"{100 * rate.value:.0f}", ink_on(colour)
         axes.text(column, row, text, ha="center", va="center", fontsize=7, color=ink)
     rows, columns = len(grid.rows), len(grid.columns)
@@ -102,6 +104,13 @@ def compare(tried: Tried) -> None:
         numbers = f"{each} | {alike} | {p_value(pair.result.p_objects)} | {p_value(pair.p_holm)}"
         difference = f"{gain} ({low} to {high})"
         print(f"| `{pair.first}` against `{pair.second}` | {difference} | {numbers} |")
+
+
+def of_trainings(tried: Tried) -> None:
+    """Print whether sets differ by more than single trainings do."""
+    if found := luck(tried.sets):
+        spread, p = 100 * found.spread, p_value(found.p)
+        print(f"\nwithin sets: standard deviation {spread:.1f} points; F {found.f:.1f}, p {p}")
 
 
 def along(test: str, grids: Mapping[str, TrialGrid]) -> None:

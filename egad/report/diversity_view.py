@@ -15,6 +15,7 @@ from egad.report.trial_views import Set
 from egad.settings import TrainingSet
 from egad.stage_settings import DiversityReport
 from egad.trials.statistics import Mean, trial_grid
+from egad.trials.training_luck import Luck, luck
 from egad.trials.training_sets import (
     SetPair,
     SetRate,
@@ -111,6 +112,7 @@ class TestView:
     sets: list[SetView]
     references: dict[str, Mean]
     pairs: list[SetPair]
+    luck: Luck | None
     rows_figure: str
     columns_figure: str
     outcome_figure: str
@@ -171,6 +173,7 @@ def _test(name: str, tried: Tried, found: Experiment) -> TestView:
         sets=views,
         references=tried.references,
         pairs=set_pairs(sets),
+        luck=luck(tried.sets),
         rows_figure=_figure(side_by_side(rows)),
         columns_figure=_figure(side_by_side(columns, [str(i) for i in range(area.columns)])),
         outcome_figure=_figure(outcome_bars({**sets, **references(table)})),

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import f_oneway
 
 from egad.config_check import check
 from egad.diversity import networks_of
@@ -145,6 +146,20 @@ def test_a_pair_tells_the_difference_of_each_two_networks(text):
     assert found[0][4] == ", ".join(f"{gain:.1f} %" for gain in gains).replace(
         "-", "\N{MINUS SIGN}"
     )
+
+
+def test_the_luck_of_trainings_is_told_beside_them(text):
+    for test in ("egad", "own"):
+        each = [
+            [tried(test, name, seed, "")["success"].mean() for seed in (0, 1)]
+            for name in ("simple", "own")
+        ]
+        found = text.partition(f"<h2>Tried on {test}</h2>")[2].partition("luck of trainings?")[2]
+        said = re.sub(r"\s+", " ", found.partition("</p>")[0]).replace("\N{NO-BREAK SPACE}", " ")
+        spread = np.sqrt(np.mean([np.var(rates, ddof=1) for rates in each]))
+        assert f"standard deviation of {spread:.1%}".replace("%", " %") in said
+        assert f"in {f_oneway(*each).pvalue:.1%}".replace("%", " %") in said
+        assert "all 2 sets with several networks" in said
 
 
 def test_trainings_are_told_with_the_weights_that_were_taken(text):
