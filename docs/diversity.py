@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import matplotlib
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
@@ -19,13 +20,17 @@ from egad.report.style import drawn, ink_on
 from egad.report.summary import outcome_counts
 from egad.report.trial_figures import OUTCOMES
 from egad.tables import parquet
+from egad.tables.grasping import SCALES
+from egad.tables.objects import OBJECTS
 from egad.tables.training import COMPARED
 from egad.trials.statistics import Mean, Rate, TrialGrid, trial_grid
 from egad.trials.training_luck import luck
 from egad.trials.training_sets import Tried, by_set, by_test, references, set_pairs
 
 HERE = Path(__file__).parent
-ACROSS = 4  # panels
+ACROSS = 5  # panels
+SIDES = [0.0, 0.02, 0.045, np.inf]  # metres
+SIZES = ["to 20 mm", "20 to 45 mm", "above 45 mm"]
 SHADES = matplotlib.colormaps["Blues"]
 
 
@@ -41,6 +46,7 @@ def main(path: Path) -> None:
         of_trainings(tried)
         along(name, grids)
         ends(name, tried)
+        by_size(name, tried, shortest(path.parents[1] / name))
 
 
 def everyone(tried: Tried) -> dict[str, pd.DataFrame]:
@@ -139,6 +145,26 @@ def ends(test: str, tried: Tried) -> None:
     for name, found in counts.items():
         parts = (f"{100 * found.get(kind, 0) / sum(found.values()):.1f}" for kind in kinds)
         print(f"| `{name}` | {' | '.join(parts)} |")
+
+
+def shortest(dataset: Path) -> pd.Series:
+    """The shortest side of each object of a dataset as it is tried, metres, by id."""
+    ids = parquet.read(dataset / "objects.parquet", OBJECTS).set_index("label")["id"]
+    (scales,) = (dataset / "rescaled").glob("*/scales.parquet")
+    scaled = parquet.read(scales, SCALES)
+    return pd.Series(scaled["after_1"].to_numpy(), ids[scaled["label"]])
+
+
+def by_size(test: str, tried: Tried, sides: pd.Series) -> None:
+    """Print success by the shortest side of the objects, and of how many of the dataset it is."""
+    parts = pd.cut(sides, SIDES, labels=SIZES)
+    print(f"\n| by shortest side on {test}, % | {' | '.join(SIZES)} |\n" + "| --- " * 4 + "|")
+    there = [f"{100 * (parts == size).mean():.0f}" for size in SIZES]
+    print(f"| objects of the dataset | {' | '.join(there)} |")
+    for name, rows in everyone(tried).items():
+        rates = rows.groupby(rows["id"].map(parts), observed=True)["success"].mean()
+        cells = (f"{100 * rates[size]:.0f}" if size in rates else "" for size in SIZES)
+        print(f"| `{name}` | {' | '.join(cells)} |")
 
 
 def points(gain: float) -> str:

@@ -62,7 +62,7 @@ The released objects: the whole pipeline from the archive that egad ships, witho
 """
 DIVERSITY_TEXT = """
 What are diverse objects worth to a network that learns from them? The experiment of
-docs/diversity.md, some seven hours of CPU time; what is done is not done again. Lay it over
+docs/diversity.md, some five hours of CPU time; what is done is not done again. Lay it over
 config/config.yaml:
   snakemake --cores 2 --configfile config/diversity.yaml results/diversity/report.html
 What you must get for it, besides `pip install safetensors torch`:

@@ -107,9 +107,16 @@ def tried(tmp_path_factory):
     ]
     table = pd.DataFrame(rows).assign(quality=0.5)
     table = table.assign(success=table["outcome"] == "success")
-    path = tmp_path_factory.mktemp("tried") / "results.parquet"
-    parquet.write(table[COMPARED.names], COMPARED, path)
-    return path, table
+    results = tmp_path_factory.mktemp("tried")
+    parquet.write(table[COMPARED.names], COMPARED, results / "diversity/results.parquet")
+    objects = [{"id": label, "label": f"{label}, own"} for label in labels]
+    write(OBJECTS, objects, results / "own/objects.parquet")
+    scaled = [
+        {"label": f"{label}, own", "after_1": {"A": 0.01, "B": 0.04, "G": 0.06}[label[0]]}
+        for label in labels
+    ]
+    write(SCALES, scaled, results / "own/rescaled/hand/scales.parquet")
+    return results / "diversity/results.parquet", table
 
 
 def tables(text):
@@ -142,5 +149,8 @@ def test_tables_of_the_experiment_are_counts_of_its_attempts(tried, monkeypatch,
     assert said["attempts on own, %"]["`few`"] == [f"{100 * rate:.1f}", f"{100 - 100 * rate:.1f}"]
     expected = [f"{100 * by_row[row]:.0f}" if row in by_row else "" for row in "ABCDEFG"]
     assert said["by row on own, %"]["`few`"] == expected
+    sizes = said["by shortest side on own, %"]
+    assert sizes["objects of the dataset"] == ["33", "33", "33"]
+    assert sizes["`few`"] == [f"{100 * by_row[row]:.0f}" for row in "ABG"]
     assert "within sets: standard deviation" in text
     assert f"few, {rate:.0%}" in (path.parent / "diversity-own.svg").read_text()

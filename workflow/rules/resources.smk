@@ -25,7 +25,7 @@ NEEDS = {
     "print_export": (1500, 0, 10),
     "datasheet": (1000, 0, 10),
     "bundle": (1500, 500, 60),
-    "simulated_trial": (1500, 0, 120),
+    "simulated_trial": (2000, 0, 120),
     "join_trials": (1000, 0, 10),
     "agreement": (2000, 0, 60),
     "join_agreement": (1000, 0, 10),
