@@ -144,6 +144,8 @@ def described(training_set: TrainingSet) -> str:
         return f"given weights, `{training_set.weights}`: nothing was trained"
     low, high = training_set.complexity
     part = "all objects" if (low, high) == (0, 1) else f"ranks {low:g} to {high:g} in complexity"
+    if training_set.part < 1:
+        part += f", of these {training_set.part:.1%} drawn by chance"
     kept = ", but for its evaluation set" if training_set.hold_out else ""
     return f"dataset `{training_set.dataset}`, {part}{kept}"
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 INK, SOFT, FAINT = "#1c2430", "#667080", "#e4e7ec"
 UNKNOWN = "#c4c9d1"
-LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
+LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255", "#8a6d3b"]
 STYLE: dict[Any, Any] = {
     "svg.hashsalt": "egad",
     "svg.fonttype": "none",

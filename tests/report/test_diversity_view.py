@@ -188,4 +188,8 @@ def test_sets_in_words():
     )
     part = TrainingSet(dataset="egad", complexity=(0.667, 1.0), hold_out=False)
     assert described(part) == "dataset `egad`, ranks 0.667 to 1 in complexity"
+    few = TrainingSet(dataset="egad", part=0.333)
+    assert described(few) == (
+        "dataset `egad`, all objects, of these 33.3% drawn by chance, but for its evaluation set"
+    )
     assert described(TrainingSet(weights="w.pt")) == "given weights, `w.pt`: nothing was trained"
