@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
-from xdist.scheduler import LoadFileScheduling
 
 from egad.data import released
 from egad.settings import Shape
@@ -15,23 +14,6 @@ from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 
 RELEASED_SET = Path(__file__).parent / "data/released_set.csv"
-
-
-class ByFixtures(LoadFileScheduling):
-    """A file in one process; those of the workflow in the same, for they share a finished run.
-
-    The marks of `--dist loadgroup` would say this too, but pytest-xdist 3.8 sets them where
-    pytest 9.2 does not look.
-    """
-
-    def _split_scope(self, nodeid):
-        file = super()._split_scope(nodeid)
-        return "workflow" if "/workflow/" in file else file
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config, log):
-    return ByFixtures(config, log)
 
 
 @pytest.fixture(scope="session")

@@ -1,5 +1,6 @@
 """A copy of the workflow in a folder of its own, and a finished run of it that tests share."""
 
+import fcntl
 import os
 import re
 import shutil
@@ -148,10 +149,19 @@ def clean(another):
 
 
 @pytest.fixture(scope="session")
-def finished(tmp_path_factory):
-    """A finished run on two cores. Tests must not change it."""
-    made = checkout(tmp_path_factory.mktemp("run") / "finished")
-    made.make("--cores", 2)
+def finished(tmp_path_factory, worker_id):
+    """A finished run on two cores, one for all processes of the tests. Tests must not change it."""
+    own = tmp_path_factory.getbasetemp()
+    shared = own if worker_id == "master" else own.parent
+    done = shared / "finished.done"
+    with (shared / "finished.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if done.exists():
+            return Checkout(shared / "finished")
+        shutil.rmtree(shared / "finished", ignore_errors=True)
+        made = checkout(shared / "finished")
+        made.make("--cores", 2)
+        done.touch()
     return made
 
 
