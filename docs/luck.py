@@ -6,7 +6,7 @@ from egad.seeds import generator
 from egad.trials.comparison import sign_flip
 
 OBJECTS, ATTEMPTS, REPEATS = 48, 20, 4000
-SHIFTS, SPREADS = (0.0, 0.03, 0.06), (0.0, 0.1)
+SHIFTS, SPREADS = (0.0, 0.04, 0.1), (0.0, 0.1)
 
 
 def main() -> None:
@@ -15,7 +15,7 @@ def main() -> None:
     print("| --- " * (len(SHIFTS) + 1) + "|")
     for spread in SPREADS:
         found = [f"{100 * by_luck(shift, spread):.0f}" for shift in SHIFTS]
-        print(f"| objects apart by {100 * spread:.0f} | {' | '.join(found)} |")
+        print(f"| each object by {100 * spread:.0f} more | {' | '.join(found)} |")
 
 
 def by_luck(shift: float, spread: float) -> float:

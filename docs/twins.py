@@ -44,7 +44,7 @@ def learnt(settings: Settings, name: str, folder: Path, gripper: str) -> list[st
     wanted = select(settings_for(settings, Network(name, 0)), RenderedImages, gripper)
     held_out = folder / "eval49.parquet" if wanted.render.hold_out else None
     shares = planned(wanted, folder / "objects.parquet", folder / "rescaled" / gripper, held_out)
-    return [share.id for share in shares if share.images and share.split != "test"]
+    return [share.id for share in shares if share.images and share.split == "train"]
 
 
 def overlaps(some: NDArray[np.uint8], others: NDArray[np.uint8]) -> NDArray[np.float64]:

@@ -33,7 +33,7 @@ class Images:
     """The rendered images of a training set.
 
     Attributes:
-        learnt: Ids of the objects that networks are taught by: the splits train and validation.
+        learnt: Ids of the objects that networks learn from: those of the split train.
         train: How many images they learn from.
     """
 

@@ -81,8 +81,8 @@ def _images(made: Path, name: str) -> Images:
         for rows in parquet.batches(path, ["id", "split"])
     ]
     rows = pd.concat(batches)
-    learnt = frozenset(rows.loc[rows["split"] != "test", "id"])
-    return Images(learnt, int((rows["split"] == "train").sum()))
+    train = rows.loc[rows["split"] == "train", "id"]
+    return Images(frozenset(train), len(train))
 
 
 def _training(folder: Path) -> Training:

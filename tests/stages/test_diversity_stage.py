@@ -97,7 +97,7 @@ def test_the_page_says_what_was_learnt_from(results):
     stage.run(SETTINGS, "hand", results, out, results / "results.parquet")
     text = out.read_text(encoding="utf-8")
     assert "<code>all</code> learnt from 1 of them" in text
-    assert '<th scope="row">all</th>\n<td>3</td><td>2</td>' in text
+    assert '<th scope="row">all</th>\n<td>2</td><td>2</td>' in text
 
 
 def test_the_command_makes_the_same(results, monkeypatch, capsys):
