@@ -5,17 +5,16 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
 from egad.evalset.labels import place
 from egad.files import write_text
 from egad.report.diversity_figures import success_chart
 from egad.report.environment import p_value
+from egad.report.heat_map import rate_colour
 from egad.report.style import drawn, ink_on
 from egad.report.summary import outcome_counts
 from egad.report.trial_figures import OUTCOMES
@@ -31,7 +30,6 @@ HERE = Path(__file__).parent
 ACROSS = 5  # panels
 SIDES = [0.0, 0.02, 0.045, np.inf]  # metres
 SIZES = ["to 20 mm", "20 to 45 mm", "above 45 mm"]
-SHADES = matplotlib.colormaps["Blues"]
 
 
 def main(path: Path) -> None:
@@ -77,7 +75,7 @@ def maps(grids: Mapping[str, TrialGrid]) -> str:
 def panel(axes: Axes, grid: TrialGrid) -> None:
     """One of them: a square an object, percent; the easiest row is at the bottom."""
     for (row, column), rate in grid.cells.items():
-        colour = to_hex(SHADES(0.06 + 0.84 * rate.value))
+        colour = rate_colour(rate.value)
         box = Rectangle((column - 0.48, row - 0.48), 0.96, 0.96, facecolor=colour, lw=0)
         axes.add_patch(box)
         text, ink = f"{100 * rate.value:.0f}", ink_on(colour)

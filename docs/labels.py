@@ -9,9 +9,11 @@ import pandas as pd
 from egad.settings import Training
 from egad.tables import parquet
 from egad.vision.folder import files
+from egad.vision.learning_set import Rule, positive
 
 COLUMNS = ["id", "split", "focal", "opening", "depth_center", "quality", "free"]
 NARROW = 0.05  # metres
+RULE = Rule(Training().quality, Training().breadth)
 
 
 def main(images: Path) -> None:
@@ -21,7 +23,7 @@ def main(images: Path) -> None:
     for folder in sorted(path for path in images.iterdir() if path.is_dir()):
         batches = (rows for path in files(folder) for rows in parquet.batches(path, COLUMNS))
         learnt = pd.concat(rows[rows["split"] == "train"] for rows in batches)
-        widths = [positive(row) for row in learnt.itertuples()]
+        widths = [openings(row) for row in learnt.itertuples()]
         every = np.concatenate(widths)
         some = sum(len(each) > 0 for each in widths)
         numbers = [learnt["id"].nunique(), len(learnt), some, len(every)]
@@ -29,9 +31,9 @@ def main(images: Path) -> None:
         print(f"| `{folder.name}` | {cells} | {100 * np.mean(every < NARROW):.0f} |")
 
 
-def positive(row: tuple) -> np.ndarray:
-    """Openings of the positive grasps of an image, metres (n,)."""
-    good = np.asarray(row.free, dtype=bool) & (np.asarray(row.quality) > Training().quality)
+def openings(row: tuple) -> np.ndarray:
+    """Those of the positive grasps of an image, metres (n,)."""
+    good = positive(row.quality, row.free, RULE)
     return (np.asarray(row.opening) * np.asarray(row.depth_center) / row.focal)[good]
 
 

@@ -47,13 +47,17 @@ def trial_heat_map(
     return drawing.svg
 
 
+def rate_colour(value: float) -> str:
+    """The blue of a success rate, as `#rrggbb`: the higher, the darker."""
+    return to_hex(matplotlib.colormaps["Blues"](0.06 + 0.84 * value))
+
+
 def _heat_cell(
     axes: Axes, x: float, y: float, rate: Rate | None, present: bool, width: float = 1
 ) -> None:
     margin = x != int(x) or y != int(y)
     tried = rate is not None and rate.attempts > 0
-    shade = 0.06 + 0.84 * rate.value if rate is not None and tried else 0
-    colour = to_hex(matplotlib.colormaps["Blues"](shade)) if tried else "#ffffff"
+    colour = rate_colour(rate.value) if rate is not None and tried else "#ffffff"
     box = Rectangle((x + 0.02, y + 0.02), width - 0.04, 0.96, facecolor=colour, lw=0)
     if not tried:
         box.set(edgecolor=FAINT, lw=0.8, hatch=None if present else "////")
