@@ -203,7 +203,8 @@ def test_a_file_named_twice_is_taken_once(folder):
 def test_the_table_is_written_even_if_nobody_reads_the_terminal(folder, tmp_path):
     out = tmp_path / "table.csv"
     code = "from egad.cli import main; main()"
-    command = [sys.executable, "-c", code, "measure", folder, "--units", "m", "--out", out]
+    given = ["measure", folder, "--units", "m", "--jobs", "1", "--out", out]
+    command = [sys.executable, "-c", code, *given]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
         process.stdout.close()
     assert len(pd.read_csv(out)) == 2
