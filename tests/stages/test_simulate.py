@@ -85,7 +85,7 @@ def test_every_object_is_tried_and_one_without_a_model_fails(table):
 
 
 def test_shards_together_have_the_same_rows(dataset, table, tmp_path):
-    parts = [tried(dataset, tmp_path / f"{n}.parquet", (n, 3)) for n in range(3)]
+    parts = [tried(dataset, tmp_path / f"{n}.parquet", (n, 2)) for n in range(2)]
     frames = [parquet.read(part, TRIALS) for part in parts]
     together = pd.concat(frames).sort_values(["label", "attempt"], ignore_index=True)
     pd.testing.assert_frame_equal(together, parquet.read(table, TRIALS), check_exact=True)
