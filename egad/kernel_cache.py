@@ -7,6 +7,8 @@ would run stale code with new data. Nor does it look at whether the code checks 
 
 import hashlib
 import os
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
@@ -38,6 +40,18 @@ def use_own_cache(package: Path = PACKAGE) -> None:
         folders = (parent / name for parent in _parents(package))
         found = next((folder for folder in folders if _can_write(folder)), None)
         os.environ["NUMBA_CACHE_DIR"] = str(found or tempfile.mkdtemp(prefix="egad-"))
+
+
+def compiled() -> Path:
+    """A file that is there if all kernels have been compiled."""
+    return Path(os.environ["NUMBA_CACHE_DIR"]) / f"compiled-{kernel_sources_version()}"
+
+
+def compile_kernels() -> None:
+    """Compile all kernels in two processes, unless that was done since their last change."""
+    if not compiled().exists():
+        print("Compiling kernels: once, takes about half a minute", file=sys.stderr, flush=True)
+        subprocess.run([sys.executable, "-m", "egad.precompile"], check=False)
 
 
 def _parents(package: Path) -> Iterator[Path]:

@@ -111,7 +111,7 @@ class Neighbourhood:
         self._check(one, other)
         if one != other and self._known[one, other] != _EXACT:
             table = self._table
-            _measure(table, one, other, np.inf, space(np.diff(table.trees.starts).max()))
+            _measure(table, one, other, np.inf, space(table.trees.starts))
             _tell(table, np.array([one]))
         return float(self._distances[one, other]) if one != other else 0.0
 
@@ -223,7 +223,7 @@ def _nearest_to_each(table: _Table, rows: Integers, others: Integers, count: int
     Writes to these rows of the table alone; see `_tell`.
     """
     result = np.full((len(rows), count), -1)
-    memory = space(np.max(np.diff(table.trees.starts)))
+    memory = space(table.trees.starts)
     for place, index in enumerate(rows):
         near = _nearest(table, index, others[others != index], count, memory)
         result[place, : len(near)] = near
