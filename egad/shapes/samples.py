@@ -29,26 +29,30 @@ def spread(mesh: trimesh.Trimesh, spacing: float) -> Samples:
         spacing: In the unit of the mesh.
     """
     owners = np.flatnonzero(np.asarray(mesh.area_faces) > 0)
-    pieces = np.asarray(mesh.triangles)[owners]
+    # corners, axes, triangles: what is done to all triangles is done to numbers side by side
+    pieces = np.ascontiguousarray(np.asarray(mesh.triangles)[owners].transpose(1, 2, 0))
     middles, faces = [], []
-    while len(pieces):
-        sides = np.linalg.norm(np.roll(pieces, -1, axis=1) - pieces, axis=2)
-        small = sides.max(axis=1) <= spacing
-        middles.append(pieces[small].mean(axis=1))
+    while len(owners):
+        x, y, z = (np.roll(pieces, -1, axis=0) - pieces).transpose(1, 0, 2)
+        sides = np.sqrt(x * x + y * y + z * z)
+        small = sides.max(axis=0) <= spacing
+        middles.append(pieces[..., small].sum(axis=0) / 3)
         faces.append(owners[small])
-        pieces, owners = _halves(pieces[~small], sides[~small]), np.tile(owners[~small], 2)
+        pieces, owners = _halves(pieces[..., ~small], sides[:, ~small]), np.tile(owners[~small], 2)
     found = np.concatenate(faces)
-    return Samples(np.concatenate(middles), np.asarray(mesh.face_normals)[found], found)
+    points = np.ascontiguousarray(np.concatenate(middles, axis=1).T)
+    return Samples(points, np.asarray(mesh.face_normals)[found], found)
 
 
 def _halves(triangles: Floats, sides: Floats) -> Floats:
-    """Triangles cut in two from the middle of their longest side, (2n, 3, 3)."""
-    longest = sides.argmax(axis=1)
-    each = np.arange(len(triangles))
-    start, end, tip = (triangles[each, (longest + corner) % 3] for corner in range(3))
+    """Triangles (3, 3, n) cut in two from the middle of their longest side, (3, 3, 2n)."""
+    turned = (sides.argmax(axis=0) + np.arange(3)[:, None]) % 3
+    start, end, tip = np.take_along_axis(triangles, turned[:, None], axis=0)
     middle = (start + end) / 2
-    halves = [np.stack([start, middle, tip], axis=1), np.stack([middle, end, tip], axis=1)]
-    return np.concatenate(halves)
+    halves: Floats = np.concatenate(
+        [np.stack([start, middle, tip]), np.stack([middle, end, tip])], axis=2
+    )
+    return halves
 
 
 def rims(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:
