@@ -33,26 +33,33 @@ def spread(mesh: trimesh.Trimesh, spacing: float) -> Samples:
     pieces = np.ascontiguousarray(np.asarray(mesh.triangles)[owners].transpose(1, 2, 0))
     middles, faces = [], []
     while len(owners):
-        x, y, z = (np.roll(pieces, -1, axis=0) - pieces).transpose(1, 0, 2)
-        sides = np.sqrt(x * x + y * y + z * z)
+        sides = _sides(pieces)
         small = sides.max(axis=0) <= spacing
-        middles.append(pieces[..., small].sum(axis=0) / 3)
-        faces.append(owners[small])
-        pieces, owners = _halves(pieces[..., ~small], sides[:, ~small]), np.tile(owners[~small], 2)
+        done, left = np.flatnonzero(small), np.flatnonzero(~small)
+        a, b, c = np.take(pieces, done, axis=2)
+        middles.append((a + b + c) / 3)
+        faces.append(owners[done])
+        pieces, owners = _halves(pieces[..., left], sides[:, left]), np.tile(owners[left], 2)
     found = np.concatenate(faces)
     points = np.ascontiguousarray(np.concatenate(middles, axis=1).T)
     return Samples(points, np.asarray(mesh.face_normals)[found], found)
 
 
+def _sides(triangles: Floats) -> Floats:
+    """Lengths of the sides of triangles (3, 3, n), the first from the first corner on: (3, n)."""
+    a, b, c = triangles
+    steps = (b - a, c - b, a - c)
+    return np.stack([np.sqrt(x * x + y * y + z * z) for x, y, z in steps])
+
+
 def _halves(triangles: Floats, sides: Floats) -> Floats:
     """Triangles (3, 3, n) cut in two from the middle of their longest side, (3, 3, 2n)."""
-    turned = (sides.argmax(axis=0) + np.arange(3)[:, None]) % 3
-    start, end, tip = np.take_along_axis(triangles, turned[:, None], axis=0)
+    longest = sides.argmax(axis=0)
+    each = np.arange(len(longest))
+    start, end, tip = (triangles[(longest + corner) % 3, :, each].T for corner in range(3))
     middle = (start + end) / 2
-    halves: Floats = np.concatenate(
-        [np.stack([start, middle, tip]), np.stack([middle, end, tip])], axis=2
-    )
-    return halves
+    corners = ((start, middle), (middle, end), (tip, tip))
+    return np.stack([np.concatenate(pair, axis=1) for pair in corners])
 
 
 def rims(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:
