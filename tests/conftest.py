@@ -1,4 +1,8 @@
+import os
 from pathlib import Path
+
+# Tests run in a process a core: more threads would only wait for each other.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 import pandas as pd

@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 import trimesh
+from commands import egad
 
 from egad.cli.common import parse
 from egad.settings import Settings
@@ -13,16 +14,6 @@ from egad.stage_settings import Merge, PostprocessSolids, select
 from egad.tables import parquet
 from egad.tables.grasping import SCALES, SIZE_EFFECT
 from egad.tables.objects import MEASURED, OBJECTS, REJECTED
-
-
-def egad(*arguments):
-    code = "from egad.cli import main; main()"
-    return subprocess.run(
-        [sys.executable, "-c", code, *map(str, arguments)],
-        check=False,
-        capture_output=True,
-        text=True,
-    )
 
 
 def test_help_lists_every_stage_and_imports_nothing_heavy():

@@ -1,23 +1,15 @@
 """`egad trials`: what people do with results."""
 
-import subprocess
-import sys
-
 import pandas as pd
 import pytest
+from commands import egad
 
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, RESULTS, TRIALS
 
 
-def egad(*arguments):
-    code = "from egad.cli import main; main()"
-    return subprocess.run(
-        [sys.executable, "-c", code, "trials", *map(str, arguments)],
-        check=False,
-        capture_output=True,
-        text=True,
-    )
+def trials(*arguments):
+    return egad("trials", *arguments)
 
 
 @pytest.fixture
@@ -25,7 +17,7 @@ def filled(tmp_path):
     """A template that was filled in: everything worked for `good`, half of it for `fair`."""
     for name, every in (("good", 1), ("fair", 2)):
         path = tmp_path / f"{name}.csv"
-        assert egad("template", "--out", path, "--detector", name).returncode == 0
+        assert trials("template", "--out", path, "--detector", name).returncode == 0
         frame = pd.read_csv(path)
         frame["success"] = [int(row % every == 0) for row in range(len(frame))]
         frame.to_csv(path, index=False)
@@ -34,14 +26,14 @@ def filled(tmp_path):
 
 def test_a_template_is_filled_in_imported_and_compared(filled):
     page, table = filled / "good.html", filled / "good.parquet"
-    result = egad("import", filled / "good.csv", "--out", page, "--out", table)
+    result = trials("import", filled / "good.csv", "--out", page, "--out", table)
     assert result.returncode == 0, result.stderr
     assert "good" in result.stdout
     assert "100.0" in result.stdout
     assert page.read_text().startswith("<!DOCTYPE html>")
     assert len(parquet.read(table, RESULTS)) == 980
     compared = filled / "compared.html"
-    result = egad("compare", table, filled / "fair.csv", "--out", compared)
+    result = trials("compare", table, filled / "fair.csv", "--out", compared)
     assert result.returncode == 0, result.stderr
     assert "good against fair" in result.stdout
     assert "50.0" in result.stdout
@@ -54,7 +46,7 @@ def test_the_template_of_a_set_has_its_objects(tmp_path):
     rows = [row | {"label": label} for label in ("A0", "B3")]
     parquet.write(pd.DataFrame(rows), EVAL49, tmp_path / "eval49.parquet")
     out = tmp_path / "results.csv"
-    result = egad("template", "--eval", tmp_path / "eval49.parquet", "--out", out)
+    result = trials("template", "--eval", tmp_path / "eval49.parquet", "--out", out)
     assert result.stdout.strip().endswith("40 attempts at 2 objects")
     assert sorted(set(pd.read_csv(out)["label"])) == ["A0", "B3"]
 
@@ -66,9 +58,9 @@ def test_tables_of_two_evaluation_sets_are_refused(tmp_path):
     for name, number in (("one", 1), ("other", 1), ("another", 2)):
         rows = [row | {"label": label, "id": f"{label}-{number}"} for label in ("A0", "B3")]
         parquet.write(pd.DataFrame(rows), TRIALS, tmp_path / f"{name}.parquet")
-    same = egad("compare", tmp_path / "one.parquet", tmp_path / "other.parquet")
+    same = trials("compare", tmp_path / "one.parquet", tmp_path / "other.parquet")
     assert same.returncode == 0, same.stderr
-    result = egad("compare", tmp_path / "one.parquet", tmp_path / "another.parquet")
+    result = trials("compare", tmp_path / "one.parquet", tmp_path / "another.parquet")
     assert result.returncode == 1
     assert "A0 is the object A0-1 in one table and A0-2 in the other" in result.stderr
     assert "Traceback" not in result.stderr
@@ -88,7 +80,7 @@ def test_tables_of_two_evaluation_sets_are_refused(tmp_path):
 def test_mistakes_are_one_sentence(filled, monkeypatch, arguments, sentence):
     monkeypatch.chdir(filled)
     (filled / "broken.parquet").write_text("PAR1")
-    result = egad(*arguments)
+    result = trials(*arguments)
     assert result.returncode == 1
     assert sentence in result.stderr
     assert "Traceback" not in result.stderr

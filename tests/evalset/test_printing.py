@@ -47,9 +47,10 @@ def test_nothing_overlaps_and_nothing_leaves_the_bed(bed):
 
 
 def test_an_object_larger_than_the_bed_is_left_out_with_a_note():
-    items = planned({"big": trimesh.creation.box(extents=(0.3, 0.25, 0.21)), **boxes(2)}, gap=0)
+    big = trimesh.creation.box(extents=(0.09, 0.075, 0.063))
+    items = planned({"big": big, **boxes(2)}, (0.06, 0.06), gap=0)
     assert items["big"].plate is None
-    assert "do not fit the bed of 200 x 200 mm" in items["big"].note
+    assert "do not fit the bed of 60 x 60 mm" in items["big"].note
     assert items["box0"].plate == 1
 
 

@@ -1,10 +1,9 @@
 import shutil
-import subprocess
-import sys
 
 import h5py
 import pytest
 import yaml
+from commands import egad
 
 from egad.settings import Settings
 
@@ -20,14 +19,8 @@ def export(dataset, tmp_path):
         config.write_text(
             yaml.safe_dump({"dexnet": {"field_size": 16}, "acronym": {"held": 0}, **settings})
         )
-        code = "from egad.cli import main; main()"
-        given = [folder, "--gripper", GRIPPER, "--format", style, "--out", out, "--config", config]
-        return subprocess.run(
-            [sys.executable, "-c", code, "export", *map(str, given)],
-            check=False,
-            capture_output=True,
-            text=True,
-        )
+        given = ["--gripper", GRIPPER, "--format", style, "--out", out, "--config", config]
+        return egad("export", folder, *given)
 
     return run
 

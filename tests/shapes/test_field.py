@@ -7,19 +7,19 @@ from egad.shapes.field import STEPS, distance_field, grid_nodes
 
 def slow_distance(point, triangles):
     """The least distance to many triangles: to their corners, edges and inner points in turn."""
-    best = np.inf
-    for corners in triangles:
-        for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-            along = end - start
-            part = np.clip((point - start) @ along / (along @ along), 0, 1)
-            best = min(best, np.linalg.norm(point - start - part * along))
-        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-        normal /= np.linalg.norm(normal)
-        foot = point - (point - corners[0]) @ normal * normal
-        sides = np.cross(np.roll(corners, -1, axis=0) - corners, foot - corners) @ normal
-        if (sides >= 0).all():
-            best = min(best, abs((point - corners[0]) @ normal))
-    return best
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    heights = np.einsum("nk,nk->n", point - triangles[:, 0], normals)
+    feet = point - heights[:, None] * normals
+    best, over = np.inf, np.full(len(triangles), True)
+    for start, end in ((0, 1), (1, 2), (2, 0)):
+        starts = triangles[:, start]
+        along = triangles[:, end] - starts
+        part = np.einsum("nk,nk->n", point - starts, along) / (along**2).sum(axis=1)
+        nearest = starts + np.clip(part, 0, 1)[:, None] * along
+        best = min(best, np.linalg.norm(point - nearest, axis=1).min())
+        over &= np.einsum("nk,nk->n", np.cross(along, feet - starts), normals) >= 0
+    return min(best, np.abs(heights[over]).min(initial=np.inf))
 
 
 def slow_winding(point, triangles):

@@ -4,7 +4,6 @@ import fcntl
 import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -12,8 +11,10 @@ from pathlib import Path
 
 import pytest
 import yaml
+from launcher import Launcher
 
 ROOT = Path(__file__).parents[2]
+LAUNCHER = Launcher()
 SOURCES = ["Snakefile", "config", "envs", "profiles", "workflow"]
 TEST_CONFIG = "config/test.yaml"
 HUNGRY = """
@@ -46,9 +47,8 @@ class Checkout:
 
     def start(self, *arguments, configs=(TEST_CONFIG,)):
         """Start Snakemake in a process group of its own."""
-        options = ["--configfile", *map(str, configs)] if configs else []
         return subprocess.Popen(
-            [sys.executable, "-m", "snakemake", *map(str, arguments), *options],
+            [sys.executable, "-m", "snakemake", *_words(arguments, configs)],
             cwd=self.folder,
             env=self.environment,
             stdout=subprocess.PIPE,
@@ -59,13 +59,8 @@ class Checkout:
 
     def snakemake(self, *arguments, configs=(TEST_CONFIG,)):
         """Run Snakemake to its end: its exit status and what it said."""
-        with self.start(*arguments, configs=configs) as process:
-            try:
-                said, _ = process.communicate(timeout=3600)
-            except BaseException:
-                os.killpg(process.pid, signal.SIGKILL)
-                raise
-        return process.returncode, said
+        words = _words(arguments, configs)
+        return LAUNCHER.run(words, self.folder, self.environment)
 
     def make(self, *arguments, configs=(TEST_CONFIG,)):
         """Run Snakemake and fail with what it said if it fails."""
@@ -126,6 +121,10 @@ class Checkout:
         shutil.copytree(ROOT / "egad", self.folder / "egad", ignore=uncompiled)
 
 
+def _words(arguments, configs):
+    return [*map(str, arguments), *(["--configfile", *map(str, configs)] if configs else [])]
+
+
 def checkout(folder):
     """Copy the sources."""
     folder.mkdir()
@@ -134,6 +133,12 @@ def checkout(folder):
         copy = shutil.copytree if source.is_dir() else shutil.copy2
         copy(source, folder / name)
     return Checkout(folder)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _stopped():
+    yield
+    LAUNCHER.stop()
 
 
 @pytest.fixture

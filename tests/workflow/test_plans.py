@@ -40,8 +40,8 @@ def test_paper_scale_can_be_planned(clean):
 
 
 def test_as_many_epochs_as_are_allowed_can_be_planned(clean):
-    most = clean.overlay("most.yaml", {"schedule": {"epochs": 200, "islands": 4}})
-    assert clean.planned(configs=[most])["evolve"] == 800
+    most = clean.overlay("most.yaml", {"schedule": {"epochs": 200, "islands": 2}})
+    assert clean.planned(configs=[most])["evolve"] == 400
 
 
 def test_a_finished_run_has_nothing_to_do(finished):
@@ -128,6 +128,7 @@ def test_an_edited_measure_or_mesh_of_ones_own_evolves_again(clean):
         "axes": {"complexity": "mine.py:size"},
         "part": {"kind": "mesh", "mesh": "part.stl", "size": [0.3, 0.3, 0.3]},
         "schedule": {"islands": 1, "epochs": 1},
+        "evolution": {"steps_per_epoch": 1, "population": 2},
     }
     configs = ["config/test.yaml", clean.overlay("own.yaml", own)]
     target = "results/egad/archive.parquet"
@@ -143,33 +144,24 @@ def test_an_edited_measure_or_mesh_of_ones_own_evolves_again(clean):
 
 
 def test_an_edited_detector_of_ones_own_tries_again(copy):
+    """One that is no target too; nothing is asked of detectors that nobody wants."""
     code = "def nothing(view, gripper, rng): return []\n"
     detector = copy.folder / "mine.py"
     detector.write_text(code)
-    own = {
-        "policies": {"mine": {"detector": "mine.py:nothing"}},
-        "targets": {"policies": ["antipodal-depth", "mine"]},
-    }
-    configs = ["config/test.yaml", copy.overlay("own.yaml", own)]
-    target = "results/egad/trials/egad_75mm/mine.parquet"
-    copy.make("--cores", 1, target, configs=configs)
-    assert set(parquet.read(copy.folder / target, TRIALS)["outcome"]) == {"no_grasp"}
-    assert copy.planned(target, configs=configs) == {}
-    detector.write_text(code.replace("[]", "None"))
-    assert set(copy.planned(configs=configs)) == {"simulated_trial"} | AFTER_TRIALS
-
-
-def test_a_detector_that_is_no_target_is_tried_again_too(copy):
-    """Only its own file is asked for; nothing is asked of detectors that nobody wants."""
-    code = "def nothing(view, gripper, rng): return []\n"
-    (copy.folder / "mine.py").write_text(code)
     own = {"policies": {name: {"detector": f"{name}.py:nothing"} for name in ("mine", "lost")}}
+    wanted = {"targets": {"policies": ["antipodal-depth", "mine"]}}
     configs = ["config/test.yaml", copy.overlay("own.yaml", own)]
+    everything = [*configs, copy.overlay("wanted.yaml", wanted)]
     target = "results/egad/trials/egad_75mm/{}.parquet"
     copy.make("--cores", 1, target.format("mine"), configs=configs)
-    assert copy.planned(target.format("mine"), configs=configs) == {}
-    (copy.folder / "mine.py").write_text(code.replace("[]", "None"))
-    assert set(copy.planned(target.format("mine"), configs=configs)) == TRIED
+    outcomes = parquet.read(copy.folder / target.format("mine"), TRIALS)["outcome"]
+    assert set(outcomes) == {"no_grasp"}
+    for asked in (configs, everything):
+        assert copy.planned(target.format("mine"), configs=asked) == {}
+    detector.write_text(code.replace("[]", "None"))
+    for asked in (configs, everything):
+        assert set(copy.planned(target.format("mine"), configs=asked)) == TRIED
+    assert set(copy.planned(configs=everything)) == {"simulated_trial"} | AFTER_TRIALS
     status, said = copy.snakemake("--dry-run", target.format("lost"), configs=configs)
     assert status != 0
     assert "The detector lost cannot be used: policies: lost.py:nothing: there is no such" in said
