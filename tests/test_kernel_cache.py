@@ -7,7 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from egad.kernel_cache import kernel_sources_version, use_own_cache
+from egad import kernel_cache
+from egad.kernel_cache import (
+    compile_kernels,
+    compiled,
+    kernel_sources_version,
+    use_own_cache,
+)
 
 KERNEL = "import numba\n\n@numba.njit(cache=True)\ndef double(x):\n    return {} * x\n"
 
@@ -97,3 +103,18 @@ def test_kernels_are_not_kept_where_others_can_write(read_only, tmp_path):
     open_to_all = kernel_folder(read_only).parent
     open_to_all.chmod(0o777)
     assert not kernel_folder(read_only).is_relative_to(open_to_all)
+
+
+def test_kernels_are_compiled_once_for_each_state_of_their_sources(tmp_path, monkeypatch):
+    started = []
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(
+        kernel_cache.subprocess, "run", lambda command, **_: started.append(command)
+    )
+    compile_kernels()
+    compiled().touch()
+    compile_kernels()
+    assert len(started) == 1
+    monkeypatch.setattr(kernel_cache, "kernel_sources_version", lambda: "edited")
+    compile_kernels()
+    assert len(started) == 2
