@@ -14,7 +14,7 @@ from egad.display.jobs import Job, Jobs
 from egad.progress import Status, duration, rate_text
 
 REFRESH = 2  # times a second
-WIDTH = 30  # columns of a bar
+WIDTH = 20  # columns of a bar
 MARGIN = 4  # rows of the terminal that are left free
 
 

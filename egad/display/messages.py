@@ -109,10 +109,11 @@ class Display(logging.Handler):
 
     def _count(self, message: dict[str, Any]) -> None:
         """Print which jobs are done; this message comes after theirs."""
-        self._jobs.steps = done, total = message["done"], message["total"]
+        self._jobs.steps = message["done"], message["total"]
+        steps = f"({message['done']} of {message['total']} steps)"
         for job in self._done:
             taken = duration(time.monotonic() - job.start)
-            self._view.print(f"{clock()} done  {job.rule}: {job.title}, {taken} ({done} of {total} steps)")
+            self._view.print(f"{clock()} done  {job.rule}: {job.title}, {taken} {steps}")
             if job.log and job.rule in self._whole_logs:
                 self._view.print("\n".join(last_lines(job.log)))
         self._done.clear()
@@ -120,7 +121,7 @@ class Display(logging.Handler):
     def _fail(self, message: dict[str, Any]) -> None:
         number, rule = message["jobid"], message["rule_name"]
         job = self._jobs.remove(number)
-        title = f" {job.message}" if job else ""
+        title = f" {job.title}" if job else ""
         lines = [f"{clock()} Error in rule {rule}:{title} (job {number})"]
         lines += [f"    {name}: {value}" for name, value in message["aux"].items()]
         for log in message["log"]:
