@@ -116,6 +116,8 @@ class Display(logging.Handler):
             self._view.print(f"{clock()} done  {job.rule}: {job.title}, {taken} {steps}")
             if job.log and job.rule in self._whole_logs:
                 self._view.print("\n".join(last_lines(job.log)))
+        if not self._done and message["done"] == message["total"]:
+            self._view.print(f"{clock()} done  all {message['total']} steps")
         self._done.clear()
 
     def _fail(self, message: dict[str, Any]) -> None:

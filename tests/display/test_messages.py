@@ -24,6 +24,8 @@ def test_a_target_without_a_command_is_not_a_job(start_run):
     run.start(1, rule="all", message=None, command=None)
     run.finish(1)
     assert run.shown == ""
+    run.finish(1, done=5)
+    assert run.shown.endswith("done  all 5 steps\n")
 
 
 def test_what_else_snakemake_says_is_kept(start_run):
