@@ -7,6 +7,7 @@ import trimesh
 
 from egad.measures.space import complexity_cells, difficulty_cells, labels
 from egad.report.data import DatasetReport, ReportData
+from egad.report.page import build
 from egad.report.render import png_bytes, render
 from egad.report.viewer import Scene
 from egad.settings import Dataset, Settings
@@ -195,3 +196,8 @@ def report(
     return ReportData(
         settings, comparison, {"egad": full, "mine": compared}, {"python": "3.11.7", "egad": "0.1"}
     )
+
+
+@pytest.fixture(scope="session")
+def report_html(report: ReportData) -> str:
+    return build(report)

@@ -43,8 +43,3 @@ def test_colour_scale_is_viridis_clipped():
     assert [style.scale_colour(value, 0.1, 0.3) for value in (-1, 7)] == ends
     assert style.scale_colour(float("nan"), 0.1, 0.3) == style.UNKNOWN
     assert re.fullmatch("#[0-9a-f]{6}", style.scale_colour(0.2, 0.2, 0.2))
-
-
-def test_ink_contrasts_with_its_ground():
-    assert style.ink_on("#ffffff") == style.INK
-    assert style.ink_on("#08306b") == "white"

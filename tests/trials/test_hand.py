@@ -16,7 +16,7 @@ SIDE = 0.04
 LIFT = 0.2
 LIGHT = build(trimesh.creation.box((SIDE,) * 3), 400.0, BUNDLE)  # 26 g, simulated as 50
 HEAVY = build(trimesh.creation.box((SIDE,) * 3), 3125.0, BUNDLE)  # 200 g
-BALL = build(trimesh.creation.icosphere(4, 0.025), 400.0, BUNDLE)
+BALL = build(trimesh.creation.icosphere(3, 0.025), 400.0, BUNDLE)
 
 
 def hung(world: World, gripper: Gripper, stance: Stance, width: float, arm: str = "axis") -> Hand:

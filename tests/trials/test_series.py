@@ -28,7 +28,7 @@ SETTINGS = SimulatedTrials(
 BALL, CUBE, CYLINDER = (
     build(mesh, 400.0, BUNDLE)
     for mesh in (
-        trimesh.creation.icosphere(4, 0.025),
+        trimesh.creation.icosphere(3, 0.025),
         trimesh.creation.box((0.04, 0.04, 0.04)),
         trimesh.creation.cylinder(0.02, 0.07),
     )

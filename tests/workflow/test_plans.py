@@ -289,14 +289,14 @@ def test_a_configuration_of_ones_own_can_stand_alone(clean):
 def test_random_objects_need_no_file_and_more_of_them_are_made_again(clean):
     def planned(**more):
         dataset = {"source": "primitives", "objects": 3} | more
-        own = clean.overlay("random.yaml", {"datasets": {"random": dataset}})
+        own = clean.overlay("random.yaml", {"shards": 1, "datasets": {"random": dataset}})
         return clean.planned(target, configs=["config/test.yaml", own])
 
     target = "results/random/objects.parquet"
-    assert planned() == {"postprocess": 2, "collect": 1}
+    assert planned() == {"postprocess": 1, "collect": 1}
     clean.make("--cores", 1, target, configs=["config/test.yaml", "random.yaml"])
     assert planned() == {}
-    assert planned(objects=4) == {"postprocess": 2, "collect": 1}
+    assert planned(objects=4) == {"postprocess": 1, "collect": 1}
     labels = parquet.read(clean.folder / target, OBJECTS)["label"].tolist()
     assert labels == ["p00000", "p00001", "p00002"]
     meshes = clean.results / "random/meshes"
