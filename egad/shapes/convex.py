@@ -147,7 +147,8 @@ def _best_cut(piece: _Piece) -> tuple[Solid, Solid]:
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges = edges[edges[:, 0] < edges[:, 1]]  # each once
     planes = _planes(vertices, faces, _depths(vertices, piece.planes))
-    sides = [_sides(vertices, edges, plane) for plane in planes]
+    least = GRAZE * float(np.ptp(vertices, axis=0).max())
+    sides = [_sides(vertices, edges, plane, least) for plane in planes]
     best = _smallest(sides)
     normal, offset = planes[best]
     cut: tuple[Solid, Solid] = piece.solid.split_by_plane(tuple(normal), offset)
@@ -167,12 +168,17 @@ def _smallest(sides: list[list[Floats]]) -> int:
     return best
 
 
-def _sides(vertices: Floats, edges: NDArray[np.int64], plane: Plane) -> list[Floats]:
-    """Points whose hulls are those of the two sides of a cut; none if it misses or grazes."""
+def _sides(
+    vertices: Floats, edges: NDArray[np.int64], plane: Plane, least: float
+) -> list[Floats]:
+    """Points whose hulls are those of the two sides of a cut.
+
+    There are none if it misses, or cuts off something thinner than `least`.
+    """
     normal, offset = plane
     heights = vertices @ normal - offset
     above = heights > 0
-    if min(heights.max(), -heights.min()) <= GRAZE * float(np.ptp(vertices, axis=0).max()):
+    if min(heights.max(), -heights.min()) <= least:
         return []
     first, second = edges[above[edges[:, 0]] != above[edges[:, 1]]].T
     part = (heights[first] / (heights[first] - heights[second]))[:, None]

@@ -1,6 +1,5 @@
 """antipodal-depth: grasps between opposing edges of a depth image."""
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +13,6 @@ from egad.trials.relief import Relief, lowest_tip, relief_of, window_of
 from egad.vision.camera import View, Window
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MAX_EDGES = 400
 MAX_CANDIDATES = 400
@@ -23,6 +21,7 @@ LEAST_BITE = 0.005  # the pads must reach this far below the lower of the two ed
 FULL_BITE = 0.02  # and gain nothing by reaching further than this
 TORQUE_SCALING = 100.0  # 1/m
 BLUR = 1.5  # pixels
+NEARLY = 1e-6
 MARGIN = 9  # pixels; blurring reaches 6 of them, and each of two gradients one more
 
 
@@ -65,10 +64,11 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     Returns:
         At most 50 grasps, best first.
     """
-    relief = relief_of(view)
+    window = _uneven(view, gripper.pad.friction)
+    relief = relief_of(view, window)
     if relief is None:
         return []
-    pairs = _pairs(_edges(view, gripper.pad.friction), gripper)
+    pairs = _pairs(_edges(view, window, gripper.pad.friction), gripper)
     if len(pairs.top) == 0:
         return []
     centroid = relief.centroid()
@@ -78,9 +78,8 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     return _grasps(_Pairs(*(values[hopeful] for values in pairs)), relief, centroid, gripper)
 
 
-def _edges(view: View, friction: float) -> _Edges:
+def _edges(view: View, window: Window, friction: float) -> _Edges:
     """Pixels on steep falls, but not at their feet, thinned to at most `MAX_EDGES`."""
-    window = _uneven(view, friction)
     points = view.points(window)
     heights = np.nan_to_num(points[..., 2])
     pitch = np.nan_to_num(view.depth[window], nan=np.inf) / view.intrinsics.focal
@@ -110,20 +109,14 @@ def _uneven(view: View, friction: float) -> Window:
     return window_of(np.abs(view.heights()) > level, MARGIN)
 
 
-@lru_cache(maxsize=2)
-def _all_pairs(count: int) -> tuple[Ints, Ints]:
-    """Each two of so many things, once."""
-    first, second = np.triu_indices(count, 1)
-    return first, second
-
-
 def _pairs(edges: _Edges, gripper: Gripper) -> _Pairs:
     """All pairs of edges that oppose each other within friction cones and opening."""
-    first, second = _all_pairs(len(edges.points))
-    x, y = np.ascontiguousarray(edges.points[:, :2].T)
-    apart = np.stack([x[second] - x[first], y[second] - y[first]], axis=1)
-    distance = np.sqrt(apart[:, 0] ** 2 + apart[:, 1] ** 2)
     cone = np.cos(np.arctan(gripper.pad.friction))
+    # If a line lies in both cones, the normals are at most twice the angle of a cone from opposite.
+    opposed = edges.outward @ edges.outward.T < NEARLY - (2 * cone**2 - 1)
+    first, second = np.nonzero(np.triu(opposed, 1))
+    apart = edges.points[second, :2] - edges.points[first, :2]
+    distance = np.sqrt(apart[:, 0] ** 2 + apart[:, 1] ** 2)
     near = np.flatnonzero(distance <= gripper.opening - 2 * LEAST_CLEARANCE)
     first, second, distance = first[near], second[near], distance[near]
     axis = apart[near] / np.maximum(distance, 1e-12)[:, None]

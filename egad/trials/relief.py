@@ -71,9 +71,14 @@ def window_of(uneven: NDArray[np.bool_], margin: int) -> Window:
     return sides[0], sides[1]
 
 
-def relief_of(view: View) -> Relief | None:
-    """What stands on the table, as heights on a grid; none if nothing does."""
-    points = view.points(window_of(view.heights() > TABLE_CLEARANCE, 1))
+def relief_of(view: View, window: Window | None = None) -> Relief | None:
+    """What stands on the table, as heights on a grid; none if nothing does.
+
+    Args:
+        view: A depth image.
+        window: Rows and columns with all that stands, if they are known.
+    """
+    points = view.points(window or window_of(view.heights() > TABLE_CLEARANCE, 1))
     standing = points[points[..., 2] > TABLE_CLEARANCE]
     if len(standing) == 0:
         return None

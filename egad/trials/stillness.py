@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 # The motion is that over some time, not that of an instant: a swinging object stands still at its
 # turning points. Around such a point, a pendulum of 5 cm still moves by a quarter of its amplitude.
 WINDOW = 0.1  # seconds
-CREEP = 0.0005  # metres that it may still move until the end, at the rate of the window
+CREEP = 0.001  # metres that it may still move until the end, at the rate of the window
 
 
 class _Held(NamedTuple):
@@ -36,7 +36,8 @@ class Stillness:
             end: Seconds from now until which it must stay in the hand.
         """
         self._hand = hand
-        self._reach = float(hand.world.model.mesh.scale)  # no point is further from the centre
+        points = hand.world.model.mesh.vertices  # the origin is the centre of mass
+        self._reach = float(np.linalg.norm(points, axis=1).max())
         self._early, self._left = round(start / TIME_STEP), round(end / TIME_STEP)
         self._window = round(WINDOW / TIME_STEP)
         self._begin()
@@ -45,7 +46,7 @@ class Stillness:
         """Whether the object lies still; to be asked once after every step.
 
         It does if no point of it moved so far within the last 0.1 s that, at this rate, it would
-        move by more than 0.5 mm until the end.
+        move by more than 1 mm until the end.
         """
         self._early, self._left, self._steps = self._early - 1, self._left - 1, self._steps + 1
         allowed = CREEP * self._window / max(self._left, self._window)
