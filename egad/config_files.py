@@ -75,6 +75,7 @@ RELEASED: Values = {
     "shards": 32,
     "datasets": {"egad": {"source": "archive", "archive": "released"}},
     "grasp_label": {"grasps": 500},
+    "trials": {"attempts": 20},
 }
 PAPER: Values = {
     "shards": 32,
@@ -99,6 +100,7 @@ PAPER: Values = {
     },
     "complexity": {"bins": 512},
     "difficulty": {"metric": "plain", "grasps": 100, "percentile": 75.0},
+    "trials": {"attempts": 20},
 }
 FULL: Values = {**PAPER, "evolution": {**PAPER["evolution"], "parents": "sparse"}}
 TEST: Values = {
@@ -124,10 +126,12 @@ YCB: Values = {
         }
     },
     "targets": {"datasets": ["ycb"]},
+    "trials": {"attempts": 20},
 }
 EGAD: Values = {
     "datasets": {"egad_train": {"source": "meshes", "folder": "data/egad", "units": "mm"}},
     "targets": {"datasets": ["egad_train"]},
+    "trials": {"attempts": 20},
 }
 
 DIVERSITY: Values = {
@@ -137,7 +141,7 @@ DIVERSITY: Values = {
         "primitives": {"source": "primitives", "objects": 500},
     },
     "grasp_label": {"grasps": 500},
-    "trials": {"between": "anew"},
+    "trials": {"attempts": 20, "between": "anew"},
     "training": {"patience": None},
     "diversity": {
         "sets": ["evolved", "third", "simple", "complex", "ycb", "primitives", "cornell"],

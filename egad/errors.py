@@ -9,3 +9,7 @@ class UserError(Exception):
 
 class RejectedError(Exception):
     """One object cannot be used. The message is the reason; the other objects go on."""
+
+
+class TableError(ValueError):
+    """A Parquet file is missing, damaged, or does not have the columns of its schema."""

@@ -7,6 +7,11 @@ would run stale code with new data. Nor does it look at whether the code checks 
 
 import hashlib
 import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 PACKAGE = Path(__file__).parent
@@ -22,8 +27,57 @@ def kernel_sources_version(package: Path = PACKAGE) -> str:
     return digest.hexdigest()[:16]
 
 
-def use_own_cache() -> None:
-    """Tell numba, before it is imported, unless the user has told it already."""
-    checked = "-bounds" if os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0" else ""
-    folder = PACKAGE / "__pycache__" / f"kernels-{kernel_sources_version()}{checked}"
-    os.environ.setdefault("NUMBA_CACHE_DIR", str(folder))
+def use_own_cache(package: Path = PACKAGE) -> None:
+    """Tell numba, before it is imported, unless the user has told it already.
+
+    Args:
+        package: The folder whose kernels are compiled. They are kept in it, or in the user's cache
+            folder if it cannot be written, or else in a folder for temporary files.
+    """
+    if "NUMBA_CACHE_DIR" not in os.environ:
+        checked = "-bounds" if os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0" else ""
+        name = f"kernels-{kernel_sources_version(package)}{checked}"
+        folders = (parent / name for parent in _parents(package))
+        found = next((folder for folder in folders if _can_write(folder)), None)
+        os.environ["NUMBA_CACHE_DIR"] = str(found or tempfile.mkdtemp(prefix="egad-"))
+
+
+def compiled() -> Path:
+    """A file that is there if all kernels have been compiled."""
+    return Path(os.environ["NUMBA_CACHE_DIR"]) / f"compiled-{kernel_sources_version()}"
+
+
+def compile_kernels() -> None:
+    """Compile all kernels in two processes, unless that was done since their last change."""
+    if not compiled().exists():
+        print("Compiling kernels: once, takes about half a minute", file=sys.stderr, flush=True)
+        subprocess.run([sys.executable, "-m", "egad.precompile"], check=False)
+
+
+def _parents(package: Path) -> Iterator[Path]:
+    """Folders to keep kernels in, the preferred one first."""
+    yield package / "__pycache__"
+    with suppress(RuntimeError):  # there is no home
+        yield Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "egad"
+    temporary = Path(tempfile.gettempdir()) / f"egad-{os.getuid()}"
+    if _is_private(temporary):
+        yield temporary
+
+
+def _is_private(folder: Path) -> bool:
+    """Make a folder; whether only this user can write to it. The code in it is run."""
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        status = folder.lstat()
+    except OSError:
+        return False
+    return status.st_uid == os.getuid() and not status.st_mode & 0o022
+
+
+def _can_write(folder: Path) -> bool:
+    """Make a folder with its parents; whether files can be made in it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK | os.X_OK)

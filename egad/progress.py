@@ -1,15 +1,83 @@
-"""Progress of long work: a bar on a terminal, a plain line every half minute in a log."""
+"""Progress of long work: a bar on a terminal, else plain lines in a log, which can be read back."""
 
+import re
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from typing import TypeVar
-
-from rich.console import Console
-from rich.progress import Progress, TextColumn
+from dataclasses import dataclass
+from functools import cache
+from typing import Self, TypeVar
 
 T = TypeVar("T")
-LOG_INTERVAL = 30.0
+# Seconds between two lines: a tenth of the time the work has taken so far, within these limits.
+SHORTEST, LONGEST, SHARE = 1.0, 10.0, 0.1
+RATE_UNITS = {"s": 1, "min": 60, "h": 3600}
+LINE = re.compile(
+    r"(?P<what>\S.*?): (?P<done>\d+)/(?P<total>\d+)"
+    r"(?:, (?P<rate>[\d.]+)/(?P<unit>s|min|h))?(?:, [\d:]+ left)?(?:, (?P<state>.+))?"
+)
+PHASE_END = " ..."
+WINDOW, STEADY = 60.0, 2.0  # seconds that a rate is taken over: at most, and at least
+BURST = 0.05  # seconds; what comes within them was done together
+
+
+@dataclass(frozen=True)
+class Status:
+    """How far some work is.
+
+    Attributes:
+        what: What the work is, e.g. `"evaluations"`.
+        done: How much is done.
+        total: How much there is to do.
+        rate: How much is done in a second; 0 if that is not known yet.
+        state: More words, e.g. `"coverage 0.81"`.
+    """
+
+    what: str
+    done: int
+    total: int
+    rate: float = 0.0
+    state: str = ""
+
+    @property
+    def left(self) -> float | None:
+        """Seconds until the end at this rate; None without a rate."""
+        return max(self.total - self.done, 0) / self.rate if self.rate > 0 else None
+
+    def __str__(self) -> str:
+        parts = [f"{self.what}: {self.done}/{self.total}"]
+        if self.rate > 0:
+            parts.append(rate_text(self.rate))
+        if self.left:
+            parts.append(f"{duration(self.left)} left")
+        return ", ".join([*parts, self.state] if self.state else parts)
+
+    @classmethod
+    def parse(cls, line: str) -> Self | None:
+        """The inverse of `str`; None for a line that tells no progress."""
+        found = LINE.fullmatch(line)
+        if found is None:
+            return None
+        rate = float(found["rate"] or 0) / RATE_UNITS[found["unit"] or "s"]
+        done, total = int(found["done"]), int(found["total"])
+        return cls(found["what"], done, total, rate, found["state"] or "")
+
+
+def duration(seconds: float) -> str:
+    """A time as `M:SS` or `H:MM:SS`."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
+
+
+def rate_text(rate: float) -> str:
+    """A rate in the first unit of time in which it is at least 1, with three digits or more."""
+    unit, seconds = next(
+        (unit for unit in RATE_UNITS.items() if rate * unit[1] >= 1), ("h", RATE_UNITS["h"])
+    )
+    value = rate * seconds
+    return f"{value:.{2 if value < 10 else 1 if value < 100 else 0}f}/{unit}"
 
 
 def progress(
@@ -27,51 +95,111 @@ def progress(
         what: What the work is, e.g. `"grading objects"`.
         total: How many items there are.
         scale: What an item counts, for instance the evaluations of a step.
-        state: Says how the work stands, e.g. `"coverage 0.81"`; nothing by default.
+        state: More words on the work, e.g. `"coverage 0.81"`; nothing by default.
 
     Yields:
         The items, unchanged and in order.
     """
-    console = Console(stderr=True)
-    if console.is_terminal:
-        yield from _bar(items, what, total, scale, state, console)
+    report_compilation()
+    if sys.stderr.isatty():
+        yield from _bar(items, what, total, scale, state)
     else:
         yield from _lines(items, what, total, scale, state)
 
 
+def phase(what: str) -> None:
+    """Say on stderr what is done now, where it cannot be said how far it is."""
+    print(f"{what}{PHASE_END}", file=sys.stderr, flush=True)
+
+
+def parse_phase(line: str) -> str:
+    """The words that `phase` was given; empty for any other line."""
+    return line.removesuffix(PHASE_END) if line.endswith(PHASE_END) else ""
+
+
+class _Meter:
+    """Measures a rate over the last minute, from the end of the first item.
+
+    What goes before, such as the compilation of kernels, says nothing about the other items. It
+    counts only until there are others.
+    """
+
+    def __init__(self) -> None:
+        self._start = time.monotonic()
+        self._marks: deque[tuple[float, int]] = deque()  # moments, and what was done then
+
+    def rate(self, now: float, done: int) -> float:
+        """Items a second when so many are done."""
+        marks = self._marks
+        if marks and now - marks[-1][0] < BURST:
+            marks[-1] = marks[-1][0], done
+        elif not marks or now - marks[-1][0] >= SHORTEST:
+            marks.append((now, done))
+        while len(marks) > 1 and marks[1][0] < now - WINDOW:
+            marks.popleft()
+        since, before = marks[0]
+        if now - since < STEADY or done == before:
+            since, before = self._start, 0
+        return (done - before) / max(now - since, 1e-9)
+
+
 def _bar(
-    items: Iterable[T],
-    what: str,
-    total: int,
-    scale: int,
-    state: Callable[[], str],
-    console: Console,
+    items: Iterable[T], what: str, total: int, scale: int, state: Callable[[], str]
 ) -> Iterator[T]:
+    from rich.console import Console  # noqa: PLC0415 (jobs have no terminal)
+    from rich.progress import Progress, TextColumn  # noqa: PLC0415
+
     speed = TextColumn("{task.fields[rate]}")
     columns = (*Progress.get_default_columns(), speed, TextColumn("{task.fields[state]}"))
-    start = time.monotonic()
-    with Progress(*columns, console=console) as bar:
+    meter = _Meter()
+    with Progress(*columns, console=Console(stderr=True)) as bar:
         task = bar.add_task(what, total=total, rate="", state="")
         for done, item in enumerate(items, 1):
             yield item
-            rate = scale * done / max(time.monotonic() - start, 1e-9)
-            bar.update(task, completed=done, rate=f"{rate:.1f}/s", state=state())
+            rate = scale * meter.rate(time.monotonic(), done)
+            bar.update(task, completed=done, rate=rate_text(rate), state=state())
 
 
 def _lines(
     items: Iterable[T], what: str, total: int, scale: int, state: Callable[[], str]
 ) -> Iterator[T]:
     start = last = time.monotonic()
+    meter = _Meter()
+    _write(Status(what, 0, scale * total))
     for done, item in enumerate(items, 1):
         yield item
         now = time.monotonic()
-        if now - last >= LOG_INTERVAL:
+        rate = scale * meter.rate(now, done)
+        if done == total or now - last >= min(max(SHARE * (now - start), SHORTEST), LONGEST):
             last = now
-            rate = done / (now - start)
-            parts = [
-                f"{what}: {scale * done}/{scale * total}",
-                f"{scale * rate:.1f}/s",
-                f"{(total - done) / rate:.0f} s left",
-                state(),
-            ]
-            print(", ".join(part for part in parts if part), file=sys.stderr)
+            _write(Status(what, scale * done, scale * total, rate, state()))
+
+
+def _write(status: Status) -> None:
+    if status.total:
+        print(status, file=sys.stderr, flush=True)
+
+
+def report_compilation() -> None:
+    """Have this process say when it compiles kernels, which takes long; once numba is loaded."""
+    if "numba" in sys.modules:
+        _listen_to_compiler()
+
+
+@cache
+def _listen_to_compiler() -> None:
+    from numba.core import event  # noqa: PLC0415 (it is loaded already)
+
+    last = -LONGEST
+
+    class Compilation(event.Listener):
+        def on_start(self, _: event.Event) -> None:
+            nonlocal last
+            if time.monotonic() - last >= LONGEST:
+                last = time.monotonic()
+                phase("compiling kernels")
+
+        def on_end(self, _: event.Event) -> None:
+            pass
+
+    event.register("numba:compile", Compilation())  # type: ignore[no-untyped-call]

@@ -17,6 +17,7 @@ from typing import Any, Self
 from threadpoolctl import threadpool_limits
 
 from egad.errors import LESS_MEMORY, RejectedError, UserError
+from egad.progress import report_compilation
 
 log = logging.getLogger(__name__)
 
@@ -43,11 +44,17 @@ def workers(count: int) -> Iterator[Mapper]:
         return
     try:
         with ProcessPoolExecutor(count, ANEW, _start_worker) as pool:
-            yield partial(pool.map, chunksize=2)
+            yield lambda work, items: pool.map(partial(_told, work), items, chunksize=2)
     except BrokenProcessPool as error:
         raise UserError(
             f"a worker process ended all at once, probably for want of memory; {LESS_MEMORY}"
         ) from error
+
+
+def _told(work: Work, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
+    """Do the work on an item in a process that says when it compiles kernels."""
+    report_compilation()
+    return work(item)
 
 
 def check_not_killed(status: int | None, who: str) -> None:
@@ -161,6 +168,7 @@ def _serve(pipe: Connection, opened: Opened) -> None:
         except Exception as error:
             pipe.send((None, _portable(error)))
             return
+        report_compilation()
         pipe.send((None, None))
         while True:
             try:

@@ -15,8 +15,7 @@ from egad.cli import (
     trials,
 )
 from egad.cli.common import app
-from egad.errors import LESS_MEMORY, RejectedError, UserError
-from egad.tables.parquet import TableError
+from egad.errors import LESS_MEMORY, RejectedError, TableError, UserError
 
 __all__ = [
     "exchange",

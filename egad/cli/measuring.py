@@ -2,9 +2,8 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import pandas as pd
 import typer
 
 from egad.cli.common import (
@@ -20,6 +19,9 @@ from egad.cli.common import (
     settings_in,
 )
 from egad.errors import UserError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 TableFile = Annotated[Path | None, typer.Option(help="table to write: .parquet or .csv")]
 Grasps = Annotated[
@@ -129,7 +131,7 @@ def locate(
     complain(_reasons(table), len(table))
 
 
-def _reasons(table: pd.DataFrame) -> dict[str, str]:
+def _reasons(table: "pd.DataFrame") -> dict[str, str]:
     """Names of the meshes that could not be used, and why."""
     rejected = table[table["reason"] != ""]
     return dict(zip(rejected["name"], rejected["reason"], strict=True))

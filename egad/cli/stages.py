@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from egad.cli.common import STAGE, Jobs, Out, OutFolder, app, parse
-from egad.cli.recorded import recorded
+from egad.cli.recorded import recorded, settings_hash
 from egad.errors import UserError
 from egad.settings import Settings
 
@@ -26,15 +26,20 @@ def evolve(
     out: Out,
     history: Annotated[Path, typer.Option(help="table of the steps to write")],
     base: Annotated[Path | None, typer.Option(help="archive of the epoch before")] = None,
+    page: Annotated[
+        Path | None, typer.Option(help="HTML page that shows the map as it fills, to write")
+    ] = None,
     jobs: Jobs = 1,
 ) -> None:
     """Evolve one island for one epoch."""
+    from egad.report.live_map import LiveMap
     from egad.stage_settings import Evolve
     from egad.stages import evolve as stage
 
     parsed, bases = parse(Evolve, settings), [base] if base else []
     with recorded("evolve", parsed, bases, epoch=epoch, island=island):
-        stage.run(parsed, epoch, island, base, out, history, jobs)
+        watch = LiveMap(page, settings_hash(parsed), parsed, epoch, island) if page else None
+        stage.run(parsed, epoch, island, base, out, history, jobs, watch)
 
 
 @app.command(rich_help_panel=STAGE)

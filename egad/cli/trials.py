@@ -2,15 +2,17 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import pandas as pd
 import typer
 
 from egad.cli.common import TOOL, Config, GripperName, app, settings_in
 from egad.errors import UserError
 from egad.names import known
 from egad.settings import Settings
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 trials = typer.Typer(
     no_args_is_help=True, help="Results of grasping trials: compare, replay, import, template."
@@ -56,6 +58,8 @@ def import_(
     config: Config = None,
 ) -> None:
     """Show the results of a real robot as those of the simulation."""
+    import pandas as pd
+
     from egad.exchange.frames import check_ending, write_frame
     from egad.tables.evaluation import RESULTS
     from egad.trials.records import read
@@ -136,7 +140,7 @@ def template(
     typer.echo(f"{out}: {len(frame)} attempts at {len(labels)} objects")
 
 
-def _tell(found: Mapping[str, pd.DataFrame]) -> None:
+def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
     """Print rates, and what is known of each two detectors."""
     from egad.cli.show import compared, succeeded
     from egad.report.trial_views import pairs
@@ -148,7 +152,7 @@ def _tell(found: Mapping[str, pd.DataFrame]) -> None:
 
 
 def _write(
-    out: Path, found: Mapping[str, pd.DataFrame], evaluation: Path | None, settings: Settings
+    out: Path, found: "Mapping[str, pd.DataFrame]", evaluation: Path | None, settings: Settings
 ) -> None:
     from egad.evalset.labels import place
     from egad.files import write_text

@@ -1,6 +1,6 @@
 """Plates for 3D printers: every object checked, lying stably, packed onto beds."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +9,9 @@ import trimesh
 from egad.evalset.checks import print_problems
 from egad.evalset.poses import Pose, lie_down
 from egad.settings import PrintCheck, PrintExport
+
+Labelled = Iterable[tuple[str, trimesh.Trimesh]]
+Watch = Callable[[Labelled], Labelled]
 
 SMALL_CONTACT = 1e-4  # m2: a smaller first layer comes off the bed easily
 
@@ -33,7 +36,10 @@ class PrintItem:
 
 
 def plan_prints(
-    meshes: Mapping[str, trimesh.Trimesh], settings: PrintExport, check: PrintCheck
+    meshes: Mapping[str, trimesh.Trimesh],
+    settings: PrintExport,
+    check: PrintCheck,
+    watch: Watch = iter,
 ) -> dict[str, PrintItem]:
     """Turn every object to its pose and pack all that can be printed onto few plates.
 
@@ -41,13 +47,14 @@ def plan_prints(
         meshes: Closed meshes in metres, by label.
         settings: Bed, gap, pose, filament.
         check: What can be printed.
+        watch: Passes the meshes through while they are turned, for showing progress.
 
     Returns:
         One item for each label, in the order given.
     """
     lying = {
         label: lie_down(mesh, settings.pose, settings.overhang_angle, int(np.argmax(settings.bed)))
-        for label, mesh in meshes.items()
+        for label, mesh in watch(meshes.items())
     }
     problems = {label: print_problems(pose.mesh, check) for label, pose in lying.items()}
     sizes = {

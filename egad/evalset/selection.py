@@ -4,7 +4,6 @@ Source: EGAD, section IV-A, but optimised over the whole set at once (ours).
 """
 
 from collections.abc import Callable, Sequence
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -101,19 +100,32 @@ def improve(start: Indices, candidates: Sequence[Indices], distances: Distances)
 def _exchange_pair(
     chosen: Indices, candidates: Sequence[Indices], distances: Distances
 ) -> Indices | None:
-    """The set after the first exchange of two objects that makes it better; None: there is none."""
+    """The set after the first exchange of two objects that makes it better; None: there is none.
+
+    The pairs of an object of one cell with one of any later cell are looked at together.
+    """
+    if len(candidates) < 2:
+        return None
     gains = distances[:, chosen].sum(axis=1)
-    for first, second in combinations(range(len(candidates)), 2):
-        rows, columns = candidates[first], candidates[second]
-        old = chosen[[first, second]]
-        alone = [gains[cell] - distances[np.ix_(cell, old)].sum(axis=1) for cell in (rows, columns)]
-        value = alone[0][:, None] + alone[1] + distances[np.ix_(rows, columns)]
-        now = gains[old].sum() - distances[old[0], old[1]]
-        if value.max() > now + 1e-9:
-            row, column = np.unravel_index(value.argmax(), value.shape)
-            better = chosen.copy()
-            better[[first, second]] = rows[row], columns[column]
-            return better
+    objects, ends = np.concatenate(candidates), np.cumsum([len(cell) for cell in candidates])
+    cells = np.repeat(np.arange(len(candidates)), np.diff(ends, prepend=0))
+    own = distances[objects, chosen[cells]]  # to what is chosen of the same cell
+    for first, rows in enumerate(candidates[:-1]):
+        old, end = chosen[first], ends[first]
+        columns, others = objects[end:], distances[np.ix_(rows, chosen)][:, cells[end:]]
+        value = gains[rows, None] - (distances[rows, old, None] + others)
+        value += gains[columns] - (distances[columns, old] + own[end:])
+        value += distances[np.ix_(rows, columns)]
+        later = chosen[first + 1 :]
+        now = gains[old] + gains[later] - distances[old, later]
+        best = np.maximum.reduceat(value.max(axis=0), ends[first:-1] - end)
+        if len(better := np.flatnonzero(best > now + 1e-9)):
+            second = first + 1 + better[0]
+            among = value[:, ends[second - 1] - end : ends[second] - end]
+            row, column = np.unravel_index(among.argmax(), among.shape)
+            exchanged = chosen.copy()
+            exchanged[[first, second]] = rows[row], candidates[second][column]
+            return exchanged
     return None
 
 

@@ -103,13 +103,14 @@ def _apart(mesh: trimesh.Trimesh, balls: Floats, radius: float) -> Floats:
     Balls a radius apart overlap so much that 0.8 of the diameter passes from one to the other.
     Those further apart hang together if a ball fits midway, too: then 0.75 passes.
     """
-    cells = np.round(balls / (GRAIN * radius))
-    balls = balls[np.unique(cells, axis=0, return_index=True)[1]]  # the others are beside them
-    tree = cKDTree(balls)
+    balls = _thinned(balls, GRAIN * radius)
+    tree = _tree(balls)
     near = tree.query_pairs(radius, output_type="ndarray")
     parts = _linked(near, len(balls))
     rest = np.flatnonzero(parts != np.bincount(parts).argmax())
-    around = cKDTree(balls[rest]).sparse_distance_matrix(tree, LINK * radius, output_type="ndarray")
+    if not len(rest):
+        return np.empty(0)
+    around = _tree(balls[rest]).sparse_distance_matrix(tree, LINK * radius, output_type="ndarray")
     far = np.column_stack([rest[around["i"]], around["j"]])
     far = far[parts[far[:, 0]] != parts[far[:, 1]]]
     far = far[_fits(mesh, balls[far].mean(axis=1), radius)]
@@ -118,9 +119,24 @@ def _apart(mesh: trimesh.Trimesh, balls: Floats, radius: float) -> Floats:
     return _away(balls[~main], balls[main])
 
 
+def _thinned(points: Floats, grain: float) -> Floats:
+    """The first point of each cell of a grid, cell by cell: the others are beside them."""
+    cells = np.round(points / grain).astype(np.int64)
+    x, y, z = (cells - cells.min(axis=0)).T
+    numbers = (x * (y.max() + 1) + y) * (z.max() + 1) + z
+    return points[np.unique(numbers, return_index=True)[1]]
+
+
 def _away(points: Floats, others: Floats) -> Floats:
     """Distance of each point to the nearest of others, (n,)."""
-    return np.asarray(cKDTree(others).query(points)[0], dtype=np.float64)
+    if not len(points):
+        return np.empty(0)
+    return np.asarray(_tree(others).query(points)[0], dtype=np.float64)
+
+
+def _tree(points: Floats) -> cKDTree:
+    """Points to search among: made quickly, as it is not asked often."""
+    return cKDTree(points, balanced_tree=False, compact_nodes=False)
 
 
 def _linked(pairs: Ints, count: int) -> Ints:

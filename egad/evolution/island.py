@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -19,7 +20,8 @@ from egad.tables.evolution import HISTORY
 from egad.workers import Mapper
 
 SCORED = 10  # the QD-score of every so many steps is computed
-LINE = "{elites} elites, coverage {coverage:.3f}, QD-score {qd_score:.1f}"
+LINE = "coverage {coverage:.3f}, {elites} elites"
+Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
 
 
 class Step(NamedTuple):
@@ -37,6 +39,7 @@ def evolve(
     island: int,
     rules: Rules = UNBOUND,
     mapper: Mapper = map,
+    watch: Watch | None = None,
 ) -> tuple[pd.DataFrame, Counter[str]]:
     """Run the steps of one epoch of one island on its archive.
 
@@ -47,6 +50,7 @@ def evolve(
         island: Number of the island.
         rules: What every shape must obey.
         mapper: An order-keeping `map`; where it runs does not change the result.
+        watch: Is told of the archive and the steps so far after each step, and may not change them.
 
     Returns:
         The steps, with the columns of `tables.evolution.HISTORY`; and how many offspring were
@@ -56,8 +60,8 @@ def evolve(
     total = Counter[str]()
     steps = settings.evolution.steps_per_epoch
     size = settings.evolution.population
-    what = f"evaluations of epoch {epoch}, island {island}"
-    for number in progress(range(steps), what, steps, scale=size, state=lambda: _standing(rows)):
+    words = partial(_standing, rows)
+    for number in progress(range(steps), "evaluations", steps, scale=size, state=words):
         step = Step(epoch, island, number)
         offspring = breed(archive.elites, settings, *step)
         elites, outcomes = _evaluated(offspring, archive, settings, epoch, rules, mapper)
@@ -65,13 +69,16 @@ def evolve(
         total += outcomes
         scored = number % SCORED == SCORED - 1 or number == steps - 1
         rows.append({**step._asdict(), **snapshot(archive, outcomes, scored)})
+        if watch:
+            watch(archive, rows)
     return pd.DataFrame(rows, columns=HISTORY.names), total
 
 
 def _standing(rows: list[dict[str, Any]]) -> str:
-    """How the search stood when its QD-score was last taken."""
-    scored = (row for row in reversed(rows) if not math.isnan(row["qd_score"]))
-    return next((LINE.format(**row) for row in scored), "")
+    """How the search stands; its QD-score is not taken at every step."""
+    scored = (row["qd_score"] for row in reversed(rows) if not math.isnan(row["qd_score"]))
+    score = next((f", QD-score {score:.1f}" for score in scored), "")
+    return LINE.format(**rows[-1]) + score if rows else ""
 
 
 def _evaluated(

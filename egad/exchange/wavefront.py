@@ -3,7 +3,10 @@
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
+from pyarrow import csv
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -16,8 +19,18 @@ def obj_text(vertices: Floats, faces: Ints) -> str:
         vertices: (n, 3).
         faces: (m, 3) vertex indices.
     """
-    points = "v %r %r %r\n" * len(vertices) % tuple(vertices.ravel().tolist())
+    points = "v %s %s %s\n" * len(vertices) % tuple(_texts(vertices.ravel()))
     return points + "f %d %d %d\n" * len(faces) % tuple((faces + 1).ravel().tolist())
+
+
+def _texts(values: Floats) -> list[str]:
+    """Numbers as `repr` writes them. Arrow is quicker, and as good for sizes of objects."""
+    size = np.abs(values)  # Arrow writes exponents and whole numbers otherwise
+    alike = (size >= 1e-4) & (size < 1e6) & (values != np.floor(values))
+    texts = pa.array(values).cast(pa.string())
+    others = pa.array([repr(value) for value in values[~alike].tolist()], pa.string())
+    found: list[str] = pc.replace_with_mask(texts, ~alike, others).to_pylist()
+    return found
 
 
 def parse_plain_obj(data: bytes) -> tuple[Floats, Ints] | None:
@@ -48,7 +61,25 @@ def _numbers(lines: bytes, start: bytes, also: bytes, kind: type) -> NDArray[Any
     if start[:1] in bare:
         return None
     try:
-        values: NDArray[Any] = np.fromstring(bare, dtype=kind, sep=" ")
+        values = _decimals(lines) if kind is np.float64 else np.fromstring(bare, kind, sep=" ")
     except ValueError:
         return None
-    return values.reshape(-1, 3) if len(values) == 3 * count else None
+    return values.reshape(-1, 3) if values.size == 3 * count else None
+
+
+def _decimals(lines: bytes) -> Floats:
+    """The numbers of lines of a letter and three numbers, (n, 3): several times as fast as NumPy.
+
+    Raises:
+        ValueError: Something is no number.
+    """
+    names = ["x", "y", "z"]
+    table = csv.read_csv(
+        pa.BufferReader(lines),
+        csv.ReadOptions(use_threads=False, block_size=len(lines), column_names=["", *names]),
+        csv.ParseOptions(delimiter=" ", quote_char=False),
+        csv.ConvertOptions(
+            column_types=dict.fromkeys(names, pa.float64()), include_columns=names, null_values=[]
+        ),
+    )
+    return np.column_stack([column.to_numpy() for column in table.columns])

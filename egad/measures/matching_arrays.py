@@ -45,6 +45,9 @@ _ROWS = 13
 
 
 @numba.njit(cache=True)
-def space(largest: int) -> Space:
-    """Memory for graphs of at most `largest` nodes."""
+def space(starts: Ints) -> Space:
+    """Memory to match any two of the graphs that start at these nodes, the end of all included."""
+    largest = 0
+    for i in range(len(starts) - 1):
+        largest = max(largest, starts[i + 1] - starts[i])
     return Space(np.zeros((_ROWS, max(2 * largest, LONGEST_RUN)), np.int32))

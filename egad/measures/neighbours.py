@@ -7,7 +7,7 @@ that writes to the row of that shape alone, so that what is found does not depen
 """
 
 import heapq
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -23,6 +23,7 @@ from egad.measures.similarity import SLACK, bound, compare
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
+Watch = Callable[[list[Integers]], Iterable[Integers]]
 
 _UNKNOWN, _BOUND, _COMPARED, _EXACT = 0, 1, 2, 3  # compared: a bound that is worth keeping
 
@@ -31,15 +32,27 @@ SPARE = 100  # graphs of removed shapes that may stay in a small forest
 
 
 def diversities(
-    graphs: Sequence[ReebGraph], weight: float, neighbours: int, threads: int = 1
+    graphs: Sequence[ReebGraph],
+    weight: float,
+    neighbours: int,
+    threads: int = 1,
+    watch: Watch = iter,
 ) -> Floats:
     """Diversity of each of n shapes among the others, (n,); see `Neighbourhood.diversity`.
+
+    Args:
+        graphs: The shapes.
+        weight: Weight of area against length in the value of a node, 0 to 1.
+        neighbours: How many nearest neighbours are looked for.
+        threads: Shapes looked up at once; the result does not depend on it.
+        watch: Passes batches of shapes through while they are looked up, for showing progress.
 
     Raises:
         UserError: The graphs have different numbers of ranges.
     """
     neighbourhood = Neighbourhood(weight, neighbours, threads)
-    return np.array(neighbourhood.diversities(neighbourhood.add(graphs)), dtype=np.float64)
+    found = neighbourhood.diversities(neighbourhood.add(graphs), watch)
+    return np.array(found, dtype=np.float64)
 
 
 class Neighbourhood:
@@ -111,7 +124,7 @@ class Neighbourhood:
         self._check(one, other)
         if one != other and self._known[one, other] != _EXACT:
             table = self._table
-            _measure(table, one, other, np.inf, space(np.diff(table.trees.starts).max()))
+            _measure(table, one, other, np.inf, space(table.trees.starts))
             _tell(table, np.array([one]))
         return float(self._distances[one, other]) if one != other else 0.0
 
@@ -144,17 +157,17 @@ class Neighbourhood:
             self._diversities[index] = float(distances.mean()) if len(distances) else 1.0
         return self._diversities[index]
 
-    def diversities(self, indices: Sequence[int]) -> list[float]:
-        """The diversities of several shapes, side by side.
+    def diversities(self, indices: Sequence[int], watch: Watch = iter) -> list[float]:
+        """The diversities of several shapes, side by side; `watch` as in `diversities`.
 
         Raises:
             KeyError: There is no such shape.
         """
         self._check(*indices)
-        self._look_up(indices)
+        self._look_up(indices, watch)
         return [self.diversity(index) for index in indices]
 
-    def _look_up(self, indices: Sequence[int]) -> None:
+    def _look_up(self, indices: Sequence[int], watch: Watch = iter) -> None:
         """Find the nearest of the shapes for which they are not known."""
         rows = np.array([i for i in dict.fromkeys(indices) if not self._valid[i]], dtype=np.int64)
         table, others = self._table, np.flatnonzero(self._trees >= 0)
@@ -165,7 +178,7 @@ class Neighbourhood:
         count = self._threads if len(rows) > CHUNK else 1
         with ThreadPoolExecutor(count) as pool:
             mapper = map if count == 1 else pool.map
-            for batch in _cut(rows, ROUND * self._threads):
+            for batch in watch(_cut(rows, ROUND * self._threads)):
                 list(mapper(search, _cut(batch, CHUNK)))
                 _tell(table, batch)
         self._valid[rows] = True
@@ -223,7 +236,7 @@ def _nearest_to_each(table: _Table, rows: Integers, others: Integers, count: int
     Writes to these rows of the table alone; see `_tell`.
     """
     result = np.full((len(rows), count), -1)
-    memory = space(np.max(np.diff(table.trees.starts)))
+    memory = space(table.trees.starts)
     for place, index in enumerate(rows):
         near = _nearest(table, index, others[others != index], count, memory)
         result[place, : len(near)] = near

@@ -76,7 +76,7 @@ def similarities(forest: Forest, pairs: Integers) -> Floats:
 def _similarities(trees: Trees, pairs: Integers) -> Floats:
     result = np.empty(len(pairs))
     if len(pairs) > 0:
-        memory = space(np.max(np.diff(trees.starts)))
+        memory = space(trees.starts)
         for i in range(len(pairs)):
             result[i], _ = compare(trees, pairs[i, 0], pairs[i, 1], -np.inf, memory)
     return result

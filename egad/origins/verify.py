@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from egad.errors import UserError
+from egad.errors import TableError, UserError
 from egad.exchange.sums import ENDING, NAME, files_of, read_sums, sum_of
 from egad.origins.lookup import TABLE, is_near, origin_of
-from egad.tables.parquet import TableError
 from egad.tables.seal import is_whole
 
 Found = Iterator[tuple[Path, str]]  # files, and what is wrong with them; empty if nothing is

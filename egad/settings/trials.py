@@ -27,7 +27,7 @@ class Lifting(Section):
 class Trials(Lifting):
     """Simulated grasping trials."""
 
-    attempts: int = Field(20, ge=1, description="attempts an object")
+    attempts: int = Field(10, ge=1, description="attempts an object")
     between: Literal["hand", "anew"] = Field(
         "hand",
         description="hand: after a success the hand tilts the object and lets it fall, after a "

@@ -34,7 +34,7 @@ class Settings(Section):
 
     seed: int = Field(0, ge=0, lt=2**32, description="every random draw follows from this number")
     shards: int = Field(
-        8, ge=1, le=1024, description="jobs a dataset is cut into; does not change any result"
+        4, ge=1, le=1024, description="jobs a dataset is cut into; does not change any result"
     )
     datasets: dict[Name, Dataset] = Field(
         {"egad": Dataset(source="evolved")}, min_length=1, description="all datasets, by name"

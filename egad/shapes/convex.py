@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 from egad.errors import RejectedError
-from egad.shapes.hulls import hull_mesh, hull_of, least_volume, merged
+from egad.shapes.hulls import Hull, hull_and_planes, hull_mesh, hull_of, least_volume, merged
 from egad.shapes.manifold import Solid, arrays, is_solid, to_solid, union
 
 Floats = NDArray[np.float64]
@@ -34,6 +33,8 @@ class _Piece(NamedTuple):
     negative_excess: float
     number: int  # of equals, the older one
     solid: Solid
+    hull: Hull
+    planes: Floats  # of the hull, (n, 4): outward normals and offsets
 
 
 def _directions() -> Floats:
@@ -74,7 +75,7 @@ def convex_parts(
     gained = whole.volume() - volume  # by simplification
     least = LEAST_EXCESS * volume_error * volume
     pieces = _split(whole, max_parts, max(OVERCUT * volume_error * volume - gained, least))
-    hulls = [hull_of(arrays(piece)[0]) for piece in pieces]
+    hulls = [piece.hull for piece in pieces]
     return [hull_mesh(hull) for hull in merged(hulls, (1 + volume_error) * volume, max_parts)]
 
 
@@ -117,7 +118,7 @@ def _solid(mesh: trimesh.Trimesh) -> Solid:
     return exact if is_solid(exact) and exact.volume() > 0 else solid
 
 
-def _split(whole: Solid, max_parts: int, allowed: float) -> list[Solid]:
+def _split(whole: Solid, max_parts: int, allowed: float) -> list[_Piece]:
     """Cut a solid until its pieces have at most the allowed excess, or there are enough."""
     crumb = SLIVER * whole.volume()
     bodies = _bodies(whole, crumb)
@@ -129,26 +130,28 @@ def _split(whole: Solid, max_parts: int, allowed: float) -> list[Solid]:
     for _ in range(SPARE * max_parts):
         if len(heap) >= SPARE * max_parts or -sum(p.negative_excess for p in heap) <= allowed:
             break
-        halves = _best_cut(heapq.heappop(heap).solid)
+        halves = _best_cut(heapq.heappop(heap))
         for body in (body for half in halves for body in _bodies(half, crumb)):
             heapq.heappush(heap, _piece(body, numbers))
-    return [piece.solid for piece in sorted(heap)]
+    return sorted(heap)
 
 
 def _piece(solid: Solid, numbers: Iterator[int]) -> _Piece:
-    return _Piece(solid.volume() - hull_of(arrays(solid)[0]).volume, next(numbers), solid)
+    hull, planes = hull_and_planes(arrays(solid)[0])
+    return _Piece(solid.volume() - hull.volume, next(numbers), solid, hull, planes)
 
 
-def _best_cut(solid: Solid) -> tuple[Solid, Solid]:
+def _best_cut(piece: _Piece) -> tuple[Solid, Solid]:
     """The two sides of the plane whose sides lie closest to their hulls."""
-    vertices, faces = arrays(solid)
+    vertices, faces = arrays(piece.solid)
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges = edges[edges[:, 0] < edges[:, 1]]  # each once
-    planes = _planes(vertices, faces)
-    sides = [_sides(vertices, edges, plane) for plane in planes]
+    planes = _planes(vertices, faces, _depths(vertices, piece.planes))
+    least = GRAZE * float(np.ptp(vertices, axis=0).max())
+    sides = [_sides(vertices, edges, plane, least) for plane in planes]
     best = _smallest(sides)
     normal, offset = planes[best]
-    cut: tuple[Solid, Solid] = solid.split_by_plane(tuple(normal), offset)
+    cut: tuple[Solid, Solid] = piece.solid.split_by_plane(tuple(normal), offset)
     return cut
 
 
@@ -165,12 +168,17 @@ def _smallest(sides: list[list[Floats]]) -> int:
     return best
 
 
-def _sides(vertices: Floats, edges: NDArray[np.int64], plane: Plane) -> list[Floats]:
-    """Points whose hulls are those of the two sides of a cut; none if it misses or grazes."""
+def _sides(
+    vertices: Floats, edges: NDArray[np.int64], plane: Plane, least: float
+) -> list[Floats]:
+    """Points whose hulls are those of the two sides of a cut.
+
+    There are none if it misses, or cuts off something thinner than `least`.
+    """
     normal, offset = plane
     heights = vertices @ normal - offset
     above = heights > 0
-    if min(heights.max(), -heights.min()) <= GRAZE * float(np.ptp(vertices, axis=0).max()):
+    if min(heights.max(), -heights.min()) <= least:
         return []
     first, second = edges[above[edges[:, 0]] != above[edges[:, 1]]].T
     part = (heights[first] / (heights[first] - heights[second]))[:, None]
@@ -178,8 +186,8 @@ def _sides(vertices: Floats, edges: NDArray[np.int64], plane: Plane) -> list[Flo
     return [np.concatenate([vertices[side], rim]) for side in (above, ~above)]
 
 
-def _planes(vertices: Floats, faces: NDArray[np.int64]) -> list[Plane]:
-    place = int(_depths(vertices).argmax())
+def _planes(vertices: Floats, faces: NDArray[np.int64], depths: Floats) -> list[Plane]:
+    place = int(depths.argmax())
     deepest = vertices[place]
     normals = [*DIRECTIONS, *_flush(vertices, faces[(faces == place).any(axis=1)])]
     through = [(normal, float(normal @ deepest)) for normal in normals]
@@ -205,9 +213,8 @@ def _flush(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
     return normals
 
 
-def _depths(points: Floats) -> Floats:
-    """How far points lie below their hull, (n,)."""
-    planes = ConvexHull(points).equations
+def _depths(points: Floats, planes: Floats) -> Floats:
+    """How far points lie below the planes of their hull, (n,)."""
     depths: Floats = -(points @ planes[:, :3].T + planes[:, 3]).max(axis=1)
     return depths
 

@@ -20,6 +20,6 @@ def largest_deviation(surface: trimesh.Trimesh, mesh: trimesh.Trimesh) -> float:
         mesh: What they should lie on, in the same unit.
     """
     step = STEP * float(np.ptp(mesh.vertices, axis=0).max())
-    corners = np.asarray(surface.triangles).reshape(-1, 3)
+    corners = np.asarray(surface.vertices)[np.unique(surface.faces)]
     points = np.concatenate([corners, spread(surface, step).points])
     return float(nearest(points, mesh)[0].max())

@@ -31,11 +31,21 @@ class Hull(NamedTuple):
 
 def hull_of(points: Floats) -> Hull:
     """The convex hull of points (n, 3); without volume if they lie in one plane."""
+    return hull_and_planes(points)[0]
+
+
+def hull_and_planes(points: Floats) -> tuple[Hull, Floats]:
+    """The convex hull of points (n, 3), and the planes of its faces.
+
+    Returns:
+        The hull, and outward unit normals and offsets, (m, 4): no point has a positive
+        normal @ point + offset. If the points lie in one plane, no volume and no planes.
+    """
     try:
         hull = ConvexHull(points)
     except QhullError:
-        return Hull(points, 0.0)
-    return Hull(points[hull.vertices], float(hull.volume))
+        return Hull(points, 0.0), np.empty((0, 4))
+    return Hull(points[hull.vertices], float(hull.volume)), hull.equations
 
 
 def least_volume(points: Floats) -> float:
@@ -83,6 +93,7 @@ class _Pool:
         self.boxes = np.empty((0, 2, 3))
         self.alive: set[int] = set()
         self.heap: list[tuple[float, int, int]] = []
+        self._known: dict[tuple[int, int], Hull] = {}
         for hull in hulls:
             self._add(hull)
 
@@ -122,7 +133,9 @@ class _Pool:
         return np.concatenate([self.hulls[first].points, self.hulls[second].points])
 
     def _common(self, first: int, second: int) -> Hull:
-        return hull_of(self._points(first, second))
+        if (first, second) not in self._known:
+            self._known[first, second] = hull_of(self._points(first, second))
+        return self._known[first, second]
 
     def _apart(self, first: int, second: int) -> float:
         return self.hulls[first].volume + self.hulls[second].volume

@@ -51,6 +51,7 @@ class StablePose(NamedTuple):
 class _Facets(NamedTuple):
     """The flat faces of a hull; m of them, each of one or more triangles of the hull.
 
+    `triangles` are all of the hull, (t, 3) vertices of the mesh, and `face` the face of each.
     `start`, `end`, `owner` and `beyond` are of the edges between two faces: end points, (k, 3),
     the face whose outline it is part of, anticlockwise, and the face behind it.
     """
@@ -58,7 +59,8 @@ class _Facets(NamedTuple):
     normals: Floats
     heights: Floats
     solid_angles: Floats
-    corners: list[Ints]
+    triangles: Ints
+    face: Ints
     start: Floats
     end: Floats
     owner: Ints
@@ -121,7 +123,8 @@ def grouped(poses: list[StablePose], angle: float) -> list[StablePose]:
 
 def _pose(facets: _Facets, face: int, chance: float, margin: float) -> StablePose:
     normal, height = facets.normals[face], float(facets.heights[face])
-    return StablePose(chance, facets.corners[face], normal, turned_down(normal), height, margin)
+    corners = np.unique(facets.triangles[facets.face == face])
+    return StablePose(chance, corners, normal, turned_down(normal), height, margin)
 
 
 def turned_down(normal: Floats) -> Floats:
@@ -148,15 +151,13 @@ def _facets(vertices: Floats, center: Floats) -> _Facets:
     triangles, neighbours = _outward(hull, vertices)
     angles = np.zeros(len(planes))
     np.add.at(angles, face, _solid_angles(vertices[triangles] - center))
-    corners = [np.unique(triangles[face == each]) for each in range(len(planes))]
     sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2)  # 01, 12, 20
     behind = face[np.roll(neighbours, -2, axis=1)]  # a neighbour is named after the far corner
     rim = behind != face[:, None]
     ends = vertices[sides[rim]] - center
     owner = np.broadcast_to(face[:, None], behind.shape)[rim]
-    return _Facets(
-        planes[:, :3], heights, angles, corners, ends[:, 0], ends[:, 1], owner, behind[rim]
-    )
+    outlines = (ends[:, 0], ends[:, 1], owner, behind[rim])
+    return _Facets(planes[:, :3], heights, angles, triangles, face, *outlines)
 
 
 def _outward(hull: ConvexHull, vertices: Floats) -> tuple[Ints, Ints]:

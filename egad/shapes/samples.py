@@ -29,26 +29,37 @@ def spread(mesh: trimesh.Trimesh, spacing: float) -> Samples:
         spacing: In the unit of the mesh.
     """
     owners = np.flatnonzero(np.asarray(mesh.area_faces) > 0)
-    pieces = np.asarray(mesh.triangles)[owners]
+    # corners, axes, triangles: what is done to all triangles is done to numbers side by side
+    pieces = np.ascontiguousarray(np.asarray(mesh.triangles)[owners].transpose(1, 2, 0))
     middles, faces = [], []
-    while len(pieces):
-        sides = np.linalg.norm(np.roll(pieces, -1, axis=1) - pieces, axis=2)
-        small = sides.max(axis=1) <= spacing
-        middles.append(pieces[small].mean(axis=1))
-        faces.append(owners[small])
-        pieces, owners = _halves(pieces[~small], sides[~small]), np.tile(owners[~small], 2)
+    while len(owners):
+        sides = _sides(pieces)
+        small = sides.max(axis=0) <= spacing
+        done, left = np.flatnonzero(small), np.flatnonzero(~small)
+        a, b, c = np.take(pieces, done, axis=2)
+        middles.append((a + b + c) / 3)
+        faces.append(owners[done])
+        pieces, owners = _halves(pieces[..., left], sides[:, left]), np.tile(owners[left], 2)
     found = np.concatenate(faces)
-    return Samples(np.concatenate(middles), np.asarray(mesh.face_normals)[found], found)
+    points = np.ascontiguousarray(np.concatenate(middles, axis=1).T)
+    return Samples(points, np.asarray(mesh.face_normals)[found], found)
+
+
+def _sides(triangles: Floats) -> Floats:
+    """Lengths of the sides of triangles (3, 3, n), the first from the first corner on: (3, n)."""
+    a, b, c = triangles
+    steps = (b - a, c - b, a - c)
+    return np.stack([np.sqrt(x * x + y * y + z * z) for x, y, z in steps])
 
 
 def _halves(triangles: Floats, sides: Floats) -> Floats:
-    """Triangles cut in two from the middle of their longest side, (2n, 3, 3)."""
-    longest = sides.argmax(axis=1)
-    each = np.arange(len(triangles))
-    start, end, tip = (triangles[each, (longest + corner) % 3] for corner in range(3))
+    """Triangles (3, 3, n) cut in two from the middle of their longest side, (3, 3, 2n)."""
+    longest = sides.argmax(axis=0)
+    each = np.arange(len(longest))
+    start, end, tip = (triangles[(longest + corner) % 3, :, each].T for corner in range(3))
     middle = (start + end) / 2
-    halves = [np.stack([start, middle, tip], axis=1), np.stack([middle, end, tip], axis=1)]
-    return np.concatenate(halves)
+    corners = ((start, middle), (middle, end), (tip, tip))
+    return np.stack([np.concatenate(pair, axis=1) for pair in corners])
 
 
 def rims(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:

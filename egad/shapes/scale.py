@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
 from egad.errors import RejectedError, UserError
+from egad.shapes.nelder_mead import Vector, minimum, rotation_matrix
 
 Floats = NDArray[np.float64]
 
@@ -17,6 +17,7 @@ TURNS = 800  # orientations tried; they lie some 8 degrees apart, as the box has
 STARTS = 3  # the best of them that are turned further
 FEW = 0  # digits of the angles of faces that trimesh tells apart: few of a smooth hull are enough
 TILT = 0.05  # radians: first step of that
+AT_ONCE = 50  # orientations whose products with the points are in memory: they fit into the cache
 
 
 def box_sides(mesh: trimesh.Trimesh) -> Floats:
@@ -30,12 +31,14 @@ def box_sides(mesh: trimesh.Trimesh) -> Floats:
         RejectedError: All vertices lie in one plane.
     """
     try:
-        hull = mesh.convex_hull
+        hull = trimesh.convex.convex_hull(mesh, repair=False)  # only its vertices are used
     except QhullError as error:
         raise RejectedError("flat") from error
     points = np.ascontiguousarray(np.asarray(hull.vertices).T)
     turns = _even_turns(TURNS)
-    extents = _extents(turns.reshape(-1, 3) @ points).reshape(TURNS, 3)
+    batches = (turns[start : start + AT_ONCE] for start in range(0, TURNS, AT_ONCE))
+    extents = np.concatenate([_extents(batch.reshape(-1, 3) @ points) for batch in batches])
+    extents = extents.reshape(TURNS, 3)
     best = np.argsort(extents.prod(axis=1), kind="stable")[:STARTS]
     to_box, _ = trimesh.bounds.oriented_bounds(hull, angle_digits=FEW)
     starts = [np.asarray(to_box)[:3, :3], *turns[best]]
@@ -46,19 +49,19 @@ def box_sides(mesh: trimesh.Trimesh) -> Floats:
 def _turned_to_minimum(points: Floats) -> Floats:
     """Sides of the smallest axis-aligned box that small turns of points (3, n) lead to, (3,)."""
 
-    def sides(turn: Floats) -> Floats:
-        return _extents(Rotation.from_rotvec(turn).as_matrix() @ points)
+    def sides(turn: Vector) -> Floats:
+        return _extents(rotation_matrix(turn) @ points)
 
-    unit = float(sides(np.zeros(3)).prod())
+    still = (0.0, 0.0, 0.0)
+    unit = float(sides(still).prod())
     if unit == 0:
         raise RejectedError("flat")
+    simplex = [still, (TILT, 0.0, 0.0), (0.0, TILT, 0.0), (0.0, 0.0, TILT)]
 
-    def volume(turn: Floats) -> float:
+    def volume(turn: Vector) -> float:
         return float(sides(turn).prod()) / unit
 
-    simplex = np.vstack([np.zeros(3), TILT * np.eye(3)])
-    options: Any = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-4, "maxiter": 300}
-    return sides(minimize(volume, np.zeros(3), method="Nelder-Mead", options=options).x)
+    return sides(minimum(volume, simplex, xatol=1e-3, fatol=1e-4, maxiter=300))
 
 
 def _extents(rows: Floats) -> Floats:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from egad.progress import progress
+from egad.progress import phase, progress
 from egad.stage_settings import LabelTrials
 from egad.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.stages.shards import rows_in_shard
@@ -52,6 +52,7 @@ def run(
     known = rows_by_id(bundle)
     parts = []
     limit = ENGINE_TIME * max(share.values(), default=1)
+    phase("starting the simulator")
     with Survivor(partial(executor, settings, bundle), limit) as execute:
         for row in progress(chosen, "trying", len(chosen)):
             label, name = row["label"], row["id"]

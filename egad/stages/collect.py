@@ -2,18 +2,21 @@
 
 import logging
 from collections import deque
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import trimesh
+from numpy.typing import NDArray
 
 from egad.exchange.meshes import write_obj
 from egad.files import replacing
 from egad.measures import reeb
 from egad.measures.neighbours import diversities
 from egad.measures.space import complexity_cells, difficulty_cells, labels
+from egad.progress import progress
 from egad.stage_settings import Collect
 from egad.stages.shards import join
 from egad.tables import parquet
@@ -49,7 +52,8 @@ def run(
     with workers(worker_count) as mapper, replacing(meshes) as folder:
         folder.mkdir()
         columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
-        deque(mapper(partial(_write, folder), columns), maxlen=0)
+        written = mapper(partial(_write, folder), columns)
+        deque(progress(written, "writing meshes", len(frame)), maxlen=0)
     parquet.write(join(rejects, REJECTED, ["id", "stage"]), REJECTED, rejected)
     parquet.write(frame, OBJECTS, objects)
     log.info("%d objects", len(frame))
@@ -64,7 +68,9 @@ def arrange(
     frame = frame.assign(
         complexity_cell=complexity_cells(frame["complexity"], space),
         difficulty_cell=difficulty_cells(frame["difficulty"], space),
-        diversity=diversities(graphs, settings.similarity.weight, space.neighbours, threads),
+        diversity=diversities(
+            graphs, settings.similarity.weight, space.neighbours, threads, _shown
+        ),
     )
     if not evolved:
         return frame.assign(label=frame["id"]).sort_values("label", ignore_index=True)
@@ -74,6 +80,10 @@ def arrange(
         ignore_index=True,
     )
     return frame.assign(label=labels(frame["complexity_cell"], frame["difficulty_cell"]))
+
+
+def _shown(batches: list[NDArray[np.int64]]) -> Iterator[NDArray[np.int64]]:
+    return progress(batches, "comparing objects, batches", len(batches))
 
 
 def _write(folder: Path, row: tuple[str, np.ndarray, np.ndarray]) -> None:

@@ -8,6 +8,7 @@ from egad.evalset.datasheet import ATTEMPTS, ForGripper, page
 from egad.evalset.selection import empty_cells
 from egad.exchange.meshes import read_mesh
 from egad.files import replacing, write_text
+from egad.progress import phase
 from egad.report.contact_sheet import contact_sheet
 from egad.stage_settings import DataSheets
 from egad.tables import parquet
@@ -81,4 +82,5 @@ def _sheet(
         sides = " x ".join(f"{row[f'extents_{axis}']:.0f}" for axis in "xyz")
         captions[place] = (each["label"], f"{sides} mm\n{row['filament']:.0f} g")
     grid = settings.select_eval
+    phase("drawing the contact sheet")
     return contact_sheet(title, grid.rows, grid.columns, meshes, captions)

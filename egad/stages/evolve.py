@@ -7,10 +7,11 @@ import trimesh
 
 from egad.errors import RejectedError, UserError
 from egad.evolution.archive import Archive, elites_of
-from egad.evolution.island import evolve
+from egad.evolution.island import Watch, evolve
 from egad.evolution.provenance import check_provenance, provenance
 from egad.exchange.meshes import read_mesh
 from egad.measures.own import check_measures
+from egad.progress import phase
 from egad.shapes.constraints import rules_of
 from egad.shapes.repair import repair
 from egad.stage_settings import Evolve
@@ -29,6 +30,7 @@ def run(
     out: Path,
     history: Path,
     worker_count: int,
+    watch: Watch | None = None,
 ) -> None:
     """Evolve an archive for the steps of an epoch.
 
@@ -40,15 +42,17 @@ def run(
         out: The island's archive, with the columns of `tables.evolution.EPOCH`.
         history: Its steps, with the columns of `tables.evolution.HISTORY`.
         worker_count: Processes, and threads; the result does not depend on it.
+        watch: Is told of the archive and its steps after each of them.
     """
     check_measures(settings.axes)
     rules = rules_of(settings, mesh_of)
     with workers(worker_count) as mapper:
         archive = Archive(settings.space, settings.similarity, worker_count)
         if base is not None:
+            phase("reading the archive of the epoch before")
             check_provenance(base, settings)
             archive.add(elites_of(parquet.read(base, EPOCH)))
-        steps, counts = evolve(archive, settings, epoch, island, rules, mapper)
+        steps, counts = evolve(archive, settings, epoch, island, rules, mapper, watch)
     if not len(archive):
         most = "; ".join(f"{reason} ({count})" for reason, count in counts.most_common(3))
         raise UserError(f"none of {counts.total()} offspring could be kept: {most}")

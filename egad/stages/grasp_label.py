@@ -11,6 +11,7 @@ from egad.exchange.meshes import read_mesh
 from egad.grasps.hand import parts
 from egad.grasps.labels import found, rated, tally_row
 from egad.grasps.rays import RayCaster
+from egad.measures.difficulty import center_of_mass
 from egad.progress import progress
 from egad.seeds import generator
 from egad.settings import Gripper
@@ -59,7 +60,7 @@ def run(
         caster = RayCaster(mesh)
         grasps, tally = found(caster, settings, rng)
         if len(grasps):
-            rows = rated(caster, mesh.center_mass, grasps, settings, rng, palm)
+            rows = rated(caster, center_of_mass(mesh), grasps, settings, rng, palm)
             labelled.append(rows.assign(**named))
         else:
             rows = parquet.empty(GRASPS)

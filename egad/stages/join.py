@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from egad.progress import phase
 from egad.stages.shards import join
 from egad.tables import parquet
 
@@ -14,5 +15,6 @@ def run(parts: list[Path], order: list[str], out: Path) -> None:
         order: Columns to sort by, so that the number of shards leaves no trace.
         out: The joined table.
     """
+    phase(f"joining {len(parts)} tables")
     schema = parquet.schema_of(parts[0]).remove_metadata()
     parquet.write(join(parts, schema, order), schema, out)

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from egad.evolution.archive import merge
+from egad.progress import phase
 from egad.stage_settings import Merge
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, EPOCH
@@ -12,6 +13,7 @@ def run(settings: Merge, islands: list[Path], out: Path, threads: int = 1) -> No
     """Merge the archives of all islands (columns of `tables.evolution.EPOCH`)."""
     frames = [parquet.read(path, EPOCH) for path in islands]
     if len(frames) > 1:
+        phase(f"merging {len(frames)} islands")
         frames = [merge(frames, settings.space, settings.similarity, threads)]
     parquet.write(frames[0], EPOCH, out, parquet.notes(islands[0]))
 

@@ -1,6 +1,7 @@
 """print-export: STL files and 3MF plates of the evaluation set, in millimetres."""
 
 import logging
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from egad.evalset.printing import PrintItem, plan_prints
 from egad.exchange.meshes import read_mesh, write_stl_mm
 from egad.exchange.threemf import Placed, write_3mf
 from egad.files import replacing
+from egad.progress import progress
 from egad.settings import PrintExport
 from egad.shapes.scale import scale_suffix
 from egad.stage_settings import PrintFiles
@@ -56,7 +58,8 @@ def run(
     chosen = parquet.records(parquet.read(evaluation, EVAL49))
     solids, missing = _read(chosen, meshes)
     engraved = _engraved(solids, chosen, grasps, settings) if settings.engraving.enabled else {}
-    items = plan_prints(solids | engraved, settings.print_export, settings.print_check)
+    watch = partial(progress, what="laying objects down", total=len(solids))
+    items = plan_prints(solids | engraved, settings.print_export, settings.print_check, watch)
     factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()
     rows = []
     for row in chosen:
@@ -74,7 +77,7 @@ def run(
 def _write(
     folder: Path, items: dict[str, PrintItem], rows: list[Row], gripper: str, settings: PrintFiles
 ) -> None:
-    for label, item in items.items():
+    for label, item in progress(items.items(), "writing files", len(items)):
         write_stl_mm(item.pose.mesh, folder / _file(label, settings))
     for plate in sorted({item.plate for item in items.values() if item.plate is not None}):
         told = {row["label"]: row["factor"] for row in rows if row["plate"] == plate}
@@ -107,7 +110,7 @@ def _engraved(
             settings.print_check.wall,
             touched.get(names[label], np.empty((0, 3))),
         )
-        for label, mesh in solids.items()
+        for label, mesh in progress(solids.items(), "engraving", len(solids))
     }
     return {
         label: mesh

@@ -10,7 +10,7 @@ import pyarrow as pa
 
 from egad.exchange.meshes import read_mesh
 from egad.files import write_text
-from egad.progress import progress
+from egad.progress import phase, progress
 from egad.report.data import DatasetReport, ReportData
 from egad.report.maps import shown_objects
 from egad.report.page import build
@@ -54,6 +54,7 @@ def run(settings: Settings, results: Path, out: Path, worker_count: int) -> None
         datasets = {
             name: _dataset(settings, name, results / name, mapper) for name in settings.datasets
         }
+    phase("drawing figures and putting the page together")
     data = ReportData(
         settings=settings,
         comparison=parquet.read(results / "comparison.parquet", COMPARISON),

@@ -1,6 +1,7 @@
 """select-eval: the evaluation set of a dataset."""
 
 import logging
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from egad.evalset.selection import (
 )
 from egad.measures import reeb
 from egad.measures.similarity import similarity_matrix
+from egad.progress import phase, progress
 from egad.seeds import generator
 from egad.shapes.scale import rescale
 from egad.stage_settings import EvalSelection
@@ -52,7 +54,9 @@ def run(
     frame = parquet.read(objects, OBJECTS)
     rows = join(solids, SOLIDS, ["id"]).set_index("id").loc[frame["id"]]
     graphs = [reeb.unpack(packed) for packed in rows["graph"]]
-    distances = 1 - similarity_matrix(graphs, settings.similarity.weight, threads)
+    watch = partial(progress, what="comparing objects", total=len(graphs))
+    distances = 1 - similarity_matrix(graphs, settings.similarity.weight, threads, watch)
+    phase("choosing objects and checking whether they can be printed")
     found = select(
         frame,
         distances,

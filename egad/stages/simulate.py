@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from egad.errors import UserError
-from egad.progress import progress
+from egad.progress import phase, progress
 from egad.stage_settings import SimulatedTrials
 from egad.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.stages.shards import rows_in_shard
@@ -52,6 +52,7 @@ def run(
     known = rows_by_id(bundle)
     parts = []
     limit = settings.trials.attempts * (settings.trials.planning_time + ENGINE_TIME)
+    phase("starting the simulator")
     with Survivor(partial(trier, settings, bundle, grasps), limit) as attempt:
         for row in progress(parquet.records(chosen), "trying", len(chosen)):
             failed = partial(untried, row["label"], row["id"], settings)

@@ -14,6 +14,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
+from egad.errors import TableError
 from egad.tables.pages import DIFFERENCES, Page, pages
 from egad.tables.seal import is_whole
 
@@ -23,10 +24,6 @@ BATCH = 8192  # rows that are in memory at a time where a table is streamed
 LABELS = ("label", "object_label")
 _WIDEST = 8  # bytes of a number
 _UNSAFE = re.compile(r"[/\\\x00]|^\.{1,2}$")
-
-
-class TableError(ValueError):
-    """A Parquet file is missing, damaged, or does not have the columns of its schema."""
 
 
 def unreadable(path: Path, why: object) -> TableError:

@@ -7,8 +7,9 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from egad.errors import TableError
 from egad.tables import parquet
-from egad.tables.promises import TableError, check_names, check_promises
+from egad.tables.promises import check_names, check_promises
 
 _DAMAGED = (OSError, pa.ArrowException, UnicodeDecodeError)
 

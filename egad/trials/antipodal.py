@@ -9,8 +9,8 @@ from scipy import ndimage
 from egad.grasps.room import TABLE_CLEARANCE, roomy
 from egad.settings import Gripper
 from egad.trials.grasp import Grasp, ranked
-from egad.trials.relief import Relief, lowest_tip, relief_of
-from egad.vision.camera import View
+from egad.trials.relief import Relief, lowest_tip, relief_of, window_of
+from egad.vision.camera import View, Window
 
 Floats = NDArray[np.float64]
 
@@ -20,6 +20,9 @@ LEAST_CLEARANCE = 0.002  # on each side of the object
 LEAST_BITE = 0.005  # the pads must reach this far below the lower of the two edges
 FULL_BITE = 0.02  # and gain nothing by reaching further than this
 TORQUE_SCALING = 100.0  # 1/m
+BLUR = 1.5  # pixels
+NEARLY = 1e-6
+MARGIN = 9  # pixels; blurring reaches 6 of them, and each of two gradients one more
 
 
 class _Edges(NamedTuple):
@@ -61,10 +64,12 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     Returns:
         At most 50 grasps, best first.
     """
-    points = view.points()
-    relief = relief_of(view)
-    pairs = _pairs(_edges(view, points, gripper.pad.friction), gripper)
-    if relief is None or len(pairs.top) == 0:
+    window = _uneven(view, gripper.pad.friction)
+    relief = relief_of(view, window)
+    if relief is None:
+        return []
+    pairs = _pairs(_edges(view, window, gripper.pad.friction), gripper)
+    if len(pairs.top) == 0:
         return []
     centroid = relief.centroid()
     # Probing the space for the hand is costly: first as if the palm stayed above everything.
@@ -73,10 +78,11 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     return _grasps(_Pairs(*(values[hopeful] for values in pairs)), relief, centroid, gripper)
 
 
-def _edges(view: View, points: Floats, friction: float) -> _Edges:
+def _edges(view: View, window: Window, friction: float) -> _Edges:
     """Pixels on steep falls, but not at their feet, thinned to at most `MAX_EDGES`."""
+    points = view.points(window)
     heights = np.nan_to_num(points[..., 2])
-    pitch = np.nan_to_num(view.depth, nan=np.inf) / view.intrinsics.focal
+    pitch = np.nan_to_num(view.depth[window], nan=np.inf) / view.intrinsics.focal
     steep = np.hypot(*np.gradient(heights)) >= pitch / friction
     rises = ndimage.maximum_filter(heights, 3) - heights
     drops = heights - ndimage.minimum_filter(heights, 3)
@@ -84,7 +90,7 @@ def _edges(view: View, points: Floats, friction: float) -> _Edges:
     chosen = np.linspace(0, len(rows) - 1, min(len(rows), MAX_EDGES)).astype(np.int64)
     rows, columns = rows[chosen], columns[chosen]
     # Steps of the pixel grid turn the gradient by up to 45 degrees; blurring evens them out.
-    blurred: Floats = ndimage.gaussian_filter(heights, 1.5)
+    blurred: Floats = ndimage.gaussian_filter(heights, BLUR)
     fall_v, fall_u = np.gradient(-blurred)
     fall = np.stack([fall_u, fall_v], axis=-1)[rows, columns]
     outward = fall @ view.pose[:2, :2].T
@@ -92,18 +98,33 @@ def _edges(view: View, points: Floats, friction: float) -> _Edges:
     return _Edges(points[rows, columns], outward / np.maximum(lengths, 1e-12))
 
 
+def _uneven(view: View, friction: float) -> Window:
+    """The part of an image that has all steep pixels, and around them what blurring mixes in.
+
+    Where no pixel and no neighbour of it differs from the table by a quarter of the least steep
+    fall, the gradient is at most 0.71 of it.
+    """
+    pitch = float(np.nan_to_num(view.depth, nan=np.inf).min()) / view.intrinsics.focal
+    level = min(pitch / friction / 4, TABLE_CLEARANCE)
+    return window_of(np.abs(view.heights()) > level, MARGIN)
+
+
 def _pairs(edges: _Edges, gripper: Gripper) -> _Pairs:
     """All pairs of edges that oppose each other within friction cones and opening."""
-    first, second = np.triu_indices(len(edges.points), 1)
+    cone = np.cos(np.arctan(gripper.pad.friction))
+    # If a line lies in both cones, the normals are at most twice the angle of a cone from opposite.
+    opposed = edges.outward @ edges.outward.T < NEARLY - (2 * cone**2 - 1)
+    first, second = np.nonzero(np.triu(opposed, 1))
     apart = edges.points[second, :2] - edges.points[first, :2]
-    distance = np.linalg.norm(apart, axis=1)
-    axis = apart / np.maximum(distance, 1e-12)[:, None]
+    distance = np.sqrt(apart[:, 0] ** 2 + apart[:, 1] ** 2)
+    near = np.flatnonzero(distance <= gripper.opening - 2 * LEAST_CLEARANCE)
+    first, second, distance = first[near], second[near], distance[near]
+    axis = apart[near] / np.maximum(distance, 1e-12)[:, None]
     cosines = np.minimum(
         -np.einsum("ij,ij->i", axis, edges.outward[first]),
         np.einsum("ij,ij->i", axis, edges.outward[second]),
     )
-    cone = np.cos(np.arctan(gripper.pad.friction))
-    fits = (cosines >= cone) & (distance <= gripper.opening - 2 * LEAST_CLEARANCE)
+    fits = np.flatnonzero(cosines >= cone)
     first, second = first[fits], second[fits]
     return _Pairs(
         middle=(edges.points[first, :2] + edges.points[second, :2]) / 2,

@@ -44,9 +44,15 @@ class Stance(NamedTuple):
 
 
 class Carrier(Protocol):
-    """A body in the engine that ends in the hand of `hand_urdf`."""
+    """A body in the engine that ends in the hand of `hand_urdf`.
+
+    Attributes:
+        number: Of the body.
+        unstoppable: Whether it gets to any height, whatever it carries.
+    """
 
     number: int
+    unstoppable: bool
 
     def drive(self, height: float) -> None:
         """Steer the fingertips to a height, to be there after the next step."""
@@ -57,6 +63,8 @@ class Carrier(Protocol):
 
 class Axis:
     """A vertical axis with position control; nothing bends."""
+
+    unstoppable = True
 
     def __init__(self, world: World, gripper: Gripper, stance: Stance) -> None:
         """Add it to a world, with the hand where it is wanted."""
@@ -91,6 +99,8 @@ class Panda:
     The hand is that of the gripper table at the flange, not Franka's: a gripper is the same with
     either carrier.
     """
+
+    unstoppable = False
 
     def __init__(self, world: World, gripper: Gripper, stance: Stance) -> None:
         """Add it to a world, with the hand where it is wanted.

@@ -3,10 +3,13 @@
 from contextlib import nullcontext
 from typing import NamedTuple
 
+import numpy as np
+
 from egad.settings import Gripper, Lifting
 from egad.trials.carriers import CARRIERS, Stance, UnreachableError
 from egad.trials.grasp import Grasp
-from egad.trials.hand import Hand
+from egad.trials.hand import HEAVIEST, Hand
+from egad.trials.stillness import Stillness
 from egad.trials.world import GRAVITY, Pose, UnstableError, World
 
 START_ABOVE = 0.02  # fingertips start this far above the object
@@ -23,7 +26,8 @@ class Execution(NamedTuple):
             slipped_closing: they did, and lost it before it was lifted; slipped_lifting: lost
             while lifting; dropped: lost while held up; failed: the simulation broke down.
         lifted: Height that the object's centre of mass gained, metres.
-        end: Where the object is at last; None if the simulation broke down.
+        end: Where the object is at last; None if the simulation broke down. Of an object that lay
+            still in the hand before it was lifted all the way, where it would be then.
     """
 
     outcome: str
@@ -48,34 +52,47 @@ def execute(
     """
     try:
         before = world.pose().position[2]
-        outcome = _outcome(world, gripper, lifting, grasp, afloat)
-        end = world.pose()
+        outcome, end = _outcome(world, gripper, lifting, grasp, afloat)
     except UnstableError:
         return Execution("failed", 0.0, None)
     return Execution(outcome, float(end.position[2] - before), end)
 
 
-def _outcome(world: World, gripper: Gripper, lifting: Lifting, grasp: Grasp, afloat: bool) -> str:
+def _outcome(
+    world: World, gripper: Gripper, lifting: Lifting, grasp: Grasp, afloat: bool
+) -> tuple[str, Pose]:
     start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
     try:
         hand = hung(world, gripper, lifting.arm, grasp, start)
     except UnreachableError:
-        return "collided"
+        return "collided", world.pose()
     world.pull(0.0 if afloat else GRAVITY)
     with world.pinned() if afloat else nullcontext():
         if not hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED):
-            return "collided"
+            return "collided", world.pose()
     touched = hand.close()
     world.pull(GRAVITY)
     if not hand.pinches():
-        return "slipped_closing" if touched else "missed"
-    arrived = hand.lift(lifting.lift_height, lifting.lift_height / LIFT_SPEED)
+        return "slipped_closing" if touched else "missed", world.pose()
+    return _carried(hand, lifting)
+
+
+def _carried(hand: Hand, lifting: Lifting) -> tuple[str, Pose]:
+    """Lift and hold; what lies still in the hand stays there, and need not be simulated on."""
+    height, seconds = lifting.lift_height, lifting.lift_height / LIFT_SPEED
+    still = Stillness(hand, HEAVIEST * seconds, seconds + lifting.hold_time)
+    arrived = hand.lift(height, seconds, still)
     if not hand.carries():
-        return "slipped_lifting"
+        return "slipped_lifting", hand.world.pose()
     if not arrived:
-        return "collided"
-    hand.hold(lifting.hold_time)
-    return "success" if hand.carries() else "dropped"
+        return "collided", hand.world.pose()
+    if not hand.path_left:
+        hand.hold(lifting.hold_time, still)
+    outcome, pose = "success" if hand.carries() else "dropped", hand.world.pose()
+    rise = hand.path_left[-1] - hand.height() if hand.path_left else 0.0
+    if hand.world.watch is not None:
+        hand.go_on(lifting.hold_time)
+    return outcome, Pose(pose.position + np.array([0.0, 0.0, rise]), pose.quaternion)
 
 
 def hung(world: World, gripper: Gripper, arm: str, grasp: Grasp, height: float) -> Hand:

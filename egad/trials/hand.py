@@ -1,5 +1,7 @@
 """A parallel-jaw hand: fingers that close with a force, and what they feel."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
@@ -18,8 +20,12 @@ STALLED_STEPS = 24
 # A Panda stops at about this contact force; lighter touches only push the object aside.
 COLLISION_FORCE = 20.0
 SAGGING = 0.02  # metres that a hand may hang too low and still count as lifted
+# The part of the time of a minimum-jerk path after which it speeds up most: when it is lifted, the
+# object never bears more later on.
+HEAVIEST = (3 - 3**0.5) / 6
 # The gear must be stronger than the fingers, or an object off the middle holds one of them up.
 GEAR_STRENGTH = 10
+Still = Callable[[], bool]
 
 
 class Hand:
@@ -31,6 +37,7 @@ class Hand:
     Attributes:
         number: Number of the body in the engine.
         fingers: Numbers of the links, left and right.
+        path_left: Heights that `lift` left out.
     """
 
     def __init__(self, world: World, gripper: Gripper, carrier: Carrier, width: float) -> None:
@@ -45,6 +52,7 @@ class Hand:
         self.world = world
         self.gripper = gripper
         self.number = carrier.number
+        self.path_left: list[float] = []
         self._carrier = carrier
         joints = range(world.client.getNumJoints(self.number))
         names = [world.client.getJointInfo(self.number, joint)[12].decode() for joint in joints]
@@ -64,21 +72,41 @@ class Hand:
                 return False
         return True
 
-    def lift(self, height: float, seconds: float) -> bool:
+    def lift(self, height: float, seconds: float, still: Still | None = None) -> bool:
         """Raise the fingertips by a height on a minimum-jerk path.
+
+        Args:
+            height: Metres.
+            seconds: How long it takes.
+            still: Asked after every step whether the object lies still in the hand. If so, and if
+                nothing can stop the carrier, the rest of the path is left out.
 
         Returns:
             Whether they got there: an arm has its reach, and its strength.
         """
         start = self._carrier.height()
-        for target in _minimum_jerk(start, start + height, seconds):
+        path = _minimum_jerk(start, start + height, seconds)
+        for number, target in enumerate(path, 1):
             self._carrier.drive(target)
             self.world.step()
+            if still and still() and self._carrier.unstoppable and self.carries():
+                self.path_left = path[number:]
+                return True
         return self._carrier.height() > start + height - SAGGING
 
-    def hold(self, seconds: float) -> None:
-        """Stay there."""
-        self.world.step(round(seconds / TIME_STEP))
+    def hold(self, seconds: float, still: Still | None = None) -> None:
+        """Stay there; only until the object is held and lies still, if this can be asked."""
+        for _ in range(round(seconds / TIME_STEP)):
+            self.world.step()
+            if still and still() and self.carries():
+                break
+
+    def go_on(self, seconds: float) -> None:
+        """Lift as far as was left out, and stay there: only for films, the outcome is known."""
+        for target in self.path_left:
+            self._carrier.drive(target)
+            self.world.step()
+        self.hold(seconds)
 
     def close(self) -> bool:
         """Close the fingers until they stall, and keep pressing with the gripper's force.
@@ -113,6 +141,10 @@ class Hand:
         world = self.world
         on_table = world.force(world.table, world.object) > 0
         return world.force(self.number, world.object) > 0 and not on_table
+
+    def height(self) -> float:
+        """Of the fingertips above the table, metres."""
+        return self._carrier.height()
 
     def opening(self) -> float:
         """Distance of the finger pads, metres."""

@@ -8,11 +8,13 @@ from scipy import ndimage
 
 from egad.grasps.room import TABLE_CLEARANCE
 from egad.settings import Gripper
-from egad.vision.camera import View
+from egad.vision.camera import View, Window
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 PROBE = 0.004  # distance of the points at which the space for the hand is probed
+NOTHING: Window = (slice(0, 0), slice(0, 0))
 
 
 class Relief(NamedTuple):
@@ -38,19 +40,45 @@ class Relief(NamedTuple):
         return np.append(middle, (weights * self.heights).sum() / 2)
 
     def highest(self, points: Floats) -> Floats:
-        """The greatest height under points (..., m, 2), over m."""
-        index = np.floor((points - self.origin) / self.cell).astype(np.int64)
-        last = np.array(self.heights.shape) - 1
-        inside = ((index >= 0) & (index <= last)).all(axis=-1)
-        index = np.clip(index, 0, last)
-        heights = self.heights[index[..., 0], index[..., 1]]
-        highest: Floats = np.where(inside, heights, 0.0).max(axis=-1)
+        """The greatest height under points (2, n, m), over m."""
+        columns, rows = self.heights.shape
+        bordered = np.zeros((columns + 2, rows + 2))  # the border is what is beside the grid
+        bordered[1:-1, 1:-1] = self.heights
+        cells = self._cells(points[0], 0) * (rows + 2) + self._cells(points[1], 1)
+        highest: Floats = bordered.ravel().take(cells).max(axis=-1)
         return highest
 
+    def _cells(self, values: Floats, axis: int) -> Ints:
+        """Numbers of cells in a grid with a border, along an axis."""
+        cells = np.floor((values - self.origin[axis]) / self.cell)
+        clipped: Ints = np.clip(cells, -1, self.heights.shape[axis], out=cells).astype(np.int64)
+        return clipped + 1
 
-def relief_of(view: View) -> Relief | None:
-    """What stands on the table, as heights on a grid; none if nothing does."""
-    points = view.points()
+
+def window_of(uneven: NDArray[np.bool_], margin: int) -> Window:
+    """The rows and columns that hold all of some pixels, and a margin where the image has one.
+
+    Args:
+        uneven: (height, width) which pixels.
+        margin: Pixels.
+    """
+    sides = []
+    for axis in (1, 0):
+        found = np.flatnonzero(uneven.any(axis=axis))
+        if len(found) == 0:
+            return NOTHING
+        sides.append(slice(max(found[0] - margin, 0), found[-1] + margin + 1))
+    return sides[0], sides[1]
+
+
+def relief_of(view: View, window: Window | None = None) -> Relief | None:
+    """What stands on the table, as heights on a grid; none if nothing does.
+
+    Args:
+        view: A depth image.
+        window: Rows and columns with all that stands, if they are known.
+    """
+    points = view.points(window or window_of(view.heights() > TABLE_CLEARANCE, 1))
     standing = points[points[..., 2] > TABLE_CLEARANCE]
     if len(standing) == 0:
         return None
@@ -78,29 +106,42 @@ def lowest_tip(
     Returns:
         (n,) heights over the table, `TABLE_CLEARANCE` above what is met.
     """
-    finger = _probes(gripper.finger_thickness, gripper.finger_width)
-    shift = (width + gripper.finger_thickness)[:, None, None] / 2 * np.array([1.0, 0.0])
-    below_fingers = np.maximum(
-        relief.highest(_placed(finger + shift, middle, axis)),
-        relief.highest(_placed(finger - shift, middle, axis)),
+    along, across = _probes(gripper.finger_thickness, gripper.finger_width)
+    shift = (width + gripper.finger_thickness)[:, None] / 2
+    clear = np.maximum(
+        relief.highest(_placed(along + shift, across, middle, axis)),
+        relief.highest(_placed(along - shift, across, middle, axis)),
     )
-    below_palm = relief.highest(_placed(_probes(*gripper.palm[:2])[None], middle, axis))
-    clear = np.maximum(below_fingers, below_palm - gripper.finger_length)
+    # The palm counts only where the fingers could go so deep that it meets the highest point.
+    deep = np.flatnonzero(np.maximum(clear, 0.0) < relief.heights.max() - gripper.finger_length)
+    palm = _placed(*_probes(*gripper.palm[:2]), middle[deep], axis[deep])
+    clear[deep] = np.maximum(clear[deep], relief.highest(palm) - gripper.finger_length)
     lowest: Floats = np.maximum(clear, 0.0) + TABLE_CLEARANCE
     return lowest
 
 
-def _probes(length: float, width: float) -> Floats:
-    """Points over a rectangle around the origin, not further apart than `PROBE`, (m, 2)."""
+def _probes(length: float, width: float) -> tuple[Floats, Floats]:
+    """A grid over a rectangle around the origin, not further apart than `PROBE`: x and y."""
     x = np.linspace(-length / 2, length / 2, int(np.ceil(length / PROBE)) + 1)
     y = np.linspace(-width / 2, width / 2, int(np.ceil(width / PROBE)) + 1)
-    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+    return x, y
 
 
-def _placed(points: Floats, middle: Floats, axis: Floats) -> Floats:
-    """Points given along and across the closing axis, in the world, (n, m, 2)."""
-    across = np.stack([-axis[:, 1], axis[:, 0]], axis=1)
-    placed: Floats = (
-        middle[:, None] + points[..., :1] * axis[:, None] + points[..., 1:] * across[:, None]
-    )
-    return placed
+def _placed(along: Floats, across: Floats, middle: Floats, axis: Floats) -> Floats:
+    """The points of n grids in the world.
+
+    Args:
+        along: (k,) or (n, k) coordinates along the closing axis.
+        across: (l,) coordinates across it.
+        middle: (n, 2) where the grids are.
+        axis: (n, 2) unit vectors of the closing axis.
+
+    Returns:
+        x and y, (2, n, k * l).
+    """
+    sides = (axis[:, 0], -axis[:, 1]), (axis[:, 1], axis[:, 0])
+    placed = [
+        (start[:, None] + along * first[:, None])[..., None] + across * second[:, None, None]
+        for start, (first, second) in zip(middle.T, sides, strict=True)
+    ]
+    return np.stack(placed).reshape(2, len(middle), along.shape[-1] * len(across))

@@ -1,6 +1,7 @@
 """Depth images by ray casting: exact, metric, and without a window."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -84,11 +85,22 @@ class View:
     intrinsics: Intrinsics
     pose: Floats
 
-    def points(self) -> Floats:
-        """What each pixel sees, in the world, (height, width, 3)."""
-        camera = self.intrinsics.rays() * self.depth[..., None]
+    def points(self, window: Window = WHOLE) -> Floats:
+        """What each pixel sees, in the world, (height, width, 3).
+
+        Args:
+            window: Rows and columns; all of them by default.
+        """
+        camera = self.intrinsics.rays(window) * self.depth[window][..., None]
         world: Floats = camera @ self.pose[:3, :3].T + self.pose[:3, 3]
         return world
+
+    def heights(self) -> Floats:
+        """The third coordinate of `points`, for less work, (height, width)."""
+        x, y = self.intrinsics.slopes()
+        across, down, forward = self.pose[2, :3]
+        heights: Floats = ((y * down + forward)[:, None] + x * across) * self.depth
+        return heights + self.pose[2, 3]
 
 
 def above(height: float) -> Floats:
@@ -124,7 +136,7 @@ class Eye:
             intrinsics: The camera.
             pose: (4, 4) transform from the camera to the world.
         """
-        depth = table_depth(intrinsics, pose)
+        depth = _known_table(intrinsics, pose.tobytes()).copy()
         to_object = np.linalg.inv(matrix) @ pose
         window = self._window(to_object, intrinsics)
         seen = intrinsics.rays(window)
@@ -161,6 +173,12 @@ def table_depth(intrinsics: Intrinsics, pose: Floats) -> Depth:
     below = sinking > 0
     depth = np.where(below, pose[2, 3] / np.where(below, sinking, 1.0), np.nan)
     return depth.astype(np.float32)
+
+
+@lru_cache(maxsize=1)
+def _known_table(intrinsics: Intrinsics, pose: bytes) -> Depth:
+    """`table_depth` of a camera that has not moved since its last image."""
+    return table_depth(intrinsics, np.frombuffer(pose).reshape(4, 4))
 
 
 def object_mask(view: View) -> Flags:

@@ -11,8 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad.errors import UserError
-from egad.tables.promises import TableError
+from egad.errors import TableError, UserError
 from egad.tables.row_groups import RowGroups
 from egad.vision.folder import files
 from egad.vision.maps import SIZE

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from egad.tables.promises import TableError
+from egad.errors import TableError
 
 UNIT = 1e-4  # metres; of the depths in the files
 LEVEL = 6  # of compression

@@ -137,6 +137,40 @@ def test_one_start_and_pair_exchanges_come_close_to_the_optimum_and_below_the_bo
     assert best <= bound(cells, distances)
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_exchanges_are_the_first_that_single_steps_find(seed):
+    """A slow twin: pair after pair, and of each all objects one by one."""
+    _, distances = dataset(40, seed)
+    cells = [np.flatnonzero(np.arange(40) % 7 == cell) for cell in (3, 0, 1, 6, 2)]
+    start = random_choice(cells, np.random.default_rng(seed))
+    expected = improved_singly(start, cells, distances)
+    while (better := first_better_pair(expected, cells, distances)) is not None:
+        expected = improved_singly(better, cells, distances)
+    assert list(improve(start, cells, distances)) == list(expected)
+
+
+def improved_singly(chosen, cells, distances):
+    best = None
+    while best is None or total(best, distances) < total(chosen, distances) - 1e-12:
+        best = chosen.copy()
+        for place, cell in enumerate(cells):
+            sets = [np.array([*chosen[:place], each, *chosen[place + 1 :]]) for each in cell]
+            chosen = max(sets, key=lambda each: total(each, distances))
+    return chosen
+
+
+def first_better_pair(chosen, cells, distances):
+    for first, second in itertools.combinations(range(len(cells)), 2):
+        sets = []
+        for one, other in itertools.product(cells[first], cells[second]):
+            sets.append(chosen.copy())
+            sets[-1][[first, second]] = one, other
+        best = max(sets, key=lambda each: total(each, distances))
+        if total(best, distances) > total(chosen, distances) + 1e-9:
+            return best
+    return None
+
+
 def test_no_exchange_of_two_improves_the_set():
     _, distances = dataset(60, 2)
     cells = [np.flatnonzero(np.arange(60) % 6 == cell) for cell in range(6)]

@@ -38,6 +38,18 @@ def island():
     return evolved(1, epoch=0, island=0)
 
 
+def test_what_watches_is_told_of_every_step_and_changes_nothing(island):
+    told = []
+    archive = Archive(SETTINGS.space, SETTINGS.similarity)
+
+    def watch(now, steps):
+        told.append((len(now.elites), len(steps)))
+
+    history, _ = evolve(archive, SETTINGS, 0, 0, watch=watch)
+    assert told == list(zip(history["elites"], [1, 2], strict=True))
+    pd.testing.assert_frame_equal(history, island[2])
+
+
 def test_every_offspring_is_accounted_for(island):
     _, counts, _ = island
     assert counts.total() == 2 * 12

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from autolab_core import RigidTransform
 
-from egad.errors import RejectedError, UserError
+from egad.errors import RejectedError, TableError, UserError
 from egad.exchange.dexnet import add_dataset, add_grasps
 from egad.exchange.hdf5 import writing
 from egad.exchange.meshes import read_mesh
@@ -19,7 +19,6 @@ from egad.stage_settings import DexNetDatabase, DexNetObjects, select
 from egad.stages import dexnet, dexnet_objects
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
-from egad.tables.promises import TableError
 
 GRIPPER = "yumi"
 

@@ -7,11 +7,10 @@ import pytest
 from autolab_core import RigidTransform
 
 import egad
-from egad.errors import UserError
+from egad.errors import TableError, UserError
 from egad.exchange.grasps import by_object, check_opening, vectors
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
-from egad.tables.parquet import TableError
 
 
 def test_grasps_load_from_a_folder_and_from_a_file(dataset, labelled):

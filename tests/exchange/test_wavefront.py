@@ -14,6 +14,19 @@ def test_round_trip_is_exact():
     assert np.array_equal(faces, FACES)
 
 
+def test_numbers_are_those_of_repr():
+    rng = np.random.default_rng(0)
+    anything = rng.integers(0, 2**63, size=3000).view(np.float64)
+    usual = rng.normal(size=3000) * 10.0 ** rng.uniform(-8, 8, size=3000)
+    rounded = np.round(usual, 3)
+    edges = [0.0, -0.0, 1e-4, 9.999999999999999e-5, -1e-5, 999999.5, 1e6, 1e15, 1e16, 1e17, 5e-324]
+    values = np.concatenate([anything[np.isfinite(anything)], usual, rounded, edges])
+    values = values[: len(values) // 3 * 3]
+    lines = obj_text(values.reshape(-1, 3), FACES).splitlines()
+    words = " ".join(lines).replace("v ", "").split(" f ")[0].split(" ")
+    assert words == [repr(value) for value in values.tolist()]
+
+
 def test_the_same_arrays_as_trimesh_reads(tmp_path):
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.0517)
     path = tmp_path / "ball.obj"

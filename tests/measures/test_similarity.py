@@ -166,7 +166,7 @@ def test_the_bound_holds(graphs, matrix):
 
 
 def test_comparing_up_to_a_least_value(graphs, matrix):
-    trees, memory, early = Forest(0.5, graphs).trees, space(10_000), 0
+    trees, memory, early = Forest(0.5, graphs).trees, space(np.array([0, 10_000], np.int32)), 0
     for pair in PAIRS:
         exact = matrix[pair]
         for least in (exact - 0.01, exact - 1e-9, exact + 1e-9, exact + 0.01, 1.0):

@@ -9,13 +9,12 @@ import pytest
 
 from egad.cli import main
 from egad.config_check import check
-from egad.errors import UserError
+from egad.errors import TableError, UserError
 from egad.stage_settings import DiversityReport, select
 from egad.stages import diversity as stage
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.images import IMAGES
-from egad.tables.promises import TableError
 from egad.tables.training import COMPARED, HISTORY, SCORE
 from egad.vision.score import Score, reached
 

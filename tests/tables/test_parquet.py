@@ -2,10 +2,10 @@ import pandas as pd
 import pytest
 
 from egad import __version__
+from egad.errors import TableError
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS, REJECTED
 from egad.tables.origin import Origin, made_by
-from egad.tables.parquet import TableError
 
 ROW = {"id": "a", "stage": "postprocess", "reason": "no volume"}
 

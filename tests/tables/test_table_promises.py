@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from egad.data import released
-from egad.errors import RejectedError, UserError
+from egad.errors import RejectedError, TableError, UserError
 from egad.settings import Settings
 from egad.shapes.surface import packed_surface
 from egad.stages import materialise
@@ -21,7 +21,6 @@ from egad.tables.columns import ID, LABEL
 from egad.tables.evolution import ARCHIVE
 from egad.tables.grasping import GRASPS, SCALES
 from egad.tables.pages import pages
-from egad.tables.parquet import TableError
 
 SCHEMA = pa.schema([("id", pa.string()), ("voxels", pa.large_binary()), ("x", pa.float64())])
 

@@ -8,11 +8,10 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.errors import RejectedError, UserError
+from egad.errors import RejectedError, TableError, UserError
 from egad.tables import parquet
 from egad.tables.images import IMAGES
 from egad.tables.origin import Origin, made_by
-from egad.tables.parquet import TableError
 from egad.vision.png import coded
 from egad.vision.rendering import pictures
 from egad.vision.rows import decoded, encoded

@@ -14,8 +14,10 @@ from egad import diversity, stage_settings
 from egad.code_version import code_version
 from egad.config_check import check
 from egad.data import released
+from egad.display import start_display
 from egad.errors import UserError
 from egad.exchange.sums import sum_of
+from egad.kernel_cache import compile_kernels
 from egad.measures.own import source_hash
 from egad.trials.files import fingerprint
 from egad.vision.splits import shard_count

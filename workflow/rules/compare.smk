@@ -33,4 +33,4 @@ rule compare:
         "Comparing the datasets"
     shell:
         "egad compare --settings {params.settings:q} --out {output.table:q}"
-        " --figure {output.figure:q} {params.named:q} 2> {log:q}"
+        " --figure {output.figure:q} {params.named:q} > {log:q} 2>&1"

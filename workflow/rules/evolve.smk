@@ -43,13 +43,15 @@ rule evolve:
         base=each("--base", "base"),
         measures=MEASURES,
         contents=contents_of(region_meshes),
+        page="logs/{dataset}/map.html",
         code=code_version("egad.stages.evolve"),
     message:
-        "Evolving epoch {wildcards.epoch}, island {wildcards.island}"
+        "Evolving {wildcards.dataset}, epoch {wildcards.epoch}, island {wildcards.island}"
+        " (the map as it fills: {params.page})"
     shell:
         "egad evolve --settings {params.settings:q} --epoch {wildcards.epoch}"
-        " --island {wildcards.island} {params.base:q} --jobs {threads} --out {output.archive:q}"
-        " --history {output.history:q} > {log:q} 2>&1"
+        " --island {wildcards.island} {params.base:q} --jobs {threads} --page {params.page:q}"
+        " --out {output.archive:q} --history {output.history:q} > {log:q} 2>&1"
 
 
 rule merge:

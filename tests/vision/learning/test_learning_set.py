@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from egad.errors import UserError
-from egad.tables.promises import TableError
+from egad.errors import TableError, UserError
 from egad.vision.learning_set import LearningSet, Rule
 
 RULE = Rule(0.002, 0.02)

@@ -8,12 +8,11 @@ from typer.testing import CliRunner
 
 import egad.vision
 from egad.cli.common import app
-from egad.errors import UserError
+from egad.errors import TableError, UserError
 from egad.settings import GRIPPERS, Settings, Training
 from egad.stage_settings import TrainNetwork, select
 from egad.stages import train as stage
 from egad.tables import parquet
-from egad.tables.promises import TableError
 from egad.tables.training import HISTORY, SCORE
 from egad.trials.ggcnn import GGCNN, MapDetector
 

@@ -1,0 +1,172 @@
+"""A page with the map while evolution fills it: HTML that opens offline and loads itself again.
+
+Each island keeps what it has found in a file of its own beside the page, and puts the page together
+from the files of all islands of the same run. No result depends on any of them.
+"""
+
+import json
+import logging
+import os
+import time
+from base64 import b64encode
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from egad.evolution.archive import Archive, Elite
+from egad.measures.space import cell_name, complexity_cells, difficulty_cells
+from egad.progress import duration, rate_text
+from egad.report.axes import axis_pair
+from egad.report.environment import environment
+from egad.report.voxel_picture import png, voxel_picture
+from egad.settings import Space
+from egad.shapes.voxels import unpack
+from egad.stage_settings import Evolve
+
+log = logging.getLogger(__name__)
+
+INTERVAL = 10.0  # seconds between two versions of the page, at least
+SHARE = 0.01  # of the time that may go into the page
+PICTURE = 36  # pixels a side
+POINTS = 200  # of a curve, at most
+State = dict[str, Any]
+
+
+class LiveMap:
+    """Keeps the page up to date with one epoch of one island."""
+
+    def __init__(self, page: Path, run: str, settings: Evolve, epoch: int, island: int) -> None:
+        """Write the page, without any object of this island.
+
+        Args:
+            page: HTML file; the files of the islands are in the folder of the same name.
+            run: Islands that have the same text here are on the page together.
+            settings: Those of evolution.
+            epoch: Number of the epoch.
+            island: Number of the island.
+        """
+        self._page, self._settings = page, settings
+        total = settings.evolution.steps_per_epoch * settings.evolution.population
+        self._state: State = {"run": run, "island": island, "epoch": epoch, "total": total}
+        self._pictures: dict[str, str] = {}
+        self._start, self._next = time.monotonic(), 0.0
+        self._write((), ())
+
+    def __call__(self, archive: Archive, steps: Sequence[Mapping[str, Any]]) -> None:
+        """Write the page again after a step, unless that was done a short while ago.
+
+        A page that cannot be written does not keep evolution from going on.
+
+        Args:
+            archive: The elites.
+            steps: All steps of the epoch so far: rows of `tables.evolution.HISTORY`.
+        """
+        last = len(steps) == self._settings.evolution.steps_per_epoch
+        if last or time.monotonic() >= self._next:
+            begin = time.monotonic()
+            self._write(archive.elites, steps, last)
+            self._next = begin + max(INTERVAL, (time.monotonic() - begin) / SHARE)
+
+    def _write(
+        self, elites: Sequence[Elite], steps: Sequence[Mapping[str, Any]], last: bool = False
+    ) -> None:
+        seconds = time.monotonic() - self._start
+        self._state |= progress_of(steps, self._state["total"], seconds)
+        self._state |= {"cells": self._cells(elites), "over": last}
+        folder = self._page.with_suffix("")
+        try:
+            _write(folder / f"island-{self._state['island']}.json", json.dumps(self._state))
+            states = states_in(folder, self._state)
+            _write(self._page, page_of(states, self._settings))
+        except OSError as error:
+            log.warning("%s is not up to date: %s", self._page, error)
+
+    def _cells(self, elites: Sequence[Elite]) -> dict[str, tuple[int, str]]:
+        """How many elites each cell holds, and the picture of the oldest, by name of the cell."""
+        names = _names_of_cells(elites, self._settings.space)
+        counts, first = Counter(names), dict[str, Elite]()
+        for name, elite in zip(names, elites, strict=True):
+            first.setdefault(name, elite)
+        kept = {elite.id: self._pictures.get(elite.id) for elite in first.values()}
+        self._pictures = {
+            elite.id: kept[elite.id] or picture_of(elite.voxels, self._settings.shape.resolution)
+            for elite in first.values()
+        }
+        return {name: (counts[name], self._pictures[elite.id]) for name, elite in first.items()}
+
+
+def _names_of_cells(elites: Sequence[Elite], space: Space) -> list[str]:
+    columns = complexity_cells([elite.complexity for elite in elites], space)
+    rows = difficulty_cells([elite.difficulty for elite in elites], space)
+    return [cell_name(int(column), int(row)) for column, row in zip(columns, rows, strict=True)]
+
+
+def picture_of(packed: bytes, resolution: int) -> str:
+    """A picture of voxels as archives keep them, for the attribute `href` of an image."""
+    data = png(voxel_picture(unpack(packed, resolution), PICTURE))
+    return f"data:image/png;base64,{b64encode(data).decode()}"
+
+
+def progress_of(steps: Sequence[Mapping[str, Any]], total: int, seconds: float) -> State:
+    """How far an epoch is after some seconds: numbers, and texts to show."""
+    done, curve = 0, []
+    for step in steps:
+        done += step["offspring"]
+        curve.append((done, step["coverage"]))
+    rate = done / seconds if seconds > 0 else 0.0
+    return {
+        "done": done,
+        "coverage": curve[-1][1] if curve else 0.0,
+        "elites": steps[-1]["elites"] if steps else 0,
+        "curve": curve[:: len(curve) // POINTS + 1],
+        "rate": rate_text(rate) if rate else "",
+        "left": duration((total - done) / rate) if 0 < done < total else "",
+        "taken": duration(seconds),
+    }
+
+
+def states_in(folder: Path, own: State) -> list[State]:
+    """What the islands of the run of one of them have written, in the order of their numbers."""
+    found: list[State] = []
+    for path in folder.glob("island-*.json"):
+        with suppress(OSError, ValueError):
+            state = json.loads(path.read_text(encoding="utf-8"))
+            found += [state] if (state["run"], *state) == (own["run"], *own) else []
+    return sorted(found, key=lambda state: int(state["island"]))
+
+
+def page_of(states: Sequence[State], settings: Evolve) -> str:
+    """The page.
+
+    Args:
+        states: Of each island.
+        settings: Those of evolution.
+    """
+    cells: dict[str, tuple[int, str]] = {}
+    for state in states:
+        for name, (count, picture) in state["cells"].items():
+            cells[name] = max(cells.get(name, (0, "")), (count, picture), key=lambda cell: cell[0])
+    template = environment().get_template("live_map.html.j2")
+    return template.render(
+        states=states,
+        cells=cells,
+        size=settings.space.cells,
+        full=settings.space.elites_per_cell,
+        axes=axis_pair(settings.axes),
+        over=all(state["over"] for state in states),
+        names=[
+            [cell_name(column, row) for column in range(settings.space.cells)]
+            for row in range(settings.space.cells)
+        ],
+        now=time.strftime("%H:%M:%S"),
+    )
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a file at once; several islands may do so at the same time."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    temporary.write_text(text, encoding="utf-8")
+    os.replace(temporary, path)

@@ -1,0 +1,122 @@
+import re
+from types import SimpleNamespace
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+
+from egad.measures.space import cell_name, complexity_cells, difficulty_cells
+from egad.report import live_map as module
+from egad.report.live_map import LiveMap
+from egad.settings import Settings
+from egad.shapes.voxels import pack
+from egad.stage_settings import Evolve, select
+
+SETTINGS = select(Settings(), Evolve)
+STEPS = SETTINGS.evolution.steps_per_epoch
+SPACE = SETTINGS.space
+
+
+def elites(count, seed=0):
+    rng = np.random.default_rng(seed)
+    made = []
+    for number in range(count):
+        voxels = np.zeros((SETTINGS.shape.resolution,) * 3, dtype=bool)
+        low, high = sorted(rng.choice(24, (2, 3), replace=False), key=sum)
+        voxels[tuple(slice(min(a, b), max(a, b) + 1) for a, b in zip(low, high, strict=True))] = 1
+        complexity = rng.uniform(*SPACE.complexity_range)
+        difficulty = rng.uniform(*SPACE.difficulty_range)
+        fields = {"complexity": complexity, "difficulty": difficulty, "voxels": pack(voxels)}
+        made.append(SimpleNamespace(id=f"{seed}-{number}", **fields))
+    return made
+
+
+def cells_of(some):
+    return {
+        cell_name(
+            complexity_cells(each.complexity, SPACE), difficulty_cells(each.difficulty, SPACE)
+        )
+        for each in some
+    }
+
+
+def steps(count):
+    return [{"offspring": 100, "coverage": n / 500, "elites": n} for n in range(1, count + 1)]
+
+
+def shown(page):
+    """The cells with pictures, by name: how many objects they say that they hold."""
+    text = page.read_text()
+    titles = re.findall(r"<title>([A-Z]\d\d): (\d+) objects?</title>.*?<image ", text)
+    return {name: int(count) for name, count in titles}
+
+
+@pytest.fixture
+def page(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "INTERVAL", 0)
+    monkeypatch.setattr(module, "SHARE", 1e9)
+    return tmp_path / "logs" / "map.html"
+
+
+def test_the_page_is_there_before_the_first_object(page):
+    LiveMap(page, "run", SETTINGS, 0, 0)
+    assert shown(page) == {}
+    assert 'http-equiv="refresh"' in page.read_text()
+
+
+def test_every_cell_with_objects_has_a_picture_and_their_number(page):
+    found = elites(40)
+    LiveMap(page, "run", SETTINGS, 0, 0)(SimpleNamespace(elites=found), steps(3))
+    assert set(shown(page)) == cells_of(found)
+    assert sum(shown(page).values()) == 40
+    assert "300 of" in page.read_text().replace("\N{NARROW NO-BREAK SPACE}", "")
+
+
+def test_islands_of_a_run_are_on_one_page_and_others_are_not(page):
+    found = [elites(10, seed) for seed in range(3)]
+    for island, run in enumerate(("run", "run", "another")):
+        LiveMap(page, run, SETTINGS, 0, island)(SimpleNamespace(elites=found[island]), steps(1))
+    assert set(shown(page)) == cells_of(found[2])
+    (page.with_suffix("") / "island-7.json").write_text("{ broken")
+    LiveMap(page, "run", SETTINGS, 0, 0)(SimpleNamespace(elites=found[0]), steps(1))
+    assert set(shown(page)) == cells_of(found[0] + found[1])
+
+
+def test_the_page_needs_no_other_file(page):
+    LiveMap(page, "run", SETTINGS, 0, 0)(SimpleNamespace(elites=elites(5)), steps(1))
+    sources = re.findall(r'(?:src|href)="([^"]*)"', page.read_text())
+    assert sources
+    assert all(source.startswith("data:image/png;base64,") for source in sources)
+    picture = re.search(r"<svg viewBox.*?role=\"img\".*?</svg>", page.read_text(), re.DOTALL)[0]
+    ET.fromstring(picture)  # noqa: S314 (our own)
+
+
+def test_it_is_written_rarely_but_always_at_the_end(page, monkeypatch):
+    monkeypatch.setattr(module, "INTERVAL", 1e6)
+    live, found = LiveMap(page, "run", SETTINGS, 0, 0), elites(20)
+    for count in (5, 10):
+        live(SimpleNamespace(elites=found[:count]), steps(count))
+    assert set(shown(page)) == cells_of(found[:5])
+    live(SimpleNamespace(elites=found), steps(STEPS))
+    assert set(shown(page)) == cells_of(found)
+
+
+def test_a_picture_is_drawn_once_and_an_elite_that_went_is_not_shown(page, monkeypatch):
+    drawn = []
+
+    def picture_of(packed, _):
+        drawn.append(packed)
+        return "data:image/png;base64,"
+
+    monkeypatch.setattr(module, "picture_of", picture_of)
+    live, found = LiveMap(page, "run", SETTINGS, 0, 0), elites(30)
+    live(SimpleNamespace(elites=found), steps(1))
+    live(SimpleNamespace(elites=found[10:]), steps(2))
+    assert set(shown(page)) == cells_of(found[10:])
+    assert len(set(drawn)) == len(drawn)
+
+
+def test_evolution_goes_on_where_the_page_cannot_be_written(page, caplog):
+    page.parent.write_text("a file where a folder should be")
+    LiveMap(page, "run", SETTINGS, 0, 0)(SimpleNamespace(elites=elites(2)), steps(1))
+    assert "map.html" in caplog.text
