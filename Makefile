@@ -1,5 +1,5 @@
 # make         set up, then the whole pipeline on config/config.yaml, up to results/report.html
-# make setup   set up only: .venv from requirements.lock
+# make setup   set up only: .venv from requirements.lock; targets below add requirements-dev.lock
 # make test    set up, then all tests
 # make bounds  set up, then the tests of compiled code with every index checked
 # make slicer  set up, then slice plates of released objects (Debian: apt-get install prusa-slicer)
@@ -7,7 +7,7 @@
 # make vision  set up, then the tests of networks (pip install safetensors torch)
 # make bench   set up, then the benchmarks
 # make lint    set up, then all checks of the code that need no run
-# make lock    add to requirements.lock what is new in pyproject.toml (newest of all: delete it first)
+# make lock    add to the lock files what is new in pyproject.toml (newest of all: delete them first)
 
 CORES ?= 2
 # In two processes, a file in one of them. A test that the usual limit of 900 seconds cannot end, as it
@@ -17,42 +17,49 @@ TESTS := pytest --numprocesses 2 --dist loadfile --max-worker-restart 0 \
 	-o faulthandler_timeout=1000 -o faulthandler_exit_on_timeout=true
 VENV := .venv
 READY := $(VENV)/.ready
+TOOLS := $(VENV)/.tools-ready
 # 3.11 first, for which every package has a wheel
 PYTHON ?= $(firstword $(foreach name,python3.11 python3.12 python3.13 python3 python,$(shell \
 	$(name) -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' \
 	>/dev/null 2>&1 && echo $(name))))
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: all setup test bounds slicer slurm vision bench lint lock
+# For every platform but Windows and every Python from 3.11 on
+COMPILE := build/lock/bin/uv pip compile --quiet --universal --python-version 3.11 \
+	--fork-strategy fewest --generate-hashes --custom-compile-command "make lock"
+
+.PHONY: all setup tools test bounds slicer slurm vision bench lint lock
 
 all: setup
 	snakemake --cores $(CORES)
 
 setup: $(READY)
 
-test: setup
+tools: $(TOOLS)
+
+test: tools
 	$(TESTS)
 
-bounds: setup
+bounds: tools
 	NUMBA_BOUNDSCHECK=1 $(TESTS) \
 		tests/evolution tests/measures tests/grasps tests/shapes tests/trials tests/vision
 
-slicer: setup
+slicer: tools
 	@command -v prusa-slicer >/dev/null || { echo "prusa-slicer is needed" >&2; exit 1; }
 	pytest -m slow tests/evalset/test_slicer.py
 
-slurm: setup
+slurm: tools
 	@cd tests/workflow && python -c 'import slurm_node; raise SystemExit(slurm_node.why_not() or 0)'
 	pytest -m slurm tests/workflow/test_slurm.py
 
-vision: setup
+vision: tools
 	@python -c 'import safetensors, torch' || { echo "safetensors and torch are needed" >&2; exit 1; }
 	pytest tests/vision tests/trials/test_ggcnn.py
 
-bench: setup
+bench: tools
 	pytest tests/benchmarks --capture=no --override-ini python_files='bench_*.py'
 
-lint: setup
+lint: tools
 	ruff check
 	ruff format --check
 	mypy
@@ -63,16 +70,22 @@ lint: setup
 
 lock:
 	$(PYTHON) -m venv build/lock
-	build/lock/bin/pip install --quiet pip-tools
-	CUSTOM_COMPILE_COMMAND="make lock" build/lock/bin/pip-compile --quiet \
-		--extra dev --extra cluster --build-deps-for editable --generate-hashes \
-		--strip-extras --allow-unsafe --no-emit-index-url --no-emit-trusted-host --no-emit-find-links \
-		--output-file requirements.lock pyproject.toml
+	build/lock/bin/pip install --quiet --require-hashes --requirement envs/installer.lock
+	sed -n 's/^requires = \["\(.*\)"\]$$/\1/p' pyproject.toml \
+		| $(COMPILE) --extra cluster --output-file requirements.lock pyproject.toml -
+	$(COMPILE) --extra cluster --extra dev --constraint requirements.lock \
+		$$(sed -n 's/^\([a-z0-9.-]*\)==.*/--no-emit-package \1/p' requirements.lock) \
+		--output-file requirements-dev.lock pyproject.toml
+	echo uv | $(COMPILE) --no-annotate --output-file envs/installer.lock -
 
-$(READY): requirements.lock
+$(READY): requirements.lock envs/install.py envs/trim.py
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or newer with venv and pip is needed" \
 		"(Debian: apt-get install python3 python3-venv)" >&2; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(VENV)/bin/pip install --require-hashes --requirement requirements.lock
-	$(VENV)/bin/pip install --no-deps --no-build-isolation --editable .
+	$(VENV)/bin/python envs/install.py requirements.lock --project .
+	$(VENV)/bin/python envs/trim.py
+	touch $@
+
+$(TOOLS): $(READY) requirements-dev.lock
+	$(VENV)/bin/python envs/install.py requirements-dev.lock
 	touch $@

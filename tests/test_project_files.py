@@ -15,8 +15,18 @@ from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-LOCK = (ROOT / "requirements.lock").read_text()
-PINS = dict(re.findall(r"^([a-z0-9.\-]+)==(\S+)", LOCK, flags=re.MULTILINE))
+LOCKS = {
+    name: (ROOT / name).read_text()
+    for name in ("requirements.lock", "requirements-dev.lock", "envs/installer.lock")
+}
+
+
+def pins(name):
+    """Versions in a lock file by package."""
+    return dict(re.findall(r"^([a-z0-9.\-]+)==(\S+)", LOCKS[name], flags=re.MULTILINE))
+
+
+USERS, DEVELOPERS, _ = map(pins, LOCKS)
 
 
 def canonical(name):
@@ -24,14 +34,25 @@ def canonical(name):
 
 
 EXTRAS = PROJECT["optional-dependencies"]
+BUILD = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
 
 
 @pytest.mark.parametrize(
-    "text", PROJECT["dependencies"] + EXTRAS["cluster"] + EXTRAS["dev"], ids=str
+    ("text", "locked"),
+    [
+        *((text, USERS) for text in PROJECT["dependencies"] + EXTRAS["cluster"] + BUILD),
+        *((text, USERS | DEVELOPERS) for text in EXTRAS["dev"]),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_the_lock_pins_every_dependency_within_its_bounds(text):
+def test_the_locks_pin_every_dependency_within_its_bounds(text, locked):
     wanted = Requirement(text)
-    assert wanted.specifier.contains(PINS[canonical(wanted.name)])
+    assert wanted.specifier.contains(locked[canonical(wanted.name)])
+
+
+def test_users_get_no_tools_of_developers():
+    assert set(USERS) & set(DEVELOPERS) == set()
+    assert not {"mujoco", "mypy", "opencv-python", "pytest", "ruff"} & set(USERS)
 
 
 def imported_packages(folder):
@@ -59,14 +80,18 @@ def test_every_imported_package_is_declared():
     assert {name for name in modules if not providers[name] & declared} == set()
 
 
-def test_every_pin_has_a_hash():
-    blocks = re.split(r"\n(?=[a-z0-9])", LOCK[LOCK.index("\n" + next(iter(PINS))) :].strip())
-    assert len(blocks) == len(PINS)
+@pytest.mark.parametrize("name", LOCKS)
+def test_every_pin_has_a_hash(name):
+    text = LOCKS[name]
+    blocks = re.split(r"\n(?=[a-z0-9])", text[text.index("\n" + next(iter(pins(name)))) :].strip())
+    assert len(blocks) == len(pins(name))
     assert all("--hash=sha256:" in block for block in blocks)
 
 
-def test_the_lock_names_no_address_and_no_path():
-    assert not re.search(r"https?:|file:/|--find-links|--(extra-)?index-url|(^|\s)/", LOCK)
+@pytest.mark.parametrize("name", LOCKS)
+def test_the_locks_name_no_address_and_no_path(name):
+    address = r"https?:|file:/|--find-links|--(extra-)?index-url|(^|\s)/"
+    assert not re.search(address, LOCKS[name])
 
 
 def test_conda_users_get_the_same_packages():
@@ -106,9 +131,9 @@ def test_what_the_container_copies_is_there_and_makes_the_whole_package(tmp_path
 
 
 def test_make_without_python_says_what_is_needed(tmp_path):
-    copied = tmp_path / "Makefile"
-    copied.write_text((ROOT / "Makefile").read_text())
-    (tmp_path / "requirements.lock").touch()
+    shutil.copy2(ROOT / "Makefile", tmp_path)
+    shutil.copy2(ROOT / "requirements.lock", tmp_path)
+    shutil.copytree(ROOT / "envs", tmp_path / "envs")
     result = subprocess.run(
         ["make", "setup", "PYTHON="], cwd=tmp_path, capture_output=True, text=True, check=False
     )

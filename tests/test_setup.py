@@ -1,0 +1,121 @@
+"""What `make setup` does: `envs/install.py` and `envs/trim.py`."""
+
+import importlib.util
+import os
+import shutil
+import stat
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+def script(name):
+    """A script of `envs/` as a module."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / f"envs/{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+install, trim = script("install"), script("trim")
+
+
+def test_uv_takes_packages_from_where_pip_takes_them():
+    listed = """\
+:env:.index-url='https://mine.example/simple'
+freeze.timeout='10'
+global.cert='/etc/own.pem'
+global.extra-index-url='\\nfile:///a/simple\\nfile:///b/simple'
+global.find-links='/wheels /more'
+global.index-url='https://theirs.example/simple'
+install.cert='/etc/other.pem'
+"""
+    assert install.uv_settings(install.pip_settings(listed)) == {
+        "UV_DEFAULT_INDEX": "https://mine.example/simple",
+        "UV_INDEX": "file:///a/simple file:///b/simple",
+        "UV_FIND_LINKS": "/wheels,/more",
+        "SSL_CERT_FILE": "/etc/other.pem",
+    }
+    assert install.uv_settings(install.pip_settings("")) == {}
+
+
+def test_only_a_python_without_a_package_of_pybullet_needs_a_compiler(tmp_path, monkeypatch):
+    monkeypatch.delenv("CXX", raising=False)
+    lock = (ROOT / "requirements.lock").read_text()
+    nothing = str(tmp_path)
+    assert "install Python 3.11, or a C++ compiler" in install.missing_compiler(
+        lock, (3, 12), nothing
+    )
+    assert not install.missing_compiler(lock, (3, 11), nothing)
+    assert not install.missing_compiler("pytest==9.2.0", (3, 12), nothing)
+    (tmp_path / "c++").touch(mode=0o755)
+    assert not install.missing_compiler(lock, (3, 12), nothing)
+
+
+@pytest.mark.parametrize("status", [0, 1])
+def test_what_uv_cannot_install_is_left_to_pip(tmp_path, monkeypatch, status):
+    uv = tmp_path / "uv"
+    uv.write_text(f"#!/bin/sh\nexit {status}\n")
+    uv.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    assert install.with_uv([["install", "--requirement", "any.lock"]]) == (status == 0)
+
+
+def test_a_full_disk_is_named(tmp_path, monkeypatch):
+    uv = tmp_path / "uv"
+    uv.write_text("#!/bin/sh\nexit 2\n")
+    uv.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    full = shutil.disk_usage(tmp_path)._replace(free=1000)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: full)
+    with pytest.raises(SystemExit, match=r"disk of .* is full"):
+        install.with_uv([["install", "--requirement", "any.lock"]])
+
+
+def test_trimming_leaves_what_is_used(tmp_path):
+    data = "pybullet_data"
+    for name in (f"{data}/franka_panda/panda.urdf", f"{data}/__init__.py", "numpy/include/a.h"):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    kept = {path for path in tmp_path.rglob("*") if path.is_file()}
+    for name in (f"{data}/duck.obj", f"{data}/toys/a.obj", "include/a.h", "share/man/a.1"):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    trim.trim(tmp_path)
+    assert {path for path in tmp_path.rglob("*") if path.is_file()} == kept
+
+
+def test_a_library_without_debug_information_still_loads(tmp_path):
+    """One that another file is a link to stays as it was there."""
+    (original,) = Path(sysconfig.get_path("platlib")).glob("manifold3d*.so")
+    library = tmp_path / "pybullet.so"
+    shutil.copy2(original, library)
+    with library.open("ab") as file:
+        file.write(bytes(1_000_000))
+    link = tmp_path / "cached"
+    os.link(library, link)
+    trim.trim(tmp_path)
+    assert library.stat().st_size < original.stat().st_size
+    assert link.stat().st_size == original.stat().st_size + 1_000_000
+    assert library.stat().st_mode & stat.S_IXUSR
+    shutil.copy2(library, tmp_path / original.name)
+    code = "import manifold3d; print(manifold3d.__file__, manifold3d.Manifold.cube().volume())"
+    said = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert said.split() == [str(tmp_path / original.name), "1.0"]
+
+
+def test_other_files_are_not_cut():
+    assert trim.loadable_part(b"\xcf\xfa\xed\xfe" + bytes(100)) == b"\xcf\xfa\xed\xfe" + bytes(100)
