@@ -78,12 +78,13 @@ lock:
 		--output-file requirements-dev.lock pyproject.toml
 	echo uv | $(COMPILE) --no-annotate --output-file envs/installer.lock -
 
-$(READY): requirements.lock envs/install.py envs/trim.py
+$(READY): requirements.lock envs/install.py envs/trim.py envs/compile.py
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or newer with venv and pip is needed" \
 		"(Debian: apt-get install python3 python3-venv)" >&2; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(VENV)/bin/python envs/install.py requirements.lock --project .
 	$(VENV)/bin/python envs/trim.py
+	$(VENV)/bin/python envs/compile.py
 	touch $@
 
 $(TOOLS): $(READY) requirements-dev.lock

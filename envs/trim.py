@@ -1,9 +1,10 @@
-"""Remove from an environment what no run reads: a fifth of it, nearly all of PyBullet.
+"""Remove from an environment what no run reads: a quarter of it, nearly all of PyBullet.
 
     .venv/bin/python envs/trim.py
 
 These are the example robots and pictures of PyBullet, its drawing on graphics cards, the debug
-information of its code, and the headers and static libraries that libigl brings along.
+information of its code, the headers and static libraries that libigl brings along, and the tests of
+packages that come with large ones.
 """
 
 import os
@@ -13,7 +14,10 @@ import sysconfig
 from collections.abc import Iterable
 from pathlib import Path
 
-UNUSED = ("include", "lib64", "share", "pybullet_envs", "eglRenderer*.so", "pybullet_data/*")
+UNUSED = (
+    *("include", "lib64", "share", "pybullet_envs", "eglRenderer*.so", "pybullet_data/*"),
+    *("numpy/**/tests", "pandas/tests", "scipy/**/tests"),
+)
 USED = ("pybullet_data/__init__.py", "pybullet_data/franka_panda", "pybullet_data/__pycache__")
 WITH_DEBUG = ("pybullet*.so",)
 # The start of an ELF file of 64 bits, least byte first.
