@@ -46,7 +46,7 @@ bounds: tools
 
 slicer: tools
 	@command -v prusa-slicer >/dev/null || { echo "prusa-slicer is needed" >&2; exit 1; }
-	pytest -m slow tests/evalset/test_slicer.py
+	pytest -m slicer tests/evalset
 
 slurm: tools
 	@cd tests/workflow && python -c 'import slurm_node; raise SystemExit(slurm_node.why_not() or 0)'

@@ -1,3 +1,5 @@
+"""Plates of the released evaluation set in a real slicer: `make slicer`."""
+
 import re
 import shutil
 import subprocess
@@ -5,12 +7,23 @@ import subprocess
 import numpy as np
 import pytest
 
-from egad.evalset.printing import plan_prints
+from egad.evalset.printing import pack, plan_prints
 from egad.exchange.threemf import Placed, write_3mf
 from egad.settings import PrintCheck, PrintExport
 
 SLICER = shutil.which("prusa-slicer")
+pytestmark = [
+    pytest.mark.slicer,
+    pytest.mark.skipif(SLICER is None, reason="prusa-slicer is not installed"),
+]
+BED, LARGER_BED = 0.22, 0.256
 LIKE_OURS = ["--layer-height", "0.2", "--fill-density", "20%", "--perimeters", "2"]
+
+
+@pytest.fixture(scope="module")
+def items(released_set):
+    """The set, planned for a bed of 220 mm."""
+    return plan_prints(released_set, PrintExport(bed=(BED, BED)), PrintCheck())
 
 
 def said(*arguments):
@@ -21,30 +34,48 @@ def said(*arguments):
     return result.stdout
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(SLICER is None, reason="prusa-slicer is not installed")
-@pytest.mark.parametrize("bed", [(0.22, 0.22), (0.256, 0.256)])
-def test_a_real_slicer_finds_nothing_to_repair_and_slices_every_plate(released_set, bed, tmp_path):
-    items = plan_prints(released_set, PrintExport(bed=bed), PrintCheck())
-    assert all(item.plate for item in items.values()), "all can be printed"
-    sides = [f"{1000 * side:g}" for side in bed]
-    shape = f"0x0,{sides[0]}x0,{sides[0]}x{sides[1]},0x{sides[1]}"
-    grams = 0.0
-    for plate in sorted({item.plate for item in items.values()}):
-        path = tmp_path / f"plate-{plate}.3mf"
-        on_it = {label: item for label, item in items.items() if item.plate == plate}
+def write_plates(meshes, places, folder):
+    """Write the plates of objects; all of them are whole for the slicer too."""
+    plates = {}
+    for plate in sorted({place[0] for place in places.values()}):
+        on_it = {label: place[1:] for label, place in places.items() if place[0] == plate}
         placed = {
-            label: Placed(item.pose.mesh, np.array([*item.place, 0]))
-            for label, item in on_it.items()
+            label: Placed(meshes[label], np.array([*where, 0])) for label, where in on_it.items()
         }
-        write_3mf(placed, path, {"Title": f"Plate {plate}"})
-        info = said("--info", path)
+        plates[plate] = folder / f"plate-{plate}.3mf"
+        write_3mf(placed, plates[plate], {"Title": f"Plate {plate}"})
+        info = said("--info", plates[plate])
         assert info.count("manifold = yes") == len(on_it)
         assert "repaired" not in info
         assert "open_edges" not in info
-        code = tmp_path / f"plate-{plate}.gcode"
-        said("-g", path, "--bed-shape", shape, "--dont-arrange", *LIKE_OURS, "-o", code)
-        used = re.search(r"filament used \[cm3\] = ([\d.]+)", code.read_text())
-        grams += 1.24 * float(used.group(1))
+    return plates
+
+
+def filament(plate, side):
+    """Slice a plate for a square bed: what it takes, grams."""
+    code, end = plate.with_suffix(".gcode"), 1000 * side
+    shape = f"0x0,{end:g}x0,{end:g}x{end:g},0x{end:g}"
+    said("-g", plate, "--bed-shape", shape, "--dont-arrange", *LIKE_OURS, "-o", code)
+    used = re.search(r"filament used \[cm3\] = ([\d.]+)", code.read_text())
+    return 1.24 * float(used.group(1))
+
+
+def test_a_real_slicer_finds_nothing_to_repair_and_slices_every_plate(items, tmp_path):
+    assert all(item.plate for item in items.values()), "all can be printed"
+    meshes = {label: item.pose.mesh for label, item in items.items()}
+    places = {label: (item.plate, *item.place) for label, item in items.items()}
+    plates = write_plates(meshes, places, tmp_path)
+    grams = sum(filament(plate, BED) for plate in plates.values())
     estimated = 1000 * sum(item.filament for item in items.values())
     assert grams == pytest.approx(estimated, rel=0.15)
+
+
+def test_plates_of_a_larger_bed_are_whole_too(items, tmp_path):
+    """The objects lie as on the smaller bed, so that slicing one plate is enough."""
+    meshes = {label: item.pose.mesh for label, item in items.items()}
+    sizes = {label: tuple(mesh.extents[:2]) for label, mesh in meshes.items()}
+    places = pack(sizes, (LARGER_BED, LARGER_BED), PrintExport().gap)
+    assert set(places) == set(items)
+    plates = write_plates(meshes, places, tmp_path)
+    estimated = 1000 * sum(item.filament for label, item in items.items() if places[label][0] == 1)
+    assert filament(plates[1], LARGER_BED) == pytest.approx(estimated, rel=0.25)
