@@ -1,10 +1,11 @@
 # make         set up, then the whole pipeline on config/config.yaml, up to results/report.html
 # make setup   set up only: .venv from requirements.lock; targets below add requirements-dev.lock
 # make test    set up, then all tests
-# make bounds  set up, then the tests of compiled code with every index checked
+# make check   set up, then all tests, those of the next three targets too
 # make slicer  set up, then slice plates of released objects (Debian: apt-get install prusa-slicer)
 # make slurm   set up, then run on a Slurm cluster of one node (root; Debian: slurm-wlm, munge)
 # make vision  set up, then the tests of networks (pip install safetensors torch)
+# make bounds  set up, then the tests of compiled code with every index checked
 # make bench   set up, then the benchmarks
 # make lint    set up, then all checks of the code that need no run
 # make lock    add to the lock files what is new in pyproject.toml (newest of all: delete them first)
@@ -28,7 +29,8 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 COMPILE := build/lock/bin/uv pip compile --quiet --universal --python-version 3.11 \
 	--fork-strategy fewest --generate-hashes --custom-compile-command "make lock"
 
-.PHONY: all setup tools test bounds slicer slurm vision bench lint lock
+.PHONY: all setup tools test check bounds slicer slurm vision bench lint lock
+.PHONY: has-slicer has-slurm has-torch
 
 all: setup
 	snakemake --cores $(CORES)
@@ -44,17 +46,26 @@ bounds: tools
 	NUMBA_BOUNDSCHECK=1 $(TESTS) \
 		tests/evolution tests/measures tests/grasps tests/shapes tests/trials tests/vision
 
-slicer: tools
-	@command -v prusa-slicer >/dev/null || { echo "prusa-slicer is needed" >&2; exit 1; }
+check: has-slicer has-slurm has-torch
+	$(TESTS) -m 'not slow'
+
+slicer: has-slicer
 	pytest -m slicer tests/evalset
 
-slurm: tools
-	@cd tests/workflow && python -c 'import slurm_node; raise SystemExit(slurm_node.why_not() or 0)'
-	pytest -m slurm tests/workflow/test_slurm.py
+slurm: has-slurm
+	pytest -m slurm tests/workflow
 
-vision: tools
-	@python -c 'import safetensors, torch' || { echo "safetensors and torch are needed" >&2; exit 1; }
+vision: has-torch
 	pytest tests/vision tests/trials/test_ggcnn.py
+
+has-slicer: tools
+	@command -v prusa-slicer >/dev/null || { echo "prusa-slicer is needed" >&2; exit 1; }
+
+has-slurm: tools
+	@cd tests/workflow && python -c 'import slurm_node; raise SystemExit(slurm_node.why_not() or 0)'
+
+has-torch: tools
+	@python -c 'import safetensors, torch' || { echo "safetensors and torch are needed" >&2; exit 1; }
 
 bench: tools
 	pytest tests/benchmarks --capture=no --override-ini python_files='bench_*.py'
