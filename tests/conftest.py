@@ -1,9 +1,11 @@
+import os
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from compiled import reached_kernels
 
 from egad.data import released
 from egad.settings import Shape
@@ -36,3 +38,10 @@ def released_set():
     chosen = pd.read_csv(RELEASED_SET).itertuples()
     meshes = {row.label: repair(packed_surface(voxels[row.id], Shape())).mesh for row in chosen}
     return {label: rescale(mesh, "paper", 0.075, 0.8)[0] for label, mesh in meshes.items()}
+
+
+def pytest_ignore_collect(collection_path):
+    """Where every index of compiled code is checked, leave out files that run none of it."""
+    checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0"
+    is_test = collection_path.match("test_*.py")
+    return True if checked and is_test and not reached_kernels(collection_path) else None

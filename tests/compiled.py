@@ -1,0 +1,35 @@
+"""Which compiled code the tests of a file can run."""
+
+import ast
+from functools import cache
+
+from egad.code_version import PACKAGE, imported
+
+
+def reached_kernels(path):
+    """The modules with compiled code that a Python file imports, or that these import."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_bytes())):
+        if isinstance(node, ast.Import):
+            found.update(*(reached(alias.name) for alias in node.names))
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+            found.update(*(reached(name) for name in names))
+    return found
+
+
+@cache
+def reached(module):
+    """The same of a name, if it is a module of ours."""
+    if module.partition(".")[0] != "egad":
+        return set()
+    try:
+        modules = {module, *imported(module)}
+    except ModuleNotFoundError:  # the name of something in a module
+        return set()
+    sources = {name: PACKAGE.parent / f"{name.replace('.', '/')}.py" for name in modules}
+    return {
+        name
+        for name, source in sources.items()
+        if source.exists() and b"@numba.njit" in source.read_bytes()
+    }
