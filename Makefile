@@ -42,8 +42,9 @@ tools: $(TOOLS)
 test: tools
 	$(TESTS)
 
+# Compiled with few optimisations, which takes less time than these would save.
 bounds: tools
-	NUMBA_BOUNDSCHECK=1 $(TESTS) \
+	NUMBA_BOUNDSCHECK=1 NUMBA_OPT=1 $(TESTS) \
 		tests/evolution tests/measures tests/grasps tests/shapes tests/trials tests/vision
 
 check: has-slicer has-slurm has-torch
