@@ -3,13 +3,13 @@
     .venv/bin/python envs/trim.py
 
 These are the example robots and pictures of PyBullet, its drawing on graphics cards, the debug
-information of its code, the headers and static libraries that libigl brings along, and the tests of
-packages that come with large ones.
+information of its code (where `strip` of the GNU binutils is installed), the headers and static
+libraries that libigl brings along, and the tests of numpy, scipy and pandas.
 """
 
 import os
 import shutil
-import struct
+import subprocess
 import sysconfig
 from collections.abc import Iterable
 from pathlib import Path
@@ -20,11 +20,6 @@ UNUSED = (
 )
 USED = ("pybullet_data/__init__.py", "pybullet_data/franka_panda", "pybullet_data/__pycache__")
 WITH_DEBUG = ("pybullet*.so",)
-# The start of an ELF file of 64 bits, least byte first.
-MAGIC = b"\x7fELF\x02\x01"
-# Places in its header: where the table of segments starts, how long an entry of it is and how many
-# there are; the same of sections, which only debuggers and linkers read.
-SEGMENTS, SEGMENT_SIZE_AND_COUNT, SECTIONS, SECTION_COUNTS = 32, 54, 40, 60
 
 
 def main() -> None:
@@ -42,31 +37,11 @@ def trim(packages: Path) -> None:
     for path in _matching(packages, UNUSED):
         if path not in used:
             shutil.rmtree(path) if path.is_dir() else path.unlink()
-    for path in _matching(packages, WITH_DEBUG):
+    program = shutil.which("strip")
+    for path in _matching(packages, WITH_DEBUG) if program else []:
         other = path.with_name(path.name + ".part")
-        other.write_bytes(loadable_part(path.read_bytes()))
-        shutil.copymode(path, other)
+        subprocess.run([program, "--strip-debug", "-o", other, path], check=True)
         os.replace(other, path)  # a link to it, as of a cache, stays whole
-
-
-def loadable_part(library: bytes) -> bytes:
-    """A shared library without what follows the part that is loaded: debug information, symbols.
-
-    Args:
-        library: Its bytes; those of another format than 64-bit ELF come back as they are.
-    """
-    if not library.startswith(MAGIC):
-        return library
-    (table,) = struct.unpack_from("<Q", library, SEGMENTS)
-    size, count = struct.unpack_from("<HH", library, SEGMENT_SIZE_AND_COUNT)
-    end = table + size * count
-    for entry in range(table, end, size):
-        offset, _, _, length = struct.unpack_from("<4Q", library, entry + 8)
-        end = max(end, offset + length)
-    shorter = bytearray(library[:end])
-    struct.pack_into("<Q", shorter, SECTIONS, 0)
-    struct.pack_into("<HH", shorter, SECTION_COUNTS, 0, 0)
-    return bytes(shorter)
 
 
 def _matching(packages: Path, patterns: Iterable[str]) -> Iterable[Path]:

@@ -92,18 +92,22 @@ def test_trimming_leaves_what_is_used(tmp_path):
     assert {path for path in tmp_path.rglob("*") if path.is_file()} == kept
 
 
+@pytest.mark.skipif(not shutil.which("strip"), reason="needs the GNU binutils")
 def test_a_library_without_debug_information_still_loads(tmp_path):
     """One that another file is a link to stays as it was there."""
     (original,) = Path(sysconfig.get_path("platlib")).glob("manifold3d*.so")
     library = tmp_path / "pybullet.so"
     shutil.copy2(original, library)
-    with library.open("ab") as file:
-        file.write(bytes(1_000_000))
+    debug = tmp_path / "debug"
+    debug.write_bytes(bytes(1_000_000))
+    option = f"--add-section=.debug_info={debug}"
+    subprocess.run(["objcopy", option, library], check=True)
+    size = library.stat().st_size
     link = tmp_path / "cached"
     os.link(library, link)
     trim.trim(tmp_path)
-    assert library.stat().st_size < original.stat().st_size
-    assert link.stat().st_size == original.stat().st_size + 1_000_000
+    assert library.stat().st_size < size - 1_000_000
+    assert link.stat().st_size == size
     assert library.stat().st_mode & stat.S_IXUSR
     shutil.copy2(library, tmp_path / original.name)
     code = "import manifold3d; print(manifold3d.__file__, manifold3d.Manifold.cube().volume())"
@@ -115,7 +119,3 @@ def test_a_library_without_debug_information_still_loads(tmp_path):
         check=True,
     ).stdout
     assert said.split() == [str(tmp_path / original.name), "1.0"]
-
-
-def test_other_files_are_not_cut():
-    assert trim.loadable_part(b"\xcf\xfa\xed\xfe" + bytes(100)) == b"\xcf\xfa\xed\xfe" + bytes(100)
