@@ -57,14 +57,14 @@ class Checkout:
             start_new_session=True,
         )
 
-    def snakemake(self, *arguments, configs=(TEST_CONFIG,)):
+    def snakemake(self, *arguments, configs=(TEST_CONFIG,), **variables):
         """Run Snakemake to its end: its exit status and what it said."""
         words = _words(arguments, configs)
-        return LAUNCHER.run(words, self.folder, self.environment)
+        return LAUNCHER.run(words, self.folder, self.environment | variables)
 
-    def make(self, *arguments, configs=(TEST_CONFIG,)):
-        """Run Snakemake and fail with what it said if it fails."""
-        status, said = self.snakemake(*arguments, configs=configs)
+    def make(self, *arguments, configs=(TEST_CONFIG,), **variables):
+        """Run Snakemake, with some more variables, and fail with what it said if it fails."""
+        status, said = self.snakemake(*arguments, configs=configs, **variables)
         assert status == 0, said
         return said
 
@@ -165,7 +165,7 @@ def finished(tmp_path_factory, worker_id):
             return Checkout(shared / "finished")
         shutil.rmtree(shared / "finished", ignore_errors=True)
         made = checkout(shared / "finished")
-        made.make("--cores", 2)
+        made.make("--cores", 2, NUMBA_DEBUG_CACHE="1")
         done.touch()
     return made
 

@@ -250,6 +250,13 @@ def test_logs_and_benchmarks_of_every_job_are_kept(finished):
         assert len(made) == sum(finished.planned("--forceall").values()) - 1  # `all` has none
 
 
+def test_no_job_compiles_kernels(finished):
+    """All were compiled before the first job, and each job loads what it needs."""
+    said = "".join(path.read_text() for path in (finished.folder / "logs").rglob("*.log"))
+    assert "[cache] data loaded from" in said
+    assert "[cache] data saved to" not in said
+
+
 def test_a_second_run_does_nothing(finished):
     before = {path: path.stat().st_mtime_ns for path in finished.results.rglob("*")}
     assert "Nothing to be done" in finished.make("--cores", 2)
