@@ -13,6 +13,7 @@ Floats = NDArray[np.float64]
 # The motion is that over some time, not that of an instant: a swinging object stands still at its
 # turning points. Around such a point, a pendulum of 5 cm still moves by a quarter of its amplitude.
 WINDOW = 0.1  # seconds
+STRIDE = 6  # steps from one look to the next
 CREEP = 0.001  # metres that it may still move until the end, at the rate of the window
 
 
@@ -49,8 +50,10 @@ class Stillness:
         move by more than 1 mm until the end.
         """
         self._early, self._left, self._steps = self._early - 1, self._left - 1, self._steps + 1
+        if self._early > 0 or self._steps % STRIDE:
+            return False
         allowed = CREEP * self._window / max(self._left, self._window)
-        if self._early >= 0 or self._motion() > allowed:
+        if self._early == 0 or self._motion() > allowed:
             self._begin()
         return self._steps >= self._window
 

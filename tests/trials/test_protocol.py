@@ -1,6 +1,7 @@
 """Attempts: what succeeds, what fails and how, and that each can be repeated alone."""
 
 import numpy as np
+import pybullet
 import pytest
 import trimesh
 
@@ -145,19 +146,24 @@ def test_how_an_attempt_begins(
 
 
 def held_up(world: World) -> Execution:
+    """With an arm, which is lifted all the way before the hold can end."""
     world.place(Pose.of([0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 1.0]))
+    trials = Trials(arm="panda")
     return execute(
-        world, GRIPPERS["egad_75mm"], Trials(), Grasp((0.0, 0.0, 0.02), 0.0, 0.07, 0.01, 1.0)
+        world, GRIPPERS["egad_75mm"], trials, Grasp((0.0, 0.0, 0.02), 0.0, 0.07, 0.01, 1.0)
     )
 
 
 def test_an_object_that_is_lost_while_it_is_held_up_is_dropped() -> None:
-    """Somebody takes it out of the hand."""
+    """Somebody moves it in the hand all the time, and then takes it out."""
 
     steps = []
 
     def take(world: World) -> None:
         steps.append(world.pose().position[2] > 0.4195)
+        world.client.applyExternalTorque(
+            world.object, -1, (0.0, 0.0, 2.0 * np.sin(len(steps) / 5)), pybullet.WORLD_FRAME
+        )
         if sum(steps) == 100:  # long after the lift
             world.place(Pose.of([0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0]))
 
