@@ -37,11 +37,11 @@ def trim(packages: Path) -> None:
     for path in _matching(packages, UNUSED):
         if path not in used:
             shutil.rmtree(path) if path.is_dir() else path.unlink()
-    program = shutil.which("strip")
-    for path in _matching(packages, WITH_DEBUG) if program else []:
-        other = path.with_name(path.name + ".part")
-        subprocess.run([program, "--strip-debug", "-o", other, path], check=True)
-        os.replace(other, path)  # a link to it, as of a cache, stays whole
+    if program := shutil.which("strip"):
+        for path in _matching(packages, WITH_DEBUG):
+            other = path.with_name(path.name + ".part")
+            subprocess.run([program, "--strip-debug", "-o", other, path], check=True)
+            os.replace(other, path)  # a link to it, as of a cache, stays whole
 
 
 def _matching(packages: Path, patterns: Iterable[str]) -> Iterable[Path]:

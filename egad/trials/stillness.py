@@ -41,7 +41,7 @@ class Stillness:
         self._reach = float(np.linalg.norm(points, axis=1).max())
         self._early, self._left = round(start / TIME_STEP), round(end / TIME_STEP)
         self._window = round(WINDOW / TIME_STEP)
-        self._begin()
+        self._steps, self._before = 0, self._held()
 
     def __call__(self) -> bool:
         """Whether the object lies still; to be asked once after every step.
@@ -54,12 +54,8 @@ class Stillness:
             return False
         allowed = CREEP * self._window / max(self._left, self._window)
         if self._early == 0 or self._motion() > allowed:
-            self._begin()
+            self._steps, self._before = 0, self._held()
         return self._steps >= self._window
-
-    def _begin(self) -> None:
-        """Compare with the present state from now on."""
-        self._before, self._steps = self._held(), 0
 
     def _held(self) -> _Held:
         pose = self._hand.world.pose()

@@ -99,8 +99,10 @@ class View:
         """The third coordinate of `points`, for less work, (height, width)."""
         x, y = self.intrinsics.slopes()
         across, down, forward = self.pose[2, :3]
-        heights: Floats = ((y * down + forward)[:, None] + x * across) * self.depth
-        return heights + self.pose[2, 3]
+        heights: Floats = (
+            self.pose[2, 3] + ((y * down + forward)[:, None] + x * across) * self.depth
+        )
+        return heights
 
 
 def above(height: float) -> Floats:
