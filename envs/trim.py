@@ -3,7 +3,7 @@
     .venv/bin/python envs/trim.py
 
 These are the example robots and pictures of PyBullet, its drawing on graphics cards, the debug
-information of its code (where `strip` of the GNU binutils is installed), the headers and static
+information of its code (where there is a `strip` that can do so), the headers and static
 libraries that libigl brings along, and the tests of numpy, scipy and pandas.
 """
 
@@ -40,8 +40,11 @@ def trim(packages: Path) -> None:
     if program := shutil.which("strip"):
         for path in _matching(packages, WITH_DEBUG):
             other = path.with_name(path.name + ".part")
-            subprocess.run([program, "--strip-debug", "-o", other, path], check=True)
-            os.replace(other, path)  # a link to it, as of a cache, stays whole
+            # -S, as the strip of macOS knows no long options
+            if subprocess.run([program, "-S", "-o", other, path], check=False).returncode:
+                other.unlink(missing_ok=True)
+            else:
+                os.replace(other, path)  # a link to it, as of a cache, stays whole
 
 
 def _matching(packages: Path, patterns: Iterable[str]) -> Iterable[Path]:

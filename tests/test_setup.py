@@ -92,7 +92,15 @@ def test_trimming_leaves_what_is_used(tmp_path):
     assert {path for path in tmp_path.rglob("*") if path.is_file()} == kept
 
 
-@pytest.mark.skipif(not shutil.which("strip"), reason="needs the GNU binutils")
+def test_a_library_that_cannot_be_stripped_stays_as_it_is(tmp_path):
+    library = tmp_path / "pybullet.so"
+    library.write_text("no library")
+    trim.trim(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["pybullet.so"]
+    assert library.read_text() == "no library"
+
+
+@pytest.mark.skipif(not shutil.which("objcopy"), reason="needs the GNU binutils")
 def test_a_library_without_debug_information_still_loads(tmp_path):
     """One that another file is a link to stays as it was there."""
     (original,) = Path(sysconfig.get_path("platlib")).glob("manifold3d*.so")
