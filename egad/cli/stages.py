@@ -32,13 +32,16 @@ def evolve(
     jobs: Jobs = 1,
 ) -> None:
     """Evolve one island for one epoch."""
-    from egad.report.live_map import LiveMap
     from egad.stage_settings import Evolve
     from egad.stages import evolve as stage
 
     parsed, bases = parse(Evolve, settings), [base] if base else []
     with recorded("evolve", parsed, bases, epoch=epoch, island=island):
-        watch = LiveMap(page, settings_hash(parsed), parsed, epoch, island) if page else None
+        watch = None
+        if page:
+            from egad.report.live_map import LiveMap
+
+            watch = LiveMap(page, settings_hash(parsed), parsed, epoch, island)
         stage.run(parsed, epoch, island, base, out, history, jobs, watch)
 
 

@@ -131,7 +131,7 @@ def states_in(folder: Path, own: State) -> list[State]:
     """What the islands of the run of one of them have written, in the order of their numbers."""
     found: list[State] = []
     for path in folder.glob("island-*.json"):
-        with suppress(OSError, ValueError):
+        with suppress(OSError, ValueError, LookupError, TypeError):
             state = json.loads(path.read_text(encoding="utf-8"))
             found += [state] if (state["run"], *state) == (own["run"], *own) else []
     return sorted(found, key=lambda state: int(state["island"]))

@@ -77,7 +77,8 @@ def test_islands_of_a_run_are_on_one_page_and_others_are_not(page):
     for island, run in enumerate(("run", "run", "another")):
         LiveMap(page, run, SETTINGS, 0, island)(SimpleNamespace(elites=found[island]), steps(1))
     assert set(shown(page)) == cells_of(found[2])
-    (page.with_suffix("") / "island-7.json").write_text("{ broken")
+    for number, text in enumerate(("{ broken", "[]", "{}"), 7):
+        (page.with_suffix("") / f"island-{number}.json").write_text(text)
     LiveMap(page, "run", SETTINGS, 0, 0)(SimpleNamespace(elites=found[0]), steps(1))
     assert set(shown(page)) == cells_of(found[0] + found[1])
 
