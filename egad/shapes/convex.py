@@ -168,9 +168,7 @@ def _smallest(sides: list[list[Floats]]) -> int:
     return best
 
 
-def _sides(
-    vertices: Floats, edges: NDArray[np.int64], plane: Plane, least: float
-) -> list[Floats]:
+def _sides(vertices: Floats, edges: NDArray[np.int64], plane: Plane, least: float) -> list[Floats]:
     """Points whose hulls are those of the two sides of a cut.
 
     There are none if it misses, or cuts off something thinner than `least`.

@@ -99,8 +99,9 @@ class View:
         """The third coordinate of `points`, for less work, (height, width)."""
         x, y = self.intrinsics.slopes()
         across, down, forward = self.pose[2, :3]
-        heights: Floats = ((y * down + forward)[:, None] + x * across) * self.depth
-        return heights + self.pose[2, 3]
+        slopes = (y * down + forward)[:, None] + x * across
+        heights: Floats = slopes * self.depth + self.pose[2, 3]
+        return heights
 
 
 def above(height: float) -> Floats:
