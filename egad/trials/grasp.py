@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,8 +43,8 @@ class Grasp:
         not_finite: a number is NaN or infinite; too_wide: it would have to open wider than it
         does, or less than not at all; below_table: the fingertips would be under the table.
         """
-        center, *rest = astuple(self)
-        if not all(math.isfinite(number) for number in (*center, *rest)):
+        numbers = (*self.center, self.angle, self.width, self.depth, self.quality)
+        if not all(map(math.isfinite, numbers)):
             return "not_finite"
         if not 0 <= self.width <= gripper.opening:
             return "too_wide"
@@ -78,8 +78,8 @@ def best(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | str:
     if len(grasps) == 0:
         return "no_grasp"
     hopeful = sorted(grasps, key=_promise)
-    possible = [grasp for grasp in hopeful if not grasp.flaw(gripper)]
-    return possible[0] if possible else hopeful[0].flaw(gripper)
+    possible = (grasp for grasp in hopeful if not grasp.flaw(gripper))
+    return next(possible, hopeful[0].flaw(gripper))
 
 
 def _promise(grasp: Grasp) -> float:

@@ -41,7 +41,7 @@ class Stillness:
         self._reach = float(np.linalg.norm(points, axis=1).max())
         self._early, self._left = round(start / TIME_STEP), round(end / TIME_STEP)
         self._window = round(WINDOW / TIME_STEP)
-        self._steps, self._before = 0, self._held()
+        self._before, self._steps = self._held(), 0
 
     def __call__(self) -> bool:
         """Whether the object lies still; to be asked once after every step.
@@ -50,11 +50,13 @@ class Stillness:
         move by more than 1 mm until the end.
         """
         self._early, self._left, self._steps = self._early - 1, self._left - 1, self._steps + 1
-        if self._early > 0 or self._steps % STRIDE:
+        if self._early == 0:
+            self._before, self._steps = self._held(), 0
+        if self._early >= 0 or self._steps % STRIDE:
             return False
         allowed = CREEP * self._window / max(self._left, self._window)
-        if self._early == 0 or self._motion() > allowed:
-            self._steps, self._before = 0, self._held()
+        if self._motion() > allowed:
+            self._before, self._steps = self._held(), 0
         return self._steps >= self._window
 
     def _held(self) -> _Held:

@@ -99,9 +99,8 @@ class View:
         """The third coordinate of `points`, for less work, (height, width)."""
         x, y = self.intrinsics.slopes()
         across, down, forward = self.pose[2, :3]
-        heights: Floats = (
-            self.pose[2, 3] + ((y * down + forward)[:, None] + x * across) * self.depth
-        )
+        slopes = (y * down + forward)[:, None] + x * across
+        heights: Floats = slopes * self.depth + self.pose[2, 3]
         return heights
 
 
