@@ -12,6 +12,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
+from importlib.metadata import version
 from pathlib import Path
 
 PACKAGE = Path(__file__).parent
@@ -42,16 +43,22 @@ def use_own_cache(package: Path = PACKAGE) -> None:
         os.environ["NUMBA_CACHE_DIR"] = str(found or tempfile.mkdtemp(prefix="egad-"))
 
 
-def compiled() -> Path:
-    """A file that is there if all kernels have been compiled."""
-    return Path(os.environ["NUMBA_CACHE_DIR"]) / f"compiled-{kernel_sources_version()}"
+def compiled_marker() -> Path:
+    """A file that is there if all kernels were compiled for this processor, Python and numba."""
+    from llvmlite.binding import get_host_cpu_name  # noqa: PLC0415 (only runs and setup need it)
+
+    made_for = (sys.implementation.cache_tag, version("numba"), get_host_cpu_name())
+    name = "-".join(["compiled", kernel_sources_version(), *map(str, made_for)])
+    return Path(os.environ["NUMBA_CACHE_DIR"]) / name
 
 
 def compile_kernels() -> None:
-    """Compile all kernels in two processes, unless that was done since their last change."""
-    if not compiled().exists():
-        print("Compiling kernels: once, takes about half a minute", file=sys.stderr, flush=True)
-        subprocess.run([sys.executable, "-m", "egad.precompile"], check=False)
+    """Compile all kernels in two processes, unless that was done before."""
+    if compiled_marker().exists():
+        return
+    print("Compiling kernels: once, takes about half a minute", file=sys.stderr, flush=True)
+    if subprocess.run([sys.executable, "-m", "egad.precompile"], check=False).returncode:
+        print("That failed; kernels are compiled at their first use", file=sys.stderr, flush=True)
 
 
 def _parents(package: Path) -> Iterator[Path]:

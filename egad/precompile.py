@@ -5,12 +5,13 @@ out here is compiled at its first use.
 """
 
 import multiprocessing
+import sys
 
 import numpy as np
 import trimesh
 
 from egad.grasps.labels import label
-from egad.kernel_cache import compiled
+from egad.kernel_cache import compiled_marker
 from egad.measures.complexity import complexity
 from egad.measures.forest import Forest
 from egad.measures.neighbours import diversities
@@ -50,5 +51,6 @@ if __name__ == "__main__":
     other.start()
     compile_measures()
     other.join()
-    if other.exitcode == 0:
-        compiled().touch()
+    if other.exitcode:
+        sys.exit("grasp kernels could not be compiled")
+    compiled_marker().touch()

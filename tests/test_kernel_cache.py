@@ -10,7 +10,7 @@ import pytest
 from egad import kernel_cache
 from egad.kernel_cache import (
     compile_kernels,
-    compiled,
+    compiled_marker,
     kernel_sources_version,
     use_own_cache,
 )
@@ -105,14 +105,21 @@ def test_kernels_are_not_kept_where_others_can_write(read_only, tmp_path):
     assert not kernel_folder(read_only).is_relative_to(open_to_all)
 
 
-def test_kernels_are_compiled_once_for_each_state_of_their_sources(tmp_path, monkeypatch):
-    started = []
+def test_kernels_are_compiled_once_for_each_state_of_their_sources(tmp_path, monkeypatch, capsys):
+    started, status = [], 1
+
+    def run(command, **_):
+        started.append(command)
+        return subprocess.CompletedProcess(command, status)
+
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(
-        kernel_cache.subprocess, "run", lambda command, **_: started.append(command)
-    )
+    monkeypatch.setattr(kernel_cache.subprocess, "run", run)
     compile_kernels()
-    compiled().touch()
+    assert "compiled at their first use" in capsys.readouterr().err
+    started.clear()
+    status = 0
+    compile_kernels()
+    compiled_marker().touch()
     compile_kernels()
     assert len(started) == 1
     monkeypatch.setattr(kernel_cache, "kernel_sources_version", lambda: "edited")

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
 from egad.errors import RejectedError, UserError
-from egad.shapes.nelder_mead import Vector, minimum, rotation_matrix
 
 Floats = NDArray[np.float64]
 
@@ -49,19 +49,19 @@ def box_sides(mesh: trimesh.Trimesh) -> Floats:
 def _turned_to_minimum(points: Floats) -> Floats:
     """Sides of the smallest axis-aligned box that small turns of points (3, n) lead to, (3,)."""
 
-    def sides(turn: Vector) -> Floats:
-        return _extents(rotation_matrix(turn) @ points)
+    def sides(turn: Floats) -> Floats:
+        return _extents(Rotation.from_rotvec(turn).as_matrix() @ points)
 
-    still = (0.0, 0.0, 0.0)
-    unit = float(sides(still).prod())
+    unit = float(sides(np.zeros(3)).prod())
     if unit == 0:
         raise RejectedError("flat")
-    simplex = [still, (TILT, 0.0, 0.0), (0.0, TILT, 0.0), (0.0, 0.0, TILT)]
 
-    def volume(turn: Vector) -> float:
+    def volume(turn: Floats) -> float:
         return float(sides(turn).prod()) / unit
 
-    return sides(minimum(volume, simplex, xatol=1e-3, fatol=1e-4, maxiter=300))
+    simplex = np.vstack([np.zeros(3), TILT * np.eye(3)])
+    options: Any = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-4, "maxiter": 300}
+    return sides(minimize(volume, np.zeros(3), method="Nelder-Mead", options=options).x)
 
 
 def _extents(rows: Floats) -> Floats:
