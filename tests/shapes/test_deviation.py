@@ -3,6 +3,8 @@ import pytest
 import trimesh
 
 from egad.shapes.deviation import largest_deviation
+from egad.shapes.distances import nearest
+from egad.shapes.samples import spread
 
 
 def test_a_surface_does_not_stray_from_itself_however_it_is_meshed():
@@ -28,3 +30,17 @@ def test_what_sticks_out_is_measured_at_its_corners_and_between_them():
     inside = np.random.default_rng(0).dirichlet((1, 1, 1), 5000) @ flat.vertices
     _, away, _ = trimesh.proximity.closest_point_naive(tent, inside)
     assert largest_deviation(flat, tent) == pytest.approx(away.max(), abs=0.02)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_point_that_is_furthest_is_left_out(seed):
+    """As if all points were looked at."""
+    rng = np.random.default_rng(seed)
+    inner = trimesh.creation.icosphere(subdivisions=2)
+    outer = inner.copy()
+    outer.vertices *= 1 + 0.2 * rng.random((len(outer.vertices), 1))
+    outer.vertices *= [1, 1, 8]  # thin triangles
+    inner.vertices *= [1, 1, 8]
+    step = 0.02 * np.ptp(inner.vertices, axis=0).max()
+    points = np.concatenate([outer.vertices, spread(outer, step).points])
+    assert largest_deviation(outer, inner) == nearest(points, inner)[0].max()
