@@ -29,7 +29,7 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 COMPILE := build/lock/bin/uv pip compile --quiet --universal --python-version 3.11 \
 	--fork-strategy fewest --generate-hashes --custom-compile-command "make lock"
 
-.PHONY: all setup tools test check bounds slicer slurm vision bench lint lock
+.PHONY: all setup tools kernels test check bounds slicer slurm vision bench lint lock
 .PHONY: has-slicer has-slurm has-torch
 
 all: setup
@@ -39,7 +39,7 @@ setup: $(READY)
 
 tools: $(TOOLS)
 
-test: tools
+test: kernels
 	$(TESTS)
 
 # Compiled with few optimisations, which takes less time than these would save.
@@ -47,8 +47,12 @@ bounds: tools
 	NUMBA_BOUNDSCHECK=1 NUMBA_OPT=1 $(TESTS) \
 		tests/evolution tests/measures tests/grasps tests/shapes tests/trials tests/vision
 
-check: has-slicer has-slurm has-torch
+check: kernels has-slicer has-slurm has-torch
 	$(TESTS) -m 'not slow'
+
+# Once, before processes of the tests would each do it.
+kernels: tools
+	python -c 'from egad.kernel_cache import compile_kernels; compile_kernels()'
 
 slicer: has-slicer
 	pytest -m slicer tests/evalset

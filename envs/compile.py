@@ -1,4 +1,4 @@
-"""Compile the modules that runs import, and the kernels, once, so that no job has to.
+"""Compile the modules that runs import, once, so that no job has to.
 
     .venv/bin/python envs/compile.py
 
@@ -11,7 +11,6 @@ import pkgutil
 import sys
 
 import egad
-from egad.kernel_cache import compile_kernels
 
 # What Snakemake imports only while it runs.
 LATER = (
@@ -26,7 +25,7 @@ LATER = (
 
 
 def main() -> None:
-    """Import all modules, then compile all kernels; extras need not be installed."""
+    """Import all; extras need not be installed."""
     sys.dont_write_bytecode = False
     modules = [each.name for each in pkgutil.walk_packages(egad.__path__, "egad.")]
     for name in [*modules, *LATER]:
@@ -35,7 +34,6 @@ def main() -> None:
         except ImportError as error:
             if (error.name or "").startswith(("egad", "snakemake")):
                 raise
-    compile_kernels()
 
 
 if __name__ == "__main__":
