@@ -11,10 +11,10 @@
 # make lock    add to the lock files what is new in pyproject.toml (newest of all: delete them first)
 
 CORES ?= 2
-# In two processes, a file in one of them. A test that the usual limit of 900 seconds cannot end, as it
-# hangs in compiled code or where it is given up, ends its process, which says where; the tests behind
-# it are not run.
-TESTS := pytest --numprocesses 2 --dist loadfile --max-worker-restart 0 \
+# In two processes; the one that is done first takes tests from the other. A test that the usual limit
+# of 900 seconds cannot end, as it hangs in compiled code or where it is given up, ends its process,
+# which says where; the tests behind it are not run.
+TESTS := pytest --numprocesses 2 --dist worksteal --max-worker-restart 0 \
 	-o faulthandler_timeout=1000 -o faulthandler_exit_on_timeout=true
 VENV := .venv
 READY := $(VENV)/.ready
