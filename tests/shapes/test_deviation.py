@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.shapes.deviation import largest_deviation
+from egad.shapes.deviation import _furthest, largest_deviation
+from egad.shapes.distances import nearest
 
 
 def test_a_surface_does_not_stray_from_itself_however_it_is_meshed():
@@ -28,3 +29,11 @@ def test_what_sticks_out_is_measured_at_its_corners_and_between_them():
     inside = np.random.default_rng(0).dirichlet((1, 1, 1), 5000) @ flat.vertices
     _, away, _ = trimesh.proximity.closest_point_naive(tent, inside)
     assert largest_deviation(flat, tent) == pytest.approx(away.max(), abs=0.02)
+
+
+@pytest.mark.parametrize("size", [0.02, 0.2, 1.0, 10.0])
+def test_the_furthest_point_is_that_of_all_points(size):
+    mesh = trimesh.creation.torus(1.0, 0.4, 24, 12)
+    for seed in range(10):
+        points = np.random.default_rng(seed).normal(size=(300, 3))
+        assert _furthest(points, mesh, size) == nearest(points, mesh)[0].max()
