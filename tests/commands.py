@@ -1,7 +1,9 @@
 """Commands of `egad` within the process of the tests: as a process of their own, but quick."""
 
 import logging
+import os
 import sys
+import tempfile
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
@@ -21,15 +23,16 @@ class Finished:
 
 def egad(*arguments):
     """Run a command to its end."""
-    stdout, stderr = StringIO(), StringIO()
+    stdout = StringIO()
     with (
         patch.object(sys, "argv", ["egad", *map(str, arguments)]),
         redirect_stdout(stdout),
-        redirect_stderr(stderr),
+        _own_stderr() as stderr,
         _own_logging(),
     ):
         status = _status()
-    return Finished(status, stdout.getvalue(), stderr.getvalue())
+        stderr.seek(0)
+        return Finished(status, stdout.getvalue(), stderr.read())
 
 
 def _status():
@@ -42,6 +45,20 @@ def _status():
             return 1
         return end.code or 0
     return 0
+
+
+@contextmanager
+def _own_stderr():
+    """The file that this process and those that it starts write errors to meanwhile."""
+    kept = os.dup(2)
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace", buffering=1) as file:
+        os.dup2(file.fileno(), 2)
+        try:
+            with redirect_stderr(file):
+                yield file
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
 
 
 @contextmanager

@@ -29,6 +29,7 @@ def evolve(
     page: Annotated[
         Path | None, typer.Option(help="HTML page that shows the map as it fills, to write")
     ] = None,
+    islands: Annotated[int | None, typer.Option(help="number of all islands, for the page")] = None,
     jobs: Jobs = 1,
 ) -> None:
     """Evolve one island for one epoch."""
@@ -41,7 +42,7 @@ def evolve(
         if page:
             from egad.report.live_map import LiveMap
 
-            watch = LiveMap(page, settings_hash(parsed), parsed, epoch, island)
+            watch = LiveMap(page, settings_hash(parsed), parsed, epoch, island, islands)
         stage.run(parsed, epoch, island, base, out, history, jobs, watch)
 
 

@@ -122,6 +122,7 @@ def template(
     """Write a CSV file to fill in at the robot: a row an attempt, `success` to be 1 or 0."""
     from egad.evalset.labels import labels_of
     from egad.exchange.frames import check_ending
+    from egad.evalset.datasheet import ATTEMPTS
     from egad.files import replacing
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49
@@ -134,7 +135,7 @@ def template(
     labels = labels_of(settings.select_eval.rows, settings.select_eval.columns)
     if evaluation is not None:
         labels = parquet.read(evaluation, EVAL49)["label"].tolist()
-    frame = empty(labels, settings.trials.attempts, detector)
+    frame = empty(labels, ATTEMPTS, detector)
     with replacing(out) as temporary:
         frame.to_csv(temporary, index=False)
     typer.echo(f"{out}: {len(frame)} attempts at {len(labels)} objects")

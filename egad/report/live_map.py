@@ -37,17 +37,26 @@ State = dict[str, Any]
 class LiveMap:
     """Keeps the page up to date with one epoch of one island."""
 
-    def __init__(self, page: Path, run: str, settings: Evolve, epoch: int, island: int) -> None:
+    def __init__(
+        self,
+        page: Path,
+        run: str,
+        settings: Evolve,
+        epoch: int,
+        island: int,
+        islands: int | None = None,
+    ) -> None:
         """Write the page, without any object of this island.
 
         Args:
             page: HTML file; the files of the islands are in the folder of the same name.
-            run: Islands that have the same text here are on the page together.
+            run: Islands that have the same text here, and the same epoch, are on the page together.
             settings: Those of evolution.
             epoch: Number of the epoch.
             island: Number of the island.
+            islands: Number of all islands, if known. An earlier run may have had more.
         """
-        self._page, self._settings = page, settings
+        self._page, self._settings, self._islands = page, settings, islands
         total = settings.evolution.steps_per_epoch * settings.evolution.population
         self._state: State = {"run": run, "island": island, "epoch": epoch, "total": total}
         self._pictures: dict[str, str] = {}
@@ -65,6 +74,8 @@ class LiveMap:
         """
         last = len(steps) == self._settings.evolution.steps_per_epoch
         if last or time.monotonic() >= self._next:
+            if not self._pictures:  # those of the epoch before, once: no part of the share
+                self._cells(archive.elites)
             begin = time.monotonic()
             self._write(archive.elites, steps, last)
             self._next = begin + max(INTERVAL, (time.monotonic() - begin) / SHARE)
@@ -78,7 +89,7 @@ class LiveMap:
         folder = self._page.with_suffix("")
         try:
             _write(folder / f"island-{self._state['island']}.json", json.dumps(self._state))
-            states = states_in(folder, self._state)
+            states = states_in(folder, self._state, self._islands)
             _write(self._page, page_of(states, self._settings))
         except OSError as error:
             log.warning("%s is not up to date: %s", self._page, error)
@@ -127,13 +138,21 @@ def progress_of(steps: Sequence[Mapping[str, Any]], total: int, seconds: float) 
     }
 
 
-def states_in(folder: Path, own: State) -> list[State]:
-    """What the islands of the run of one of them have written, in the order of their numbers."""
+def states_in(folder: Path, own: State, islands: int | None = None) -> list[State]:
+    """What the islands have written, in the order of their numbers.
+
+    Args:
+        folder: Of their files.
+        own: What one of them has written; others count with the same run and epoch.
+        islands: How many there are, if known.
+    """
     found: list[State] = []
     for path in folder.glob("island-*.json"):
         with suppress(OSError, ValueError, LookupError, TypeError):
             state = json.loads(path.read_text(encoding="utf-8"))
-            found += [state] if (state["run"], *state) == (own["run"], *own) else []
+            current = islands is None or state["island"] < islands
+            same = (state["run"], state["epoch"], *state) == (own["run"], own["epoch"], *own)
+            found += [state] if current and same else []
     return sorted(found, key=lambda state: int(state["island"]))
 
 

@@ -1,4 +1,5 @@
 import re
+import time
 from types import SimpleNamespace
 from xml.etree import ElementTree as ET
 
@@ -83,6 +84,21 @@ def test_islands_of_a_run_are_on_one_page_and_others_are_not(page):
     assert set(shown(page)) == cells_of(found[0] + found[1])
 
 
+def test_islands_of_an_earlier_run_are_not_on_the_page(page):
+    """There were 4 islands and 2 epochs; now there are 2, and the first has begun again."""
+    found = [elites(10, seed) for seed in range(4)]
+    for epoch, island in ((0, 0), (1, 1), (0, 2), (0, 3)):
+        live = LiveMap(page, "run", SETTINGS, epoch, island)
+        live(SimpleNamespace(elites=found[island]), steps(1))
+    for island in range(2):
+        live = LiveMap(page, "run", SETTINGS, 0, island, islands=2)
+        assert set(shown(page)) == (cells_of(found[0]) if island else set())
+        live(SimpleNamespace(elites=found[island]), steps(1))
+    assert set(shown(page)) == cells_of(found[0] + found[1])
+    LiveMap(page, "run", SETTINGS, 1, 0, islands=2)
+    assert shown(page) == {}
+
+
 def test_the_page_needs_no_other_file(page):
     LiveMap(page, "run", SETTINGS, 0, 0)(SimpleNamespace(elites=elites(5)), steps(1))
     sources = re.findall(r'(?:src|href)="([^"]*)"', page.read_text())
@@ -115,6 +131,32 @@ def test_a_picture_is_drawn_once_and_an_elite_that_went_is_not_shown(page, monke
     live(SimpleNamespace(elites=found[10:]), steps(2))
     assert set(shown(page)) == cells_of(found[10:])
     assert len(set(drawn)) == len(drawn)
+
+
+def test_pictures_of_the_epoch_before_do_not_delay_the_second_page_but_new_ones_the_third(
+    page, monkeypatch
+):
+    now = [0.0]
+
+    def picture_of(*_):
+        now[0] += 1
+        return "data:image/png;base64,"
+
+    clock = SimpleNamespace(monotonic=lambda: now[0], strftime=time.strftime)
+    monkeypatch.setattr(module, "time", clock)
+    monkeypatch.setattr(module, "picture_of", picture_of)
+    monkeypatch.setattr(module, "INTERVAL", 10.0)
+    monkeypatch.setattr(module, "SHARE", 0.01)
+    live, found = LiveMap(page, "run", SETTINGS, 1, 0), elites(60)
+    written = []
+    for count in (20, 40, 60):
+        live(SimpleNamespace(elites=found[:count]), steps(1))
+        written.append(set(shown(page)) == cells_of(found[:count]))
+        now[0] += 11
+    assert written == [True, True, False]
+    now[0] += 3000
+    live(SimpleNamespace(elites=found), steps(1))
+    assert set(shown(page)) == cells_of(found)
 
 
 def test_evolution_goes_on_where_the_page_cannot_be_written(page, caplog):

@@ -5,10 +5,10 @@ import pytest
 import trimesh
 
 from egad.settings import GRIPPERS, Gripper
-from egad.trials.antipodal import antipodal_depth
+from egad.trials.antipodal import _edges, _uneven, antipodal_depth
 from egad.trials.grasp import Grasp
-from egad.vision.camera import WHOLE, Eye, Intrinsics, View, above
-from egad.vision.noise import noisy
+from egad.trials.relief import relief_of
+from egad.vision.camera import WHOLE, Eye, Intrinsics, View, above, table_depth
 
 HAND = GRIPPERS["egad_75mm"]
 CAMERA = Intrinsics.spanning(300, 300, 40.0)
@@ -110,16 +110,43 @@ def test_the_same_image_gives_the_same_grasps() -> None:
     assert detect(view) == other
 
 
-@pytest.mark.parametrize(
-    "mesh", [trimesh.creation.torus(0.02, 0.01), trimesh.creation.cylinder(0.02, 0.05)]
-)
-@pytest.mark.parametrize("noise", [0.0, 0.002])
-def test_the_part_of_the_image_around_the_object_is_enough(
-    monkeypatch: pytest.MonkeyPatch, mesh: trimesh.Trimesh, noise: float
+def rough(rng: np.random.Generator, friction: float) -> View:
+    """A table seen at a slant, with noise on it that is no edge, blocks, patches and blind pixels.
+
+    What rises from it does so by between 0.3 and 20 times the least height that may be an edge.
+    """
+    camera = Intrinsics.spanning(120, 100, 40.0)
+    tilt = trimesh.transformations.rotation_matrix(rng.uniform(-0.3, 0.3), rng.normal(size=3))
+    pose = tilt @ above(0.6)
+    pose[:3, 3] = [0, 0, 0.6]
+    table = table_depth(camera, pose)
+    least = 0.6 / camera.focal / friction / 2
+    rise = rng.uniform(-0.3, 0.3, table.shape) * least
+    for noise in (0.0, 2.0, 2.0):
+        (top, left), (high, wide) = rng.integers(15, 60, 2), rng.integers(1, 20, 2)
+        patch = rise[top : top + high, left : left + wide]
+        patch += least * 20 ** rng.uniform(-0.3, 1) * rng.uniform(1 - noise, 1, patch.shape)
+    depth = table - rise
+    depth[rng.random(depth.shape) < 0.001] = np.nan
+    return View(depth.astype(np.float32), camera, pose)
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.5, 1.0])
+def test_what_is_looked_at_of_an_image_gives_the_edges_and_heights_of_all_of_it(
+    friction: float,
 ) -> None:
-    """The rest of the table changes nothing, bit by bit, though neighbouring pixels are mixed."""
-    view = noisy(seen(mesh, x=0.02, turn=0.3), noise, np.random.default_rng(0))
-    few = detect(view)
-    monkeypatch.setattr("egad.trials.antipodal._uneven", lambda *_: WHOLE)
-    assert few == detect(view)
-    assert few
+    found = []
+    for seed in range(40):
+        view = rough(np.random.default_rng(seed), friction)
+        np.testing.assert_allclose(view.heights(), view.points()[..., 2], atol=1e-12)
+        window = _uneven(view, friction)
+        part, whole = _edges(view, window, friction), _edges(view, WHOLE, friction)
+        np.testing.assert_allclose(part.points, whole.points, atol=1e-12)
+        np.testing.assert_allclose(part.outward, whole.outward, atol=1e-7)
+        reliefs = relief_of(view, window), relief_of(view, WHOLE)
+        for one, other in zip(*(relief or () for relief in reliefs), strict=True):
+            np.testing.assert_allclose(one, other, atol=1e-12)
+        found.append((len(whole.points), view.depth[window].size < view.depth.size))
+    edges, smaller = np.transpose(found)
+    assert (edges > 0).sum() > 20
+    assert smaller.sum() > 20

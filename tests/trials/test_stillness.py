@@ -78,19 +78,63 @@ def test_what_slips_and_then_sticks_is_still_once_it_sticks() -> None:
     assert found == pytest.approx(0.6, abs=0.03)
 
 
-def held_up(density: float, arm: str, shift: float = 0.0, force: float = 20.0) -> Execution:
+def held_up(
+    density: float,
+    arm: str,
+    shift: float = 0.0,
+    force: float = 20.0,
+    lift: float = 0.4,
+    watch: Callable[[World], None] | None = None,
+) -> Execution:
     """A cube of 40 mm grasped between pads of friction 0.5, beside its middle."""
     gripper = GRIPPERS["egad_75mm"].model_copy(update={"force": force, "friction": 0.5})
     with World(build(trimesh.creation.box((SIDE,) * 3), density, BUNDLE)) as world:
+        world.watch = watch
         world.place(Pose(np.array([0.0, 0.0, SIDE / 2]), UPRIGHT))
-        return execute(
-            world, gripper, Trials(arm=arm), Grasp((0.0, shift, 0.02), 0.0, 0.065, 0.01, 1.0)
-        )
+        trials = Trials(arm=arm, lift_height=lift)
+        return execute(world, gripper, trials, Grasp((0.0, shift, 0.02), 0.0, 0.065, 0.01, 1.0))
 
 
 def in_full(monkeypatch: pytest.MonkeyPatch) -> None:
     """From now on everything is lifted all the way and held as long as it says."""
     monkeypatch.setattr(Stillness, "__call__", lambda _: False)
+
+
+@pytest.mark.parametrize(("arm", "spared"), [("axis", 1.2), ("panda", 0.75)])
+def test_what_is_held_firmly_is_not_simulated_to_the_end(
+    arm: str, spared: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On the axis most of the lift is left out with the hold; an arm is lifted all the way.
+
+    Args:
+        arm: What carries the hand.
+        spared: Part of the time of holding that is left out at least.
+    """
+    steps = []
+
+    def counted(simulate: Callable[..., None]) -> Callable[..., None]:
+        return lambda world, count=1: steps.append(count) or simulate(world, count)
+
+    monkeypatch.setattr(World, "step", counted(World.step))
+    case = (0.2 / SIDE**3, arm)
+    assert held_up(*case).outcome == "success"
+    early = sum(steps)
+    in_full(monkeypatch)
+    assert held_up(*case).outcome == "success"
+    assert sum(steps) - 2 * early > spared * Trials().hold_time / TIME_STEP
+
+
+def test_what_is_taken_out_of_a_hand_on_the_axis_is_dropped() -> None:
+    """It is lifted so shortly that the hand still has to hold it until it lies still."""
+    lift, lifted = 0.03, []
+
+    def take(world: World) -> None:
+        lifted.append(world.pose().position[2] > SIDE / 2 + lift - 0.0005)
+        if sum(lifted) == 10:
+            world.place(Pose(np.array([0.2, 0.0, 0.3]), UPRIGHT))
+
+    assert held_up(0.2 / SIDE**3, "axis", lift=lift).outcome == "success"
+    assert held_up(0.2 / SIDE**3, "axis", lift=lift, watch=take).outcome == "dropped"
 
 
 @pytest.mark.parametrize("arm", ["axis", "panda"])

@@ -103,6 +103,11 @@ def touched_surface(wildcards):
     return [file] if SETTINGS.engraving.enabled else []
 
 
+def island_count(wildcards, input):
+    """How many islands there are. With `input` it is no reason to run finished ones again."""
+    return len(ISLANDS)
+
+
 def each(option, name):
     """An option with every file of a named input: `--solids A --solids B`."""
     return lambda wildcards, input: [

@@ -44,6 +44,7 @@ rule evolve:
         measures=MEASURES,
         contents=contents_of(region_meshes),
         page="logs/{dataset}/map.html",
+        islands=island_count,
         code=code_version("egad.stages.evolve"),
     message:
         "Evolving {wildcards.dataset}, epoch {wildcards.epoch}, island {wildcards.island}"
@@ -51,7 +52,7 @@ rule evolve:
     shell:
         "egad evolve --settings {params.settings:q} --epoch {wildcards.epoch}"
         " --island {wildcards.island} {params.base:q} --jobs {threads} --page {params.page:q}"
-        " --out {output.archive:q} --history {output.history:q} > {log:q} 2>&1"
+        " --islands {params.islands} --out {output.archive:q} --history {output.history:q} > {log:q} 2>&1"
 
 
 rule merge:
