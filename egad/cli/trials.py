@@ -120,9 +120,9 @@ def template(
     config: Config = None,
 ) -> None:
     """Write a CSV file to fill in at the robot: a row an attempt, `success` to be 1 or 0."""
+    from egad.evalset.datasheet import ATTEMPTS
     from egad.evalset.labels import labels_of
     from egad.exchange.frames import check_ending
-    from egad.evalset.datasheet import ATTEMPTS
     from egad.files import replacing
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49
