@@ -79,6 +79,10 @@ def main() -> int:
     options = _options()
     faults = [Fault(**fault) for fault in yaml.safe_load(options.faults.read_text("utf-8"))]
     faults = [fault for fault in faults if re.search(options.only, fault.id)]
+    if options.listed:
+        with options.listed.open(encoding="utf-8", newline="") as file:
+            listed = {row["id"] for row in csv.DictReader(file)}
+        faults = [fault for fault in faults if fault.id in listed]
     checkout, scratch = options.checkout.resolve(), options.scratch.resolve()
     copy_tracked(checkout, scratch)
     known = json.loads(options.out.read_text("utf-8")) if options.out.exists() else {}
@@ -110,6 +114,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--out", type=Path, required=True, help="JSON file of results, kept")
     parser.add_argument("--faults", type=Path, default=FAULTS, help="YAML file of faults")
     parser.add_argument("--only", default="", help="regular expression of the ids to try")
+    parser.add_argument("--listed", type=Path, help="table of results: try the faults in it alone")
     parser.add_argument("--csv", type=Path, help="table of results to write")
     parser.add_argument("--limit", type=float, default=LIMIT, help="seconds for a fault")
     parser.add_argument("--reference", help="tests to time without a fault, with commas between")
