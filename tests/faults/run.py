@@ -46,6 +46,8 @@ class Fault:
         tests: Folder, file or pattern of the tests that should notice it.
         kind: What kind of mistake it is.
         first: The test file to begin with.
+        later_old: The same place where the code was rewritten.
+        later_new: What that becomes.
     """
 
     id: str
@@ -55,6 +57,15 @@ class Fault:
     tests: str
     kind: str
     first: str = ""
+    later_old: str = ""
+    later_new: str = ""
+
+    def edit(self, text: str) -> str | None:
+        """The text of the file with the fault; None if its place is not there exactly once."""
+        for old, new in ((self.old, self.new), (self.later_old, self.later_new)):
+            if old and text.count(old) == 1:
+                return text.replace(old, new)
+        return None
 
 
 @dataclass(frozen=True)
@@ -173,9 +184,8 @@ def tried(
             scratch, [*files, "--durations=40"], options.limit, known=("passed", "failed")
         )
     source = checkout / fault.file
-    count = source.read_text("utf-8").count(fault.old) if source.is_file() else 0
-    if count != 1:
-        return Outcome(f"error: the text is {count} times in {fault.file}")
+    if not source.is_file() or fault.edit(source.read_text("utf-8")) is None:
+        return Outcome(f"error: the text is not once in {fault.file}")
     with faulty(source, scratch, fault):
         return run_tests(scratch, [*files, "-x"], options.limit)
 
@@ -189,7 +199,7 @@ def faulty(source: Path, scratch: Path, fault: Fault) -> Iterator[None]:
         source.read_text("utf-8"),
     )
     kernels = set(cache.glob("kernels-*"))
-    target.write_text(text.replace(fault.old, fault.new), "utf-8")
+    target.write_text(str(fault.edit(text)), "utf-8")
     try:
         yield
     finally:
