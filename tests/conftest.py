@@ -48,8 +48,3 @@ def pytest_ignore_collect(collection_path):
     checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0"
     is_test = collection_path.match("test_*.py")
     return True if checked and is_test and not reached_kernels(collection_path) else None
-
-
-def pytest_collection_modifyitems(items):
-    """Begin with what takes minutes and leaves a core idle, so that other tests run beside it."""
-    items.sort(key=lambda item: item.get_closest_marker("slurm") is None)
