@@ -134,6 +134,18 @@ def test_shapes_out_of_the_limits_are_rejected_with_the_value(limits, word):
     assert np.array_equal(solid(bar, Rules(limits=wide)), found)
 
 
+def test_a_shape_right_at_its_limits_is_within_them():
+    bar = np.full((R, R, R), -1, dtype=np.float32)
+    bar[:, 3:9, 3:9] = 1
+    found = solid(bar, UNBOUND)
+    box, cube = found.sum() / (12 * 6 * 6), found.sum() / R**3
+    for limits in (
+        Limits(aspect_ratio=(2, 9), box_part=(box, 1), cube_part=(cube, 1)),
+        Limits(aspect_ratio=(1, 2), box_part=(0, box), cube_part=(0, cube)),
+    ):
+        assert np.array_equal(solid(bar, Rules(limits=limits)), found)
+
+
 @pytest.mark.parametrize(
     ("sections", "words"),
     [
