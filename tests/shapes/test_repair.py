@@ -129,6 +129,15 @@ def test_only_the_largest_part_stays():
     assert mesh.bounds[1, 0] == pytest.approx(0.5)
 
 
+def test_an_open_part_is_dropped_only_if_little_is_lost():
+    block = box()
+    cup = raw(block.vertices, block.faces[block.face_normals[:, 2] < 0.9])
+    mesh, _ = repair(together(block, shifted(cup.copy().apply_scale(0.1), 2, 0, 0)))
+    assert mesh.bounds == pytest.approx(block.bounds)
+    with pytest.raises(RejectedError, match="open surface: 4 open edges"):
+        repair(together(block, shifted(cup, 2, 0, 0)))
+
+
 def test_overlapping_parts_become_one_body():
     mesh, _ = repair(together(box(), shifted(box(), 0.5, 0.25, 0.125)))
     assert_sound(mesh)
