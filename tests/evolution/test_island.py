@@ -163,3 +163,11 @@ def test_newcomers_to_full_cells_are_graded_again():
             grade = regrade(solid, settings) if again else measure(solid, settings).difficulty
             assert elite.difficulty == grade
     assert len(second) > 3
+
+
+def test_a_newcomer_is_graded_again_by_other_grasps(island):
+    """As many as before: the same ones would be as lucky again."""
+    settings = with_search(regrade=SETTINGS.difficulty.grasps)
+    for each in island[0].elites[:3]:
+        solid = Solid(each.id, each.voxels)
+        assert regrade(solid, settings) != measure(solid, settings).difficulty
