@@ -123,6 +123,16 @@ def test_a_palm_that_the_fingers_cannot_clear_is_not_free():
         assert free[0] == expected
 
 
+def test_fingers_wider_than_long_hold_a_rod_before_the_palm():
+    """The contacts are in the middle of fingers that are 10 mm long."""
+    stubby = HAND.model_copy(update={"finger_length": 0.01, "finger_width": 0.03})
+    for radius, expected in ((0.004, True), (0.006, False)):
+        rod = trimesh.creation.cylinder(radius, 0.04, sections=64)
+        rod.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [0, 1, 0]))
+        _, free = collision_free(rod, across_x([0, 0, 0]), stubby)
+        assert free[0] == expected
+
+
 def test_the_approach_keeps_away_from_a_wall():
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.015)
     wall = trimesh.creation.box([0.5, 0.5, 0.01]).apply_translation([0, 0, 0.05])
