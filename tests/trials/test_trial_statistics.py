@@ -104,6 +104,16 @@ def test_the_bootstrap_of_a_mean_is_students_interval_where_that_is_right() -> N
     assert (low, high) == bootstrap(lambda drawn: values[drawn].mean(axis=1), len(values))
 
 
+def test_the_bootstrap_of_few_values_is_as_wide_as_students_interval() -> None:
+    """The spread of ten values about their own mean is too small by 5 %."""
+    ratios = []
+    for values in np.random.default_rng(3).normal(size=(10, 10)):
+        low, high = bootstrap(lambda drawn, values=values: values[drawn].mean(axis=1), 10)
+        known = t.interval(0.95, 9, values.mean(), values.std(ddof=1) / 10**0.5)
+        ratios.append((high - low) / (known[1] - known[0]))
+    assert np.mean(ratios) == pytest.approx(1, abs=0.03)
+
+
 def test_too_few_objects_or_values_give_no_interval() -> None:
     assert np.isnan(bootstrap(lambda drawn: drawn[:, 0] * 1.0, 1)).all()
     assert np.isnan(bootstrap(lambda drawn: np.full(len(drawn), np.nan), 5)).all()
