@@ -108,6 +108,20 @@ def test_a_plate_is_grasped_as_low_as_the_table_allows(hand):
         assert free.tolist() == [height > TABLE_CLEARANCE + LEAST_BITE]
 
 
+@pytest.mark.parametrize("degrees", [-30, 30])
+def test_a_tilted_hand_goes_back_along_its_approach_until_it_clears_the_table(hand, degrees):
+    """Then its lower finger ends 3 mm over the table; free if it ends 3 mm beyond the contacts."""
+    angle = np.radians(degrees)
+    bead = trimesh.creation.icosphere(subdivisions=2, radius=0.001)
+    outer = 0.001 + 0.008 + hand.gripper.finger_thickness
+    least = TABLE_CLEARANCE + np.sin(abs(angle)) * outer + np.cos(angle) * LEAST_BITE
+    for more, expected in ((-2e-4, False), (2e-4, True)):
+        place = trimesh.transformations.rotation_matrix(angle, (0, 1, 0))
+        place[2, 3] = least + more
+        _, free = reachable(RayCaster(bead), across(0.002), place, hand, np.radians(45))
+        assert free.tolist() == [expected]
+
+
 def test_hands_open_as_far_as_they_can_and_no_further(hand):
     """A block as wide as the hand opens is free; its walls are a hair inside the fingers."""
     wide = trimesh.creation.box((hand.gripper.opening, 0.03, 0.04))
