@@ -112,7 +112,7 @@ def test_files_that_share_a_name_get_their_endings():
 
 CLASHING = [
     *("x/part.obj", "y/part.obj", "part.stl", "part-obj.ply"),
-    *("a b.obj", "a_b.obj", "Mug.obj", "mug.obj", "mug.OBJ"),
+    *("a b.obj", "a_b.obj", "Mug.obj", "mug.obj", "mug.OBJ", "Cup.obj", "cup.obj"),
 ]
 
 
