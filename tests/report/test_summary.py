@@ -53,17 +53,17 @@ def test_rejections_and_outcomes_are_ordered_by_frequency(report, trials):
 
 
 def test_regrading_counts_moves_and_coverage():
-    """Four objects selected for one cell; three lie in others, two of these in the next."""
+    """Four objects selected for one cell; two lie beside it, on either side, one farther off."""
     space = Space(cells=7, difficulty_range=(0, 0.007), elites_per_cell=4)
     objects = pd.DataFrame(
         {
             "archive_difficulty": [0.0055] * 4 + [np.nan],
             "complexity_cell": [2] * 5,
-            "difficulty_cell": [1, 2, 2, 4, 0],
+            "difficulty_cell": [1, 0, 2, 4, 0],
         }
     )
     found = summary.regrading(objects, space)
     assert (found["stayed"], found["by_one"], found["by_more"]) == (0.25, 0.5, 0.25)
-    assert found["mean"] == 1.25
+    assert found["mean"] == 0.75
     assert found["before"] == found["after"] == 4 / 196
     assert summary.regrading(objects.tail(1), space) is None
