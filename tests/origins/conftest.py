@@ -56,7 +56,9 @@ def soon():
     signal.signal(signal.SIGALRM, before)
 
 
-@pytest.fixture(params=["/dev/zero", "/", "../outside", "../link", "../never", "../loop"])
+@pytest.fixture(
+    params=["/dev/zero", "/", "../outside", "../link", "../never", "../loop", "../here/link"]
+)
 def stranger(made, soon, request, tmp_path, monkeypatch):  # noqa: ARG001 (it limits the time)
     """A folder of which a file names, as what it was made from, something that is not to be read.
 
@@ -69,6 +71,7 @@ def stranger(made, soon, request, tmp_path, monkeypatch):  # noqa: ARG001 (it li
     (tmp_path / "strange/never").symlink_to("/dev/zero")
     (tmp_path / "strange/loop").symlink_to("loop")
     (tmp_path / "strange/here").mkdir()
+    (tmp_path / "strange/here/link").symlink_to("../outside")
     monkeypatch.chdir(tmp_path / "strange/here")
     noted = parquet.origin_of(made / "objects.parquet") | {"inputs": [[request.param, "00"]]}
     (folder / "plain.txt").write_text("")
