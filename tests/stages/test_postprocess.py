@@ -1,10 +1,11 @@
+import numpy as np
 import pandas as pd
 import pytest
 import trimesh
 
 from egad.settings import Settings
 from egad.stage_settings import PostprocessSolids, select
-from egad.stages.postprocess import from_folder, from_primitives, run
+from egad.stages.postprocess import from_folder, from_primitives, run, solid_row
 from egad.tables import parquet
 from egad.tables.objects import REJECTED, SOLIDS
 
@@ -78,3 +79,13 @@ def test_random_objects_follow_the_seed():
         return from_primitives(1, settings, 0, 1)[0]["p00000"]().vertices.tobytes()
 
     assert bytes_of(1) == bytes_of(1) != bytes_of(2)
+
+
+def test_a_turned_block_has_the_textbook_moments_about_its_own_axes():
+    sides, settings = np.array([0.03, 0.05, 0.08]), select(COARSE, PostprocessSolids)
+    turn = trimesh.transformations.rotation_matrix(0.7, [1, 2, 3])
+    row = solid_row(trimesh.creation.box(sides).apply_transform(turn), "block", settings)
+    tensor = np.array([[row[f"inertia_{min(a, b)}{max(a, b)}"] for a in "xyz"] for b in "xyz"])
+    moments = settings.material.density * sides.prod() / 12 * (sides @ sides - sides**2)
+    axes = turn[:3, :3]
+    np.testing.assert_allclose(tensor @ axes, axes * moments, atol=1e-6 * moments.max())
