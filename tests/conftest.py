@@ -21,6 +21,11 @@ from egad.tables.evolution import ARCHIVE
 RELEASED_SET = Path(__file__).parent / "data/released_set.csv"
 
 
+def pytest_collection_modifyitems(items):
+    """Begin with the cluster, which mostly waits: at the end a core would be idle."""
+    items.sort(key=lambda item: item.get_closest_marker("slurm") is None)
+
+
 @pytest.fixture(scope="session")
 def spiky_box():
     """Makes a box of random sides with random spikes, the same for the same number."""

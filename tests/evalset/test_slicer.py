@@ -60,22 +60,31 @@ def filament(plate, side):
     return 1.24 * float(used.group(1))
 
 
-def test_a_real_slicer_finds_nothing_to_repair_and_slices_every_plate(items, tmp_path):
+@pytest.fixture(scope="module")
+def plates(items, tmp_path_factory):
+    """Files of the plates of a bed of 220 mm by their numbers."""
     assert all(item.plate for item in items.values()), "all can be printed"
     meshes = {label: item.pose.mesh for label, item in items.items()}
     places = {label: (item.plate, *item.place) for label, item in items.items()}
-    plates = write_plates(meshes, places, tmp_path)
+    return write_plates(meshes, places, tmp_path_factory.mktemp("plates"))
+
+
+def test_a_plate_that_needs_no_repair_takes_the_filament_of_its_objects(items, plates):
+    estimated = 1000 * sum(item.filament for item in items.values() if item.plate == 1)
+    assert filament(plates[1], BED) == pytest.approx(estimated, rel=0.25)
+
+
+@pytest.mark.slow
+def test_every_plate_can_be_sliced(items, plates):
     grams = sum(filament(plate, BED) for plate in plates.values())
     estimated = 1000 * sum(item.filament for item in items.values())
     assert grams == pytest.approx(estimated, rel=0.15)
 
 
 def test_plates_of_a_larger_bed_are_whole_too(items, tmp_path):
-    """The objects lie as on the smaller bed, so that slicing one plate is enough."""
+    """The objects lie as on the smaller bed."""
     meshes = {label: item.pose.mesh for label, item in items.items()}
     sizes = {label: tuple(mesh.extents[:2]) for label, mesh in meshes.items()}
     places = pack(sizes, (LARGER_BED, LARGER_BED), PrintExport().gap)
     assert set(places) == set(items)
-    plates = write_plates(meshes, places, tmp_path)
-    estimated = 1000 * sum(item.filament for label, item in items.items() if places[label][0] == 1)
-    assert filament(plates[1], LARGER_BED) == pytest.approx(estimated, rel=0.25)
+    write_plates(meshes, places, tmp_path)

@@ -16,6 +16,8 @@ rule bundle:
         "logs/{dataset}/bundle/{gripper}.log",
     benchmark:
         "benchmarks/{dataset}/bundle/{gripper}.tsv"
+    # On all cores, and trials wait for it: jobs on one core each that follow fill every core.
+    priority: 2
     conda:
         ENVIRONMENT
     threads: SIDE_BY_SIDE

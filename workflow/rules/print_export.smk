@@ -17,6 +17,8 @@ rule print_export:
         "logs/{dataset}/print_export/{gripper}.log",
     benchmark:
         "benchmarks/{dataset}/print_export/{gripper}.tsv"
+    # A long job on one core, which the datasheet waits for.
+    priority: 1
     conda:
         ENVIRONMENT
     threads: 1
