@@ -149,6 +149,11 @@ def test_the_history_tells_of_every_step_and_ends_with_the_archive(load):
     assert history["elites"].iloc[-1] <= len(load("egad/archive.parquet"))
 
 
+def test_the_second_epoch_begins_with_what_the_first_one_found(load):
+    second = load("egad/epochs/epoch-1/history-0.parquet")
+    assert second["elites"].iloc[0] >= len(load("egad/epochs/epoch-0/archive.parquet"))
+
+
 def test_every_elite_is_an_object_or_was_rejected(load):
     archive, objects = load("egad/archive.parquet"), load("egad/objects.parquet")
     rejected = load("egad/rejected.parquet")
@@ -183,6 +188,12 @@ def test_every_object_has_grasps_or_was_rejected(load):
     assert (grasps["width"] <= Settings().grippers[GRIPPER].opening).all()
     assert grasps.groupby("id").size().max() <= 10
     assert not grasps.duplicated(["id", "grasp"]).any()
+
+
+def test_grasps_are_in_the_order_of_their_objects_and_numbers(load):
+    grasps = load(f"egad/grasps/{GRIPPER}.parquet")
+    rows = list(zip(grasps["label"], grasps["grasp"], strict=True))
+    assert rows == sorted(rows)
 
 
 def test_every_candidate_is_accounted_for(load):
