@@ -19,7 +19,7 @@ class Schedule(Section):
 class Evolution(Section):
     """Breeding: MAP-Elites over CPPN genomes; config/paper.yaml has the paper's values."""
 
-    steps_per_epoch: int = Field(30, ge=1, description="steps of an island in one epoch")
+    steps_per_epoch: int = Field(24, ge=1, description="steps of an island in one epoch")
     population: int = Field(100, ge=1, description="children an island evaluates in one step")
     crossover_probability: Fraction = Field(
         0.5, description="chance that a child has two parents; else it is a mutated copy of one"
