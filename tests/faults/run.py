@@ -2,7 +2,7 @@
 
 `python tests/faults/run.py CHECKOUT --scratch FOLDER --out RESULTS.json` runs the tests of the
 package of every fault until one fails. Results are kept as they come, and a second call does what
-is left. `--reference` times the tests of each package without a fault instead.
+is left.
 """
 
 import argparse
@@ -73,7 +73,7 @@ class Outcome:
     """What the tests of a package said.
 
     Attributes:
-        status: `caught`, `not caught`, `passed`, or what went wrong.
+        status: `caught`, `not caught`, or what went wrong.
         first: The first test that failed; empty if none did.
         wall: Seconds.
         cpu: Seconds of user and system time of all processes.
@@ -97,20 +97,13 @@ def main() -> int:
     checkout, scratch = options.checkout.resolve(), options.scratch.resolve()
     copy_tracked(checkout, scratch)
     known = json.loads(options.out.read_text("utf-8")) if options.out.exists() else {}
-    if options.reference:
-        packages = options.reference.split(",")
-        jobs = {tests: (files_for(scratch, tests), None) for tests in packages}
-    else:
-        jobs = {fault.id: (files_for(scratch, fault.tests, fault), fault) for fault in faults}
-    for name, (files, fault) in jobs.items():
-        if name in known and known[name]["status"] in (CAUGHT, UNNOTICED, "passed"):
+    for fault in faults:
+        if fault.id in known and known[fault.id]["status"] in (CAUGHT, UNNOTICED):
             continue
-        outcome = tried(checkout, scratch, files, fault, options)
-        known[name] = asdict(outcome)
+        outcome = tried(checkout, scratch, fault, options.limit)
+        known[fault.id] = asdict(outcome)
         options.out.write_text(json.dumps(known, indent=1) + "\n", "utf-8")
-        print(f"{time.strftime('%H:%M:%S')}  {name}: {_line(outcome)}", flush=True)
-    if options.reference:
-        return 0
+        print(f"{time.strftime('%H:%M:%S')}  {fault.id}: {_line(outcome)}", flush=True)
     _tell(faults, known)
     if options.csv:
         _write_csv(options.csv, faults, known)
@@ -128,7 +121,6 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--listed", type=Path, help="table of results: try the faults in it alone")
     parser.add_argument("--csv", type=Path, help="table of results to write")
     parser.add_argument("--limit", type=float, default=LIMIT, help="seconds for a fault")
-    parser.add_argument("--reference", help="tests to time without a fault, with commas between")
     return parser.parse_args()
 
 
@@ -154,40 +146,31 @@ def copy_tracked(checkout: Path, scratch: Path) -> None:
             path.unlink()
 
 
-def files_for(folder: Path, tests: str, fault: Fault | None = None) -> list[str]:
-    """The test files of a folder or pattern, those first that are named after the faulty module."""
-    path = folder / tests
-    found = path.rglob("test_*.py") if path.is_dir() else folder.glob(tests)
-    stem, first = (Path(fault.file).stem, fault.first) if fault else ("", "")
+def files_for(folder: Path, fault: Fault) -> list[str]:
+    """The test files of a fault, those first that are named after the faulty module."""
+    path = folder / fault.tests
+    found = path.rglob("test_*.py") if path.is_dir() else folder.glob(fault.tests)
+    stem, first = Path(fault.file).stem, fault.first
 
     def key(file: Path) -> tuple[bool, int, bool, str]:
         name = file.stem.removeprefix("test_")
         place = EARLY.index(name) if name in EARLY else len(EARLY)
-        number = place if tests == "tests/workflow" else 0
+        number = place if fault.tests == "tests/workflow" else 0
         return file != folder / first, number, stem not in name, name
 
     return [str(file.relative_to(folder)) for file in sorted(found, key=key)]
 
 
-def tried(
-    checkout: Path,
-    scratch: Path,
-    files: list[str],
-    fault: Fault | None,
-    options: argparse.Namespace,
-) -> Outcome:
-    """What the tests say with a fault, or without one."""
+def tried(checkout: Path, scratch: Path, fault: Fault, limit: float) -> Outcome:
+    """What the tests say with a fault."""
+    files = files_for(scratch, fault)
     if not files:
         return Outcome("error: there are no tests")
-    if fault is None:
-        return run_tests(
-            scratch, [*files, "--durations=40"], options.limit, known=("passed", "failed")
-        )
     source = checkout / fault.file
     if not source.is_file() or fault.edit(source.read_text("utf-8")) is None:
         return Outcome(f"error: the text is not once in {fault.file}")
     with faulty(source, scratch, fault):
-        return run_tests(scratch, [*files, "-x"], options.limit)
+        return run_tests(scratch, [*files, "-x"], limit)
 
 
 @contextmanager
@@ -209,17 +192,12 @@ def faulty(source: Path, scratch: Path, fault: Fault) -> Iterator[None]:
                 shutil.rmtree(folder)
 
 
-def run_tests(
-    folder: Path,
-    arguments: Sequence[str],
-    limit: float,
-    known: tuple[str, str] = (UNNOTICED, CAUGHT),
-) -> Outcome:
+def run_tests(folder: Path, arguments: Sequence[str], limit: float) -> Outcome:
     """Run tests in one process, in a folder, with the library that lies there."""
     paths = [str(Path(sys.executable).parent), *os.get_exec_path()]
     environment = os.environ | {
         "PYTHONPATH": str(folder),
-        "PYTHONDONTWRITEBYTECODE": "1" if known[0] == UNNOTICED else "",
+        "PYTHONDONTWRITEBYTECODE": "1",
         "PATH": os.pathsep.join(paths),
     }
     with tempfile.TemporaryDirectory(prefix="faults-") as temporary:
@@ -228,15 +206,13 @@ def run_tests(
         start, before = time.monotonic(), _cpu()
         status, said = _run(command, folder, environment, limit)
     wall, cpu = round(time.monotonic() - start, 1), round(_cpu() - before, 1)
-    if known[0] != UNNOTICED:
-        print(said, flush=True)
     failures = FAILURE.findall(said)
     if status == 0:
-        return Outcome(known[0], "", wall, cpu)
+        return Outcome(UNNOTICED, "", wall, cpu)
     if status is None:
         return Outcome("error: time limit", "", wall, cpu)
     if failures or status < 0:
-        return Outcome(known[1], (failures or ["a process that ended"])[0], wall, cpu)
+        return Outcome(CAUGHT, (failures or ["a process that ended"])[0], wall, cpu)
     return Outcome(f"error: pytest ended with status {status}: {said[-300:]}", "", wall, cpu)
 
 
