@@ -52,7 +52,7 @@ check: kernels has-slicer has-slurm has-torch
 
 # Once, before processes of the tests would each do it.
 kernels: tools
-	python -c 'from egad.kernel_cache import compile_kernels; compile_kernels()'
+	python -c 'from egad._util.kernel_cache import compile_kernels; compile_kernels()'
 
 slicer: has-slicer
 	pytest -m slicer tests/evalset
@@ -81,8 +81,8 @@ lint: tools
 	mypy
 	snakefmt --check Snakefile workflow
 	snakemake --lint
-	python -m egad.config_files --check
-	python -m egad.results_page --check
+	python -m egad.pipeline.config.files --check
+	python -m egad.pipeline.results_page --check
 
 lock:
 	$(PYTHON) -m venv build/lock

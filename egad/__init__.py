@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from egad.kernel_cache import use_own_cache
+from egad._util.kernel_cache import use_own_cache
 
 if TYPE_CHECKING:
     from egad.exchange.grasps import load_grasps

@@ -3,7 +3,7 @@
 import ast
 from functools import cache
 
-from egad.code_version import PACKAGE, imported
+from egad.pipeline.code_version import PACKAGE, imported
 
 
 def reached_kernels(path):

@@ -10,11 +10,13 @@ import pytest
 import trimesh
 from compiled import reached_kernels
 
+from egad.cppn.surface import packed_surface
 from egad.data import released
-from egad.settings import Shape
-from egad.shapes.scale import rescale
-from egad.shapes.solid import repair
-from egad.shapes.surface import packed_surface
+from egad.geometry.mass import repair
+from egad.geometry.refinement import triangulation
+from egad.geometry.scaling import rescale
+from egad.perception.camera import Eye, Intrinsics, above
+from egad.pipeline.config import Shape
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 
@@ -37,6 +39,32 @@ def spiky_box():
         return mesh
 
     return make
+
+
+@pytest.fixture
+def lumpy():
+    """A closed mesh without symmetries, 162 vertices."""
+    mesh = trimesh.creation.icosphere(subdivisions=2)
+    directions = np.random.default_rng(0).normal(size=(6, 3))
+    mesh.vertices *= 1 + 0.1 * np.sin(2 * mesh.vertices @ directions.T).sum(axis=1, keepdims=True)
+    return mesh
+
+
+@pytest.fixture
+def triangulate():
+    return lambda mesh: triangulation(np.array(mesh.vertices), np.array(mesh.faces, np.int32))
+
+
+@pytest.fixture(scope="session")
+def look():
+    """From a mesh that stands at (x, y), turned about the vertical, to a view of it."""
+
+    def seen(mesh, x=0.0, y=0.0, turn=0.0, size=300):
+        matrix = trimesh.transformations.rotation_matrix(turn, (0, 0, 1))
+        matrix[:3, 3] = [x, y, -mesh.bounds[0, 2]]
+        return Eye(mesh).look(matrix, Intrinsics.spanning(size, size, 40.0), above(0.6))
+
+    return seen
 
 
 @pytest.fixture(scope="session")

@@ -5,20 +5,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from egad._util.workers import workers
+from egad.cppn import voxels
+from egad.cppn.constraints import UNBOUND
+from egad.cppn.surface import packed_surface
 from egad.data import named, released
-from egad.evolution.evaluation import Solid, express, measure
-from egad.evolution.provenance import check_provenance
-from egad.measures import reeb
-from egad.measures.neighbours import diversities
-from egad.measures.space import complexity_cells, difficulty_cells, labels
-from egad.settings import Settings
-from egad.shapes import voxels
-from egad.shapes.constraints import UNBOUND
-from egad.shapes.surface import packed_surface
-from egad.stage_settings import Evolve, select
+from egad.map_elites.island import Solid, express, measure
+from egad.map_elites.provenance import check_provenance
+from egad.measures.grid import complexity_cells, difficulty_cells, labels
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import Evolve, select
+from egad.reeb import graph as reeb
+from egad.reeb.neighbours import diversities
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME
-from egad.workers import workers
 
 SETTINGS = Settings()
 EVOLVE = select(SETTINGS, Evolve)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from egad.evalset.poses import LAYER
-from egad.settings import PrintExport
+from egad.evalset.parameters import PrintExport
+from egad.evalset.print_poses import LAYER
 from egad.tables import parquet
 
 ATTEMPTS = 20  # as in the paper

@@ -10,10 +10,10 @@ from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from egad.grasps.rays import RayCaster
-from egad.settings import Engraving
-from egad.shapes.manifold import is_solid, to_mesh, to_solid
-from egad.shapes.samples import spread
+from egad.evalset.parameters import Engraving
+from egad.geometry.manifold import is_solid, to_mesh, to_solid
+from egad.geometry.rays import RayCaster
+from egad.geometry.surface_samples import spread
 
 Floats = NDArray[np.float64]
 

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from egad.errors import UserError
 from egad.exchange.pictures import corners, write_depth
-from egad.settings import Gripper
-from egad.vision.camera import table_depth
-from egad.vision.projection import ImageGrasps
-from egad.vision.rendering import Picture
+from egad.grasps.parameters import Gripper
+from egad.perception.camera import table_depth
+from egad.perception.rectangles import ImageGrasps
+from egad.perception.rendering import Picture
 
 WIDTH, HEIGHT = 640, 480  # pixels of the images, which readers count on
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pandas as pd
 import pyarrow as pa
 
+from egad._util.files import replacing
 from egad.errors import UserError
-from egad.files import replacing
 from egad.tables import parquet
 
 ENDINGS = (".parquet", ".csv")

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from egad.errors import UserError
-from egad.vision.holes import filled
-from egad.vision.rendering import Picture
-from egad.vision.rows import pose_values
+from egad.perception.image_rows import pose_values
+from egad.perception.noise import filled
+from egad.perception.rendering import Picture
 
 Image = NDArray[np.float32]
 Tensors = dict[str, NDArray[Any]]

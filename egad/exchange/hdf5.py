@@ -9,8 +9,8 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike
 
+from egad._util.files import replacing
 from egad.errors import UserError
-from egad.files import replacing
 
 # Compact groups and attributes, which every HDF5 library since 2008 reads.
 VERSION = ("v108", "v108")

@@ -7,14 +7,14 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.files import replacing
 from egad.errors import RejectedError, UserError
 from egad.exchange.bounds import MOST_BYTES, MOST_ITEMS, within
 from egad.exchange.folders import ENDINGS
 from egad.exchange.promises import check_promises, only_geometry
 from egad.exchange.promises_glb import only_positions
 from egad.exchange.wavefront import obj_text, parse_plain_obj
-from egad.files import replacing
-from egad.shapes.repair import check_surface
+from egad.geometry.repair import check_surface
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 

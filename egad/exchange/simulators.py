@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.shapes.mass import MassProperties
+from egad.geometry.mass import MassProperties
 
 Floats = NDArray[np.float64]
 

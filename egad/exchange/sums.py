@@ -9,8 +9,8 @@ import json
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from egad._util.files import write_text
 from egad.errors import UserError
-from egad.files import write_text
 from egad.tables import origin
 
 NAME, ENDING = "SHA256SUMS", ".sha256"

@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.files import replacing
+from egad._util.files import replacing
 
 MILLIMETRES = 1000.0  # in a metre
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"

@@ -10,11 +10,11 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad.geometry.rays import RayCaster
+from egad.grasps.collision import blocked_turns
 from egad.grasps.hand import Part, parts
-from egad.grasps.overlap import blocked_turns
-from egad.grasps.rays import RayCaster
+from egad.grasps.parameters import Gripper
 from egad.grasps.sampler import Grasps
-from egad.settings import Gripper
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

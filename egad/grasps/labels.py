@@ -8,13 +8,13 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
+from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches
 from egad.grasps.opening import needed_openings
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.rays import RayCaster
 from egad.grasps.robust import robust_ferrari_canny
 from egad.grasps.sampler import Grasps, Tally, sample
-from egad.stage_settings import GraspLabels
+from egad.pipeline.config.stage_settings import GraspLabels
 
 Floats = NDArray[np.float64]
 

@@ -1,15 +1,17 @@
-"""The opening that a grasp needs: room for whole fingers, not only for two points (ours)."""
+"""The opening that a grasp needs for whole fingers, and the part of a surface that fits (ours)."""
 
 import numba
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
+from egad.geometry.rays import RayCaster
+from egad.geometry.surface_samples import spread
 from egad.grasps.approach import inside
+from egad.grasps.collision import apart, clipped, local, spheres
 from egad.grasps.hand import finger_span
-from egad.grasps.overlap import apart, clipped, local, spheres
-from egad.grasps.rays import RayCaster
+from egad.grasps.parameters import Gripper
 from egad.grasps.sampler import Grasps
-from egad.settings import Gripper
 
 Floats = NDArray[np.float64]
 
@@ -159,3 +161,29 @@ def _first_gap(taken: Floats, least: float) -> tuple[float, float]:
             return free, taken[i, 0]
         free = max(free, taken[i, 1])
     return free, np.inf
+
+
+SPACING = 0.05  # of the longest side of the mesh: between the points, at most
+SKIN = 1e-6  # of it: how far below the surface rays start
+
+
+def pinch_widths(mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
+    """How thick a solid is behind points spread over its surface, straight along the normals.
+
+    Args:
+        mesh: A closed surface, wound outwards.
+
+    Returns:
+        Widths, (n,), in the unit of the mesh, and the area that each stands for, (n,).
+    """
+    size = float(np.max(mesh.extents))
+    samples = spread(mesh, SPACING * size)
+    starts = samples.points - SKIN * size * samples.normals
+    hits = RayCaster(mesh).first_hits(starts, -samples.normals)
+    shares = np.bincount(samples.faces, minlength=len(mesh.faces))
+    return hits.distances + SKIN * size, (mesh.area_faces / np.maximum(shares, 1))[samples.faces]
+
+
+def fitting_part(widths: Floats, areas: Floats, opening: float) -> float:
+    """The part of the surface, by area, whose widths are at most the opening."""
+    return float(areas[widths <= opening].sum() / areas.sum())

@@ -8,7 +8,7 @@ model and its constants are those of Dex-Net 2.0 (Mahler et al., RSS 2017).
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from egad.grasps.hull import depths
+from egad.grasps.wrench_hull import depths
 
 Floats = NDArray[np.float64]
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from egad.geometry.rays import RayCaster
+from egad.grasps.parameters import Quality, Robust
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.rays import RayCaster
 from egad.grasps.sampler import Grasps
-from egad.settings import Quality, Robust
 
 Floats = NDArray[np.float64]
 

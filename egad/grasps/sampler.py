@@ -10,8 +10,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.grasps.rays import RayCaster
-from egad.settings import Sampling
+from egad.geometry.rays import RayCaster
+from egad.grasps.parameters import Sampling
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]

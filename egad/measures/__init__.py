@@ -1,1 +1,1 @@
-"""Mesh -> its coordinates in the space: complexity, difficulty, similarity to others."""
+"""Measures of an object: complexity, grasp difficulty, similarity; the grid they span."""

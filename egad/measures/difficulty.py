@@ -9,11 +9,11 @@ import trimesh
 from numpy.typing import ArrayLike, NDArray
 
 from egad.errors import RejectedError
+from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.rays import RayCaster
 from egad.grasps.robust import robust_ferrari_canny
 from egad.grasps.sampler import Grasps, sample
-from egad.stage_settings import Measuring
+from egad.pipeline.config.stage_settings import Measuring
 
 Floats = NDArray[np.float64]
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside

@@ -11,10 +11,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.measures.forest import Forest, Trees
-from egad.measures.matching import match
-from egad.measures.matching_arrays import Space, space
-from egad.measures.reeb import ReebGraph
+from egad.reeb.forest import Forest, Space, Trees, space
+from egad.reeb.graph import ReebGraph
+from egad.reeb.matching import match
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -7,15 +7,14 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from egad.report.style import LINES, SOFT, drawn
-from egad.trials.ranking import Area
-from egad.trials.reliability import Bin
+from egad.stats.roc import Area, Bin
 
 
 def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Sequence[Area]]) -> str:
     """Success over the rank by quality, and how well each quality tells in each row of the set.
 
     Args:
-        bins: From `egad.trials.reliability`, by quality.
+        bins: From `egad.stats.roc`, by quality.
         areas: Of each row of the evaluation set, and then the one over all, by quality.
 
     Returns:

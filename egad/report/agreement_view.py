@@ -6,13 +6,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad.evalset.labels import place
+from egad.evalset.selection import place
 from egad.report.agreement_figure import agreement_chart
 from egad.report.maps import data_uri
 from egad.report.summary import outcome_counts
-from egad.trials.ranking import Area, area, gain
-from egad.trials.reliability import Bin, reliability
-from egad.trials.statistics import Rate, rate
+from egad.stats.rates import Rate, rate
+from egad.stats.roc import Area, Bin, area, gain, reliability
 
 QUALITIES = {"quality": "plain quality", "robust_quality": "robust quality", "held": "copies held"}
 DRAWN = ("quality", "robust_quality")

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from egad.measures.own import own_name
-from egad.settings import Axes
+from egad.measures.custom import own_name
+from egad.measures.parameters import Axes
 
 ARROW = "\N{RIGHTWARDS ARROW}"
 

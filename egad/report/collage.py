@@ -8,8 +8,8 @@ import matplotlib
 import pandas as pd
 from PIL import Image, ImageDraw, ImageFont
 
+from egad.measures.parameters import Space
 from egad.report.axes import USUAL, AxisPair
-from egad.settings import Space
 
 INK = (28, 36, 48)
 GROUND = (236, 238, 242)

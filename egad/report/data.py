@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import pandas as pd
 
+from egad.pipeline.config.settings import Settings
 from egad.report.viewer import Scene
-from egad.settings import Settings
 
 
 @dataclass(frozen=True)

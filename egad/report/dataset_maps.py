@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from egad.measures.space import coverage
+from egad.measures.grid import coverage
+from egad.measures.parameters import Space
 from egad.report.axes import USUAL, AxisPair
 from egad.report.style import FAINT, drawn
-from egad.settings import Space
 
 COLUMNS = 3
 SIDE = 2.6

@@ -6,8 +6,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from egad.report.style import INK, LINES, SOFT, drawn
-from egad.trials.statistics import Mean
-from egad.trials.training_sets import Tried
+from egad.stats.rates import Mean
+from egad.stats.training_study import Tried
 
 PERCENT = "{:.0%}".format
 STYLES = ("-", "--", ":", "-.")

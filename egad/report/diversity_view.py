@@ -5,27 +5,28 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from egad.diversity import Network
+from egad.learning.model_card import taken
+from egad.pipeline.config.sections import TrainingSet
+from egad.pipeline.config.stage_settings import DiversityReport
+from egad.pipeline.config.training_study import Network
 from egad.report.diversity_figures import colours, score_chart, success_chart, training_curves
 from egad.report.environment import environment
 from egad.report.heat_map import trial_heat_map
 from egad.report.maps import data_uri
 from egad.report.trial_figures import outcome_bars, side_by_side
 from egad.report.trial_views import Set
-from egad.settings import TrainingSet
-from egad.stage_settings import DiversityReport
-from egad.trials.statistics import Mean, trial_grid
-from egad.trials.training_luck import Luck, luck
-from egad.trials.training_sets import (
+from egad.stats.rates import Mean, trial_grid
+from egad.stats.training_study import (
+    Luck,
     SetPair,
     SetRate,
     Tried,
     by_set,
     by_test,
+    luck,
     references,
     set_pairs,
 )
-from egad.vision.model_card import taken
 
 
 @dataclass(frozen=True)

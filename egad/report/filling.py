@@ -10,8 +10,8 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from egad.measures.parameters import Space
 from egad.report.style import LINES, drawn
-from egad.settings import Space
 
 THIN = "\N{NARROW NO-BREAK SPACE}"
 FRAMES, UNIT, LAST = 60, 12, 2500  # pictures, pixels a cell, milliseconds of the last picture

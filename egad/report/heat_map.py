@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
-from egad.evalset.labels import label_at
+from egad.evalset.selection import label_at
 from egad.report.axes import USUAL, AxisPair
 from egad.report.style import FAINT, SOFT, drawn, ink_on
-from egad.trials.statistics import Rate, TrialGrid
+from egad.stats.rates import Rate, TrialGrid
 
 GAP = 0.35
 DASH = "\N{EN DASH}"
@@ -23,7 +23,7 @@ def trial_heat_map(
     """Success rate of every object, with the rates of whole rows and columns beside it.
 
     Args:
-        grid: Rates from `egad.trials.statistics.trial_grid`.
+        grid: Rates from `egad.stats.rates.trial_grid`.
         rows: Letters of the evaluation set; the easiest is drawn at the bottom.
         columns: Digits of the evaluation set.
         present: Labels of the objects in the set; all other places are drawn empty.

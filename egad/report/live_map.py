@@ -15,15 +15,15 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from egad.evolution.archive import Archive, Elite
-from egad.measures.space import cell_name, complexity_cells, difficulty_cells
-from egad.progress import duration, rate_text
+from egad._util.progress import duration, rate_text
+from egad.cppn.voxels import unpack
+from egad.map_elites.archive import Archive, Elite
+from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
+from egad.measures.parameters import Space
+from egad.pipeline.config.stage_settings import Evolve
 from egad.report.axes import axis_pair
 from egad.report.environment import environment
 from egad.report.voxel_picture import png, voxel_picture
-from egad.settings import Space
-from egad.shapes.voxels import unpack
-from egad.stage_settings import Evolve
 
 log = logging.getLogger(__name__)
 

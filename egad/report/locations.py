@@ -10,13 +10,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from egad.measures.space import cell_name
+from egad.measures.grid import cell_name
+from egad.measures.parameters import Axes as Own
+from egad.measures.parameters import Space
 from egad.report.axes import USUAL, AxisPair, axis_pair
 from egad.report.environment import environment
 from egad.report.maps import data_uri
 from egad.report.style import INK, drawn
-from egad.settings import Axes as Own
-from egad.settings import Space
 
 MARK = "#d55e00"
 FEW = 3

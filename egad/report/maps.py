@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from egad.evalset.labels import label_at
-from egad.measures.space import cell_name
+from egad.evalset.parameters import SelectEval
+from egad.evalset.selection import label_at
+from egad.measures.grid import cell_name
+from egad.measures.parameters import Space
 from egad.report.data import DatasetReport
 from egad.report.style import scale_colour
-from egad.settings import SelectEval, Space
 
 SHOWN = 4
 BY_CELL = ["difficulty_cell", "complexity_cell"]

@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from egad.pipeline.config.settings import Settings
 from egad.report import figures, maps, summary
 from egad.report.agreement_view import Agreement, agreement
 from egad.report.axes import axis_pair
@@ -17,7 +18,6 @@ from egad.report.parameters import entry_tables, parameter_tables
 from egad.report.size_chart import size_chart
 from egad.report.trial_views import Results, Set, results
 from egad.report.viewer import viewer_data
-from egad.settings import Settings
 
 __all__ = ["DatasetReport", "ReportData", "build"]
 

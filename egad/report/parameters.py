@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from pydantic.fields import FieldInfo
 
-from egad.settings import Section, Settings
+from egad._util.parameters import Section
+from egad.pipeline.config.settings import Settings
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from egad.measures.size import summarised
+from egad.measures.size_effect import summarised
 from egad.report.style import FAINT, INK, LINES, SOFT, drawn
 
 COLUMNS = 3

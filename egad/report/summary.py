@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from egad.measures.space import coverage, difficulty_cells, filled_cells
+from egad.measures.grid import coverage, difficulty_cells, filled_cells
+from egad.measures.parameters import Space
 from egad.report.data import DatasetReport
-from egad.settings import Space
 
 Row = dict[str, Any]
 

@@ -2,8 +2,8 @@
 
 import pandas as pd
 
+from egad.learning.model_card import taken
 from egad.report.style import INK, LINES, SOFT, drawn
-from egad.vision.model_card import taken
 
 
 def training_chart(history: pd.DataFrame) -> str:

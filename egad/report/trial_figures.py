@@ -8,13 +8,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from egad.evalset.labels import place
+from egad.evalset.selection import place
 from egad.report.axes import USUAL, AxisPair
 from egad.report.style import FAINT, INK, LINES, SOFT, drawn
 from egad.report.summary import outcome_counts
-from egad.trials.reliability import Bin
-from egad.trials.statistics import Mean
-from egad.trials.trends import Trend
+from egad.stats.rates import Mean, Trend
+from egad.stats.roc import Bin
 
 OUTCOMES = {
     "success": "#0072b2",
@@ -83,7 +82,7 @@ def reliability_chart(bins: Mapping[str, Sequence[Bin]]) -> str:
     """Success rate against the quality that a detector gave, with Wilson intervals of 95 %.
 
     Args:
-        bins: From `egad.trials.reliability`, by detector.
+        bins: From `egad.stats.roc`, by detector.
 
     Returns:
         SVG text. If all qualities lie between 0 and 1, a diagonal shows where they would be the

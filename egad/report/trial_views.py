@@ -12,10 +12,9 @@ from egad.report.axes import USUAL, AxisPair
 from egad.report.heat_map import trial_heat_map
 from egad.report.maps import data_uri
 from egad.report.summary import outcome_counts
-from egad.trials.comparison import Comparison, NothingInCommonError, compare
-from egad.trials.reliability import discrimination, reliability
-from egad.trials.statistics import Mean, TrialGrid, trial_grid
-from egad.trials.trends import Trend, places, trend
+from egad.stats.paired import Comparison, NothingInCommonError, compare
+from egad.stats.rates import Mean, Trend, TrialGrid, places, trend, trial_grid
+from egad.stats.roc import discrimination, reliability
 
 
 @dataclass(frozen=True)

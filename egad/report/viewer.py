@@ -16,8 +16,8 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
+from egad.grasps.parameters import Gripper
 from egad.report.environment import environment
-from egad.settings import Gripper
 
 STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm
 UNIT = 2**15 - 1

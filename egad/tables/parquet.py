@@ -13,8 +13,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from egad import __version__
+from egad._util.files import replacing
 from egad.errors import TableError
-from egad.files import replacing
 from egad.tables import origin, seal
 from egad.tables.promises import BATCH, check_names, check_promises, unreadable
 

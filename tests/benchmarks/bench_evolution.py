@@ -13,12 +13,17 @@ from pathlib import Path
 import pytest
 from timing import timed
 
-from egad.evolution import archive, evaluation, island
-from egad.evolution.archive import Archive, elites_of
-from egad.measures import coordinates, difficulty, neighbours, reeb
-from egad.settings import Settings
-from egad.shapes import constraints, cppn, surface
-from egad.stage_settings import Evolve, select
+from egad.cppn import constraints, surface
+from egad.cppn import query as cppn
+from egad.map_elites import archive, island
+from egad.map_elites import island as evaluation
+from egad.map_elites.archive import Archive, elites_of
+from egad.measures import difficulty
+from egad.measures import measure as coordinates
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import Evolve, select
+from egad.reeb import graph as reeb
+from egad.reeb import neighbours
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 

@@ -11,24 +11,23 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+from egad.cppn import query as cppn
+from egad.cppn.constraints import UNBOUND
+from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError
-from egad.evolution.archive import Archive
-from egad.evolution.evaluation import Solid, express, measure
-from egad.evolution.island import evolve
-from egad.evolution.reproduction import breed
+from egad.geometry.convex_parts import convex_parts, excess_volume
 from egad.grasps.labels import label
 from egad.grasps.quality import ferrari_canny, wrenches
-from egad.measures import reeb
+from egad.map_elites.archive import Archive
+from egad.map_elites.island import Solid, evolve, express, measure
+from egad.map_elites.variation import breed
 from egad.measures.difficulty import difficulty
-from egad.measures.forest import Forest
-from egad.measures.neighbours import Neighbourhood
 from egad.measures.similarity import similarities, similarity_matrix
-from egad.settings import Settings
-from egad.shapes import cppn
-from egad.shapes.constraints import UNBOUND
-from egad.shapes.convex import convex_parts, excess_volume
-from egad.shapes.surface import packed_surface
-from egad.stage_settings import Evolve, GraspLabels, select
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import Evolve, GraspLabels, select
+from egad.reeb import graph as reeb
+from egad.reeb.forest import Forest
+from egad.reeb.neighbours import Neighbourhood
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 

@@ -9,22 +9,22 @@ from collections import Counter
 import pytest
 from timing import timed
 
+from egad.cppn.surface import packed_surface
 from egad.data import released
+from egad.detectors.registry import QUICK
 from egad.evalset.selection import candidates_by_cell
-from egad.settings import Settings
-from egad.shapes.repair import repair
-from egad.shapes.scale import rescale
-from egad.shapes.surface import packed_surface
-from egad.stage_settings import SimulatedTrials, select
+from egad.geometry.repair import repair
+from egad.geometry.scaling import rescale
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import SimulatedTrials, select
+from egad.sim import trial as execution
+from egad.sim.attempts import tried
+from egad.sim.gripper import Hand
+from egad.sim.model import build
+from egad.sim.trial import Bench
+from egad.sim.world import World
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
-from egad.trials import execution
-from egad.trials.hand import Hand
-from egad.trials.model import build
-from egad.trials.policies import QUICK
-from egad.trials.protocol import Bench
-from egad.trials.series import tried
-from egad.trials.world import World
 
 SETTINGS = Settings.model_validate({"trials": {"attempts": 5}})
 GRIPPER = "egad_75mm"

@@ -15,10 +15,10 @@ from typing import TypeVar
 
 import pandas as pd
 
-from egad.evolution.archive import Archive, elites_of, merge
-from egad.evolution.island import evolve
-from egad.settings import Settings
-from egad.stage_settings import Evolve, select
+from egad.map_elites.archive import Archive, elites_of, merge
+from egad.map_elites.island import evolve
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import Evolve, select
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 

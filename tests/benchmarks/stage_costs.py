@@ -19,7 +19,7 @@ import pandas as pd
 import yaml
 
 from egad.data import released
-from egad.seeds import generator
+from egad.random import generator
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.evalset.candidates import candidates_by_cell, coarse_cells
-from egad.settings import SelectEval, Space
+from egad.evalset.selection import candidates_by_cell, coarse_cells
+from egad.pipeline.config import SelectEval, Space
 
 SPACE = Space()
 GRID = SelectEval(rows=2, columns=2, borrow=0.1)

@@ -5,8 +5,8 @@ from matplotlib.path import Path
 from trimesh.transformations import random_rotation_matrix
 
 from egad.evalset.engraving import Patch, best_patch, cut_text, engrave, outlines
-from egad.grasps.rays import RayCaster
-from egad.settings import Engraving
+from egad.geometry.rays import RayCaster
+from egad.pipeline.config import Engraving
 
 ON = Engraving(enabled=True)
 WALL = 0.0012

@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.evalset.candidates import candidates_by_cell
 from egad.evalset.selection import (
     best_of_random,
     bound,
+    candidates_by_cell,
     empty_cells,
     improve,
     mean_distance,
@@ -15,7 +15,7 @@ from egad.evalset.selection import (
     select,
     total,
 )
-from egad.settings import SelectEval, Space
+from egad.pipeline.config import SelectEval, Space
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.objects import OBJECTS

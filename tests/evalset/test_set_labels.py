@@ -2,7 +2,7 @@
 
 import pytest
 
-from egad.evalset.labels import LABEL, label_at, labels_of, place
+from egad.evalset.selection import LABEL, label_at, labels_of, place
 
 
 def test_every_place_has_a_name_that_tells_it():

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.evalset.thickness import thinness
-from egad.shapes.manifold import to_mesh
+from egad.evalset.printability import thinness
+from egad.geometry.manifold import to_mesh
 
 BALL = 1.2
 

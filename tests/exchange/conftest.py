@@ -6,10 +6,10 @@ import pytest
 import trimesh
 
 from egad.exchange.meshes import write_obj
-from egad.settings import Settings
-from egad.shapes.mass import mass_properties
-from egad.stage_settings import GraspLabels, RescaleMeshes, select
-from egad.stages import grasp_label, rescale
+from egad.geometry.mass import mass_properties
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import GraspLabels, RescaleMeshes, select
+from egad.pipeline.stages import grasp_label, rescale
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 

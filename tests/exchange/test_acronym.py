@@ -9,10 +9,10 @@ import trimesh
 from egad.errors import UserError
 from egad.exchange.acronym import QUALITIES, is_ours
 from egad.exchange.grasps import load_grasps, vectors
+from egad.geometry.mass import mass_properties
 from egad.grasps.poses import PANDA_REACH
-from egad.shapes.mass import mass_properties
-from egad.stage_settings import AcronymFiles, select
-from egad.stages import acronym
+from egad.pipeline.config.stage_settings import AcronymFiles, select
+from egad.pipeline.stages import acronym
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 

@@ -15,8 +15,8 @@ from egad.errors import RejectedError, TableError, UserError
 from egad.exchange.dexnet import add_dataset, add_grasps
 from egad.exchange.hdf5 import writing
 from egad.exchange.meshes import read_mesh
-from egad.stage_settings import DexNetDatabase, DexNetObjects, select
-from egad.stages import dexnet, dexnet_objects
+from egad.pipeline.config.stage_settings import DexNetDatabase, DexNetObjects, select
+from egad.pipeline.stages import dexnet, dexnet_objects
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 

@@ -5,7 +5,7 @@ import pytest
 import yaml
 from commands import egad
 
-from egad.settings import Settings
+from egad.pipeline.config import Settings
 
 GRIPPER = "yumi"
 

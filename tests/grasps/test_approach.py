@@ -3,12 +3,12 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError
+from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches, first_approaches, inside
+from egad.grasps.collision import blocked_turns, box_meets_triangle
 from egad.grasps.hand import Part, parts
-from egad.grasps.overlap import blocked_turns, box_meets_triangle
-from egad.grasps.rays import RayCaster
 from egad.grasps.sampler import Grasps
-from egad.settings import Gripper
+from egad.pipeline.config import Gripper
 
 HAND = Gripper(
     opening=0.06,

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from egad.grasps import hull
-from egad.grasps.hull import depths, slow_depth
+from egad.grasps import wrench_hull as hull
+from egad.grasps.wrench_hull import depths, slow_depth
 
 
 def assert_equal_to_qhull(points):

@@ -6,10 +6,10 @@ import trimesh
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
+from egad.geometry.rays import RayCaster
 from egad.grasps.labels import found, rated, tally_row
-from egad.grasps.rays import RayCaster
-from egad.settings import GraspLabel, Settings
-from egad.stage_settings import GraspLabels, select
+from egad.pipeline.config import GraspLabel, Settings
+from egad.pipeline.config.stage_settings import GraspLabels, select
 
 SETTINGS = select(Settings(), GraspLabels, gripper="yumi").model_copy(
     update={"grasp_label": GraspLabel(grasps=10)}

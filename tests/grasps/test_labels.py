@@ -3,11 +3,11 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError
+from egad.geometry.rays import RayCaster
 from egad.grasps.labels import found, label
-from egad.grasps.rays import RayCaster
 from egad.grasps.sampler import sample
-from egad.settings import GraspLabel, Settings
-from egad.stage_settings import GraspLabels, select
+from egad.pipeline.config import GraspLabel, Settings
+from egad.pipeline.config.stage_settings import GraspLabels, select
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.grasps.pinches import fitting_part, pinch_widths
+from egad.grasps.opening import fitting_part, pinch_widths
 
 
 def test_a_bar_fits_crosswise_but_not_lengthwise():

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.rays import RayCaster
 from egad.grasps.sampler import Tally, approach_directions, sample
 from egad.measures.difficulty import percentile
-from egad.settings import Sampling
+from egad.pipeline.config import Sampling
 
 REFERENCE = np.load(Path(__file__).parents[1] / "data" / "ferrari_canny.npz")
 OPENING = 0.05

@@ -4,8 +4,8 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.measures.difficulty import center_of_mass, difficulty, percentile
-from egad.settings import Settings
-from egad.stage_settings import Measuring, select
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import Measuring, select
 
 
 def measure(mesh, grasps=100, seed=0, com=None, sampling=None, **settings):

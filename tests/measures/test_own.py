@@ -2,11 +2,11 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError, UserError
-from egad.measures.coordinates import coordinates
-from egad.measures.own import check_measures, own_name, own_value, source_hash
-from egad.seeds import generator
-from egad.settings import Axes, Settings
-from egad.stage_settings import Measuring, select
+from egad.measures.custom import check_measures, own_name, own_value, source_hash
+from egad.measures.measure import coordinates
+from egad.pipeline.config import Axes, Settings
+from egad.pipeline.config.stage_settings import Measuring, select
+from egad.random import generator
 
 CODE = """
 import numpy as np

@@ -8,9 +8,9 @@ import pytest
 from scipy.stats import spearmanr
 
 from egad.exchange.folders import mesh_files
-from egad.settings import Settings
-from egad.stage_settings import MeasureMeshes, select
-from egad.stages import measure
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import MeasureMeshes, select
+from egad.pipeline.stages import measure
 
 FOLDER = os.environ.get("EGAD_PUBLISHED")
 pytestmark = [

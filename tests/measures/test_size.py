@@ -3,9 +3,9 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError
-from egad.measures.size import size_effect, summarised
-from egad.settings import Settings, SizeEffect
-from egad.stage_settings import SizeCurves, select
+from egad.measures.size_effect import size_effect, summarised
+from egad.pipeline.config import Settings, SizeEffect
+from egad.pipeline.config.stage_settings import SizeCurves, select
 from egad.tables.grasping import SIZE_EFFECT
 
 WANTED = SizeEffect(fractions=[0.3, 0.6, 0.9, 1.1], grasps=60, repeats=2)

@@ -5,12 +5,12 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.measures.space import complexity_cells, difficulty_cells, labels
+from egad.measures.grid import complexity_cells, difficulty_cells, labels
+from egad.pipeline.config import Dataset, Settings
 from egad.report.data import DatasetReport, ReportData
 from egad.report.page import build
 from egad.report.render import png_bytes, render
 from egad.report.viewer import Scene
-from egad.settings import Dataset, Settings
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY

@@ -6,9 +6,8 @@ import numpy as np
 
 from egad.report.agreement_figure import agreement_chart
 from egad.report.agreement_view import agreement as viewed
-from egad.trials.ranking import Area
-from egad.trials.reliability import reliability
-from egad.trials.statistics import Rate
+from egad.stats.rates import Rate
+from egad.stats.roc import Area, reliability
 
 
 def test_grasps_that_could_not_be_carried_out_are_left_out_of_rates(agreement):

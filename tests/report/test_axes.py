@@ -3,15 +3,15 @@ import dataclasses
 import pandas as pd
 import pytest
 
-from egad.cli.show import measured
-from egad.measures.space import complexity_cells, difficulty_cells, labels
+from egad.measures.grid import complexity_cells, difficulty_cells, labels
+from egad.pipeline.cli.show import measured
+from egad.pipeline.config import Axes, Space
 from egad.report.axes import USUAL, axis_pair
 from egad.report.collage import collage
 from egad.report.heat_map import trial_heat_map
 from egad.report.locations import location_map
 from egad.report.page import build
-from egad.settings import Axes, Space
-from egad.trials.statistics import trial_grid
+from egad.stats.rates import trial_grid
 
 OWN = Axes(complexity="a.py:wall_thickness", difficulty="b.c:slenderness")
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
+from egad.pipeline.config import Space
 from egad.report.collage import GROUND, collage
-from egad.settings import Space
 
 
 def square(tone: int) -> bytes:

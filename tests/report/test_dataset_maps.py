@@ -3,10 +3,10 @@ from xml.etree import ElementTree
 
 import pytest
 
+from egad.pipeline.config import Space
 from egad.report.data import DatasetReport
 from egad.report.dataset_maps import dataset_maps
 from egad.report.maps import shown_objects, space_map
-from egad.settings import Space
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -7,12 +7,12 @@ import pandas as pd
 import pytest
 from scipy.stats import f_oneway
 
-from egad.config_check import check
-from egad.diversity import networks_of
+from egad.pipeline.config import TrainingSet
+from egad.pipeline.config.check import check
+from egad.pipeline.config.stage_settings import DiversityReport, select
+from egad.pipeline.config.training_study import networks_of
 from egad.report.diversity_view import Experiment, Images, Training, described, page
 from egad.report.trial_views import Set
-from egad.settings import TrainingSet
-from egad.stage_settings import DiversityReport, select
 from egad.tables.training import COMPARED, HISTORY
 
 CONFIG = {

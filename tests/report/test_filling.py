@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 from PIL import Image
 
+from egad.pipeline.config import Space
 from egad.report.filling import evaluations, filling_curves, filling_film
-from egad.settings import Space
 from egad.tables.evolution import HISTORY
 
 SPACE = Space(cells=5, elites_per_cell=2)

@@ -6,12 +6,12 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from egad.measures.space import cell_name, complexity_cells, difficulty_cells
+from egad.cppn.voxels import pack
+from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import Evolve, select
 from egad.report import live_map as module
 from egad.report.live_map import LiveMap
-from egad.settings import Settings
-from egad.shapes.voxels import pack
-from egad.stage_settings import Evolve, select
 
 SETTINGS = select(Settings(), Evolve)
 STEPS = SETTINGS.evolution.steps_per_epoch

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.pipeline.config import Settings
 from egad.report.page import DatasetReport, ReportData, build
 from egad.report.render import png_bytes, render
-from egad.settings import Settings
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 from egad.tables.grasping import GRASPS, SIZE_EFFECT

@@ -2,9 +2,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.pipeline.config import Space
 from egad.report import summary
 from egad.report.data import DatasetReport
-from egad.settings import Space
 
 
 def test_published_coverage_is_of_places():

@@ -8,11 +8,10 @@ import pytest
 
 from egad.report import trial_figures as figures
 from egad.report.heat_map import trial_heat_map
+from egad.stats import records
+from egad.stats.rates import Trend, places, trial_grid
+from egad.stats.roc import reliability
 from egad.tables.evaluation import RESULTS, TRIALS
-from egad.trials import records
-from egad.trials.reliability import reliability
-from egad.trials.statistics import trial_grid
-from egad.trials.trends import Trend, places
 
 SVG = "{http://www.w3.org/2000/svg}"
 

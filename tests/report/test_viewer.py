@@ -10,10 +10,10 @@ import trimesh
 
 from egad.grasps.hand import parts
 from egad.grasps.labels import label
+from egad.pipeline.config import GRIPPERS, GraspLabel, Settings
+from egad.pipeline.config.stage_settings import GraspLabels, select
 from egad.report import viewer
 from egad.report.viewer import Scene
-from egad.settings import GRIPPERS, GraspLabel, Settings
-from egad.stage_settings import GraspLabels, select
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from egad.cppn.surface import surface
+from egad.pipeline.config import Shape
 from egad.report.render import FILL, render
 from egad.report.voxel_picture import png, voxel_picture
-from egad.settings import Shape
-from egad.shapes.surface import surface
 
 
 def solid_where(condition):

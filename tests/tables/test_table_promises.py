@@ -11,11 +11,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from egad.cppn.surface import packed_surface
 from egad.data import released
 from egad.errors import RejectedError, TableError, UserError
-from egad.settings import Settings
-from egad.shapes.surface import packed_surface
-from egad.stages import materialise
+from egad.pipeline.config import Settings
+from egad.pipeline.stages import materialise
 from egad.tables import parquet, promises
 from egad.tables.columns import ID, LABEL
 from egad.tables.evolution import ARCHIVE

@@ -15,17 +15,13 @@ import snakemake.executors.dryrun
 import snakemake.executors.local  # noqa: F401
 from snakemake.cli import get_argument_parser, main
 
-# what the workflow imports
-import egad.config_check
 import egad.data
-import egad.diversity
+import egad.detectors.ggcnn
 import egad.exchange.sums
-import egad.measures.own
-import egad.stage_settings
-import egad.stages.shards
-import egad.trials.files
-import egad.vision.splits  # noqa: F401
-from egad.code_version import code_version
+import egad.learning.splits  # noqa: F401
+
+# what the workflow imports
+from egad.pipeline.code_version import code_version
 
 ROOT = Path(__file__).parents[2]
 
@@ -33,8 +29,8 @@ ROOT = Path(__file__).parents[2]
 def serve():
     """Fork for every request on the standard input: say its process, then its exit status."""
     get_argument_parser()  # finds all plugins
-    for path in (ROOT / "egad/stages").glob("[!_]*.py"):
-        code_version(f"egad.stages.{path.stem}")
+    for path in (ROOT / "egad/pipeline/stages").glob("[!_]*.py"):
+        code_version(f"egad.pipeline.stages.{path.stem}")
     gc.freeze()
     for line in sys.stdin:
         run = os.fork()

@@ -5,12 +5,12 @@ import os
 import pytest
 import trimesh
 
-from egad.settings import Settings
-from egad.stages.shards import shard_of
+from egad.perception.image_shards import read
+from egad.pipeline.config import Settings
+from egad.pipeline.stages.shards import shard_of
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49, TRIALS
 from egad.tables.objects import OBJECTS
-from egad.vision.shards import read
 
 TRIED = {"simulated_trial", "join_trials"}
 AFTER_TRIALS = {"join_trials", "report", "all"}
@@ -90,13 +90,13 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(copy, settings, rules)
 @pytest.mark.parametrize(
     ("module", "rules"),
     [
-        ("egad/trials/world.py", {"simulated_trial"} | AFTER_TRIALS),
+        ("egad/sim/world.py", {"simulated_trial"} | AFTER_TRIALS),
         ("egad/evalset/selection.py", {"select_eval"} | AFTER_SELECTION),
-        ("egad/shapes/mass.py", {"postprocess"} | AFTER_POSTPROCESS),
-        ("egad/evolution/reproduction.py", EVERYTHING),
-        ("egad/measures/size.py", AFTER_SIZES),
+        ("egad/geometry/mass.py", {"postprocess"} | AFTER_POSTPROCESS),
+        ("egad/map_elites/variation.py", EVERYTHING),
+        ("egad/measures/size_effect.py", AFTER_SIZES),
         ("egad/report/page.py", {"report", "all"}),
-        ("egad/cli/stages.py", set()),
+        ("egad/pipeline/cli/stages.py", set()),
         ("egad/settings/measures.py", set()),
         ("egad/tables/evolution.py", EVERYTHING),
         ("egad/tables/evaluation.py", {"select_eval"} | AFTER_SELECTION),
@@ -112,7 +112,7 @@ def test_an_edited_module_re_runs_its_stages(copy, module, rules):
 
 def test_a_touched_or_commented_module_re_runs_nothing(copy):
     copy.take_library()
-    for module in ("egad/tables/objects.py", "egad/seeds.py", "egad/evolution/island.py"):
+    for module in ("egad/tables/objects.py", "egad/random.py", "egad/map_elites/island.py"):
         path = copy.folder / module
         path.write_text(f"# a comment\n{path.read_text()}\n\n")
         os.utime(path)

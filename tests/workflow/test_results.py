@@ -17,11 +17,11 @@ import pytest
 import trimesh
 
 from egad import __version__
-from egad.code_version import code_version
 from egad.exchange.sums import read_sums
-from egad.origins.lookup import origin_of
-from egad.origins.verify import verify
-from egad.settings import Settings
+from egad.pipeline.code_version import code_version
+from egad.pipeline.config import Settings
+from egad.pipeline.provenance.lookup import origin_of
+from egad.pipeline.provenance.verify import verify
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY
@@ -101,7 +101,7 @@ def test_every_table_says_what_it_was_made_by_and_from(finished, path):
     table = finished.results / path
     noted = origin_of(table)
     assert noted.program == __version__
-    assert noted.code == code_version(f"egad.stages.{noted.stage}")
+    assert noted.code == code_version(f"egad.pipeline.stages.{noted.stage}")
     assert noted.sources() or noted.seed == Settings().seed
     assert all(source.exists() for source, _ in noted.sources())
     assert str(finished.folder) not in str(pq.read_schema(table).metadata)
@@ -393,7 +393,13 @@ def test_a_full_disk_leaves_no_half_table(finished, tmp_path):
     """A limit on the size of files stands in for the disk."""
     archive = finished.results / "egad/epochs/epoch-1/archive.parquet"
     out = tmp_path / "archive.parquet"
-    command = [sys.executable, "-c", "from egad.cli import main; main()", "archive", archive]
+    command = [
+        sys.executable,
+        "-c",
+        "from egad.pipeline.cli import main; main()",
+        "archive",
+        archive,
+    ]
 
     def publish(**limits):
         return subprocess.run(

@@ -34,7 +34,7 @@ rule agreement:
         settings=settings_of("LabelTrials"),
         bundle=subpath(input.bundle, parent=True),
         shards=len(EVALUATION_SHARDS),
-        code=code_version("egad.stages.agreement"),
+        code=code_version("egad.pipeline.stages.agreement"),
     message:
         "Carrying out grasps for {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
@@ -59,7 +59,7 @@ rule join_agreement:
     resources:
         **needs("join_agreement"),
     params:
-        code=code_version("egad.stages.join"),
+        code=code_version("egad.pipeline.stages.join"),
     message:
         "Joining the grasps for {wildcards.gripper} on {wildcards.dataset}"
     shell:

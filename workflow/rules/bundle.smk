@@ -27,7 +27,7 @@ rule bundle:
         settings=settings_of("SimulationBundle"),
         meshes=subpath(input.scales, parent=True),
         folder=subpath(output.table, parent=True),
-        code=code_version("egad.stages.bundle"),
+        code=code_version("egad.pipeline.stages.bundle"),
     message:
         "Making {wildcards.dataset} ready for simulators, for {wildcards.gripper}"
     shell:

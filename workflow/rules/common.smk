@@ -10,17 +10,17 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-from egad import diversity, stage_settings
-from egad.code_version import code_version
-from egad.config_check import check
+from egad.pipeline.config import training_study as diversity, stage_settings
+from egad.pipeline.code_version import code_version
+from egad.pipeline.config.check import check
 from egad.data import released
-from egad.display import start_display
+from egad.pipeline.display import start_display
 from egad.errors import UserError
 from egad.exchange.sums import sum_of
-from egad.kernel_cache import compile_kernels
-from egad.measures.own import source_hash
-from egad.trials.files import fingerprint
-from egad.vision.splits import shard_count
+from egad._util.kernel_cache import compile_kernels
+from egad.measures.custom import source_hash
+from egad.detectors.registry import fingerprint
+from egad.learning.splits import shard_count
 
 try:
     SETTINGS = check(config)

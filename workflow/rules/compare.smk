@@ -28,7 +28,7 @@ rule compare:
     params:
         settings=settings_of("Compare"),
         named=lambda wildcards, input: [f"{Path(file).parent.name}={file}" for file in input],
-        code=code_version("egad.stages.compare"),
+        code=code_version("egad.pipeline.stages.compare"),
     message:
         "Comparing the datasets"
     shell:

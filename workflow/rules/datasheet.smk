@@ -37,7 +37,7 @@ rule datasheet:
         manifests=lambda wildcards, input: named_grippers("--manifest", input.manifests),
         grasps=lambda wildcards, input: named_grippers("--grasps", input.grasps),
         folder=subpath(output.page, parent=True),
-        code=code_version("egad.stages.datasheet"),
+        code=code_version("egad.pipeline.stages.datasheet"),
     message:
         "Writing the datasheet of {wildcards.dataset}"
     shell:

@@ -36,7 +36,7 @@ use rule render as render_set with:
         meshes=subpath(input.scales, parent=True),
         shards=len(IMAGE_SHARDS),
         evaluation=each("--eval", "evaluation"),
-        code=code_version("egad.stages.render"),
+        code=code_version("egad.pipeline.stages.render"),
     message:
         "Rendering the training set {wildcards.training_set}, shard {wildcards.shard}"
 
@@ -61,7 +61,7 @@ use rule image_card as set_card with:
         folder=subpath(output.card, parent=True),
         shards=len(IMAGE_SHARDS),
         rejects=each("--rejects", "rejects"),
-        code=code_version("egad.stages.image_card"),
+        code=code_version("egad.pipeline.stages.image_card"),
     message:
         "Describing the images of the training set {wildcards.training_set}"
 
@@ -92,7 +92,7 @@ rule train_network:
         images=subpath(input.card, parent=True),
         folder=subpath(output.weights, parent=True),
         # The chart and the card of a network decide nothing about it.
-        code=[code_version(f"egad.vision.{name}") for name in ("training", "weights", "score")],
+        code=[code_version(f"egad.learning.{name}") for name in ("training", "weights", "score")],
     message:
         "Training network {wildcards.seed} on the training set {wildcards.training_set}"
     shell:
@@ -120,7 +120,7 @@ rule diversity:
         settings=settings_of("DiversityReport"),
         gripper=GRIPPER,
         results=subpath(output.page, ancestor=2),
-        code=code_version("egad.stages.diversity"),
+        code=code_version("egad.pipeline.stages.diversity"),
     message:
         "Comparing the networks of all training sets"
     shell:

@@ -45,7 +45,7 @@ rule evolve:
         contents=contents_of(region_meshes),
         page="logs/{dataset}/map.html",
         islands=island_count,
-        code=code_version("egad.stages.evolve"),
+        code=code_version("egad.pipeline.stages.evolve"),
     message:
         "Evolving {wildcards.dataset}, epoch {wildcards.epoch}, island {wildcards.island}"
         " (the map as it fills: {params.page})"
@@ -77,7 +77,7 @@ rule merge:
         **needs("merge"),
     params:
         settings=settings_of("Merge"),
-        code=code_version("egad.stages.merge"),
+        code=code_version("egad.pipeline.stages.merge"),
     message:
         "Merging the islands of epoch {wildcards.epoch}"
     shell:
@@ -104,7 +104,7 @@ rule archive:
         **needs("archive"),
     params:
         contents=contents_of(final_archive),
-        code=code_version("egad.stages.merge"),
+        code=code_version("egad.pipeline.stages.merge"),
     message:
         "Publishing the archive"
     shell:
@@ -133,7 +133,7 @@ rule history:
     resources:
         **needs("history"),
     params:
-        code=code_version("egad.stages.join"),
+        code=code_version("egad.pipeline.stages.join"),
     message:
         "Joining the steps of {wildcards.dataset}"
     shell:

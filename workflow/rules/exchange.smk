@@ -28,7 +28,7 @@ rule dexnet_objects:
         settings=settings_of("DexNetObjects"),
         meshes=subpath(input.scales, parent=True),
         shards=len(SHARDS),
-        code=code_version("egad.stages.dexnet_objects"),
+        code=code_version("egad.pipeline.stages.dexnet_objects"),
     message:
         "Distance fields of {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
     shell:
@@ -59,7 +59,7 @@ rule dexnet:
         settings=settings_of("DexNetDatabase"),
         dataset=subpath(input.objects, parent=True),
         parts=each("--part", "parts"),
-        code=code_version("egad.stages.dexnet"),
+        code=code_version("egad.pipeline.stages.dexnet"),
     message:
         "Writing the Dex-Net database of {wildcards.gripper} on {wildcards.dataset}"
     shell:
@@ -87,7 +87,7 @@ rule acronym:
     params:
         settings=settings_of("AcronymFiles"),
         dataset=subpath(input.objects, parent=True),
-        code=code_version("egad.stages.acronym"),
+        code=code_version("egad.pipeline.stages.acronym"),
     message:
         "Writing the ACRONYM files of {wildcards.gripper} on {wildcards.dataset}"
     shell:
@@ -115,7 +115,7 @@ rule image_layout:
     params:
         settings=settings_of("ImageLayouts"),
         dataset=subpath(input.card, ancestor=3),
-        code=code_version("egad.stages.image_layout"),
+        code=code_version("egad.pipeline.stages.image_layout"),
     message:
         "Writing the images of {wildcards.dataset} for {wildcards.gripper} as {wildcards.layout}"
     shell:

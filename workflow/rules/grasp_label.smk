@@ -39,7 +39,7 @@ rule grasp_label:
         meshes=subpath(input.scales, parent=True),
         shards=len(SHARDS),
         contents=contents_of(gripper_mesh),
-        code=code_version("egad.stages.grasp_label"),
+        code=code_version("egad.pipeline.stages.grasp_label"),
     message:
         "Labelling grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
@@ -65,7 +65,7 @@ rule join_grasps:
     resources:
         **needs("join_grasps"),
     params:
-        code=code_version("egad.stages.join"),
+        code=code_version("egad.pipeline.stages.join"),
     message:
         "Joining the grasps of {wildcards.gripper} on {wildcards.dataset}"
     shell:
@@ -88,7 +88,7 @@ rule join_tallies:
     resources:
         **needs("join_tallies"),
     params:
-        code=code_version("egad.stages.join"),
+        code=code_version("egad.pipeline.stages.join"),
     message:
         "Joining the tallies of {wildcards.gripper} on {wildcards.dataset}"
     shell:
@@ -111,7 +111,7 @@ rule join_ungraspable:
     resources:
         **needs("join_ungraspable"),
     params:
-        code=code_version("egad.stages.join"),
+        code=code_version("egad.pipeline.stages.join"),
     message:
         "Joining the objects of {wildcards.dataset} without grasps of {wildcards.gripper}"
     shell:

@@ -28,7 +28,7 @@ rule postprocess:
         state=raw_state,
         measures=MEASURES,
         shards=len(SHARDS),
-        code=code_version("egad.stages.postprocess"),
+        code=code_version("egad.pipeline.stages.postprocess"),
     message:
         "Repairing and measuring {wildcards.dataset}, shard {wildcards.shard}"
     shell:
@@ -60,7 +60,7 @@ rule collect:
         source=lambda wildcards: SETTINGS.datasets[wildcards.dataset].source,
         solids=each("--solids", "solids"),
         rejects=each("--rejects", "rejects"),
-        code=code_version("egad.stages.collect"),
+        code=code_version("egad.pipeline.stages.collect"),
     message:
         "Collecting the objects of {wildcards.dataset}"
     shell:

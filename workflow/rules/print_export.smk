@@ -29,7 +29,7 @@ rule print_export:
         meshes=subpath(input.scales, parent=True),
         grasps=each("--grasps", "grasps"),
         folder=subpath(output.manifest, parent=True),
-        code=code_version("egad.stages.print_export"),
+        code=code_version("egad.pipeline.stages.print_export"),
     message:
         "Writing print files of {wildcards.dataset} for {wildcards.gripper}"
     shell:

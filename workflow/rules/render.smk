@@ -40,7 +40,7 @@ rule render:
         meshes=subpath(input.scales, parent=True),
         shards=len(IMAGE_SHARDS),
         evaluation=each("--eval", "evaluation"),
-        code=code_version("egad.stages.render"),
+        code=code_version("egad.pipeline.stages.render"),
     message:
         "Rendering {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
     shell:
@@ -74,7 +74,7 @@ rule image_card:
         folder=subpath(output.card, parent=True),
         shards=len(IMAGE_SHARDS),
         rejects=each("--rejects", "rejects"),
-        code=code_version("egad.stages.image_card"),
+        code=code_version("egad.pipeline.stages.image_card"),
     message:
         "Describing the images of {wildcards.dataset} for {wildcards.gripper}"
     shell:

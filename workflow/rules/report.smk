@@ -23,7 +23,7 @@ rule report:
     params:
         settings=SETTINGS.model_dump_json(),
         results=subpath(output[0], parent=True),
-        code=code_version("egad.stages.report"),
+        code=code_version("egad.pipeline.stages.report"),
     message:
         "Writing the report"
     shell:

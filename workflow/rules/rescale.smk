@@ -24,7 +24,7 @@ rule rescale:
     params:
         settings=settings_of("RescaleMeshes"),
         folder=subpath(output.scales, parent=True),
-        code=code_version("egad.stages.rescale"),
+        code=code_version("egad.pipeline.stages.rescale"),
     message:
         "Scaling {wildcards.dataset} to {wildcards.gripper}"
     shell:

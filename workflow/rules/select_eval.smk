@@ -25,7 +25,7 @@ rule select_eval:
     params:
         settings=settings_of("EvalSelection"),
         solids=each("--solids", "solids"),
-        code=code_version("egad.stages.select_eval"),
+        code=code_version("egad.pipeline.stages.select_eval"),
     message:
         "Choosing the evaluation set of {wildcards.dataset}"
     shell:

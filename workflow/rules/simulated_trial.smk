@@ -39,7 +39,7 @@ rule simulated_trial:
         bundle=subpath(input.bundle, parent=True),
         shards=len(EVALUATION_SHARDS),
         grasps=each("--grasps", "grasps"),
-        code=code_version("egad.stages.simulate"),
+        code=code_version("egad.pipeline.stages.simulate"),
         detector=detector_code,
     message:
         "Trying {wildcards.policy} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
@@ -67,7 +67,7 @@ rule join_trials:
     resources:
         **needs("join_trials"),
     params:
-        code=code_version("egad.stages.join"),
+        code=code_version("egad.pipeline.stages.join"),
     message:
         "Joining the trials of {wildcards.policy} with {wildcards.gripper} on {wildcards.dataset}"
     shell:

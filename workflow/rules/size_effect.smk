@@ -23,7 +23,7 @@ rule size_effect:
         **needs("size_effect"),
     params:
         settings=settings_of("SizeCurves"),
-        code=code_version("egad.stages.size_effect"),
+        code=code_version("egad.pipeline.stages.size_effect"),
     message:
         "Rating {wildcards.dataset} at several sizes for {wildcards.gripper}"
     shell:

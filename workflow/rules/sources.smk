@@ -8,7 +8,7 @@ from pathlib import Path
 
 from egad.errors import UserError
 from egad.exchange.folders import EVERY_FILE, objects_in
-from egad.stages.shards import by_shard
+from egad.pipeline.stages.shards import by_shard
 
 
 def previous_archive(wildcards):

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.grasps.room import SIDE_CLEARANCE
-from egad.settings import CAMERAS, GRIPPERS, Settings
-from egad.stage_settings import RenderedImages, select
-from egad.vision.reach import Grasped, Hand
-from egad.vision.rendering import pictures
-from egad.vision.splits import Share
+from egad.grasps.collision import SIDE_CLEARANCE
+from egad.learning.splits import Share
+from egad.perception.reachability import Grasped, Hand
+from egad.perception.rendering import pictures
+from egad.pipeline.config import CAMERAS, GRIPPERS, Settings
+from egad.pipeline.config.stage_settings import RenderedImages, select
 
 SIDES = np.array([0.03, 0.06, 0.04])
 AXES = np.vstack([np.eye(3), [[1.0, 0, 0]]])

@@ -14,7 +14,7 @@ from PIL import Image
 from egad.errors import UserError
 from egad.exchange.cornell import write_cornell
 from egad.exchange.jacquard import write_jacquard
-from egad.settings import CAMERAS, GRIPPERS
+from egad.pipeline.config import CAMERAS, GRIPPERS
 
 GRIPPER = GRIPPERS["egad_75mm"]
 

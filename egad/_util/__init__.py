@@ -1,0 +1,1 @@
+"""Files, worker processes, progress and compiled code: what all packages share."""

@@ -1,0 +1,39 @@
+"""What all sections are made of: closed, immutable models and bounded numbers."""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_\-]*$")]
+Fraction = Annotated[float, Field(ge=0, le=1)]
+PositiveFraction = Annotated[float, Field(gt=0, le=1)]
+Length = Annotated[float, Field(gt=0, le=10)]
+Sigma = Annotated[float, Field(ge=0)]
+Range = tuple[float, float]
+FractionRange = tuple[Fraction, Fraction]
+Offset = Annotated[float, Field(ge=-0.5, le=0.5)]
+Axis = Literal["x", "y", "z"]
+Activation = Literal["sin", "sigmoid", "gaussian", "identity"]
+ScaleRule = Literal["paper", "egad-script", "exact"]
+
+
+class Section(BaseModel):
+    """A group of settings: immutable, and closed to keys that it does not know."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def ascending(section: Section, *names: str) -> None:
+    """Check ranges: raise ValueError for one that does not go from low to high."""
+    for name in names:
+        low, high = getattr(section, name)
+        if not low < high:
+            raise ValueError(f"{name} must go from low to high, got {low} to {high}")
+
+
+Pixels = Annotated[int, Field(ge=16, le=4096)]
+
+Percent = Annotated[float, Field(ge=0, le=100)]
+SideFraction = Annotated[float, Field(gt=0, le=3)]
+
+Angle = Annotated[float, Field(ge=0, le=60)]

@@ -1,0 +1,1 @@
+"""CPPN genomes, and the voxels and meshes that they describe."""

@@ -1,0 +1,275 @@
+"""Constraints on shapes (ours): envelope, required part, hole, symmetry, limits."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import trimesh
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from egad.cppn import voxels
+from egad.cppn.parameters import Limits, Region, Symmetry
+from egad.cppn.voxels import Solid
+from egad.errors import RejectedError, UserError
+from egad.pipeline.config.stage_settings import Evolve
+
+Points = NDArray[np.float32]
+Voxels = NDArray[np.bool_]
+AXES = "xyz"
+
+
+def folded(points: Points, symmetry: Symmetry) -> Points:
+    """Where a network is asked in the place of each point.
+
+    A mirror takes the absolute value of a coordinate. A turn multiplies the angle about its axis
+    by the fold: points a fold of a turn apart meet, neighbours stay neighbours, and shapes may
+    still be twisted. With a mirror along the axis, all mirrors that the turn makes of it are
+    obeyed.
+
+    Args:
+        points: (3, n) coordinates within [-1, 1].
+        symmetry: Mirrors and turn.
+
+    Returns:
+        (3, n) float32. Points that are mirror images become equal to the last bit.
+    """
+    found = points.astype(np.float64).round(6)  # so that -a and a are the same number apart
+    for axis in symmetry.mirror:
+        found[AXES.index(axis)] = np.abs(found[AXES.index(axis)])
+    if symmetry.fold > 1:
+        first, second = across(symmetry.axis)
+        radius = np.hypot(found[first], found[second])
+        angle = symmetry.fold * np.arctan2(found[second], found[first])
+        found[first], found[second] = radius * np.cos(angle), radius * np.sin(angle)
+        for place in (first, second):
+            if AXES[place] in symmetry.mirror:
+                kept = first if place == first and symmetry.fold % 2 else second
+                found[kept] = np.abs(found[kept])
+    return found.astype(np.float32)
+
+
+def across(axis: str) -> tuple[int, int]:
+    """The two coordinates across an axis, in the order of a turn about it."""
+    place = AXES.index(axis)
+    return (place + 1) % 3, (place + 2) % 3
+
+
+def is_whole(voxels: Voxels, symmetry: Symmetry) -> bool:
+    """Whether a body is its own image, and not one of several that are images of each other.
+
+    Of symmetric bodies it is enough that each image covers half of the body: voxels that a turn
+    does not carry onto voxels may differ.
+    """
+    images = [np.flip(voxels, AXES.index(axis)) for axis in symmetry.mirror]
+    if symmetry.fold > 1:
+        images.append(turned(voxels, symmetry))
+    return all(2 * np.count_nonzero(voxels & image) >= voxels.sum() for image in images)
+
+
+def turned(voxels: Voxels, symmetry: Symmetry) -> Voxels:
+    """A body turned about the middle by one fold, by the nearest voxels; all that stay inside."""
+    middle = (np.array(voxels.shape) - 1) / 2
+    places = np.indices(voxels.shape).reshape(3, -1) - middle[:, None]
+    first, second = across(symmetry.axis)
+    cosine, sine = np.cos(2 * np.pi / symmetry.fold), np.sin(2 * np.pi / symmetry.fold)
+    from_ = places.copy()
+    from_[first] = cosine * places[first] + sine * places[second]
+    from_[second] = cosine * places[second] - sine * places[first]
+    index = np.rint(from_ + middle[:, None]).astype(np.int64)
+    inside = np.all((index >= 0) & (index < np.array(voxels.shape)[:, None]), axis=0)
+    image = np.zeros(voxels.size, dtype=bool)
+    image[inside] = voxels[tuple(index[:, inside])]
+    return image.reshape(voxels.shape)
+
+
+Floats = NDArray[np.float64]
+EDGE = 1 + 1e-9  # a voxel whose middle lies on the edge belongs to the region
+OBLIQUE = np.array([0.43951, 0.61760, 0.65223])  # along no face that people draw
+
+
+def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None = None) -> Voxels:
+    """The voxels whose middles lie in a region.
+
+    Args:
+        region: Its kind is not `none`.
+        resolution: Voxels along each side of the cube.
+        mesh: For a region of that kind: closed, wound outwards, of any size.
+
+    Returns:
+        (resolution, resolution, resolution).
+
+    Raises:
+        UserError: The region is a mesh, and there is none.
+    """
+    points = voxel_middles(resolution) - np.array(region.centre)
+    if region.kind == "mesh":
+        if mesh is None:
+            raise UserError(f"the mesh {region.mesh} of a region was not read")
+        inside = _within(_fitted(mesh, np.array(region.size)), points)
+    else:
+        inside = _within_primitive(region, 2 * points / np.array(region.size))
+    return inside.reshape((resolution,) * 3)
+
+
+def voxel_middles(resolution: int) -> Floats:
+    """(resolution^3, 3) in C order, in a cube with sides of 1 and its middle at 0."""
+    places = np.indices((resolution,) * 3).reshape(3, -1).T
+    return np.asarray((places + 0.5) / resolution - 0.5)
+
+
+def _within_primitive(region: Region, scaled: Floats) -> Voxels:
+    """Which points lie in a region, given in halves of its sides from its middle."""
+    if region.kind == "box":
+        return np.asarray(np.abs(scaled).max(axis=1) <= EDGE)
+    if region.kind == "ellipsoid":
+        return np.asarray((scaled**2).sum(axis=1) <= EDGE)
+    along = "xyz".index(region.axis)
+    across = np.delete(scaled, along, axis=1)
+    return np.asarray(((across**2).sum(axis=1) <= EDGE) & (np.abs(scaled[:, along]) <= EDGE))
+
+
+def _fitted(mesh: trimesh.Trimesh, size: Floats) -> trimesh.Trimesh:
+    """The mesh, scaled evenly until its box fits into another one about the origin."""
+    low, high = np.asarray(mesh.bounds)
+    vertices = (np.asarray(mesh.vertices) - (low + high) / 2) * np.min(size / (high - low))
+    return trimesh.Trimesh(vertices, mesh.faces, process=False)
+
+
+def _within(mesh: trimesh.Trimesh, points: Floats) -> Voxels:
+    """Which points lie in a mesh: a ray from there first leaves it."""
+    scene = EmbreeScene(robust=True)
+    TriangleMesh(scene, mesh.vertices.astype(np.float32), np.array(mesh.faces, dtype=np.int32))
+    directions = np.broadcast_to(OBLIQUE, points.shape).astype(np.float32)
+    face = scene.run(points.astype(np.float32), directions, output=1)["primID"].astype(np.int64)
+    leaving = mesh.face_normals @ OBLIQUE > 0
+    return np.asarray((face >= 0) & leaving[face])
+
+
+Reader = Callable[[str], trimesh.Trimesh]
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What every shape must obey. By default nothing.
+
+    Attributes:
+        allowed: Voxels that may be solid; None: all.
+        part: Voxels that must be solid, all of them allowed; None: none.
+        symmetry: Mirrors and turn.
+        limits: Aspect ratio and volume.
+    """
+
+    allowed: Solid | None = None
+    part: Solid | None = None
+    symmetry: Symmetry = field(default_factory=Symmetry)
+    limits: Limits = field(default_factory=Limits)
+
+    def clip(self, solid: Solid) -> Solid:
+        """The solid with the part, and without what is not allowed."""
+        joined = solid if self.part is None else solid | self.part
+        return joined if self.allowed is None else joined & self.allowed
+
+
+UNBOUND = Rules()
+
+
+def rules_of(settings: Evolve, read: Reader) -> Rules:
+    """The rules that a configuration asks for.
+
+    Args:
+        settings: What evolution reads.
+        read: Gives the closed mesh of a file, for regions of that kind.
+
+    Raises:
+        UserError: Nothing could grow by these rules, or a mesh cannot be used.
+    """
+
+    def grid(region: Region) -> Solid | None:
+        if region.kind == "none":
+            return None
+        mesh = read(region.mesh) if region.kind == "mesh" else None
+        return region_voxels(region, settings.shape.resolution, mesh)
+
+    mirror = settings.symmetry.mirror
+    envelope, part, hole = map(grid, (settings.envelope, settings.part, settings.hole))
+    shape = (settings.shape.resolution,) * 3
+    void = np.zeros(shape, dtype=bool) if hole is None else with_images(hole, mirror)
+    outside = np.zeros(shape, dtype=bool) if envelope is None else with_images(~envelope, mirror)
+    kept = np.zeros(shape, dtype=bool) if part is None else with_images(part, mirror) & ~void
+    allowed = (kept | ~outside) & ~void
+    if part is not None and not kept.any():
+        raise UserError("part: no voxel of it lies outside the hole")
+    if not allowed.any():
+        raise UserError("envelope and hole leave no voxel of the cube to grow in")
+    return Rules(
+        None if allowed.all() else allowed,
+        None if part is None else kept,
+        settings.symmetry,
+        settings.limits,
+    )
+
+
+def with_images(solid: Solid, mirror: tuple[str, ...]) -> Solid:
+    """A solid joined with its mirror images."""
+    for axis in mirror:
+        solid = solid | np.flip(solid, AXES.index(axis))
+    return solid
+
+
+def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
+    """The one solid body that the output of a network describes within the rules.
+
+    As `egad.cppn.voxels.solid`; the part is added and what is not allowed cut away both before
+    hidden voxels are filled and after thin parts are removed.
+
+    Returns:
+        Boolean array of its shape, not empty.
+
+    Raises:
+        RejectedError: Nothing is left, or what is left is against the rules.
+    """
+    if rules.allowed is None and rules.part is None:
+        body = voxels.solid(output, threshold)
+    else:
+        filled = voxels.fill_orthographic(rules.clip(output > threshold))
+        opened = rules.clip(ndimage.binary_opening(filled))
+        body = _without_voids(voxels.largest_body(opened), rules)
+    if not body.any():
+        raise RejectedError("empty")
+    if rules.part is not None and not body[rules.part].all():
+        raise RejectedError("apart from its part")
+    if not is_whole(body, rules.symmetry):
+        raise RejectedError("one of several mirror or turned images")
+    _check_limits(body, rules.limits)
+    return body
+
+
+def _without_voids(body: Solid, rules: Rules) -> Solid:
+    """A body with its voids filled; one that must stay empty would be filled by repair later."""
+    full: Solid = ndimage.binary_fill_holes(body)
+    if rules.allowed is not None and (full & ~rules.allowed).any():
+        raise RejectedError("closed around what must stay empty")
+    return full
+
+
+def _check_limits(body: Solid, limits: Limits) -> None:
+    if limits == UNBOUND.limits:
+        return
+    sides = box_sides(body)
+    volume = int(body.sum())
+    values = {
+        "aspect ratio": (sides.max() / sides.min(), limits.aspect_ratio),
+        "part of its box": (volume / sides.prod(), limits.box_part),
+        "part of the cube": (volume / body.size, limits.cube_part),
+    }
+    for name, (value, (low, high)) in values.items():
+        if not low <= value <= high:
+            raise RejectedError(f"{name} out of limits ({value:.3g})")
+
+
+def box_sides(body: Solid) -> NDArray[np.int64]:
+    """Sides of the axis-aligned box of a body, in voxels, (3,)."""
+    return np.asarray(np.ptp(np.argwhere(body), axis=0) + 1)

@@ -1,0 +1,1 @@
+"""Grasp detectors: what they get and return, those included, and your own."""

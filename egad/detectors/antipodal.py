@@ -1,0 +1,158 @@
+"""antipodal-depth: grasps between opposing edges of a depth image."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from egad.detectors.base import Grasp, ranked
+from egad.grasps.collision import TABLE_CLEARANCE, roomy
+from egad.grasps.parameters import Gripper
+from egad.perception.camera import View, Window
+from egad.perception.heightmap import Relief, lowest_tip, relief_of, window_of
+
+Floats = NDArray[np.float64]
+
+MAX_EDGES = 400
+MAX_CANDIDATES = 400
+LEAST_CLEARANCE = 0.002  # on each side of the object
+LEAST_BITE = 0.005  # the pads must reach this far below the lower of the two edges
+FULL_BITE = 0.02  # and gain nothing by reaching further than this
+TORQUE_SCALING = 100.0  # 1/m
+BLUR = 1.5  # pixels
+NEARLY = 1e-6
+MARGIN = 9  # pixels; blurring reaches 6 of them, and each of two gradients one more
+
+
+class _Edges(NamedTuple):
+    """Places where the surface falls off too steeply to slip out between two pads."""
+
+    points: Floats  # (n, 3) world
+    outward: Floats  # (n, 2) unit vectors, towards the lower side
+
+
+class _Pairs(NamedTuple):
+    """Candidates: two opposing edges each."""
+
+    middle: Floats  # (n, 2)
+    axis: Floats  # (n, 2) unit vectors from the first edge to the second
+    distance: Floats  # (n,)
+    top: Floats  # (n,) height of the lower of the two edges
+    squareness: Floats  # (n,) lesser cos^2 of the angles between axis and edge normals
+
+
+def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
+    """Grasps between opposing edges of a depth image (ours, after Dex-Net's image sampler).
+
+    An edge is where the surface falls by at least 1 / friction: less steep sides slip out between
+    vertical pads. Two edges are a candidate if the line between them lies in the friction cones
+    of both (in the plane), and the hand opens wide enough. The hand goes as deep as table,
+    neighbouring surface and palm allow. The quality, from 0 to 1, is
+
+        cos^2(angle) / sqrt(1 + (100 / m * distance)^2) * min(bite / 20 mm, 1),
+
+    the closed form of the Ferrari-Canny quality for small angles, as far as the image tells: the
+    wider angle between line and edge normals, and the distance of the line from the centroid of
+    the volume below what is seen; the bite is how far the pads reach below the lower edge.
+
+    Args:
+        view: A depth image from roughly above; the table is at height 0.
+        gripper: The hand.
+        _rng: Not used: the same image gives the same grasps.
+
+    Returns:
+        At most 50 grasps, best first.
+    """
+    window = _uneven(view, gripper.pad.friction)
+    relief = relief_of(view, window)
+    if relief is None:
+        return []
+    pairs = _pairs(_edges(view, window, gripper.pad.friction), gripper)
+    if len(pairs.top) == 0:
+        return []
+    centroid = relief.centroid()
+    # Probing the space for the hand is costly: first as if the palm stayed above everything.
+    tip = max(relief.heights.max() - gripper.finger_length, 0.0) + TABLE_CLEARANCE
+    hopeful = np.argsort(-_quality(pairs, centroid, tip), kind="stable")[:MAX_CANDIDATES]
+    return _grasps(_Pairs(*(values[hopeful] for values in pairs)), relief, centroid, gripper)
+
+
+def _edges(view: View, window: Window, friction: float) -> _Edges:
+    """Pixels on steep falls, but not at their feet, thinned to at most `MAX_EDGES`."""
+    points = view.points(window)
+    heights = np.nan_to_num(points[..., 2])
+    pitch = np.nan_to_num(view.depth[window], nan=np.inf) / view.intrinsics.focal
+    steep = np.hypot(*np.gradient(heights)) >= pitch / friction
+    rises = ndimage.maximum_filter(heights, 3) - heights
+    drops = heights - ndimage.minimum_filter(heights, 3)
+    rows, columns = np.nonzero(steep & (2 * drops > rises))
+    chosen = np.linspace(0, len(rows) - 1, min(len(rows), MAX_EDGES)).astype(np.int64)
+    rows, columns = rows[chosen], columns[chosen]
+    # Steps of the pixel grid turn the gradient by up to 45 degrees; blurring evens them out.
+    blurred: Floats = ndimage.gaussian_filter(heights, BLUR)
+    fall_v, fall_u = np.gradient(-blurred)
+    fall = np.stack([fall_u, fall_v], axis=-1)[rows, columns]
+    outward = fall @ view.pose[:2, :2].T
+    lengths = np.linalg.norm(outward, axis=1, keepdims=True)
+    return _Edges(points[rows, columns], outward / np.maximum(lengths, 1e-12))
+
+
+def _uneven(view: View, friction: float) -> Window:
+    """The part of an image that has all steep pixels, and around them what blurring mixes in.
+
+    Where no pixel and no neighbour of it differs from the table by a quarter of the least steep
+    fall, the gradient is at most 0.71 of it.
+    """
+    pitch = float(np.nan_to_num(view.depth, nan=np.inf).min()) / view.intrinsics.focal
+    level = min(pitch / friction / 4, TABLE_CLEARANCE)
+    return window_of(np.abs(view.heights()) > level, MARGIN)
+
+
+def _pairs(edges: _Edges, gripper: Gripper) -> _Pairs:
+    """All pairs of edges that oppose each other within friction cones and opening."""
+    cone = np.cos(np.arctan(gripper.pad.friction))
+    # If a line lies in both cones, the normals are at most twice the angle of a cone from opposite.
+    opposed = edges.outward @ edges.outward.T < NEARLY - (2 * cone**2 - 1)
+    first, second = np.nonzero(np.triu(opposed, 1))
+    apart = edges.points[second, :2] - edges.points[first, :2]
+    distance = np.sqrt(apart[:, 0] ** 2 + apart[:, 1] ** 2)
+    near = np.flatnonzero(distance <= gripper.opening - 2 * LEAST_CLEARANCE)
+    first, second, distance = first[near], second[near], distance[near]
+    axis = apart[near] / np.maximum(distance, 1e-12)[:, None]
+    cosines = np.minimum(
+        -np.einsum("ij,ij->i", axis, edges.outward[first]),
+        np.einsum("ij,ij->i", axis, edges.outward[second]),
+    )
+    fits = np.flatnonzero(cosines >= cone)
+    first, second = first[fits], second[fits]
+    return _Pairs(
+        middle=(edges.points[first, :2] + edges.points[second, :2]) / 2,
+        axis=axis[fits],
+        distance=distance[fits],
+        top=np.minimum(edges.points[first, 2], edges.points[second, 2]),
+        squareness=cosines[fits] ** 2,
+    )
+
+
+def _quality(pairs: _Pairs, centroid: Floats, tip: Floats | float) -> Floats:
+    """The quality of pairs for fingertips at some height, (n,); see `antipodal_depth`."""
+    bite = pairs.top - tip
+    away = centroid[:2] - pairs.middle
+    across = away[:, 0] * pairs.axis[:, 1] - away[:, 1] * pairs.axis[:, 0]
+    above = tip + bite / 2 - centroid[2]
+    moment = np.sqrt(1 + TORQUE_SCALING**2 * (across**2 + above**2))
+    quality: Floats = pairs.squareness / moment * np.clip(bite / FULL_BITE, 0, 1)
+    return quality
+
+
+def _grasps(pairs: _Pairs, relief: Relief, centroid: Floats, gripper: Gripper) -> list[Grasp]:
+    """Candidates for which the hand has space, with their depths and qualities."""
+    width = roomy(pairs.distance, gripper)
+    tip = lowest_tip(pairs.middle, pairs.axis, width, relief, gripper)
+    bite = pairs.top - tip
+    level = tip + bite / 2
+    quality = _quality(pairs, centroid, tip)
+    center = np.column_stack([pairs.middle, level])
+    columns = (center, pairs.axis, width, bite / 2, quality)
+    return ranked(*(values[bite >= LEAST_BITE] for values in columns))

@@ -1,0 +1,107 @@
+"""A grasp from above, as detectors propose it and the hand executes it."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.grasps.parameters import Gripper
+from egad.perception.camera import View
+
+Floats = NDArray[np.float64]
+
+MOST_GRASPS = 50  # kept of the candidates of a detector
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """A vertical grasp of a parallel-jaw hand.
+
+    Attributes:
+        center: Where the pads should meet the object: midpoint of the contacts, world frame, m.
+        angle: Of the closing axis about the vertical, from the world's x axis, radians.
+        width: How far to open, metres.
+        depth: How far the fingertips reach below the center, metres.
+        quality: What the detector expects of it; the highest is tried.
+    """
+
+    center: tuple[float, float, float]
+    angle: float
+    width: float
+    depth: float
+    quality: float
+
+    @property
+    def tip(self) -> float:
+        """Height of the fingertips above the table, metres."""
+        return self.center[2] - self.depth
+
+    def flaw(self, gripper: Gripper) -> str:
+        """Why the hand cannot do this: the outcome of an attempt; empty if it can.
+
+        not_finite: a number is NaN or infinite; too_wide: it would have to open wider than it
+        does, or less than not at all; below_table: the fingertips would be under the table.
+        """
+        numbers = (*self.center, self.angle, self.width, self.depth, self.quality)
+        if not all(map(math.isfinite, numbers)):
+            return "not_finite"
+        if not 0 <= self.width <= gripper.opening:
+            return "too_wide"
+        return "below_table" if self.tip < 0 else ""
+
+
+def ranked(
+    center: Floats, axis: Floats, width: Floats, depth: Floats, quality: Floats
+) -> list[Grasp]:
+    """Candidates as grasps, at most 50, best first, equals in the order given.
+
+    Args:
+        center: (n, 3) as `Grasp.center`.
+        axis: (n, 2) the closing axis, of any length.
+        width: (n,) as `Grasp.width`.
+        depth: (n,) as `Grasp.depth`.
+        quality: (n,) as `Grasp.quality`.
+    """
+    angle = np.arctan2(axis[:, 1], axis[:, 0])
+    columns = np.column_stack([center, angle, width, depth, quality])
+    order = np.argsort(-quality, kind="stable")[:MOST_GRASPS]
+    return [Grasp((x, y, z), *others) for x, y, z, *others in columns[order].tolist()]
+
+
+def best(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | str:
+    """The grasp of the highest quality that the hand can do, the first of equals.
+
+    Returns:
+        The grasp; or why there is none: `no_grasp`, or the flaw of the most promising one.
+    """
+    if len(grasps) == 0:
+        return "no_grasp"
+    hopeful = sorted(grasps, key=_promise)
+    possible = (grasp for grasp in hopeful if not grasp.flaw(gripper))
+    return next(possible, hopeful[0].flaw(gripper))
+
+
+def _promise(grasp: Grasp) -> float:
+    return -grasp.quality if math.isfinite(grasp.quality) else math.inf
+
+
+class Detector(Protocol):
+    """Proposes grasps for what a depth camera sees."""
+
+    def __call__(self, view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
+        """Propose grasps, in any order; none if there is nothing to hold.
+
+        The answer may depend on these three alone, not on earlier calls: attempts are spread over
+        processes, and each can be repeated by itself.
+
+        Args:
+            view: Depth image, intrinsics and pose of the camera; the table is at height 0.
+            gripper: The hand that will try.
+            rng: The only source of chance.
+        """
+
+
+WHERE = "policies"

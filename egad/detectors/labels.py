@@ -1,0 +1,70 @@
+"""labels: the best labelled grasp, knowing where the object is: what the labels are worth.
+
+No rival of detectors, for it knows the pose, and no bound for them: the labels' model of contacts
+knows neither gravity nor the table, and there are grasps that were never labelled.
+"""
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from egad.detectors.base import Grasp, ranked
+from egad.grasps.collision import LEAST_BITE, roomy
+from egad.grasps.parameters import Gripper
+from egad.perception.camera import View
+from egad.perception.heightmap import lowest_tip, relief_of
+
+Floats = NDArray[np.float64]
+
+TILT = np.radians(15)  # of the closing axis, which the hand holds level
+
+
+class Labels:
+    """Labelled grasps of an object, to be proposed wherever it lies (ours)."""
+
+    def __init__(self, grasps: pd.DataFrame) -> None:
+        """Keep the grasps that the hand can come to from some side.
+
+        Args:
+            grasps: Columns of `tables.grasping.GRASPS`, of one object.
+        """
+        free = grasps[grasps["collision_free"]]
+        self._center = free[["center_x", "center_y", "center_z"]].to_numpy(np.float64)
+        self._axis = free[["axis_x", "axis_y", "axis_z"]].to_numpy(np.float64)
+        self._width = free["width"].to_numpy(np.float64)
+        self._quality = free["robust_quality"].to_numpy(np.float64)
+
+    def propose(self, matrix: Floats, view: View, gripper: Gripper) -> list[Grasp]:
+        """Grasps whose closing axis is within 15 degrees of level and that leave the hand space.
+
+        The space is looked up in the depth image, straight from above, for a hand that opens 8 mm
+        wider than the contacts on either side, or as wide as it can where that reaches lower. The
+        pads are centred on the contacts, or as low as they can get. The quality is the robust
+        quality.
+
+        Args:
+            matrix: (4, 4) transform from the frame of the grasps to the world.
+            view: What the camera sees.
+            gripper: The hand.
+
+        Returns:
+            At most 50 grasps, best first.
+        """
+        relief = relief_of(view)
+        axis = self._axis @ matrix[:3, :3].T
+        level = np.flatnonzero(np.abs(axis[:, 2]) <= np.sin(TILT))
+        if relief is None or len(level) == 0:
+            return []
+        center = self._center[level] @ matrix[:3, :3].T + matrix[:3, 3]
+        flat = axis[level, :2] / np.linalg.norm(axis[level, :2], axis=1, keepdims=True)
+        narrow = roomy(self._width[level], gripper)
+        wide = np.full_like(narrow, gripper.opening)
+        pad = min(gripper.finger_width, gripper.finger_length) / 2
+        tips = [
+            np.maximum(center[:, 2] - pad, lowest_tip(center[:, :2], flat, width, relief, gripper))
+            for width in (narrow, wide)
+        ]
+        tip, width = np.minimum(*tips), np.where(tips[0] <= tips[1], narrow, wide)
+        depth = center[:, 2] - tip
+        columns = (center, flat, width, depth, self._quality[level])
+        return ranked(*(values[depth >= LEAST_BITE] for values in columns))

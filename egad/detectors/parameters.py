@@ -1,0 +1,36 @@
+"""Simulated grasping trials, and the grasp detectors that are tried."""
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from egad._util.parameters import Section
+
+SHIPPED = ("antipodal-depth", "ggcnn", "labels", "random")
+
+
+class Policy(Section):
+    """A grasp detector under a name of its own."""
+
+    detector: str = Field(
+        description=f"one that is shipped ({', '.join(SHIPPED)}), or your own: FILE.py:CLASS or "
+        "package.module:CLASS"
+    )
+    weights: str | None = Field(
+        None, description="file that the detector is made with, such as the weights of a network"
+    )
+
+    @model_validator(mode="after")
+    def _detector_can_be_found(self) -> Self:
+        module, _, name = self.detector.rpartition(":")
+        if self.detector not in SHIPPED and not (module and name.isidentifier()):
+            raise ValueError(
+                f"detector is {self.detector!r}; allowed: {', '.join(SHIPPED)}, "
+                "FILE.py:CLASS or package.module:CLASS"
+            )
+        if self.weights and self.detector in SHIPPED and self.detector != "ggcnn":
+            raise ValueError(f"the detector {self.detector} takes no `weights`")
+        return self
+
+
+POLICIES = {name: Policy(detector=name) for name in SHIPPED}

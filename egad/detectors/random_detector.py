@@ -1,0 +1,26 @@
+"""random: a grasp anywhere on the object, for what a detector is worth without looking closely."""
+
+import numpy as np
+
+from egad.detectors.base import Grasp
+from egad.grasps.collision import TABLE_CLEARANCE
+from egad.grasps.parameters import Gripper
+from egad.perception.camera import View
+
+
+def random_grasp(view: View, gripper: Gripper, rng: np.random.Generator) -> list[Grasp]:
+    """One grasp at a pixel that sees the object, closing in any direction (ours).
+
+    The hand is wide open, and the fingertips go as deep below the point as the fingers are long,
+    but not onto the table. The quality is a random number from 0 to 1.
+    """
+    points = view.points().reshape(-1, 3)
+    standing = points[points[:, 2] > TABLE_CLEARANCE]
+    if len(standing) == 0:
+        return []
+    x, y, top = (float(part) for part in standing[rng.integers(len(standing))])
+    tip = max(top - gripper.finger_length, TABLE_CLEARANCE)
+    level = (top + tip) / 2
+    angle = float(rng.uniform(-np.pi / 2, np.pi / 2))
+    quality = float(rng.random())
+    return [Grasp((x, y, level), angle, gripper.opening, level - tip, quality)]

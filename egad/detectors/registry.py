@@ -1,0 +1,85 @@
+"""Grasp detectors: what they get, what they give, and how one is found by its name."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from egad import plugins as own_code
+from egad.detectors.antipodal import antipodal_depth
+from egad.detectors.base import WHERE, Detector, Grasp
+from egad.detectors.ggcnn import GGCNN, check_ggcnn
+from egad.detectors.parameters import Policy
+from egad.detectors.random_detector import random_grasp
+from egad.errors import UserError
+from egad.grasps.parameters import Gripper
+from egad.perception.camera import View
+
+QUICK: dict[str, Detector] = {"antipodal-depth": antipodal_depth, "random": random_grasp}
+"""Detectors that need nothing but the image, and no process of their own to be stopped."""
+
+
+def detector(policy: Policy) -> Detector:
+    """Make a detector.
+
+    Args:
+        policy: One that is shipped, but `labels`, or the user's own class: it is made without
+            arguments, or with the path of the weights if these are given. A function will do.
+
+    Raises:
+        UserError: It cannot be found or made.
+    """
+    name = policy.detector
+    if name in QUICK:
+        return QUICK[name]
+    if name == "labels":
+        raise UserError("labels: knows where the object is and answers in simulated trials only")
+    return checked(GGCNN(policy.weights) if name == "ggcnn" else _own(policy))
+
+
+def checked(detect: Callable[..., Any]) -> Detector:
+    """The same detector, but with an error for an answer that is no list of grasps."""
+
+    @functools.wraps(detect, updated=())
+    def ask(view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
+        return [_plain(grasp) for grasp in detect(view, gripper, rng)]
+
+    return ask
+
+
+def _plain(grasp: Any) -> Grasp:  # noqa: ANN401 (whatever the user's code gives)
+    """A grasp of plain numbers, of anything that has those of a grasp."""
+    x, y, z = (float(number) for number in grasp.center)
+    numbers = (float(getattr(grasp, key)) for key in ("angle", "width", "depth", "quality"))
+    return Grasp((x, y, z), *numbers)
+
+
+def _own(policy: Policy) -> Callable[..., Any]:
+    found = own_code.find(policy.detector, WHERE, "class or function")
+    if not isinstance(found, type):
+        if policy.weights:
+            raise UserError(f"{WHERE}: {policy.detector} is no class that takes `weights`")
+        return found  # type: ignore[no-any-return]
+    arguments = [policy.weights] if policy.weights else []
+    try:
+        made: Callable[..., Any] = found(*arguments)
+    except Exception as error:
+        message = f"{WHERE}: {policy.detector} cannot be made: {type(error).__name__}: {error}"
+        raise UserError(message) from error
+    if not callable(made):
+        raise UserError(f"{WHERE}: {policy.detector} has no __call__(view, gripper, rng)")
+    return made
+
+
+def fingerprint(policy: Policy) -> list[str]:
+    """What else than the library and the settings decides the answers; the detector is not run.
+
+    Raises:
+        UserError: A file is missing.
+    """
+    if policy.detector == "ggcnn":
+        check_ggcnn(policy.weights)
+    own = [own_code.source_hash(policy.detector, WHERE)] if ":" in policy.detector else []
+    weights = [own_code.file_hash(policy.weights, WHERE)] if policy.weights else []
+    return [*own, *weights]

@@ -1,0 +1,146 @@
+"""Plates for 3D printers: every object checked, lying stably, packed onto beds."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+
+from egad.evalset.parameters import PrintCheck, PrintExport
+from egad.evalset.print_poses import Pose, lie_down
+from egad.evalset.printability import print_problems
+
+Labelled = Iterable[tuple[str, trimesh.Trimesh]]
+Watch = Callable[[Labelled], Labelled]
+
+SMALL_CONTACT = 1e-4  # m2: a smaller first layer comes off the bed easily
+
+
+@dataclass(frozen=True)
+class PrintItem:
+    """An object as it will be printed; lengths in metres.
+
+    Attributes:
+        pose: How it lies, the lowest corner of its box at the origin.
+        filament: Mass, kg, without supports.
+        plate: Number from 1; None if it is on none.
+        place: x and y of its lowest corner on the plate; None if it is on none.
+        note: What to know before printing.
+    """
+
+    pose: Pose
+    filament: float
+    plate: int | None
+    place: tuple[float, float] | None
+    note: str
+
+
+def plan_prints(
+    meshes: Mapping[str, trimesh.Trimesh],
+    settings: PrintExport,
+    check: PrintCheck,
+    watch: Watch = iter,
+) -> dict[str, PrintItem]:
+    """Turn every object to its pose and pack all that can be printed onto few plates.
+
+    Args:
+        meshes: Closed meshes in metres, by label.
+        settings: Bed, gap, pose, filament.
+        check: What can be printed.
+        watch: Passes the meshes through while they are turned, for showing progress.
+
+    Returns:
+        One item for each label, in the order given.
+    """
+    lying = {
+        label: lie_down(mesh, settings.pose, settings.overhang_angle, int(np.argmax(settings.bed)))
+        for label, mesh in watch(meshes.items())
+    }
+    problems = {label: print_problems(pose.mesh, check) for label, pose in lying.items()}
+    sizes = {
+        label: (pose.mesh.extents[0], pose.mesh.extents[1])
+        for label, pose in lying.items()
+        if not problems[label]
+    }
+    places = pack(sizes, settings.bed, settings.gap)
+    return {
+        label: _item(pose, problems[label], places.get(label), settings)
+        for label, pose in lying.items()
+    }
+
+
+def _item(
+    pose: Pose,
+    problems: list[str],
+    place: tuple[int, float, float] | None,
+    settings: PrintExport,
+) -> PrintItem:
+    plate, where = (None, None) if place is None else (place[0], place[1:])
+    filament = filament_mass(pose.mesh, settings)
+    return PrintItem(pose, filament, plate, where, _note(pose, problems, plate, settings))
+
+
+def _note(pose: Pose, problems: list[str], plate: int | None, settings: PrintExport) -> str:
+    """What to know before printing."""
+    if problems:
+        return f"not printable at this size: {', '.join(problems)}"
+    if plate is None:
+        size, bed = (
+            " x ".join(f"{1000 * side:.0f}" for side in sides)
+            for sides in (pose.mesh.extents[:2], settings.bed)
+        )
+        return f"{size} mm and a gap of {1000 * settings.gap:g} mm do not fit the bed of {bed} mm"
+    return "stands on little: use a brim" if pose.contact < SMALL_CONTACT else ""
+
+
+def filament_mass(mesh: trimesh.Trimesh, settings: PrintExport) -> float:
+    """Mass of a print without supports, kg: a solid shell around a part-filled inside."""
+    shell = min(mesh.volume, mesh.area * settings.shell)
+    filled = shell + settings.infill * (mesh.volume - shell)
+    return float(settings.filament_density * filled)
+
+
+def pack(
+    sizes: Mapping[str, tuple[float, float]], bed: tuple[float, float], gap: float
+) -> dict[str, tuple[int, float, float]]:
+    """Place rectangles on shelves, deepest first, each on the first shelf with room for it.
+
+    Args:
+        sizes: Width and depth by label.
+        bed: Width and depth of a plate.
+        gap: Free space around each.
+
+    Returns:
+        Plate number from 1, and x and y of the lowest corner, for each that fits a bed.
+    """
+    places = {}
+    shelves: list[_Shelf] = []
+    for label, (width, depth) in sorted(sizes.items(), key=lambda item: (-item[1][1], item[0])):
+        if width + 2 * gap > bed[0] or depth + 2 * gap > bed[1]:
+            continue
+        fitting = (shelf for shelf in shelves if shelf.end + width + gap <= bed[0])
+        shelf = next(fitting, None) or _new_shelf(shelves, depth, bed, gap)
+        places[label] = (shelf.plate, shelf.end, shelf.y)
+        shelf.end += width + gap
+    return places
+
+
+@dataclass
+class _Shelf:
+    """A row of objects on a plate: where it begins, how deep it is, how far it is filled."""
+
+    plate: int
+    y: float
+    depth: float
+    end: float
+
+
+def _new_shelf(shelves: list[_Shelf], depth: float, bed: tuple[float, float], gap: float) -> _Shelf:
+    """Open a shelf on the first plate with room, or on a new one."""
+    last = {shelf.plate: shelf for shelf in shelves}  # of each plate, the one furthest back
+    tops = {plate: shelf.y + shelf.depth + gap for plate, shelf in last.items()}
+    room = (plate for plate, y in tops.items() if y + depth + gap <= bed[1])
+    plate = next(room, len(tops) + 1)
+    shelf = _Shelf(plate, tops.get(plate, gap), depth, gap)
+    shelves.append(shelf)
+    return shelf

@@ -1,0 +1,98 @@
+"""How an object lies on the bed of a printer: poses, overhangs, the first layer (ours)."""
+
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from egad.errors import RejectedError
+from egad.geometry.manifold import to_solid
+from egad.geometry.mass import mass_properties
+from egad.geometry.stable_poses import stable_poses
+
+Floats = NDArray[np.float64]
+
+LAYER = 0.0002  # metres
+LIKELY = 0.02  # poses that an object comes to rest in less often are too shaky to print in
+
+
+class Pose(NamedTuple):
+    """An object lying on the bed, in metres, the lowest corner of its box at the origin.
+
+    Attributes:
+        mesh: The turned object.
+        probability: Chance of coming to rest like this when dropped; NaN if there is no pose.
+        overhang: Area that needs support, m2.
+        contact: Area of the first layer, m2.
+    """
+
+    mesh: trimesh.Trimesh
+    probability: float
+    overhang: float
+    contact: float
+
+
+def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -> Pose:
+    """A copy in one of its resting poses.
+
+    Args:
+        mesh: A closed surface, wound outwards, metres.
+        choice: `stable`: on the face of its hull that it most probably comes to rest on;
+            `overhang`: of all but the improbable ones, the one with the least area to support.
+        angle: Surface that leans out further from the vertical is supported, degrees.
+        along: The axis for the longer side of the footprint.
+    """
+    try:
+        poses = stable_poses(mesh, mass_properties(mesh, 1.0).com)
+    except RejectedError:
+        return _pose(mesh, np.eye(3), np.nan, angle, along)
+    chosen = poses[0]
+    if choice == "overhang":
+        likely = [pose for pose in poses if pose.probability >= LIKELY] or [chosen]
+        chosen = min(likely, key=lambda pose: overhang_area(mesh, pose.rotation, angle))
+    return _pose(mesh, chosen.rotation, chosen.probability, angle, along)
+
+
+def _pose(
+    mesh: trimesh.Trimesh, rotation: Floats, probability: float, angle: float, along: int
+) -> Pose:
+    standing = np.asarray(mesh.vertices, dtype=np.float64) @ rotation.T
+    turned = standing @ _align_with_bed(standing, along).T
+    clean = trimesh.Trimesh(turned - turned.min(axis=0), mesh.faces, process=False)
+    area = overhang_area(clean, np.eye(3), angle)
+    return Pose(clean, probability, area, first_layer_area(clean))
+
+
+def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float) -> float:
+    """Area of the surface that needs support: it faces down and does not lie on the bed.
+
+    Args:
+        mesh: A closed surface, wound outwards.
+        rotation: (3, 3); after it z points up.
+        angle: Surface that leans out further from the vertical counts, degrees.
+    """
+    up = rotation[2]
+    heights = np.asarray(mesh.vertices) @ up
+    above = heights[mesh.faces].max(axis=1) > heights.min() + LAYER
+    leaning = np.asarray(mesh.face_normals) @ up < -np.sin(np.radians(angle))
+    return float(np.asarray(mesh.area_faces)[above & leaning].sum())
+
+
+def first_layer_area(mesh: trimesh.Trimesh) -> float:
+    """Area of the section through the middle of the first layer of an object on the bed."""
+    solid = to_solid(mesh.vertices, mesh.faces)
+    return float(solid.slice(float(mesh.bounds[0, 2]) + LAYER / 2).area())
+
+
+def _align_with_bed(points: Floats, along: int) -> Floats:
+    """The rotation about the vertical that makes the rectangle around points smallest, (3, 3).
+
+    Its longer side lies along an axis.
+    """
+    flat, sides = trimesh.bounds.oriented_bounds_2D(points[:, :2])
+    turn = np.eye(3)
+    turn[:2, :2] = flat[:2, :2]
+    if sides[1 - along] > sides[along]:
+        turn[:2] = np.array([-turn[1], turn[0]])
+    return turn

@@ -1,0 +1,193 @@
+"""Whether an object can be printed as it is (ours): walls, thickness, size."""
+
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csgraph
+from scipy.spatial import cKDTree
+
+from egad.evalset.parameters import PrintCheck
+from egad.geometry.distance import nearest
+from egad.geometry.rays import RayCaster
+from egad.geometry.surface_samples import rims, spread
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+
+SPACING = 0.8  # of the diameter: longest side of the pieces that triangles are cut into
+SLACK = 0.95  # of the radius: a ball that touches one facet of a curve cuts into the next
+PARALLEL = np.cos(np.radians(30))  # of the angle between the sides of a wall, at most
+GRAIN = 0.25  # radii between balls that are told apart
+LINK = 2.4  # radii between balls that may hang together
+SKIN = 1e-3  # of the diameter: rays begin this deep
+
+
+class Thinness(NamedTuple):
+    """What a ball of a given diameter, rolled inside a solid, cannot reach.
+
+    Each is a distance, in the unit of the mesh; inf if the ball fits nowhere.
+
+    Attributes:
+        edge: How far the surface lies from what the ball reaches, at most. A flat face has 0, a
+            right-angled edge 0.21 diameters, an edge or the tip of a cone of angle t
+            (1 / sin(t / 2) - 1) / 2.
+        wall: The same of surface with other surface less than the diameter behind it, parallel
+            within 30 degrees: of fins, films, rods, and the sharpest edges and tips.
+        part: How far balls lie, at most, from the largest part of the solid that one can roll
+            through.
+    """
+
+    edge: float
+    wall: float
+    part: float
+
+
+def thinness(mesh: trimesh.Trimesh, diameter: float) -> Thinness:
+    """Roll a ball inside a solid: the morphological opening, measured on the surface.
+
+    A point of the surface is reached if the ball that touches it from within meets no other part
+    of the surface. What the ball reaches is the union of these balls.
+
+    Args:
+        mesh: A closed surface, wound outwards.
+        diameter: Of the ball, in the unit of the mesh.
+    """
+    radius = diameter / (1 + SLACK)  # so that a plate passes if it is as thick as the diameter
+    flat, bent = spread(mesh, SPACING * diameter), rims(mesh, SPACING * diameter)
+    points, normals = map(np.concatenate, zip(flat[:2], bent, strict=True))
+    depth, parallel = _behind(mesh, points, normals, SKIN * diameter)
+    reached = depth > radius
+    balls, reached[reached] = _balls(mesh, (points - radius * normals)[reached], radius)
+    if not len(balls):
+        return Thinness(np.inf, np.inf, np.inf)
+    lost = np.flatnonzero(~reached[: len(flat.points)])
+    away = _away(points[lost], balls) - radius
+    thin = parallel[lost] & (depth[lost] < diameter)
+    apart = _apart(mesh, balls, radius)
+    return Thinness(*(float(each.max(initial=0.0)) for each in (away, away[thin], apart)))
+
+
+def _behind(
+    mesh: trimesh.Trimesh, points: Floats, normals: Floats, skin: float
+) -> tuple[Floats, Bools]:
+    """How deep the solid is behind its surface, and whether the other side is parallel there."""
+    hits = RayCaster(mesh).first_hits(points - skin * normals, -normals)
+    facing = -np.einsum("nk,nk->n", hits.normals, normals)
+    film = hits.entering | ~np.isfinite(hits.distances)  # thinner than the skin
+    return np.where(film, 0.0, hits.distances + skin), film | (facing >= PARALLEL)
+
+
+def _balls(mesh: trimesh.Trimesh, centres: Floats, radius: float) -> tuple[Floats, Bools]:
+    """Centres of balls that fit, and which of those given do.
+
+    Where one does not, it is pushed away from the surface that it meets, to find the narrow room
+    that it may have, as in a square rod.
+    """
+    distances, met = nearest(centres, mesh)
+    fits = distances >= SLACK * radius
+    pushed = ~fits & (distances > (1 - SLACK) * radius)  # nearer, it might leave the solid
+    away = (centres[pushed] - met[pushed]) / distances[pushed, None]
+    others = met[pushed] + radius * away
+    return np.concatenate([centres[fits], others[_fits(mesh, others, radius)]]), fits
+
+
+def _fits(mesh: trimesh.Trimesh, centres: Floats, radius: float) -> Bools:
+    return np.asarray(nearest(centres, mesh)[0] >= SLACK * radius)
+
+
+def _apart(mesh: trimesh.Trimesh, balls: Floats, radius: float) -> Floats:
+    """How far the balls lie from the largest part, of those that do not hang together with it.
+
+    Balls a radius apart overlap so much that 0.8 of the diameter passes from one to the other.
+    Those further apart hang together if a ball fits midway, too: then 0.75 passes.
+    """
+    balls = _thinned(balls, GRAIN * radius)
+    tree = _tree(balls)
+    near = tree.query_pairs(radius, output_type="ndarray")
+    parts = _linked(near, len(balls))
+    rest = np.flatnonzero(parts != np.bincount(parts).argmax())
+    if not len(rest):
+        return np.empty(0)
+    around = _tree(balls[rest]).sparse_distance_matrix(tree, LINK * radius, output_type="ndarray")
+    far = np.column_stack([rest[around["i"]], around["j"]])
+    far = far[parts[far[:, 0]] != parts[far[:, 1]]]
+    far = far[_fits(mesh, balls[far].mean(axis=1), radius)]
+    parts = _linked(np.concatenate([near, far]), len(balls))
+    main = parts == np.bincount(parts).argmax()
+    return _away(balls[~main], balls[main])
+
+
+def _thinned(points: Floats, grain: float) -> Floats:
+    """The first point of each cell of a grid, cell by cell: the others are beside them."""
+    cells = np.round(points / grain).astype(np.int64)
+    x, y, z = (cells - cells.min(axis=0)).T
+    numbers = (x * (y.max() + 1) + y) * (z.max() + 1) + z
+    return points[np.unique(numbers, return_index=True)[1]]
+
+
+def _away(points: Floats, others: Floats) -> Floats:
+    """Distance of each point to the nearest of others, (n,)."""
+    if not len(points):
+        return np.empty(0)
+    return np.asarray(_tree(others).query(points)[0], dtype=np.float64)
+
+
+def _tree(points: Floats) -> cKDTree:
+    """Points to search among: made quickly, as it is not asked often."""
+    return cKDTree(points, balanced_tree=False, compact_nodes=False)
+
+
+def _linked(pairs: Ints, count: int) -> Ints:
+    """The connected component of each of n nodes."""
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    return np.asarray(csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+STUB = 0.5  # of the thinnest wall: thin parts that stand out less are no walls
+
+
+def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
+    """What keeps an object from being printed, at the size that it has.
+
+    It must be closed, one body without a trapped void, and nowhere thinner than the nozzle
+    allows: a ball as wide as the thinnest wall, rolled inside, must come close to all of the
+    surface, and get from everywhere to everywhere. Edges and tips may become blunter as far as
+    the settings say; where both sides are parallel within 30 degrees, half a wall is the limit.
+
+    Args:
+        mesh: Metres, scaled as it will be printed.
+        check: Thinnest wall, and what counts as an edge or a tip.
+
+    Returns:
+        A few words for each problem; nothing if it can be printed.
+    """
+    if not mesh.is_watertight or not mesh.is_winding_consistent:
+        return ["not closed"]
+    volumes = shell_volumes(mesh)
+    if sum(volumes) <= 0:
+        return ["wound inwards"]
+    problems = []
+    if (bodies := sum(volume > 0 for volume in volumes)) != 1:
+        problems.append(f"{bodies} bodies")
+    if voids := sum(volume <= 0 for volume in volumes):
+        problems.append(f"{voids} trapped void{'s' if voids > 1 else ''}")
+    found = thinness(mesh, check.wall)
+    wall = f"{1000 * check.wall:g} mm"
+    if found.edge > check.blunting or found.wall > STUB * check.wall:
+        problems.append(f"walls thinner than {wall}")
+    elif found.part > check.blunting and not problems:  # the wall of a void is a part of its own
+        problems.append(f"parts joined by less than {wall}")
+    return problems
+
+
+def shell_volumes(mesh: trimesh.Trimesh) -> list[float]:
+    """Volume within each closed shell, m3; that of a shell around a void is negative."""
+    shells = trimesh.graph.connected_components(
+        mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1
+    )
+    corners = np.asarray(mesh.triangles) - np.asarray(mesh.bounds).mean(axis=0)
+    parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+    return [float(parts[shell].sum()) for shell in shells]

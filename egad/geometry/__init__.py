@@ -1,0 +1,1 @@
+"""Meshes and solids: repair, mass, scaling, distances, convex parts, poses at rest."""

@@ -1,0 +1,84 @@
+"""Mass properties of solids of uniform density; repair and weigh any mesh."""
+
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from egad.errors import RejectedError
+from egad.geometry.parameters import Material
+from egad.geometry.repair import repair
+from egad.pipeline.config.sections import Postprocess
+
+
+class MassProperties(NamedTuple):
+    """Of a solid: m3, m2, m, kg and kg m2.
+
+    Attributes:
+        volume: Volume.
+        area: Surface area.
+        com: Centre of mass, (3,).
+        mass: Mass.
+        inertia: Inertia tensor about the centre of mass, along the axes of the mesh, (3, 3).
+    """
+
+    volume: float
+    area: float
+    com: NDArray[np.float64]
+    mass: float
+    inertia: NDArray[np.float64]
+
+
+def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
+    """Exact integrals over the solid within a closed surface.
+
+    They are taken about the middle of the box, in units of its longest side: far from the
+    origin, or for millimetre-sized objects, digits would cancel.
+
+    Args:
+        mesh: A closed surface wound outwards, metres.
+        density: kg/m3.
+
+    Source: trimesh, after Eberly, Polyhedral Mass Properties, 2002.
+    """
+    low, high = np.asarray(mesh.bounds)
+    middle, size = (low + high) / 2, float((high - low).max())
+    unit = trimesh.triangles.mass_properties((mesh.triangles - middle) / size)
+    volume = float(unit["volume"]) * size**3
+    return MassProperties(
+        volume=volume,
+        area=float(mesh.area),
+        com=middle + np.asarray(unit["center_mass"]) * size,
+        mass=density * volume,
+        inertia=density * np.asarray(unit["inertia"]) * size**5,
+    )
+
+
+class Body(NamedTuple):
+    """A closed mesh, whether repair changed it, and its mass properties."""
+
+    mesh: trimesh.Trimesh
+    repaired: bool
+    mass: MassProperties
+
+
+def body(mesh: trimesh.Trimesh, material: Material, limits: Postprocess) -> Body:
+    """Repair a mesh and weigh it.
+
+    Args:
+        mesh: In metres.
+        material: Density.
+        limits: The least volume that an object may have.
+
+    Raises:
+        RejectedError: The mesh cannot be repaired, or is too small.
+    """
+    repaired = repair(mesh)
+    mass = mass_properties(repaired.mesh, material.density)
+    if mass.volume < limits.min_volume:
+        raise RejectedError(
+            f"volume of {mass.volume:.3g} m3 is below {limits.min_volume:.3g} m3: "
+            "is the unit of the mesh right?"
+        )
+    return Body(repaired.mesh, repaired.changed, mass)

@@ -1,0 +1,11 @@
+"""What is made of the objects: repair, scaling, the evaluation set, prints."""
+
+from pydantic import Field
+
+from egad._util.parameters import Section
+
+
+class Material(Section):
+    """What the objects are made of."""
+
+    density: float = Field(400.0, gt=0, description="kg/m3; printed PLA at 20 % infill: 350-450")

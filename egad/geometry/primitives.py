@@ -1,0 +1,97 @@
+"""Random objects of joined boxes, cylinders and spheres: shapes that nobody selected."""
+
+from typing import NamedTuple
+
+import manifold3d
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from egad.geometry.manifold import Solid, to_mesh, union
+
+Floats = NDArray[np.float64]
+
+PIECES = (2, 5)  # of an object
+SIDES = (0.2, 1.0)  # of a piece, before the object is scaled
+SEGMENTS = 48  # of a full turn
+DEPTH = 0.2  # from the skin to the point that two pieces share, as part of the way to the middle
+# A piece has three sides; these of three random ones. All touch the unit ball if their sides are 2.
+KINDS = {"box": [0, 1, 2], "cylinder": [0, 0, 1], "sphere": [0, 0, 0]}
+
+
+class Piece(NamedTuple):
+    """A primitive in its place.
+
+    Attributes:
+        kind: A key of `KINDS`.
+        sides: Along its own axes, (3,).
+        rotation: From its own axes to those of the object, (3, 3).
+        middle: (3,).
+    """
+
+    kind: str
+    sides: Floats
+    rotation: Floats
+    middle: Floats
+
+
+def joined_primitives(rng: np.random.Generator, longest_side: float) -> trimesh.Trimesh:
+    """A random object of 2 to 5 boxes, cylinders and spheres (ours).
+
+    The idea of objects of random primitives, each overlapping one before it, is from Tobin et al.,
+    Domain Randomization and Generative Models for Robotic Grasping, IROS 2018.
+
+    Args:
+        rng: Decides everything but the size.
+        longest_side: Longest axis-aligned side of the object, metres.
+
+    Returns:
+        One closed body, wound outwards, its axis-aligned box centred on the origin.
+    """
+    mesh = to_mesh(union(map(solid_of, random_pieces(rng))))
+    low, high = mesh.bounds
+    mesh.vertices = (mesh.vertices - (low + high) / 2) * (longest_side / (high - low).max())
+    return mesh
+
+
+def random_pieces(rng: np.random.Generator) -> list[Piece]:
+    """The pieces of an object, each attached to one before it."""
+    pieces = [loose_piece(rng)]
+    for _ in range(rng.integers(*PIECES, endpoint=True) - 1):
+        pieces.append(attached(loose_piece(rng), pieces[rng.integers(len(pieces))], rng))
+    return pieces
+
+
+def loose_piece(rng: np.random.Generator) -> Piece:
+    """A primitive with random sides, turned at random, its middle at the origin."""
+    kind = str(rng.choice(list(KINDS)))
+    sides = rng.uniform(*SIDES, size=3)[KINDS[kind]]
+    return Piece(kind, sides, Rotation.from_quat(rng.normal(size=4)).as_matrix(), np.zeros(3))
+
+
+def attached(piece: Piece, base: Piece, rng: np.random.Generator) -> Piece:
+    """Move a piece so that it shares a point with a base, and its middle lies further out.
+
+    The point is not far below the skin of either, but so far that the pieces overlap.
+    """
+    outwards, onwards = _below_skin(base, rng), _below_skin(piece, rng)
+    away = np.copysign(1.0, outwards @ onwards)  # a piece is the same seen from the other side
+    return piece._replace(middle=base.middle + outwards + away * onwards)
+
+
+def _below_skin(piece: Piece, rng: np.random.Generator) -> Floats:
+    """From the middle of a piece to a random point of a smaller ellipsoid within it, (3,)."""
+    direction = rng.normal(size=3)
+    on_ball = direction / np.linalg.norm(direction)
+    return np.asarray(piece.rotation @ (on_ball * piece.sides / 2) * (1 - DEPTH))
+
+
+def solid_of(piece: Piece) -> Solid:
+    """A primitive as a solid in its place."""
+    unit = {
+        "box": lambda: manifold3d.Manifold.cube((2, 2, 2), True),
+        "cylinder": lambda: manifold3d.Manifold.cylinder(2, 1, 1, SEGMENTS, True),
+        "sphere": lambda: manifold3d.Manifold.sphere(1, SEGMENTS),
+    }[piece.kind]()
+    return unit.transform(np.column_stack([piece.rotation * (piece.sides / 2), piece.middle]))

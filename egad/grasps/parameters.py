@@ -1,0 +1,134 @@
+"""The table of grippers."""
+
+from typing import Literal, NamedTuple
+
+from pydantic import Field
+
+from egad._util.parameters import Length, Section, Sigma
+
+
+class Pad(NamedTuple):
+    """What the fingers hold with, on printed plastic (typical values, ours).
+
+    Attributes:
+        friction: Sliding friction.
+        radius: Of the patch where a pad touches a round object, metres; it resists twisting.
+    """
+
+    friction: float
+    radius: float
+
+
+PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}
+
+
+class Gripper(Section):
+    """A parallel-jaw gripper."""
+
+    opening: Length = Field(description="widest opening, metres")
+    finger_length: Length = Field(0.04, description="from palm to fingertip, metres")
+    finger_width: Length = Field(0.02, description="of a finger across both axes, metres")
+    finger_thickness: Length = Field(0.01, description="of a finger along the closing axis, metres")
+    palm: tuple[Length, Length, Length] = Field(
+        (0.1, 0.06, 0.05),
+        description="palm box, metres: along the closing axis, across it, along the approach",
+    )
+    mesh: str | None = Field(
+        None,
+        description="file of a mesh in the place of the palm box, where collisions of grasps are "
+        "looked for; metres, x closes, z is the approach, fingers begin at its origin",
+    )
+    force: float = Field(40.0, gt=0, description="closing force, newtons")
+    pads: Literal["silicone", "bare"] = Field(
+        "silicone",
+        description="what the fingers hold with in simulation: silicone, friction 0.8; bare "
+        "plastic or metal, 0.4",
+    )
+    friction: float | None = Field(
+        None, gt=0, le=2, description="of the pads in simulation; else that of their material"
+    )
+
+    @property
+    def pad(self) -> Pad:
+        """The pads with the friction that counts."""
+        pad = PADS[self.pads]
+        return pad if self.friction is None else pad._replace(friction=self.friction)
+
+
+_PANDA_PALM = (0.2, 0.063, 0.06)
+
+
+GRIPPERS = {
+    "yumi": Gripper(opening=0.05, finger_length=0.035, force=20),
+    "panda": Gripper(
+        opening=0.08, finger_length=0.0445, finger_width=0.021, palm=_PANDA_PALM, force=70
+    ),
+    "egad_75mm": Gripper(opening=0.075, finger_length=0.06, palm=_PANDA_PALM, force=70),
+    "robotiq_2f_85": Gripper(
+        opening=0.085,
+        finger_length=0.038,
+        finger_width=0.022,
+        palm=(0.15, 0.075, 0.09),
+        force=100,
+    ),
+    "robotiq_2f_140": Gripper(
+        opening=0.14,
+        finger_length=0.065,
+        finger_width=0.027,
+        palm=(0.2, 0.075, 0.09),
+        force=80,
+    ),
+}
+
+
+class Quality(Section):
+    """Ferrari-Canny grasp quality, one deterministic value a grasp."""
+
+    friction: float = Field(0.5, gt=0, le=2, description="Coulomb friction coefficient")
+    torque_scaling: float = Field(100.0, gt=0, description="torque units a force unit, 1/m")
+    finger_radius: Length = Field(0.005, description="radius of the soft finger's contact, metres")
+    cone_faces: int = Field(8, ge=3, le=24, description="edges of a linearised friction cone")
+
+
+class Robust(Section):
+    """The same quality under uncertainty: the mean over disturbed copies of a grasp."""
+
+    samples: int = Field(25, ge=1, description="disturbed copies of a grasp")
+    torque_scaling: float = Field(1000.0, gt=0, description="torque units a force unit, 1/m")
+    grasp_translation_sigma: Sigma = Field(0.001, description="grasp centre, metres an axis")
+    grasp_rotation_sigma: Sigma = Field(0.001, description="grasp axis, radians an axis")
+    object_translation_sigma: Sigma = Field(0.005, description="object position, metres an axis")
+    object_rotation_sigma: Sigma = Field(0.01, description="object rotation, radians an axis")
+    com_sigma: Sigma = Field(0.01, description="centre of mass, metres an axis")
+    friction_sigma: Sigma = Field(0.1, description="friction coefficient")
+
+
+class Sampling(Section):
+    """Antipodal grasp sampler."""
+
+    cone: float = Field(
+        0.75, gt=0, le=2, description="tangent of the widest angle between axis and normals"
+    )
+    spacing: float = Field(
+        0.0025, ge=0, description="least distance of two grasps, metres; 4.5 degrees count 2.5 mm"
+    )
+    candidates: int = Field(200, ge=1, description="candidate axes drawn in one round")
+    rounds: int = Field(10, ge=1, description="most rounds until enough grasps are found")
+    approach_clearance: float = Field(
+        0.1,
+        ge=0,
+        description="open fingers must reach their place from this far, metres; 0: off "
+        "(grasp labels test the whole hand instead)",
+    )
+
+
+class GraspLabel(Section):
+    """Labelled grasps."""
+
+    grasps: int = Field(100, ge=1, description="most grasps an object")
+    approach_angles: int = Field(
+        16, ge=1, le=360, description="approaches tried, spread evenly around the closing axis"
+    )
+    approach_way: float = Field(
+        0.1, ge=0, le=10, description="the hand comes in straight from this far, metres"
+    )

@@ -1,0 +1,1 @@
+"""Training grasp networks on rendered images, and how good they are."""

@@ -1,0 +1,82 @@
+"""How good a network is on labelled images: loss, rectangle score, and a simple baseline."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import nn
+
+from egad.learning.dataset import LearningSet, example
+from egad.learning.targets import best, read
+from egad.perception.rectangles import Rectangles, agrees, half_turn
+
+
+def across(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """The middle of an object, across its narrower side, as wide as the object is there.
+
+    Args:
+        mask: (height, width) which pixels see it, at least two.
+
+    Returns:
+        (4,) u, v, angle and opening, pixels and radians.
+    """
+    rows, columns = np.nonzero(mask)
+    points = np.stack([columns, -rows])
+    axis = np.linalg.eigh(np.cov(points))[1][:, 0]
+    u, up = points.mean(axis=1)
+    angle = half_turn(np.arctan2(axis[1], axis[0]))
+    return np.array([u, -up, angle, np.ptp(axis @ points) + 1], dtype=np.float64)
+
+
+def right(shards: LearningSet, numbers: Iterable[int]) -> int:
+    """In how many images, by their rows of the index, that grasp agrees with a positive one."""
+    pairs = ((shards.mask(number), shards.image(number)[1]) for number in numbers)
+    return sum(mask.sum() > 1 and agrees(across(mask), truth) for mask, truth in pairs)
+
+
+MAPS = ("quality", "cosine", "sine", "width")
+
+
+class Judged(NamedTuple):
+    """A network's answer to one image.
+
+    Attributes:
+        losses: Mean squared error of each map, (4,).
+        hit: Whether its best grasp agrees with a positive one; none if there is no positive one.
+    """
+
+    losses: NDArray[np.float64]
+    hit: bool | None
+
+
+@torch.inference_mode()
+def judged(network: nn.Module, depth: NDArray[np.float32], truth: Rectangles) -> Judged:
+    """Compare a network's answer to an image with the positive grasps (n, 5) in it.
+
+    The grasp that counts is the one at the highest peak of the smoothed quality
+    (`egad.perception.rectangles.agrees` says how).
+    """
+    seen, wanted = (torch.from_numpy(part)[None] for part in example(depth, truth))
+    maps = network(seen)
+    losses = map_losses(maps, wanted).double().numpy()
+    if len(truth) == 0:
+        return Judged(losses, None)
+    return Judged(losses, bool(np.isfinite(losses).all()) and agrees(_grasp(maps), truth))
+
+
+def _grasp(maps: torch.Tensor) -> NDArray[np.float64]:
+    return best(read(maps[0].numpy()))
+
+
+def map_losses(maps: torch.Tensor, wanted: torch.Tensor) -> torch.Tensor:
+    """Mean squared error of each of the four maps, (4,), of maps (n, 4, height, width)."""
+    return torch.square(maps - wanted).mean(dim=(0, 2, 3))
+
+
+def score(judgements: Sequence[Judged]) -> float:
+    """Part of the images with positive grasps in which the best one was right; NaN if none."""
+    hits = [each.hit for each in judgements if each.hit is not None]
+    return float(np.mean(hits)) if hits else math.nan

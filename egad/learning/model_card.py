@@ -1,0 +1,148 @@
+"""The model card of a trained network: what it learnt from, how, and how good it is."""
+
+import platform
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import pandas as pd
+
+from egad import __version__
+from egad.learning.score import Score
+from egad.learning.splits import SPLITS
+
+PACKAGES = ("torch", "safetensors", "numpy", "scipy", "pillow")
+PAGE = """# {title}, trained on {source}
+
+A fully convolutional network of {parameters:,} weights. For every pixel of a depth image it says
+how good a grasp there is, at which angle, and how wide (Morrison, Corke and Leitner, "Learning
+robust, real-time, reactive robotic grasping", IJRR 2020). The weights are in `weights.safetensors`.
+
+Into it go (1, 300, 300) depths in metres, gaps filled, less their mean, clipped to [-1, 1]. Out of
+it come (4, 300, 300) quality, cos 2a, sin 2a and opening / 150 pixels, where the angle a of the
+closing axis is anticlockwise as seen from the image's x axis.
+
+## Score
+
+The best grasp was right in {right:,} of {count:,} images of {objects:,} held-out objects, the split
+`test`: {rate:.1%}, for other objects of the same kind {low:.1%} to {high:.1%} (95 %). The middle of
+the object, across its narrower side, was right in {plain:,} of them. The loss on
+them was {loss:.4f}, that on the validation set {validation:.4f}.
+
+Right is a grasp, the one at the highest peak, that overlaps a positive one by more than 0.25
+(intersection over union) with axes less than 30 degrees apart. Images without a positive grasp do
+not count. No object is in two splits.
+
+## Data
+
+{data}
+Positive is a grasp that is free of collision and has a robust quality above {quality}. Images
+without any are learnt from, too: as places where nothing can be held.
+
+## Training
+
+{images:,} images in {epochs} epochs. The weights are those after epoch {taken}.
+
+![Losses and score](history.svg)
+
+{settings}
+## Versions
+
+{versions}"""
+
+
+@dataclass(frozen=True)
+class Trained:
+    """What there is to tell of a network.
+
+    Attributes:
+        title: Name of the network.
+        parameters: How many weights it has.
+        source: Where the images are.
+        index: `egad.learning.dataset.LearningSet.index`.
+        history: Columns of `tables.training.HISTORY`.
+        score: On the split `test`.
+        plain: Images of these in which the outline alone suggests a right grasp.
+        settings: How it was trained, by name; among them `quality`.
+    """
+
+    title: str
+    parameters: int
+    source: str
+    index: pd.DataFrame
+    history: pd.DataFrame
+    score: Score
+    plain: int
+    settings: Mapping[str, Any]
+
+
+def taken(history: pd.DataFrame) -> pd.Series:
+    """The row of a history (`tables.training.HISTORY`) of the epoch whose weights were taken."""
+    return history[history["taken"]].iloc[0]
+
+
+def card(trained: Trained) -> str:
+    """The model card as Markdown; it holds no time, so the same training gives the same card."""
+    history, score = trained.history, trained.score
+    epoch = taken(history)
+    return PAGE.format(
+        title=trained.title,
+        parameters=trained.parameters,
+        source=trained.source,
+        right=score.right,
+        count=score.count,
+        objects=score.objects,
+        rate=score.rate,
+        plain=trained.plain,
+        low=score.interval[0],
+        high=score.interval[1],
+        loss=score.loss,
+        validation=epoch["validation_loss"],
+        data=table(
+            ["split", "objects", "images", "without a positive grasp", "grasps", "positive"],
+            counts(trained.index),
+        ),
+        quality=trained.settings["quality"],
+        images=int(history["images"].iloc[-1]),
+        epochs=len(history),
+        taken=int(epoch["epoch"]),
+        settings=table(["setting", "value"], trained.settings.items()),
+        versions=table(["program", "version"], versions()),
+    )
+
+
+def counts(index: pd.DataFrame) -> list[tuple[str, int, int, int, int, int]]:
+    """Objects, images, images without a positive grasp, grasps, positive grasps; by split."""
+    parts = [(split, index[index["split"] == split]) for split in SPLITS]
+    return [
+        (
+            split,
+            part["id"].nunique(),
+            len(part),
+            int((part["positive"] == 0).sum()),
+            int(part["grasps"].sum()),
+            int(part["positive"].sum()),
+        )
+        for split, part in parts
+    ]
+
+
+def versions() -> list[tuple[str, str]]:
+    """Versions of all that the numbers depend on."""
+    found = [("egad", __version__), ("python", platform.python_version())]
+    for name in PACKAGES:
+        with suppress(PackageNotFoundError):
+            found.append((name, version(name)))
+    return found
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """A table of Markdown; whole numbers have commas."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join(f"| {' | '.join(map(_cell, line))} |\n" for line in lines)
+
+
+def _cell(value: Any) -> str:  # noqa: ANN401 (whatever is told)
+    return f"{value:,}" if isinstance(value, int) and not isinstance(value, bool) else str(value)

@@ -1,0 +1,124 @@
+"""Who is trained on: splits by object, and how many images each object gets (ours)."""
+
+from collections.abc import Collection
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from egad.perception.parameters import Render
+from egad.random import entropy
+
+SPLITS = ("train", "validation", "test")
+SHARD = 500  # images, about: how many shards there are follows from the settings alone
+
+
+class Share(NamedTuple):
+    """An object and its images.
+
+    Attributes:
+        id: Of the object.
+        label: Of the object.
+        split: `train`, `validation` or `test`.
+        first: Number of its first image in the dataset.
+        images: How many it has.
+    """
+
+    id: str
+    label: str
+    split: str
+    first: int
+    images: int
+
+
+def shares(
+    objects: pd.DataFrame, evaluation: Collection[str], settings: Render, seed: int
+) -> list[Share]:
+    """The images of all objects of a dataset, in the order of their numbers.
+
+    Objects are shuffled, so that any run of images is a fair sample. Splits are of all objects,
+    then those that are wanted are taken: an object is in the same split whichever part of the
+    dataset is rendered. A split has its part of the images even if it has more of the objects, so
+    the number to train on does not depend on the dataset; without objects it has none.
+
+    Args:
+        objects: Columns `id`, `label` and `complexity`.
+        evaluation: Ids of the objects that are in the split `test` in any case.
+        settings: How many images, which objects, and the parts of the splits.
+        seed: Of the configuration.
+    """
+    split = split_of(objects["id"].tolist(), evaluation, settings, seed)
+    wanted = _drawn(objects[_within(objects, settings.complexity)], settings.part, seed)
+    chosen = sorted(
+        zip(wanted["id"], wanted["label"], strict=True),
+        key=lambda names: entropy(seed, "image order", names[0]),
+    )
+    budgets = _budgets(settings)
+    counts = {
+        name: iter(evenly(budgets[name], sum(split[object_id] == name for object_id, _ in chosen)))
+        for name in SPLITS
+    }
+    found, first = [], 0
+    for object_id, label in chosen:
+        count = next(counts[split[object_id]])
+        found.append(Share(object_id, label, split[object_id], first, count))
+        first += count
+    return found
+
+
+def shard_count(images: int) -> int:
+    """How many shards a set of so many images has."""
+    return -(-images // SHARD)
+
+
+def split_of(
+    ids: Collection[str], evaluation: Collection[str], settings: Render, seed: int
+) -> dict[str, str]:
+    """The split of each object.
+
+    Those of the evaluation set come first, the others by chance; the first are for `test`, at least
+    all of the evaluation set, the next for `validation`. Numbers are rounded, but of three objects
+    or more each split that is to have a part has one, if the evaluation set leaves any.
+    """
+    held_out = set(evaluation)
+    order = sorted(ids, key=lambda name: (name not in held_out, entropy(seed, "split", name)))
+    known = sum(name in held_out for name in order)
+    test = max(_part(settings.test, len(order)), known)
+    validation = min(_part(settings.validation, len(order)), max(len(order) - test - 1, 0))
+    names = ["test"] * test + ["validation"] * validation
+    names += ["train"] * (len(order) - len(names))
+    return dict(zip(order, names, strict=True))
+
+
+def evenly(total: int, parts: int) -> list[int]:
+    """A number cut into whole parts that differ by one at most, spread evenly; no parts, none."""
+    return [(i + 1) * total // parts - i * total // parts for i in range(parts)]
+
+
+def _part(fraction: float, count: int) -> int:
+    """So many of `count` objects; at least one of three or more if the fraction is not 0."""
+    return max(round(fraction * count), int(fraction > 0 and count > 2))
+
+
+def _budgets(settings: Render) -> dict[str, int]:
+    test, validation = (round(p * settings.images) for p in (settings.test, settings.validation))
+    return {
+        "train": settings.images - test - validation,
+        "validation": validation,
+        "test": test,
+    }
+
+
+def _drawn(objects: pd.DataFrame, part: float, seed: int) -> pd.DataFrame:
+    """A part of some objects, at least one if there are any, by chance."""
+    order = sorted(objects["id"], key=lambda name: entropy(seed, "part", name))
+    return objects[objects["id"].isin(order[: max(round(part * len(order)), 1)])]
+
+
+def _within(objects: pd.DataFrame, wanted: tuple[float, float]) -> "pd.Series[bool]":
+    """Which objects have a rank in complexity, 0 to 1, within a range."""
+    order = objects.sort_values(["complexity", "id"]).index
+    ranks = pd.Series((np.arange(len(order)) + 0.5) / max(len(order), 1), index=order)
+    low, high = wanted
+    inside = (ranks >= low) & (ranks < high)
+    return inside.reindex(objects.index)

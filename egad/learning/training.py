@@ -1,0 +1,266 @@
+"""Training of a network: Adam on the sum of four mean squared errors, stopped early.
+
+As GG-CNN is trained (Morrison, Corke and Leitner, IJRR 2020). Ours are when it ends, which weights
+are taken, and that the same result comes out of any number of cores: each image has its gradient
+computed on one core, and gradients are added up in the order of the images. On a processor of
+another kind the last digits may differ.
+"""
+
+import logging
+import math
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import nn
+
+from egad._util.files import replacing
+from egad._util.progress import progress
+from egad.errors import UserError
+from egad.learning.dataset import LearningSet, Stream
+from egad.learning.evaluation import MAPS, Judged, judged, map_losses, score
+from egad.learning.parameters import Training
+
+log = logging.getLogger(__name__)
+Tensors = dict[str, torch.Tensor]
+
+
+@dataclass
+class State:
+    """How far a training is.
+
+    Attributes:
+        network: As it is now.
+        optimizer: With all that it remembers.
+        rows: The history, a row an epoch.
+        best: Weights at the lowest validation loss.
+    """
+
+    network: nn.Module
+    optimizer: torch.optim.Optimizer
+    rows: list[dict[str, Any]] = field(default_factory=list)
+    best: Tensors = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A file for the state.
+
+    Attributes:
+        path: The file.
+        meaning: All that decides the result; a state of another training is not taken.
+    """
+
+    path: Path
+    meaning: str
+
+    def save(self, state: State) -> None:
+        """Write the state, atomically."""
+        values = {
+            "meaning": self.meaning,
+            "network": state.network.state_dict(),
+            "optimizer": state.optimizer.state_dict(),
+            "rows": state.rows,
+            "best": state.best,
+        }
+        with replacing(self.path) as temporary:
+            torch.save(values, temporary)
+
+    def restore(self, state: State) -> None:
+        """Bring a state to where the file is; leave it as it is if there is none that fits."""
+        if not self.path.is_file():
+            return
+        try:
+            values = torch.load(self.path, weights_only=True)
+            fits = values["meaning"] == self.meaning
+        except Exception as error:  # anything may be raised by a damaged file
+            log.warning("%s cannot be read (%s): training starts anew", self.path, error)
+            return
+        if not fits:
+            log.warning("%s is of another training: this one starts anew", self.path)
+            return
+        state.network.load_state_dict(values["network"])
+        state.optimizer.load_state_dict(values["optimizer"])
+        state.rows[:], state.best = values["rows"], values["best"]
+        log.info("training goes on after epoch %d", len(state.rows))
+
+
+Losses = NDArray[np.float64]
+Row = dict[str, Any]
+
+
+def train(
+    network: nn.Module,
+    shards: LearningSet,
+    settings: Training,
+    seed: int,
+    jobs: int = 1,
+    checkpoint: Checkpoint | None = None,
+) -> list[Row]:
+    """Train a network; it ends with the weights of one of its epochs (`settings.patience`).
+
+    Args:
+        network: From depths (n, 1, 300, 300) to maps (n, 4, 300, 300), without parts that draw
+            chance or look at a batch as a whole. It is changed.
+        shards: The images.
+        settings: How long, how fast, and on what.
+        seed: Order and changes of the images follow from it.
+        jobs: Cores; no result depends on it.
+        checkpoint: Kept after every epoch, and gone on from.
+
+    Returns:
+        A row an epoch: columns of `tables.training.HISTORY`.
+
+    Raises:
+        UserError: There are no images to train on or to validate with, or the loss is not finite.
+    """
+    # Up to twice as fast as the usual order in memory.
+    nn.utils.convert_conv2d_weight_memory_format(network, torch.channels_last)
+    state = State(network, torch.optim.Adam(network.parameters(), lr=settings.learning_rate))
+    stream = Stream(shards, settings.images, settings.zoom, seed)
+    if checkpoint:
+        checkpoint.restore(state)
+    with crew(jobs) as workers:
+        lesson = _Lesson(state, stream, shards, settings, workers, checkpoint)
+        steps = sum(len(_cut(numbers, settings.batch)) for numbers in lesson.epochs())
+        words = partial(_told, state.rows)
+        for _ in progress(lesson.steps(), "learning", steps, scale=settings.batch, state=words):
+            pass
+    if settings.patience is not None:
+        network.load_state_dict(state.best)
+    taken = len(state.rows) - 1 if settings.patience is None else _lowest(state.rows)
+    return [{**row, "taken": row["epoch"] == taken} for row in state.rows]
+
+
+def judge(
+    network: nn.Module,
+    shards: LearningSet,
+    numbers: Sequence[int] | NDArray[np.int64],
+    workers: Executor,
+) -> list[Judged]:
+    """A network's answers to the images of some rows of the index, compared with their grasps."""
+    network.eval()
+    return list(workers.map(lambda number: judged(network, *shards.image(number)), numbers))
+
+
+def examined(
+    network: nn.Module, shards: LearningSet, most: int, jobs: int
+) -> tuple[NDArray[np.int64], list[Judged]]:
+    """At most so many rows of the index of the split `test`, and a network's answers to them."""
+    held = spread(shards.numbers("test"), most)
+    with crew(jobs) as workers:
+        return held, judge(network, shards, held, workers)
+
+
+def crew(jobs: int) -> ThreadPoolExecutor:
+    """Threads that compute on one core each."""
+    torch.set_num_threads(1)
+    return ThreadPoolExecutor(jobs, initializer=torch.set_num_threads, initargs=(1,))
+
+
+def spread(numbers: NDArray[np.int64], most: int) -> NDArray[np.int64]:
+    """At most so many of some numbers, evenly spread over them."""
+    places = np.linspace(0, len(numbers) - 1, min(most, len(numbers)))
+    return numbers[places.round().astype(int)]
+
+
+@dataclass(frozen=True)
+class _Lesson:
+    """A training that is under way."""
+
+    state: State
+    stream: Stream
+    shards: LearningSet
+    settings: Training
+    workers: Executor
+    checkpoint: Checkpoint | None
+
+    def epochs(self) -> list[range]:
+        """The examples of the epochs that are left."""
+        return _cut(range(self.settings.images), self.settings.epoch)[len(self.state.rows) :]
+
+    def steps(self) -> Iterator[None]:
+        """Learn; there is a pause after each step of the optimiser."""
+        held = spread(self.shards.numbers("validation"), self.settings.validation)
+        for numbers in self.epochs():
+            if _finished(self.state.rows, self.settings.patience):
+                return
+            losses = np.zeros(len(MAPS))
+            self.state.network.train()
+            for batch in _cut(numbers, self.settings.batch):
+                losses += self._step(batch)
+                yield
+            judgements = judge(self.state.network, self.shards, held, self.workers)
+            _note(self.state, numbers.stop, losses / len(numbers), judgements)
+            if self.checkpoint:
+                self.checkpoint.save(self.state)
+
+    def _step(self, batch: range) -> Losses:
+        """A step along the mean gradient of some examples; returns their summed losses, (4,)."""
+        results = list(self.workers.map(self._gradients, batch))
+        parts = zip(*(gradients for _, gradients in results), strict=True)
+        for parameter, each in zip(self.state.network.parameters(), parts, strict=True):
+            parameter.grad = torch.stack(each).mean(dim=0)
+        self.state.optimizer.step()
+        total: Losses = np.sum([losses for losses, _ in results], axis=0)
+        return total
+
+    def _gradients(self, number: int) -> tuple[Losses, tuple[torch.Tensor, ...]]:
+        """Losses (4,) and gradients of an example."""
+        seen, wanted = (torch.from_numpy(part)[None] for part in self.stream[number])
+        losses = map_losses(self.state.network(seen), wanted)
+        gradients = torch.autograd.grad(losses.sum(), list(self.state.network.parameters()))
+        return losses.detach().double().numpy(), gradients
+
+
+def _cut(numbers: range, size: int) -> list[range]:
+    """Numbers in parts of a size; the last one may be smaller."""
+    ends = [*range(numbers.start, numbers.stop, size), numbers.stop]
+    return [range(start, end) for start, end in pairwise(ends)]
+
+
+def _finished(rows: list[Row], patience: int | None) -> bool:
+    """Whether the validation loss has not come to a new low for so many epochs."""
+    return bool(rows) and patience is not None and len(rows) - 1 - _lowest(rows) >= patience
+
+
+def _lowest(rows: list[Row]) -> int:
+    """The epoch of the lowest validation loss."""
+    return int(np.argmin([row["validation_loss"] for row in rows]))
+
+
+def _note(state: State, images: int, losses: Losses, judgements: list[Judged]) -> None:
+    """Add an epoch to the history, and keep the weights if they are the best."""
+    validation = float(np.mean([each.losses.sum() for each in judgements]))
+    if not math.isfinite(validation + losses.sum()):
+        raise UserError("training: the loss is not finite any more; try a lower learning_rate")
+    parts = {f"{name}_loss": float(loss) for name, loss in zip(MAPS, losses, strict=True)}
+    if all(validation < row["validation_loss"] for row in state.rows):
+        state.best = {key: value.clone() for key, value in state.network.state_dict().items()}
+    state.rows.append(
+        {
+            "epoch": len(state.rows),
+            "images": images,
+            "loss": float(losses.sum()),
+            **parts,
+            "validation_loss": validation,
+            "validation_score": score(judgements),
+        }
+    )
+
+
+def _told(rows: list[Row]) -> str:
+    if not rows:
+        return ""
+    last = rows[-1]
+    return (
+        f"epoch {last['epoch']}: validation loss {last['validation_loss']:.4f}, "
+        f"score {last['validation_score']:.2f}"
+    )

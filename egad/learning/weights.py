@@ -1,0 +1,105 @@
+"""Files of weights: those that training writes, and those that were published for GG-CNN."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import safetensors.torch
+import torch
+from torch import nn
+
+from egad._util.files import replacing
+from egad.learning.networks import MAKERS, TITLES, Heads
+
+SAFE = ".safetensors"
+MOST_NAMED = 3
+
+
+class WeightsError(ValueError):
+    """A file of weights is damaged, or of another network."""
+
+
+def write(network: nn.Module, path: Path, about: Mapping[str, Any]) -> None:
+    """Write the weights of a network as safetensors, atomically, with notes about it as JSON."""
+    state = {name: value.contiguous() for name, value in network.state_dict().items()}
+    text = json.dumps(about, sort_keys=True)  # one entry: several would come in any order
+    with replacing(path) as temporary:
+        temporary.write_bytes(safetensors.torch.save(state, {"egad": text}))
+
+
+def read(path: str | Path) -> Heads:
+    """Read GG-CNN or GG-CNN2; which of them is seen from the names of the weights.
+
+    Args:
+        path: A file of safetensors, known by its ending, or else a state dictionary of PyTorch.
+
+    Raises:
+        WeightsError: The file is damaged, or holds something else.
+    """
+    state = state_in(path)
+    name = "ggcnn2" if any(key.startswith("features.") for key in state) else "ggcnn"
+    network = MAKERS[name]()
+    if wrong := _differences(state, network.state_dict()):
+        more = f"; and {len(wrong) - MOST_NAMED} more" if len(wrong) > MOST_NAMED else ""
+        said = "; ".join(wrong[:MOST_NAMED])
+        raise WeightsError(
+            f"{path}: the weights are of another network than GG-CNN and GG-CNN2; most like "
+            f"{TITLES[name]}, but {said}{more}"
+        )
+    network.load_state_dict(state)
+    return network
+
+
+def state_in(path: str | Path) -> Mapping[str, torch.Tensor]:
+    """The tensors of a file by their names.
+
+    Raises:
+        WeightsError: It is damaged, or holds something else.
+    """
+    data = Path(path).read_bytes()
+    if Path(path).suffix == SAFE:
+        return _safe(path, data)
+    return _pickled(path)
+
+
+def _safe(path: str | Path, data: bytes) -> Mapping[str, torch.Tensor]:
+    """The sizes that the header of the file promises are compared with what the file has."""
+    try:
+        state: dict[str, torch.Tensor] = safetensors.torch.load(data)
+    except Exception as error:
+        raise WeightsError(f"{path} is no whole safetensors file: {error}") from error
+    return state
+
+
+def _pickled(path: str | Path) -> Mapping[str, torch.Tensor]:
+    try:
+        state = torch.load(path, map_location="cpu", weights_only=True)
+    except Exception as error:
+        raise WeightsError(f"{path} is not a state dictionary of PyTorch: {error}") from error
+    if not isinstance(state, Mapping):
+        raise WeightsError(f"{path} is not a state dictionary: it holds a {type(state).__name__}")
+    if not all(isinstance(value, torch.Tensor) for value in state.values()):
+        raise WeightsError(f"{path} is not a state dictionary: not all of it are tensors")
+    return state
+
+
+def _differences(
+    state: Mapping[str, torch.Tensor], wanted: Mapping[str, torch.Tensor]
+) -> list[str]:
+    """In which weights a file differs from a network, as words."""
+    words = []
+    for name, value in wanted.items():
+        if name not in state:
+            words.append(f"{name} is missing")
+        elif state[name].shape != value.shape:
+            words.append(f"{name} is {_sides(state[name])}, not {_sides(value)}")
+        elif state[name].dtype != value.dtype:
+            words.append(f"{name} is {state[name].dtype}, not {value.dtype}")
+        elif not state[name].isfinite().all():
+            words.append(f"{name} has numbers that are not finite")
+    return [*words, *(f"{name} is too much" for name in state if name not in wanted)]
+
+
+def _sides(value: torch.Tensor) -> str:
+    return " x ".join(map(str, value.shape)) or "a number"

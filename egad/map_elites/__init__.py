@@ -1,0 +1,1 @@
+"""MAP-Elites: variation, evaluation and the archive of elites."""

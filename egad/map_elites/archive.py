@@ -1,0 +1,216 @@
+"""The MAP-Elites archive: at most a few elites a cell, kept for their diversity.
+
+Source: EGAD, section III-D. Words as in pyribs: archive, cells, measures, elites, coverage.
+"""
+
+import heapq
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from egad.cppn.genome import Row
+from egad.measures.grid import complexity_cells, difficulty_cells
+from egad.measures.parameters import Space
+from egad.reeb import graph as reeb
+from egad.reeb.neighbours import Neighbourhood
+from egad.reeb.parameters import Similarity
+from egad.tables import parquet
+from egad.tables.evolution import EPOCH, GENOME
+
+Cell = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Elite:
+    """An object of the archive."""
+
+    id: str
+    genome: Row
+    voxels: bytes
+    complexity: float
+    difficulty: float
+    graph: reeb.ReebGraph
+    parents: tuple[str, ...]
+    epoch: int
+
+
+def cell_of(complexity: float, difficulty: float, space: Space) -> Cell:
+    """The cell of an object: (complexity, difficulty)."""
+    return int(complexity_cells(complexity, space)), int(difficulty_cells(difficulty, space))
+
+
+class Archive:
+    """Elites in the cells of the space; no two of them have the same voxels."""
+
+    def __init__(self, space: Space, similarity: Similarity, threads: int = 1) -> None:
+        """Start without elites.
+
+        Args:
+            space: Cells and their limit.
+            similarity: How diversity is measured.
+            threads: Diversities found at once; no result depends on it.
+        """
+        self.space = space
+        self._neighbourhood = Neighbourhood(similarity.weight, space.neighbours, threads)
+        self._elites: dict[int, Elite] = {}
+        self._cells: dict[int, Cell] = {}
+        self._ids: dict[str, int] = {}
+
+    def __len__(self) -> int:
+        return len(self._elites)
+
+    def __contains__(self, elite_id: str) -> bool:
+        return elite_id in self._ids
+
+    @property
+    def elites(self) -> list[Elite]:
+        """All elites, in the order in which they were added."""
+        return list(self._elites.values())
+
+    @property
+    def coverage(self) -> float:
+        """The part of all places that hold an elite (EGAD, Table III)."""
+        return len(self) / (self.space.cells**2 * self.space.elites_per_cell)
+
+    @property
+    def qd_score(self) -> float:
+        """The sum of the diversities of all elites (as pyribs; the objective is diversity)."""
+        return sum(self._neighbourhood.diversities(list(self._elites)))
+
+    def counts(self) -> NDArray[np.int64]:
+        """How many elites each cell holds: (cells, cells), by difficulty, then complexity."""
+        counts = np.zeros((self.space.cells, self.space.cells), np.int64)
+        for complexity_cell, difficulty_cell in self._cells.values():
+            counts[difficulty_cell, complexity_cell] += 1
+        return counts
+
+    def is_full(self, complexity: float, difficulty: float) -> bool:
+        """Whether the cell of an object holds all the elites that it may."""
+        cell = cell_of(complexity, difficulty, self.space)
+        return list(self._cells.values()).count(cell) >= self.space.elites_per_cell
+
+    def cell(self, elite: Elite) -> Cell:
+        """The cell that an object belongs to: (complexity, difficulty)."""
+        return cell_of(elite.complexity, elite.difficulty, self.space)
+
+    def add(self, newcomers: Iterable[Elite]) -> None:
+        """Insert objects, then remove the least diverse ones until every cell fits.
+
+        Objects that are already here are passed over. After each removal the diversities of those
+        that are left in overfull cells are computed again.
+        """
+        fresh = {elite.id: elite for elite in newcomers if elite.id not in self}
+        indices = self._neighbourhood.add([elite.graph for elite in fresh.values()])
+        for index, elite in zip(indices, fresh.values(), strict=True):
+            self._elites[index] = elite
+            self._cells[index] = self.cell(elite)
+            self._ids[elite.id] = index
+        self._trim()
+
+    def _trim(self) -> None:
+        """Remove the least diverse elite of an overfull cell until every cell fits.
+
+        While there are more others than neighbours, a removal can only raise a diversity: one that
+        is stored is then a lower bound, and is found again when it is the least of the heap.
+        """
+        counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
+        queue = self._queue(counts)
+        while queue:
+            value, name, index = heapq.heappop(queue)
+            if counts[self._cells[index]] <= limit:
+                continue
+            now = self._neighbourhood.diversity(index)
+            if now != value:
+                heapq.heappush(queue, (now, name, index))
+                continue
+            counts[self._cells[index]] -= 1
+            self._remove(index)
+            if len(self) <= self.space.neighbours + 1:
+                queue = self._queue(counts)
+
+    def _queue(self, counts: Counter[Cell]) -> list[tuple[float, str, int]]:
+        """The elites of overfull cells as a heap, the least diverse first."""
+        limit = self.space.elites_per_cell
+        crowded = [index for index, cell in self._cells.items() if counts[cell] > limit]
+        values = self._neighbourhood.diversities(crowded)
+        names = [self._elites[index].id for index in crowded]
+        queue = list(zip(values, names, crowded, strict=True))
+        heapq.heapify(queue)
+        return queue
+
+    def _remove(self, index: int) -> None:
+        del self._ids[self._elites.pop(index).id]
+        del self._cells[index]
+        self._neighbourhood.remove(index)
+
+    def to_frame(self) -> pd.DataFrame:
+        """The archive as a table with the columns of `tables.evolution.EPOCH`.
+
+        Rows are sorted by cell, then slot; slot 0 is the most diverse of its cell.
+        """
+        rows = []
+        diversities = self._neighbourhood.diversities(list(self._elites))
+        for (index, elite), diversity in zip(self._elites.items(), diversities, strict=True):
+            complexity_cell, difficulty_cell = self._cells[index]
+            rows.append(
+                {
+                    "id": elite.id,
+                    **elite.genome,
+                    "voxels": elite.voxels,
+                    "complexity": elite.complexity,
+                    "difficulty": elite.difficulty,
+                    "diversity": diversity,
+                    "complexity_cell": complexity_cell,
+                    "difficulty_cell": difficulty_cell,
+                    "parents": list(elite.parents),
+                    "epoch": elite.epoch,
+                    "graph": reeb.pack(elite.graph),
+                }
+            )
+        if not rows:
+            return parquet.empty(EPOCH)
+        cell = ["difficulty_cell", "complexity_cell"]
+        frame = pd.DataFrame(rows).sort_values(
+            [*cell, "diversity", "id"], ascending=[True, True, False, True], ignore_index=True
+        )
+        return frame.assign(slot=frame.groupby(cell).cumcount())
+
+
+def elites_of(frame: pd.DataFrame) -> list[Elite]:
+    """The elites of a table with the columns of `tables.evolution.EPOCH`, in its order."""
+    return [
+        Elite(
+            id=row["id"],
+            genome={name: row[name] for name in GENOME.names},
+            voxels=row["voxels"],
+            complexity=row["complexity"],
+            difficulty=row["difficulty"],
+            graph=reeb.unpack(row["graph"]),
+            parents=tuple(row["parents"]),
+            epoch=row["epoch"],
+        )
+        for row in parquet.records(frame)
+    ]
+
+
+def merge(
+    frames: Iterable[pd.DataFrame], space: Space, similarity: Similarity, threads: int = 1
+) -> pd.DataFrame:
+    """Insert the survivors of all islands into one archive.
+
+    Args:
+        frames: Tables with the columns of `tables.evolution.EPOCH`, in the order of the islands.
+        space: Cells and their limit.
+        similarity: How diversity is measured.
+        threads: Diversities found at once; no result depends on it.
+
+    Returns:
+        A table with the same columns.
+    """
+    archive = Archive(space, similarity, threads)
+    archive.add(elite for frame in frames for elite in elites_of(frame))
+    return archive.to_frame()

@@ -1,0 +1,81 @@
+"""What an archive was made with, kept in its file, so that nothing else is laid on top of it."""
+
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from egad.errors import UserError
+from egad.measures.custom import source_hash
+from egad.pipeline.config.stage_settings import Evolve, Measuring, StageSettings
+from egad.tables import parquet
+
+SECTIONS = (
+    "seed",
+    "gripper",
+    "axes",
+    "complexity",
+    "difficulty",
+    "similarity",
+    "sampling",
+    "quality",
+    "robust",
+    "shape",
+    "space",
+)
+MEASURING = ("gripper", "axes", "source", "difficulty", "sampling", "quality", "robust")
+
+
+def provenance(settings: StageSettings) -> dict[str, Any]:
+    """What the measures in an archive depend on: settings, and the user's own measures."""
+    counts = dict.fromkeys(SECTIONS, True) | {"gripper": {"opening"}}  # the rest is for the hand
+    notes: dict[str, Any] = settings.model_dump(mode="json", include=counts)
+    if isinstance(settings, Measuring):
+        notes["source"] = {axis: source_hash(name) for axis, name in settings.axes if name}
+    if isinstance(settings, Evolve):
+        notes["evolution"] = {"regrade": settings.evolution.regrade}
+    return notes
+
+
+def differences(
+    path: Path, settings: StageSettings, sections: Collection[str] | None = None
+) -> list[str]:
+    """What an archive was made with that is different in a configuration, a line each.
+
+    What either does not say is left out: archives of other programs, or of an older version.
+
+    Args:
+        path: The archive.
+        settings: Those to be used.
+        sections: What must be equal; everything if None.
+
+    Raises:
+        TableError: The file is damaged.
+    """
+    theirs, ours = dict(_flat(parquet.notes(path))), dict(_flat(provenance(settings)))
+    return [
+        f"  {key}: {theirs[key]} in the archive, {ours[key]} in the configuration"
+        for key in sorted(theirs.keys() & ours.keys())
+        if theirs[key] != ours[key] and (sections is None or key.split(".")[0] in sections)
+    ]
+
+
+def check_provenance(
+    path: Path, settings: StageSettings, sections: Collection[str] | None = None
+) -> None:
+    """Make sure that an archive was made with the settings that are to be used with it.
+
+    Raises:
+        UserError: It was not; the message names both values of each difference.
+        TableError: The file is damaged.
+    """
+    if different := differences(path, settings, sections):
+        raise UserError("\n".join([f"{path} was made with other settings:", *different]))
+
+
+def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Values of nested tables by their dotted names."""
+    for name, value in values.items():
+        if isinstance(value, Mapping) and value:
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value

@@ -1,0 +1,101 @@
+"""Which genomes are bred next."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import convolve
+
+from egad.cppn.genome import Row, child, neat_config, random_genome
+from egad.map_elites.archive import Elite
+from egad.measures.grid import complexity_cells, difficulty_cells
+from egad.measures.parameters import Space
+from egad.pipeline.config.stage_settings import Evolve
+from egad.random import entropy, generator
+
+LEAST = 0.25  # weight of a parent that has no empty place around it: it may still be drawn
+
+
+@dataclass(frozen=True)
+class Offspring:
+    """A genome that has not been evaluated, and where it comes from."""
+
+    genome: Row
+    parents: tuple[str, ...]
+
+
+def breed(elites: Sequence[Elite], settings: Evolve, *index: int) -> list[Offspring]:
+    """The offspring of one step.
+
+    Parents are drawn from the whole archive, a second one with the crossover probability. Without
+    any elites the offspring are random genomes (EGAD, section III-D). Drawing them by empty places,
+    litters of siblings and restarts are ours.
+
+    Args:
+        elites: The archive, in a fixed order.
+        settings: Population, crossover and mutation.
+        *index: Names the step: epoch, island, step. Every child has its own random stream.
+    """
+    config = neat_config(settings.neat)
+    rng = generator(settings.seed, "parents", *index)
+    drawn = _parents(elites, settings, rng)
+    litter = []
+    for number, parents in enumerate(drawn):
+        seed = entropy(settings.seed, "child", *index, number)
+        genome = (
+            child(config, [parent.genome for parent in parents], seed)
+            if parents
+            else random_genome(config, seed)
+        )
+        litter.append(Offspring(genome, tuple(parent.id for parent in parents)))
+    return litter
+
+
+def _parents(
+    elites: Sequence[Elite], settings: Evolve, rng: np.random.Generator
+) -> list[list[Elite]]:
+    """The parents of each child; none for a random genome."""
+    evolution = settings.evolution
+    if not elites:
+        return [[]] * evolution.population
+    chances = (
+        _running(parent_odds(elites, settings.space)) if evolution.parents == "sparse" else None
+    )
+    drawn: list[list[Elite]] = []
+    while len(drawn) < evolution.population:
+        parents = [elites[_draw(rng, len(elites), chances)]]
+        if rng.random() < evolution.crossover_probability:
+            parents.append(elites[_draw(rng, len(elites), chances)])
+        if evolution.restart and rng.random() < evolution.restart:
+            parents = []
+        drawn += [parents] * evolution.siblings
+    return drawn[: evolution.population]
+
+
+def _running(odds: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Running sums of chances, the last one 1."""
+    sums = np.cumsum(odds)
+    return np.asarray(sums / sums[-1])
+
+
+def _draw(rng: np.random.Generator, count: int, chances: NDArray[np.float64] | None) -> int:
+    """One of so many, all alike or by running sums of their chances."""
+    if chances is None:
+        return int(rng.integers(count))
+    return int(np.searchsorted(chances, rng.random(), side="right"))
+
+
+def parent_odds(elites: Sequence[Elite], space: Space) -> NDArray[np.float64]:
+    """The chance of each of n elites to be a parent, (n,), by the empty places around it (ours).
+
+    The weight of an elite is the number of places that are empty in its cell and the eight around
+    it, and a little more.
+    """
+    columns = complexity_cells([elite.complexity for elite in elites], space)
+    rows = difficulty_cells([elite.difficulty for elite in elites], space)
+    counts = np.zeros((space.cells, space.cells))
+    np.add.at(counts, (rows, columns), 1)
+    empty = convolve(space.elites_per_cell - counts, np.ones((3, 3)), mode="constant")
+    weights = empty[rows, columns] + LEAST
+    return np.asarray(weights / weights.sum())

@@ -1,0 +1,64 @@
+"""The space that objects are spread over: cells of complexity and difficulty, and their names."""
+
+import string
+from collections.abc import Iterable
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from egad.measures.parameters import Space
+
+Cells = NDArray[np.int64]
+
+
+def cells(values: ArrayLike, low: float, high: float, count: int) -> Cells:
+    """The cell of each value among `count` equal ones; values outside go to the nearest cell.
+
+    Source: EGAD's released code (values are clipped to the range).
+    """
+    scaled = (np.asarray(values, dtype=np.float64) - low) / (high - low) * count
+    return np.clip(np.floor(scaled), 0, count - 1).astype(np.int64)
+
+
+def complexity_cells(complexity: ArrayLike, space: Space, count: int | None = None) -> Cells:
+    """Cells along complexity, 0 = simplest."""
+    return cells(complexity, *space.complexity_range, count or space.cells)
+
+
+def difficulty_cells(difficulty: ArrayLike, space: Space, count: int | None = None) -> Cells:
+    """Cells along difficulty, 0 = easiest, that is, of the highest grasp quality."""
+    count = count or space.cells
+    return count - 1 - cells(difficulty, *space.difficulty_range, count)
+
+
+def cell_name(complexity_cell: int, difficulty_cell: int) -> str:
+    """The name of a cell, as labels begin: `M14`."""
+    return f"{string.ascii_uppercase[difficulty_cell]}{complexity_cell:02d}"
+
+
+def labels(complexity_cell: Iterable[int], difficulty_cell: Iterable[int]) -> list[str]:
+    """Names as published, in the order given: `M14_3` is the fourth object of cell (14, M)."""
+    seen: dict[tuple[int, int], int] = {}
+    names = []
+    for column, row in zip(complexity_cell, difficulty_cell, strict=True):
+        slot = seen.get((column, row), 0)
+        seen[column, row] = slot + 1
+        names.append(f"{cell_name(column, row)}_{slot}")
+    return names
+
+
+def coverage(objects: pd.DataFrame, space: Space) -> float:
+    """The part of all places that is filled, each cell having as many as it keeps elites.
+
+    Source: EGAD, Table III, where 2331 objects fill 93 % of 2500 places.
+    """
+    counts = objects.groupby(["complexity_cell", "difficulty_cell"]).size()
+    filled = counts.clip(upper=space.elites_per_cell).sum()
+    return float(filled / (space.cells**2 * space.elites_per_cell))
+
+
+def filled_cells(objects: pd.DataFrame, space: Space) -> float:
+    """The part of all cells that hold at least one object."""
+    filled = objects[["complexity_cell", "difficulty_cell"]].drop_duplicates()
+    return len(filled) / space.cells**2

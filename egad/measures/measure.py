@@ -1,0 +1,73 @@
+"""Where an object lies in the space: its complexity and its difficulty."""
+
+import hashlib
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+
+from egad.measures.complexity import complexity
+from egad.measures.custom import own_value
+from egad.measures.difficulty import difficulty
+from egad.pipeline.config.stage_settings import Measuring
+from egad.random import generator
+
+
+class Coordinates(NamedTuple):
+    """The measures that span the space.
+
+    Attributes:
+        complexity: Entropy of the angular deficits, bits; or the user's own measure.
+        difficulty: Percentile of grasp quality; high is easy. Or the user's own measure.
+        grasps: How many grasps the percentile was taken from; 0 for a measure of the user.
+    """
+
+    complexity: float
+    difficulty: float
+    grasps: int
+
+
+def coordinates(
+    mesh: trimesh.Trimesh, settings: Measuring, grasps: int, rng: np.random.Generator
+) -> Coordinates:
+    """Measure a closed mesh.
+
+    Args:
+        mesh: One body, wound outwards, of any size.
+        settings: What the measures depend on.
+        grasps: Grasps to sample.
+        rng: Where the grasps come from.
+
+    Raises:
+        RejectedError: The mesh cannot be measured, or has no grasp.
+        UserError: A measure of the user cannot be found.
+    """
+    axes = settings.axes
+    quality, found = (
+        (own_value(axes.difficulty, mesh), 0)
+        if axes.difficulty
+        else difficulty(mesh, settings, grasps, rng)
+    )
+    across = (
+        own_value(axes.complexity, mesh)
+        if axes.complexity
+        else complexity(mesh, settings.complexity.bins)
+    )
+    return Coordinates(across, quality, found)
+
+
+def graded(mesh: trimesh.Trimesh, settings: Measuring, grasps: int) -> Coordinates:
+    """Measure a closed mesh by grasps that are named after its triangles.
+
+    So a mesh has the same coordinates in every dataset, under every name and in every unit.
+
+    Args:
+        mesh: One body, wound outwards, of any size.
+        settings: What the measures depend on.
+        grasps: Grasps to sample.
+
+    Raises:
+        RejectedError: The mesh cannot be measured, or has no grasp.
+    """
+    triangles = hashlib.sha256(np.asarray(mesh.faces, "<i8").tobytes()).hexdigest()
+    return coordinates(mesh, settings, grasps, generator(settings.seed, "regrade", triangles))

@@ -1,0 +1,103 @@
+"""The space that objects are spread over, and its measures."""
+
+from itertools import pairwise
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from egad._util.parameters import (
+    Name,
+    Percent,
+    PositiveFraction,
+    Range,
+    Section,
+    SideFraction,
+    ascending,
+)
+
+
+class Space(Section):
+    """The two axes that objects are spread over, and the archive of their elites."""
+
+    complexity_range: Range = Field((1.0, 5.0), description="complexities that the cells span")
+    difficulty_range: Range = Field(
+        (0.0005, 0.004), description="grasp qualities that the cells span: high is easy"
+    )
+    cells: int = Field(25, ge=1, le=26, description="cells along each axis")
+    elites_per_cell: int = Field(4, ge=1, le=255, description="most objects kept in a cell")
+    neighbours: int = Field(
+        10, ge=1, description="diversity is the mean distance to this many nearest objects"
+    )
+
+    @model_validator(mode="after")
+    def _ranges_ascend(self) -> Self:
+        ascending(self, "complexity_range", "difficulty_range")
+        return self
+
+
+class Axes(Section):
+    """Measures of your own as the axes of the space, in the place of complexity or difficulty.
+
+    `FILE.py:FUNCTION` or `package.module:FUNCTION` names a function from a closed
+    `trimesh.Trimesh` in metres to a number.
+    """
+
+    complexity: str = Field("", description="in the place of complexity; empty: none")
+    difficulty: str = Field(
+        "", description="in the place of difficulty, high values in row A; empty: none"
+    )
+
+    @model_validator(mode="after")
+    def _functions_are_named(self) -> Self:
+        for key, text in self:
+            module, _, function = text.rpartition(":")
+            if text and not (module and function.isidentifier()):
+                raise ValueError(
+                    f"{key} is {text!r}; allowed: FILE.py:FUNCTION or package.module:FUNCTION"
+                )
+        return self
+
+
+class Complexity(Section):
+    """Shape complexity: the entropy of the angular deficits of the vertices."""
+
+    bins: int = Field(512, ge=2, description="histogram bins over [-2 pi, 2 pi)")
+
+
+class Difficulty(Section):
+    """Grasp difficulty: a percentile of the quality of sampled grasps. High values are easy."""
+
+    gripper: Name = Field("yumi", description="gripper of the table that grasps are sampled for")
+    metric: Literal["plain", "robust"] = Field(
+        "plain",
+        description="quality of a grasp, or its mean over disturbed copies; the published letters "
+        "follow the plain one (rank correlation 0.94 against 0.43, docs/measures.md)",
+    )
+    grasps: int = Field(100, ge=1, description="grasps sampled while evolving")
+    percentile: float = Field(75, ge=0, le=100, description="percentile of the qualities, percent")
+    side_fraction: PositiveFraction = Field(
+        0.8, description="objects are scaled until their smallest side is this part of the opening"
+    )
+
+
+class SizeEffect(Section):
+    """How grasp quality changes with the size of an object."""
+
+    fractions: list[SideFraction] = Field(
+        [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2],
+        min_length=1,
+        description="sizes: smallest side of the minimum-volume box over the opening, ascending",
+    )
+    percentiles: list[Percent] = Field(
+        [65.0, 75.0, 85.0], min_length=1, description="percentiles of the quality, ascending"
+    )
+    grasps: int = Field(200, ge=1, description="grasps sampled at each size")
+    repeats: int = Field(5, ge=1, description="times that this is done with other random numbers")
+
+    @model_validator(mode="after")
+    def _lists_ascend(self) -> Self:
+        for name in ("fractions", "percentiles"):
+            values = getattr(self, name)
+            if any(low >= high for low, high in pairwise(values)):
+                raise ValueError(f"{name} must ascend, got {', '.join(map(str, values))}")
+        return self

@@ -1,0 +1,109 @@
+"""How grasp quality changes with the size of an object.
+
+The figure is EGAD's (Morrison, Corke and Leitner, RA-L 2020): percentiles of grasp quality over the
+size of an object relative to its gripper. Repetitions and the share of candidates are ours.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import trimesh
+from numpy.typing import NDArray
+
+from egad.geometry.rays import RayCaster
+from egad.geometry.scaling import box_sides
+from egad.grasps.quality import ferrari_canny
+from egad.grasps.sampler import sample
+from egad.measures.difficulty import center_of_mass, percentile
+from egad.pipeline.config.stage_settings import SizeCurves
+from egad.random import generator
+from egad.tables.grasping import SIZE_EFFECT
+
+Floats = NDArray[np.float64]
+
+
+def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeCurves) -> pd.DataFrame:
+    """Sample and rate grasps of an object at several sizes.
+
+    The object is scaled until the smallest side of its minimum-volume box is the fraction of the
+    opening. Grasps without quality count as zeros.
+
+    Args:
+        mesh: The object, closed, its triangles winding outwards, in any unit: its own size does not
+            matter.
+        name: Its name, which the random numbers follow from.
+        settings: Gripper, sizes, percentiles, and how grasps are sampled and rated.
+
+    Returns:
+        Columns of `tables.grasping.SIZE_EFFECT`: a row for each fraction, repetition and
+        percentile; the quality is NaN where there is no grasp.
+
+    Raises:
+        RejectedError: The object is flat.
+    """
+    wanted, opening = settings.size_effect, settings.gripper.opening
+    side = float(box_sides(mesh)[0])
+    rows: list[dict[str, Any]] = []
+    for fraction in wanted.fractions:
+        factor = fraction * opening / side
+        scaled = trimesh.Trimesh(np.asarray(mesh.vertices) * factor, mesh.faces, process=False)
+        caster = RayCaster(scaled)
+        for repeat in range(wanted.repeats):
+            rng = generator(settings.seed, "size-effect", name, f"{fraction:g}", repeat)
+            known = {"name": name, "fraction": fraction, "repeat": repeat}
+            rows.extend(known | row for row in _rated(caster, settings, rng))
+    return pd.DataFrame(rows, columns=SIZE_EFFECT.names)
+
+
+def _rated(
+    caster: RayCaster, settings: SizeCurves, rng: np.random.Generator
+) -> Iterator[dict[str, Any]]:
+    """What was found at one size, a row a percentile."""
+    wanted = settings.size_effect
+    grasps, tally = sample(caster, settings.gripper.opening, wanted.grasps, settings.sampling, rng)
+    qualities = ferrari_canny(
+        grasps.points,
+        grasps.normals,
+        grasps.axes,
+        center_of_mass(caster.mesh),
+        **settings.quality.model_dump(),
+    )
+    for percent in wanted.percentiles:
+        yield {
+            "candidates": tally.tried,
+            "possible": tally.tried - tally.too_wide - tally.not_antipodal - tally.blocked,
+            "grasps": len(grasps),
+            "percentile": percent,
+            "quality": percentile(qualities, percent) if len(grasps) else np.nan,
+        }
+
+
+def summarised(table: pd.DataFrame) -> pd.DataFrame:
+    """Means and spread over the repetitions.
+
+    Args:
+        table: Columns of `tables.grasping.SIZE_EFFECT`.
+
+    Returns:
+        A row for each name, fraction and percentile, in that order, names as they come: `mean`,
+        `low` and `high` quality over the repetitions that found grasps (NaN if none did), `grasps`
+        (mean number), `share` (of the candidates that are possible) and `found` (part of the
+        repetitions with grasps).
+    """
+    groups = table.groupby(["name", "fraction", "percentile"], sort=False)
+    numbers = groups.agg(
+        mean=("quality", "mean"),
+        low=("quality", "min"),
+        high=("quality", "max"),
+        grasps=("grasps", "mean"),
+        found=("quality", "count"),
+        repeats=("quality", "size"),
+        candidates=("candidates", "sum"),
+        possible=("possible", "sum"),
+    ).reset_index()
+    return numbers.assign(
+        share=numbers["possible"] / numbers["candidates"],
+        found=numbers["found"] / numbers["repeats"],
+    ).drop(columns=["repeats", "candidates", "possible"])

@@ -1,0 +1,97 @@
+"""Compact image sets: Parquet shards whose rows are images, compressed, with their grasps.
+
+    images = read("results/egad/images/egad_75mm", split="train")
+    images[0].depth, images[0].grasps.u
+
+`Images` is a dataset for a torch `DataLoader(images, collate_fn=list)`; pictures are decoded when
+they are asked for.
+"""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import overload
+
+import pandas as pd
+
+from egad._util.names import known
+from egad.errors import UserError
+from egad.learning.splits import SPLITS
+from egad.perception.image_rows import decoded
+from egad.perception.rendering import Picture
+from egad.tables import parquet
+from egad.tables.images import IMAGES
+
+
+def files(folder: Path) -> list[Path]:
+    """The shards of a folder, in the order of their images.
+
+    Raises:
+        UserError: Some are missing, or are not all of one set.
+        TableError: One is damaged.
+    """
+    found = sorted(folder.glob("images-*.parquet"))
+    if not found:
+        raise UserError(f"{folder}: no images here; `egad render` and the workflow make them")
+    notes = {path.name: parquet.notes(path) for path in found}
+    totals = {each.get("shards") for each in notes.values()}
+    if len(totals) > 1 or not isinstance(total := totals.pop(), int):
+        raise UserError(f"{folder}: its shards are of several sets; render them again")
+    made = [parquet.origin_of(path) for path in found]
+    if any(each.get(key) != made[0].get(key) for each in made for key in ("settings", "inputs")):
+        raise UserError(f"{folder}: its shards are of several sets; render them again")
+    whole = [f"images-{number}.parquet" for number in range(total)]
+    if missing := [name for name in whole if name not in notes]:
+        raise UserError(f"{folder}: half written, {_listed(missing)} of {total} shards missing")
+    return [folder / name for name in whole]
+
+
+def _listed(names: list[str]) -> str:
+    few = ", ".join(names[:3])
+    return few if len(names) <= 3 else f"{few} and {len(names) - 3} more"
+
+
+class Images(Sequence[Picture]):
+    """The images of a set, in the order of their numbers, decoded one by one.
+
+    Attributes:
+        table: Their rows: all columns of `tables.images.IMAGES`, pictures as PNG files.
+    """
+
+    def __init__(self, table: pd.DataFrame) -> None:
+        self.table = table
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    @overload
+    def __getitem__(self, index: int) -> Picture: ...
+    @overload
+    def __getitem__(self, index: slice) -> "Images": ...
+    def __getitem__(self, index: int | slice) -> "Picture | Images":
+        if isinstance(index, slice):
+            return Images(self.table.iloc[index])
+        return decoded({str(name): value for name, value in self.table.iloc[index].items()})
+
+
+def read(folder: str | Path, split: str | None = None) -> Images:
+    """The images of a folder; they stay compressed in memory, some 10 kB each.
+
+    Args:
+        folder: With `images-N.parquet`.
+        split: `train`, `validation` or `test`; all of them if None.
+
+    Raises:
+        UserError: Shards are missing, or are not all of one set; there is no such split.
+        TableError: A shard is damaged.
+    """
+    parts = list(shards(folder, split))
+    return Images(pd.concat(parts, ignore_index=True) if parts else parquet.empty(IMAGES))
+
+
+def shards(folder: str | Path, split: str | None = None) -> Iterator[pd.DataFrame]:
+    """The rows of one shard after the other: arguments and errors are those of `read`."""
+    if split is not None:
+        known("split", split, SPLITS)
+    for path in files(Path(folder)):
+        table = parquet.read(path, IMAGES)
+        yield table if split is None else table[table["split"] == split]

@@ -1,0 +1,167 @@
+"""Grasp rectangles in an image: projected from grasps in 3D, and compared with each other.
+
+Rectangles are rows of an array (n, 5): u and v of the centre, pixels, pixel (0, 0) having its
+centre at 0, 0; the angle of the closing axis, radians anticlockwise as seen from the image's x
+axis, in [-pi/2, pi/2); the opening along that axis and the breadth of the jaws across it, pixels.
+"""
+
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.grasps.collision import roomy
+from egad.grasps.parameters import Gripper
+from egad.perception.reachability import Grasped
+from egad.perception.scenes import Scene
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+
+
+class ImageGrasps(NamedTuple):
+    """Grasps in an image; pixel (0, 0) has its centre at u = v = 0.
+
+    Attributes:
+        grasp: (n,) numbers of the labels.
+        u: (n,) column of the centre, pixels.
+        v: (n,) row of the centre, pixels.
+        angle: (n,) of the closing axis, anticlockwise as seen in the image, from its x axis
+            (right), radians in [-pi/2, pi/2).
+        opening: (n,) how far the hand opens, at the depth of the centre, pixels.
+        depth_center: (n,) of the centre, along the optical axis, metres.
+        quality: (n,).
+        free: (n,) whether the hand touches neither object nor table.
+    """
+
+    grasp: Ints
+    u: Floats
+    v: Floats
+    angle: Floats
+    opening: Floats
+    depth_center: Floats
+    quality: Floats
+    free: Flags
+
+    def chosen(self, which: Flags | Ints) -> "ImageGrasps":
+        """Some of them."""
+        return ImageGrasps(*(values[which] for values in self))  # type: ignore[arg-type]
+
+    def ends(self) -> Floats:
+        """Both ends of each opening, pixels, (n, 2, 2) u and v."""
+        half = self.opening / 2
+        along = np.stack([np.cos(self.angle) * half, -np.sin(self.angle) * half], axis=1)
+        middle = np.stack([self.u, self.v], axis=1)
+        return np.stack([middle - along, middle + along], axis=1)
+
+
+def projected(scene: Scene, grasps: Grasped, free: Flags, gripper: Gripper) -> ImageGrasps:
+    """Grasps in the image of a scene; those whose centres are beside it are left out.
+
+    Args:
+        scene: Object and camera.
+        grasps: In the frame of the mesh.
+        free: (n,) which of them are free.
+        gripper: The hand, for how far it opens.
+    """
+    matrix, camera = np.linalg.inv(scene.camera) @ scene.matrix, scene.intrinsics
+    centers = grasps.centers @ matrix[:3, :3].T + matrix[:3, 3]
+    aside = grasps.widths[:, None] / 2 * (grasps.axes @ matrix[:3, :3].T)
+    u, v = camera.pixels(centers).T
+    right, down = (camera.pixels(centers + aside) - camera.pixels(centers - aside)).T
+    found = ImageGrasps(
+        grasp=grasps.numbers,
+        u=u,
+        v=v,
+        angle=half_turn(np.arctan2(-down, right)),
+        opening=roomy(grasps.widths, gripper) * camera.focal / centers[:, 2],
+        depth_center=centers[:, 2],
+        quality=grasps.qualities,
+        free=free,
+    )
+    inside = (np.abs(u - (camera.width - 1) / 2) <= camera.width / 2) & (
+        np.abs(v - (camera.height - 1) / 2) <= camera.height / 2
+    )
+    return found.chosen(inside)
+
+
+Rectangles = NDArray[np.float64]
+LEAST_OVERLAP = 0.25
+MOST_TURN = np.pi / 6
+
+
+def half_turn(angle: Any) -> Any:  # noqa: ANN401 (a number or an array)
+    """Angles of axes, which have no direction, in [-pi/2, pi/2), radians."""
+    within = (angle + np.pi / 2) % np.pi - np.pi / 2
+    return np.where(within >= np.pi / 2, -np.pi / 2, within)
+
+
+def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
+    """Whether a proposed rectangle is as good as one of the labelled ones, by the usual score.
+
+    Jiang, Moseson and Saxena, "Efficient grasping from RGBD images", ICRA 2011: intersection over
+    union above 0.25 and axes less than 30 degrees apart, both with the same label.
+
+    Args:
+        proposed: (4,) u, v, angle and opening. The networks say nothing of the breadth of the
+            jaws: it is taken from each label (ours; GG-CNN takes half of the opening).
+        truth: (n, 5) labels.
+    """
+    near = truth[np.abs(half_turn(truth[:, 2] - proposed[2])) < MOST_TURN]
+    return any(overlap(np.append(proposed, row[4]), row) > LEAST_OVERLAP for row in near)
+
+
+@numba.njit(cache=True)
+def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    """Intersection over union of two rectangles (5,), exact; 0 if one has no area."""
+    area = one[3] * one[4]
+    other_area = other[3] * other[4]
+    if area <= 0 or other_area <= 0:
+        return 0.0
+    # In the frame of the other, the four half-planes that it is made of are |x| < w, |y| < h.
+    turn = one[2] - other[2]
+    across_u, across_v = one[0] - other[0], one[1] - other[1]
+    cosine, sine = np.cos(other[2]), np.sin(other[2])
+    x, y = cosine * across_u - sine * across_v, -sine * across_u - cosine * across_v
+    corners = np.empty((4, 2))
+    for k in range(4):
+        along = one[3] / 2 * (1 if k in (0, 3) else -1)
+        aside = one[4] / 2 * (1 if k < 2 else -1)
+        corners[k, 0] = x + np.cos(turn) * along - np.sin(turn) * aside
+        corners[k, 1] = y + np.sin(turn) * along + np.cos(turn) * aside
+    for axis, limit in ((0, other[3] / 2), (1, other[4] / 2)):
+        for sign in (1.0, -1.0):
+            corners = _clipped(corners, axis, sign, limit)
+    common = _area(corners)
+    result: float = common / (area + other_area - common)
+    return result
+
+
+@numba.njit(cache=True)
+def _clipped(
+    corners: NDArray[np.float64], axis: int, sign: float, limit: float
+) -> NDArray[np.float64]:
+    """The part of a convex polygon (n, 2) where sign * coordinate <= limit."""
+    kept = np.empty((2 * len(corners), 2))
+    count = 0
+    for k in range(len(corners)):
+        here, there = corners[k], corners[(k + 1) % len(corners)]
+        inside, outside = limit - sign * here[axis], limit - sign * there[axis]
+        if inside >= 0:
+            kept[count] = here
+            count += 1
+        if inside * outside < 0:
+            kept[count] = here + (there - here) * (inside / (inside - outside))
+            count += 1
+    return kept[:count]
+
+
+@numba.njit(cache=True)
+def _area(corners: NDArray[np.float64]) -> float:
+    total = 0.0
+    for k in range(len(corners)):
+        here, there = corners[k], corners[(k + 1) % len(corners)]
+        total += here[0] * there[1] - here[1] * there[0]
+    return abs(total) / 2

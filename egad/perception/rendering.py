@@ -1,0 +1,101 @@
+"""Depth images of an object in its stable poses, with the grasps that can be reached."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from egad.geometry.mass import mass_properties
+from egad.geometry.rays import RayCaster
+from egad.geometry.stable_poses import stable_poses
+from egad.learning.splits import Share
+from egad.perception.camera import Eye, View, object_mask
+from egad.perception.noise import spoilt
+from egad.perception.reachability import Grasped, Hand, reachable
+from egad.perception.rectangles import ImageGrasps, projected
+from egad.perception.scenes import drawn_poses, drawn_scene
+from egad.pipeline.config.stage_settings import RenderedImages
+from egad.random import generator
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A depth image of an object on the table, with its grasps.
+
+    Attributes:
+        image: Its number in the dataset.
+        id: Of the object.
+        label: Of the object.
+        split: `train`, `validation` or `test`.
+        pose: Number of the stable pose.
+        view: Depth in metres, not a number where it is missing; the camera and its pose.
+        mask: (height, width) which pixels see the object.
+        matrix: (4, 4) from the frame of the scaled mesh to the world, whose table is z = 0.
+        grasps: The grasps that can be reached from above, in the image.
+    """
+
+    image: int
+    id: str
+    label: str
+    split: str
+    pose: int
+    view: View
+    mask: Flags
+    matrix: Floats
+    grasps: ImageGrasps
+
+    @property
+    def depth(self) -> NDArray[np.float32]:
+        """Metres along the optical axis, (height, width); not a number where it is missing."""
+        return self.view.depth
+
+
+def pictures(
+    mesh: trimesh.Trimesh, grasps: Grasped, share: Share, hand: Hand, settings: RenderedImages
+) -> Iterator[Picture]:
+    """All images of an object, in the order of their numbers: by pose, then by view.
+
+    What chance decides comes from the seed, the object, the pose and the number of the view there.
+
+    Args:
+        mesh: The object as it is grasped, closed, metres.
+        grasps: Its labelled grasps; there may be none.
+        share: Its names and how many images it gets.
+        hand: What is to grasp it.
+        settings: Camera, noise, which grasps are reachable.
+
+    Raises:
+        RejectedError: It rests in no pose.
+    """
+    seed, name = settings.seed, share.id
+    with np.errstate(invalid="ignore", divide="ignore"):  # flat ones rest in no pose
+        com = mass_properties(mesh, 1.0).com
+    poses = stable_poses(mesh, com)
+    eye, caster = Eye(mesh), RayCaster(mesh)
+    numbers = drawn_poses(poses, share.images, generator(seed, "render poses", name))
+    image = share.first
+    for pose, count in zip(*np.unique(numbers, return_counts=True), strict=True):
+        resting = poses[pose].transform(com)
+        tilt = float(np.radians(settings.render.tilt))
+        found, free = reachable(caster, grasps, resting, hand, tilt)
+        for view in range(count):
+            rng = generator(seed, "render", name, int(pose), view)
+            scene = drawn_scene(resting, com, settings.camera, rng)
+            ideal = eye.look(*scene)
+            yield Picture(
+                image=image,
+                id=name,
+                label=share.label,
+                split=share.split,
+                pose=int(pose),
+                view=spoilt(ideal, settings.image_noise, rng),
+                mask=object_mask(ideal),
+                matrix=scene.matrix,
+                grasps=projected(scene, found, free, settings.gripper),
+            )
+            image += 1

@@ -1,0 +1,86 @@
+"""An object at rest on a table, and a camera over it, as chance has them."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from egad.geometry.stable_poses import StablePose
+from egad.perception.camera import LOOKING_DOWN, Intrinsics
+from egad.perception.parameters import Camera
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class Scene(NamedTuple):
+    """Where an object and a camera are; the table is z = 0.
+
+    Attributes:
+        matrix: (4, 4) from the frame of the mesh to the world.
+        intrinsics: The camera.
+        camera: (4, 4) from the frame of the camera (x right, y down, z forward) to the world.
+    """
+
+    matrix: Floats
+    intrinsics: Intrinsics
+    camera: Floats
+
+
+def drawn_poses(poses: Sequence[StablePose], count: int, rng: np.random.Generator) -> Ints:
+    """Numbers of the poses of so many images, ascending, drawn by their probabilities.
+
+    The draws are evenly spaced in probability: a pose comes up as often as it should, rounded up
+    or down by chance.
+
+    Args:
+        poses: Their probabilities add up to 1.
+        count: How many to draw.
+        rng: Source of chance.
+    """
+    ends = np.cumsum([pose.probability for pose in poses])
+    places = (rng.random() + np.arange(count)) / max(count, 1) * ends[-1]
+    return np.asarray(np.minimum(np.searchsorted(ends, places, side="right"), len(poses) - 1))
+
+
+def drawn_scene(
+    resting: Floats, center: Floats, settings: Camera, rng: np.random.Generator
+) -> Scene:
+    """An object turned and shifted on the table, and a camera that looks at the table's middle.
+
+    All is uniform within its range, as in Dex-Net (Mahler et al. 2017).
+
+    Args:
+        resting: (4, 4) `StablePose.transform`, centre of mass above the origin.
+        center: (3,) centre of mass in the frame of the mesh.
+        settings: The ranges.
+        rng: Source of chance.
+    """
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_rotvec([0, 0, rng.uniform(0, 2 * np.pi)]).as_matrix()
+    matrix[:2, 3] = rng.uniform(-settings.shift, settings.shift, 2)
+    matrix = matrix @ resting
+    camera = _camera(settings, rng)
+    width, height = settings.image
+    middle = np.array([(width - 1) / 2, (height - 1) / 2])
+    intrinsics = Intrinsics(width, height, rng.uniform(*settings.focal), (middle[0], middle[1]))
+    if settings.centered:
+        seen = np.linalg.inv(camera) @ matrix @ np.append(center, 1)
+        u, v = 2 * middle - intrinsics.pixels(seen[None, :3])[0]
+        intrinsics = intrinsics._replace(center=(float(u), float(v)))
+    return Scene(matrix, intrinsics, camera)
+
+
+def _camera(settings: Camera, rng: np.random.Generator) -> Floats:
+    """A camera on a sphere around the origin; upright, x is to the right, as `camera.above`."""
+    distance = rng.uniform(*settings.distance)
+    tilt, roll = np.radians([rng.uniform(*settings.tilt), rng.uniform(*settings.roll)])
+    towards = rng.uniform(0, 2 * np.pi)
+    lean = Rotation.from_rotvec(tilt * np.array([np.cos(towards), np.sin(towards), 0]))
+    pose = np.eye(4)
+    turn = Rotation.from_rotvec([0, 0, roll]).as_matrix()
+    pose[:3, :3] = lean.as_matrix() @ LOOKING_DOWN @ turn
+    pose[:3, 3] = -distance * pose[:3, 2]
+    return pose

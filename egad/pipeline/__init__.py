@@ -1,0 +1,1 @@
+"""The pipeline: configuration, stages, commands, provenance and progress."""

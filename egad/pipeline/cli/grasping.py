@@ -1,0 +1,97 @@
+"""Tools about grasps: how quality depends on size, and a look at labelled grasps."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from egad._util.names import known
+from egad.errors import UserError
+from egad.pipeline.cli.common import (
+    CORES,
+    TOOL,
+    Config,
+    GripperName,
+    Jobs,
+    Meshes,
+    Units,
+    app,
+    changed,
+    files_in,
+    settings_in,
+)
+from egad.pipeline.cli.measuring import complain
+
+Charts = Annotated[
+    list[Path],
+    typer.Option("--out", help="file to write: .svg, .parquet or .csv; may be repeated"),
+]
+Grasps = Annotated[int | None, typer.Option(min=1, help="grasps; else as in the configuration")]
+
+
+@app.command(name="size-effect", rich_help_panel=TOOL)
+def size_effect(
+    meshes: Meshes,
+    units: Units,
+    gripper: GripperName = None,
+    out: Charts = [],  # noqa: B006 (typer copies it)
+    grasps: Grasps = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Rate grasps of any meshes at several sizes, relative to the opening of a gripper."""
+    from egad._util.files import write_text
+    from egad.exchange.folders import object_names
+    from egad.exchange.frames import check_ending, write_frame
+    from egad.pipeline.cli.show import size_curves
+    from egad.pipeline.config.stage_settings import SizeCurves, select
+    from egad.pipeline.stages import size_effect as stage
+    from egad.report.size_chart import size_chart
+    from egad.tables.grasping import SIZE_EFFECT
+
+    for path in out:
+        check_ending(path, (".svg", ".parquet", ".csv"))
+    whole = changed(settings_in(config), "size_effect", grasps=grasps)
+    name = known("gripper", gripper or whole.targets.grippers[0], whole.grippers)
+    files = object_names(files_in(meshes))
+    table, reasons = stage.curves(select(whole, SizeCurves, name), files, units, jobs)
+    complain(reasons, len(files))
+    for path in out:
+        if path.suffix.lower() == ".svg":
+            write_text(path, size_chart(table))
+        else:
+            write_frame(table, SIZE_EFFECT, path)
+    size_curves(table)
+
+
+@app.command(rich_help_panel=TOOL)
+def view(
+    item: Annotated[str, typer.Argument(metavar="OBJECT", help="label of an object, or mesh file")],
+    gripper: GripperName = None,
+    dataset: Annotated[
+        Path, typer.Option("--in", help="folder of the dataset that has the label")
+    ] = Path("results/egad"),
+    units: Annotated[str | None, typer.Option(help="unit of a mesh file: m, cm, mm, inch")] = None,
+    out: Annotated[Path, typer.Option(help="page to write")] = Path("view.html"),
+    grasps: Annotated[int | None, typer.Option(min=1, help="grasps of a mesh file")] = None,
+    config: Config = None,
+) -> None:
+    """Show an object in 3D with its labelled grasps: one HTML page that opens offline."""
+    from egad._util.files import write_text
+    from egad.exchange.folders import ENDINGS
+    from egad.exchange.frames import check_ending
+    from egad.pipeline.config.stage_settings import ViewMesh, select
+    from egad.pipeline.stages import view as stage
+    from egad.report.viewer import page
+
+    check_ending(out, (".html",))
+    whole = changed(settings_in(config), "grasp_label", grasps=grasps)
+    name = known("gripper", gripper or whole.targets.grippers[0], whole.grippers)
+    if Path(item).suffix.lower() not in ENDINGS and not Path(item).is_file():
+        shown = stage.from_dataset(dataset, name, item, whole.grippers[name].opening)
+    elif units is None:
+        raise UserError(f"{item} is a mesh file: say with --units what it is in: m, cm, mm or inch")
+    else:
+        shown = stage.from_mesh(Path(item), units, select(whole, ViewMesh, name))
+    write_text(out, page(shown, name, whole.grippers[name]))
+    typer.echo(f"{shown.name}: {shown.note or f'{len(shown.grasps)} grasps'}; see {out}")

@@ -1,0 +1,147 @@
+"""Tools that measure any meshes: how complex and difficult, how alike, and where in the space."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from egad.errors import UserError
+from egad.pipeline.cli.common import (
+    CORES,
+    TOOL,
+    Config,
+    Jobs,
+    Meshes,
+    Units,
+    app,
+    changed,
+    files_in,
+    settings_in,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+TableFile = Annotated[Path | None, typer.Option(help="table to write: .parquet or .csv")]
+Grasps = Annotated[
+    int | None, typer.Option(min=1, help="grasps to grade by; else as in the configuration")
+]
+Bases = Annotated[
+    str | None, typer.Option(help="even, or scan: as the original program; else the configuration")
+]
+Among = Annotated[
+    Path,
+    typer.Option("--in", help="archive.parquet, released, or folder of a dataset"),
+]
+PageFile = Annotated[
+    list[Path], typer.Option(help="file to write: .html, .parquet or .csv; may be repeated")
+]
+
+
+@app.command(rich_help_panel=TOOL)
+def measure(
+    meshes: Meshes,
+    units: Units,
+    out: TableFile = None,
+    grasps: Grasps = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Measure complexity and difficulty of any meshes, and name their cells."""
+    from egad.exchange.folders import object_names
+    from egad.exchange.frames import check_ending, write_frame
+    from egad.pipeline.cli.show import measured
+    from egad.pipeline.config.stage_settings import MeasureMeshes, select
+    from egad.pipeline.stages import measure as stage
+    from egad.report.axes import axis_pair
+    from egad.tables.objects import MEASURED
+
+    check_ending(out)
+    whole = changed(settings_in(config), "postprocess", grasps=grasps)
+    files = object_names(files_in(meshes))
+    table = stage.run(select(whole, MeasureMeshes), files, units, jobs)
+    if out is not None:
+        write_frame(table, MEASURED, out)
+    measured(table, axis_pair(whole.axes))
+    complain(_reasons(table), len(table))
+
+
+@app.command(rich_help_panel=TOOL)
+def similarity(
+    meshes: Meshes,
+    units: Units,
+    out: TableFile = None,
+    bases: Bases = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Compare any meshes with each other: 1 for the same shape, 0 for nothing in common."""
+    from egad.exchange.folders import object_names
+    from egad.exchange.frames import check_ending, write_matrix
+    from egad.pipeline.cli.show import square
+    from egad.pipeline.stages import similarity as stage
+
+    check_ending(out)
+    whole = changed(settings_in(config), "similarity", bases=bases)
+    files = object_names(files_in(meshes))
+    matrix, reasons = stage.run(whole.similarity, files, units, jobs)
+    if out is not None:
+        write_matrix(matrix, out)
+    square(matrix)
+    complain(reasons, len(files))
+
+
+@app.command(rich_help_panel=TOOL)
+def locate(
+    meshes: Meshes,
+    units: Units,
+    among: Among,
+    out: PageFile = [Path("locate.html")],  # noqa: B006 (typer copies it)
+    grasps: Grasps = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Show where any meshes lie in the space of a dataset, and the objects most like them."""
+    from egad._util.files import write_text
+    from egad.data import named
+    from egad.exchange.folders import object_names
+    from egad.exchange.frames import check_ending, write_frame
+    from egad.pipeline.cli.show import located
+    from egad.pipeline.config.stage_settings import LocateMeshes, select
+    from egad.pipeline.stages import locate as stage
+    from egad.report.axes import axis_pair
+    from egad.report.locations import page
+    from egad.tables.objects import LOCATED
+
+    for path in out:
+        check_ending(path, (".html", ".parquet", ".csv"))
+    whole = changed(settings_in(config), "postprocess", grasps=grasps)
+    settings = select(whole, LocateMeshes)
+    objects = stage.reference(named(among), settings)
+    table, shown = stage.run(settings, objects, object_names(files_in(meshes)), units, jobs)
+    for path in out:
+        if path.suffix.lower() == ".html":
+            reasons = _reasons(table)
+            text = page(str(among), objects.objects, shown, reasons, settings.space, settings.axes)
+            write_text(path, text)
+        else:
+            write_frame(table, LOCATED, path)
+    located(table, axis_pair(settings.axes))
+    complain(_reasons(table), len(table))
+
+
+def _reasons(table: "pd.DataFrame") -> dict[str, str]:
+    """Names of the meshes that could not be used, and why."""
+    rejected = table[table["reason"] != ""]
+    return dict(zip(rejected["name"], rejected["reason"], strict=True))
+
+
+def complain(reasons: Mapping[str, str], total: int) -> None:
+    """Say which meshes could not be used, and why; an error if none could."""
+    for name, reason in reasons.items():
+        typer.echo(f"{name}: {reason}", err=True)
+    if len(reasons) == total:
+        raise UserError(f"none of the {total} meshes could be used")
+    if reasons:
+        typer.echo(f"{len(reasons)} of {total} meshes could not be used", err=True)

@@ -1,0 +1,161 @@
+"""Tables on the terminal."""
+
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+
+import pandas as pd
+from rich.console import Console
+from rich.table import Table
+
+from egad.measures.grid import cell_name
+from egad.report.axes import AxisPair
+from egad.report.environment import p_value
+from egad.report.trial_views import Pair
+from egad.stats.rates import Mean
+
+DASH = "-"
+WIDE = 200  # columns of a table that goes into a file
+MOST = 12  # columns of a matrix that still can be read
+
+
+def measured(table: pd.DataFrame, axes: AxisPair) -> None:
+    """Print columns of `tables.objects.MEASURED`."""
+    show(
+        ["name", *_titles(axes), "cell", "grasps"],
+        [(*_place(row, axes), number(row["grasps"], 0)) for row in _rows(table)],
+    )
+
+
+def located(table: pd.DataFrame, axes: AxisPair) -> None:
+    """Print columns of `tables.objects.LOCATED`."""
+    show(
+        ["name", *_titles(axes), "cell", *_orders(axes), "diversity", "nearest"],
+        [
+            (
+                *_place(row, axes),
+                number(row["complexity_percentile"], 0),
+                number(row["difficulty_percentile"], 0),
+                number(row["diversity"], 3),
+                row["nearest"][0] if isinstance(row["nearest"], list) else DASH,
+            )
+            for row in _rows(table)
+        ],
+    )
+
+
+def size_curves(table: pd.DataFrame) -> None:
+    """Print columns of `tables.grasping.SIZE_EFFECT`: means, lowest to highest in brackets."""
+    from egad.measures.size_effect import summarised
+
+    numbers = summarised(table)
+    percents = [f"{percent:g}" for percent in numbers["percentile"].unique()]
+    show(
+        ["name", "side/opening", "possible %", *(f"quality/1000 p{each}" for each in percents)],
+        [
+            (
+                str(name),
+                number(float(rows["fraction"].iloc[0]), 2),
+                number(100 * rows["share"].iloc[0], 1),
+                *(_spread(row) for row in _rows(rows)),
+            )
+            for (name, _), rows in numbers.groupby(["name", "fraction"], sort=False)
+        ],
+    )
+
+
+def square(matrix: pd.DataFrame) -> None:
+    """Print a matrix of similarities, or what it is like if it is too large."""
+    if len(matrix) > MOST:
+        known = matrix.notna().any()
+        print(f"{len(matrix)} meshes, {known.sum()} compared; --out writes their similarities")
+        return
+    numbers = [[number(value, 3) for value in row] for row in matrix.to_numpy()]
+    names = [str(name) for name in matrix.index]
+    show(["", *names], [(name, *row) for name, row in zip(names, numbers, strict=True)])
+
+
+def succeeded(rates: Mapping[str, Mean]) -> None:
+    """Print success rates by detector."""
+    show(
+        ["detector", "attempts", "success %", "95 % interval"],
+        [
+            (name, str(rate.attempts), number(100 * rate.value, 1), _interval(rate.interval))
+            for name, rate in rates.items()
+        ],
+    )
+
+
+def compared(pairs: Sequence[Pair]) -> None:
+    """Print what is known of each two detectors."""
+    show(
+        [
+            "first against second",
+            *("attempts of both", "difference %", "95 % interval", "p over objects"),
+            *("that began alike", "only first", "only second", "p over these"),
+        ],
+        [
+            (
+                f"{pair.first} against {pair.second}",
+                str(pair.result.attempts),
+                number(100 * pair.result.difference, 1),
+                _interval(pair.result.interval),
+                p_value(pair.result.p_objects),
+                str(pair.result.alike),
+                str(pair.result.only_first),
+                str(pair.result.only_second),
+                p_value(pair.result.p_attempts),
+            )
+            for pair in pairs
+        ],
+    )
+
+
+def show(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table on stdout, the first and the last column of words to the left."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for place, column in enumerate(columns):
+        left = place == 0 or column == "nearest"
+        table.add_column(column, justify="left" if left else "right", no_wrap=place == 0)
+    for row in rows:
+        table.add_row(*row)
+    width = None if sys.stdout.isatty() else WIDE
+    Console(width=width, highlight=False, markup=False).print(table)
+
+
+def number(value: float, digits: int) -> str:
+    """A number, or a dash if there is none."""
+    return DASH if pd.isna(value) else f"{value:.{digits}f}"
+
+
+def _interval(ends: tuple[float, float]) -> str:
+    return " to ".join(number(100 * end, 1) for end in ends)
+
+
+def _rows(table: pd.DataFrame) -> list[pd.Series]:
+    return [row for _, row in table.iterrows()]
+
+
+def _spread(row: pd.Series) -> str:
+    """Mean, lowest and highest quality in thousandths."""
+    if pd.isna(row["mean"]):
+        return DASH
+    mean, low, high = (1000 * row[name] for name in ("mean", "low", "high"))
+    return f"{mean:.2f} ({low:.2f} to {high:.2f})"
+
+
+def _titles(axes: AxisPair) -> list[str]:
+    return [axis.value + (f"/{axis.factor}" if axis.factor != 1 else "") for axis in axes]
+
+
+def _orders(axes: AxisPair) -> tuple[str, str]:
+    """What the objects before this one are, along both axes."""
+    words = {"simple": "simpler %", "low": "lower %", "easy": "easier %", "high": "higher %"}
+    return words[axes.across.start], words[axes.upwards.start]
+
+
+def _place(row: pd.Series, axes: AxisPair) -> tuple[str, str, str, str]:
+    """Name, complexity, difficulty and cell of a row."""
+    unknown = pd.isna(row["complexity_cell"])
+    cell = DASH if unknown else cell_name(int(row["complexity_cell"]), int(row["difficulty_cell"]))
+    quality = number(axes.upwards.factor * row["difficulty"], 3)
+    return str(row["name"]), number(row["complexity"], 3), quality, cell

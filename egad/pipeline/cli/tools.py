@@ -1,0 +1,165 @@
+"""Tools that make files: scaled meshes, the meshes of an archive, pictures."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from egad.errors import UserError
+from egad.pipeline.cli.common import (
+    CORES,
+    TOOL,
+    Config,
+    Jobs,
+    Meshes,
+    Out,
+    OutFolder,
+    Units,
+    app,
+    files_in,
+    parse,
+    settings_in,
+)
+from egad.pipeline.cli.recorded import recorded
+from egad.pipeline.config import Settings
+
+ArchiveFile = Annotated[Path, typer.Argument(help="archive.parquet, or: released")]
+
+
+@app.command(rich_help_panel=TOOL)
+def rescale(
+    meshes: Meshes,
+    out: OutFolder,
+    settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
+    opening: Annotated[float | None, typer.Option(help="opening of the gripper, metres")] = None,
+    rule: Annotated[str, typer.Option(help="paper, egad-script or exact")] = "paper",
+    units: Units = "m",
+    ending: Annotated[str, typer.Option("--format", help="obj (m) or stl (mm)")] = "obj",
+    jobs: Jobs = CORES,
+) -> None:
+    """Scale any meshes to a gripper."""
+    from egad.geometry.scaling import scale_suffix
+    from egad.pipeline.config.check import check
+    from egad.pipeline.config.stage_settings import RescaleMeshes, select
+    from egad.pipeline.stages import rescale as stage
+
+    if settings is not None:
+        parsed = parse(RescaleMeshes, settings)
+    elif opening is not None:
+        grippers = {**Settings().model_dump()["grippers"], "yours": {"opening": opening}}
+        config = {"grippers": grippers, "rescale": {"rule": rule}}
+        parsed = select(check(config), RescaleMeshes, "yours")
+    else:
+        raise UserError("rescale needs --opening, the widest opening of the gripper in metres")
+    if f".{ending}" not in stage.WRITERS:
+        allowed = ", ".join(each[1:] for each in stage.WRITERS)
+        raise UserError(f"--format is {ending!r}; allowed: {allowed}")
+    if settings is None:
+        files = reads = files_in(meshes)
+        suffix = scale_suffix(rule, parsed.gripper.opening)
+        _spare(out, files)
+    else:  # of the pipeline's own folder, which may be empty
+        files, reads = [each for path in meshes for each in sorted(path.glob("*.obj"))], meshes
+        suffix = ""
+    with recorded("rescale", parsed, reads, [out], units=units, format=ending):
+        rejected = stage.run(parsed, files, units, out, ending, suffix, jobs)
+    if rejected:
+        typer.echo(f"{rejected} files could not be used: see {out / 'rejected.parquet'}")
+
+
+@app.command(rich_help_panel=TOOL)
+def bundle(
+    meshes: Meshes,
+    out: OutFolder,
+    settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
+    evaluation: Annotated[
+        Path | None, typer.Option("--eval", help="evaluation set, of a folder of scaled meshes")
+    ] = None,
+    units: Units = "m",
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Make any meshes ready for simulators: convex parts, URDF, MJCF, poses at rest."""
+    from egad.pipeline.config.stage_settings import SimulationBundle, select
+    from egad.pipeline.stages import bundle as stage
+
+    if settings is not None:
+        parsed = parse(SimulationBundle, settings)
+    else:
+        parsed = select(settings_in(config), SimulationBundle)
+    if evaluation is not None:
+        if len(meshes) != 1 or not meshes[0].is_dir():
+            raise UserError("bundle --eval takes one folder of meshes, those of the evaluation set")
+        objects = stage.evaluation_objects(evaluation, meshes[0])
+    else:
+        objects = stage.any_objects(files_in(meshes))
+    if settings is None:
+        _spare(out, [item.path for item in objects], "bundle.parquet")
+    reads = [evaluation, *meshes] if evaluation else [item.path for item in objects]
+    with recorded("bundle", parsed, reads, units=units):
+        rejected = stage.run(parsed, objects, units, out, jobs)
+    if rejected:
+        typer.echo(f"{rejected} objects could not be used: see {out / 'rejected.parquet'}")
+
+
+@app.command(rich_help_panel=TOOL)
+def materialise(archive: ArchiveFile, out: OutFolder, config: Config = None) -> None:
+    """Write the meshes of an archive as ID.obj, in metres, as they came out of evolution."""
+    from egad.data import named
+    from egad.map_elites.provenance import check_provenance
+    from egad.pipeline.config.stage_settings import LocateMeshes, select
+    from egad.pipeline.stages import materialise as stage
+
+    _spare(out)
+    archive, settings = named(archive), settings_in(config)
+    check_provenance(archive, select(settings, LocateMeshes), ("shape",))
+    typer.echo(f"{stage.run(archive, out, settings.shape)} meshes in {out}")
+
+
+@app.command(rich_help_panel=TOOL)
+def collage(
+    dataset: Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")],
+    out: Out,
+    config: Config = None,
+) -> None:
+    """Draw the objects of a dataset at their places in the space, as one PNG picture."""
+    from egad.pipeline.stages import collage as stage
+
+    settings = settings_in(config)
+    stage.run(dataset, out, settings.space, settings.axes)
+
+
+@app.command(rich_help_panel=TOOL)
+def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
+    """Draw how many elites each cell of an archive holds, as SVG."""
+    from egad._util.files import write_text
+    from egad.data import named
+    from egad.map_elites.provenance import check_provenance
+    from egad.pipeline.config.stage_settings import LocateMeshes, select
+    from egad.report.axes import axis_pair
+    from egad.report.dataset_maps import dataset_maps
+    from egad.tables import parquet
+    from egad.tables.evolution import ARCHIVE
+
+    settings = settings_in(config)
+    check_provenance(named(archive), select(settings, LocateMeshes), ("space",))
+    objects = parquet.read(named(archive), ARCHIVE)
+    maps = dataset_maps({archive.stem: objects}, settings.space, axis_pair(settings.axes))
+    write_text(out, maps)
+
+
+@app.command(name="check-config", rich_help_panel=TOOL)
+def check_config(files: list[Path]) -> None:
+    """Check configuration files and list every problem."""
+    for file in files:
+        settings_in(file)
+        typer.echo(f"{file}: fine")
+
+
+def _spare(folder: Path, files: Sequence[Path] = (), table: str = "scales.parquet") -> None:
+    """Refuse to replace a folder that holds anything but what this command wrote before."""
+    foreign = folder.exists() and any(folder.iterdir()) and not (folder / table).exists()
+    inside = any(folder.resolve() in file.resolve().parents for file in files)
+    if foreign or inside:
+        raise UserError(f"--out {folder} holds files that would be lost; name a folder of its own")

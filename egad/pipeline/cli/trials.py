@@ -1,0 +1,170 @@
+"""Tools for the results of trials, of the simulation or of a real robot."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from egad._util.names import known
+from egad.errors import UserError
+from egad.pipeline.cli.common import TOOL, Config, GripperName, app, settings_in
+from egad.pipeline.config import Settings
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+trials = typer.Typer(
+    no_args_is_help=True, help="Results of grasping trials: compare, replay, import, template."
+)
+app.add_typer(trials, name="trials", rich_help_panel=TOOL)
+
+Evaluation = Annotated[
+    Path | None, typer.Option("--eval", help="eval49.parquet: difficulty and complexity by object")
+]
+Files = Annotated[
+    list[Path], typer.Option(help="file to write: .html, .parquet or .csv; may be repeated")
+]
+
+
+@trials.command()
+def compare(
+    tables: Annotated[list[Path], typer.Argument(help="results of detectors: .parquet or .csv")],
+    out: Annotated[Path | None, typer.Option(help="page to write: .html")] = None,
+    evaluation: Evaluation = None,
+    config: Config = None,
+) -> None:
+    """Compare detectors that tried the same objects: rates, differences, and if it was luck.
+
+    Tables of the simulation must be of one evaluation set, scaled for one gripper.
+    """
+    from egad.exchange.frames import check_ending
+    from egad.stats.records import gather
+
+    check_ending(out, (".html",))
+    found = gather(tables)
+    if len(found) < 2:
+        raise UserError("compare needs the results of two detectors or more")
+    _tell(found)
+    if out is not None:
+        _write(out, found, evaluation, settings_in(config))
+
+
+@trials.command(name="import")
+def import_(
+    table: Annotated[Path, typer.Argument(help="CSV file with label, attempt, success")],
+    out: Files = [Path("trials.html")],  # noqa: B006 (typer copies it)
+    evaluation: Evaluation = None,
+    config: Config = None,
+) -> None:
+    """Show the results of a real robot as those of the simulation."""
+    import pandas as pd
+
+    from egad.exchange.frames import check_ending, write_frame
+    from egad.stats.records import read
+    from egad.tables.evaluation import RESULTS
+
+    for path in out:
+        check_ending(path, (".html", ".parquet", ".csv"))
+    found, settings = read(table), settings_in(config)
+    _tell(found)
+    for path in out:
+        if path.suffix.lower() == ".html":
+            _write(path, found, evaluation, settings)
+        else:
+            write_frame(pd.concat(found.values()), RESULTS, path)
+
+
+@trials.command()
+def replay(
+    label: Annotated[str, typer.Argument(help="name in the evaluation set, such as C4")],
+    attempt: Annotated[int, typer.Argument(help="number of the attempt, from 0")],
+    out: Annotated[Path | None, typer.Option(help=".gif or .mp4; else LABEL-ATTEMPT.gif")] = None,
+    dataset: Annotated[
+        Path, typer.Option("--in", help="folder of the dataset that has the label")
+    ] = Path("results/egad"),
+    gripper: GripperName = None,
+    policy: Annotated[str | None, typer.Option(help="detector; else the first target")] = None,
+    config: Config = None,
+) -> None:
+    """Repeat an attempt of the simulation, bit by bit, and film it."""
+    from egad.exchange.frames import check_ending
+    from egad.pipeline.config.stage_settings import SimulatedTrials, select
+    from egad.pipeline.config.training_study import with_networks
+    from egad.pipeline.stages import replay as stage
+    from egad.sim.film import ENDINGS
+
+    film = out or Path(f"{label}-{attempt}.gif")
+    check_ending(film, ENDINGS)
+    settings = with_networks(settings_in(config))
+    hand = known("gripper", gripper or settings.targets.grippers[0], settings.grippers)
+    detector = known("policy", policy or settings.targets.policies[0], settings.policies)
+    outcome = stage.run(
+        select(settings, SimulatedTrials, hand, detector),
+        dataset / "trials" / hand / f"{detector}.parquet",
+        dataset / "bundle" / hand,
+        label,
+        attempt,
+        film,
+    )
+    typer.echo(f"{film}: {label}, attempt {attempt}: {outcome}, as before")
+
+
+@trials.command()
+def template(
+    out: Annotated[Path, typer.Option(help="CSV file to write")] = Path("results.csv"),
+    evaluation: Annotated[
+        Path | None, typer.Option("--eval", help="eval49.parquet: its objects, else all places")
+    ] = None,
+    detector: Annotated[str, typer.Option(help="name of the detector")] = "",
+    config: Config = None,
+) -> None:
+    """Write a CSV file to fill in at the robot: a row an attempt, `success` to be 1 or 0."""
+    from egad._util.files import replacing
+    from egad.evalset.datasheet import ATTEMPTS
+    from egad.evalset.selection import labels_of
+    from egad.exchange.frames import check_ending
+    from egad.stats.records import template as empty
+    from egad.tables import parquet
+    from egad.tables.evaluation import EVAL49
+
+    check_ending(out, (".csv",))
+    if out.exists():
+        raise UserError(f"--out {out} is there already, perhaps filled in; name another file")
+    settings = settings_in(config)
+    labels = labels_of(settings.select_eval.rows, settings.select_eval.columns)
+    if evaluation is not None:
+        labels = parquet.read(evaluation, EVAL49)["label"].tolist()
+    frame = empty(labels, ATTEMPTS, detector)
+    with replacing(out) as temporary:
+        frame.to_csv(temporary, index=False)
+    typer.echo(f"{out}: {len(frame)} attempts at {len(labels)} objects")
+
+
+def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
+    """Print rates, and what is known of each two detectors."""
+    from egad.pipeline.cli.show import compared, succeeded
+    from egad.report.trial_views import pairs
+    from egad.stats.rates import mean_rate
+
+    succeeded({name: mean_rate(table) for name, table in found.items()})
+    if len(found) > 1:
+        compared(pairs(found))
+
+
+def _write(
+    out: Path, found: "Mapping[str, pd.DataFrame]", evaluation: Path | None, settings: Settings
+) -> None:
+    from egad._util.files import write_text
+    from egad.evalset.selection import place
+    from egad.report.axes import axis_pair
+    from egad.report.trial_views import Set
+    from egad.report.trials_page import page
+    from egad.tables import parquet
+    from egad.tables.evaluation import EVAL49
+
+    chosen = None if evaluation is None else parquet.read(evaluation, EVAL49)
+    places = [place(label) for table in found.values() for label in table["label"].unique()]
+    rows = max(settings.select_eval.rows, *(row + 1 for row, _ in places))
+    columns = max(settings.select_eval.columns, *(column + 1 for _, column in places))
+    write_text(out, page(found, Set(rows, columns, chosen, axis_pair(settings.axes))))

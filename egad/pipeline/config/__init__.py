@@ -1,0 +1,87 @@
+"""Every setting of the pipeline, as pydantic models.
+
+The models are the only source of names, defaults, bounds and meanings. `egad.pipeline.config.files`
+generates `config/*.yaml` and the JSON schema from them, and turns validation errors into sentences.
+Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles degrees.
+"""
+
+from egad._util.parameters import Axis, Name, Range, ScaleRule, Section
+from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Region, Shape, Symmetry
+from egad.detectors.parameters import POLICIES, Policy
+from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
+from egad.exchange.parameters import Acronym, DexNet
+from egad.geometry.parameters import Material
+from egad.grasps.parameters import GRIPPERS, GraspLabel, Gripper, Quality, Robust, Sampling
+from egad.learning.parameters import Training
+from egad.map_elites.parameters import Evolution
+from egad.measures.parameters import Axes, Complexity, Difficulty, SizeEffect, Space
+from egad.perception.parameters import CAMERAS, Camera, ImageNoise, Render
+from egad.pipeline.config.sections import (
+    TRAINING_SETS,
+    Dataset,
+    Diversity,
+    Postprocess,
+    Rescale,
+    Schedule,
+    Targets,
+    TrainingSet,
+)
+from egad.pipeline.config.settings import Settings
+from egad.reeb.parameters import Similarity
+from egad.sim.parameters import Agreement, Lifting, Trials
+
+__all__ = [
+    "CAMERAS",
+    "GRIPPERS",
+    "POLICIES",
+    "TRAINING_SETS",
+    "Acronym",
+    "Agreement",
+    "Axes",
+    "Axis",
+    "Bundle",
+    "Camera",
+    "Complexity",
+    "Dataset",
+    "DexNet",
+    "Difficulty",
+    "Diversity",
+    "Engraving",
+    "Envelope",
+    "Evolution",
+    "GraspLabel",
+    "Gripper",
+    "Hole",
+    "ImageNoise",
+    "Lifting",
+    "Limits",
+    "Material",
+    "Name",
+    "Neat",
+    "Part",
+    "Policy",
+    "Postprocess",
+    "PrintCheck",
+    "PrintExport",
+    "Quality",
+    "Range",
+    "Region",
+    "Render",
+    "Rescale",
+    "Robust",
+    "Sampling",
+    "ScaleRule",
+    "Schedule",
+    "Section",
+    "SelectEval",
+    "Settings",
+    "Shape",
+    "Similarity",
+    "SizeEffect",
+    "Space",
+    "Symmetry",
+    "Targets",
+    "Training",
+    "TrainingSet",
+    "Trials",
+]

@@ -1,0 +1,135 @@
+"""The whole configuration, one section after the other."""
+
+from collections.abc import Mapping
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from egad._util.parameters import Name, Section
+from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Shape, Symmetry
+from egad.detectors.parameters import POLICIES, Policy
+from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
+from egad.exchange.parameters import Acronym, DexNet
+from egad.geometry.parameters import Material
+from egad.grasps.parameters import GRIPPERS, GraspLabel, Gripper, Quality, Robust, Sampling
+from egad.learning.parameters import Training
+from egad.map_elites.parameters import Evolution
+from egad.measures.parameters import Axes, Complexity, Difficulty, SizeEffect, Space
+from egad.perception.parameters import CAMERAS, Camera, ImageNoise, Render
+from egad.pipeline.config.sections import (
+    TRAINING_SETS,
+    Dataset,
+    Diversity,
+    Postprocess,
+    Rescale,
+    Schedule,
+    Targets,
+    TrainingSet,
+)
+from egad.reeb.parameters import Similarity
+from egad.sim.parameters import Agreement, Trials
+
+
+class Settings(Section):
+    """The whole configuration."""
+
+    seed: int = Field(0, ge=0, lt=2**32, description="every random draw follows from this number")
+    shards: int = Field(
+        4, ge=1, le=1024, description="jobs a dataset is cut into; does not change any result"
+    )
+    datasets: dict[Name, Dataset] = Field(
+        {"egad": Dataset(source="evolved")}, min_length=1, description="all datasets, by name"
+    )
+    targets: Targets = Targets()
+    schedule: Schedule = Schedule()
+    evolution: Evolution = Evolution()
+    neat: Neat = Neat()
+    shape: Shape = Shape()
+    envelope: Envelope = Envelope()
+    part: Part = Part()
+    hole: Hole = Hole()
+    symmetry: Symmetry = Symmetry()
+    limits: Limits = Limits()
+    space: Space = Space()
+    axes: Axes = Axes()
+    complexity: Complexity = Complexity()
+    difficulty: Difficulty = Difficulty()
+    similarity: Similarity = Similarity()
+    sampling: Sampling = Sampling()
+    quality: Quality = Quality()
+    robust: Robust = Robust()
+    material: Material = Material()
+    postprocess: Postprocess = Postprocess()
+    grasp_label: GraspLabel = GraspLabel()
+    size_effect: SizeEffect = SizeEffect()
+    rescale: Rescale = Rescale()
+    select_eval: SelectEval = SelectEval()
+    print_check: PrintCheck = PrintCheck()
+    print_export: PrintExport = PrintExport()
+    engraving: Engraving = Engraving()
+    bundle: Bundle = Bundle()
+    dexnet: DexNet = DexNet()
+    acronym: Acronym = Acronym()
+    trials: Trials = Trials()
+    agreement: Agreement = Agreement()
+    training: Training = Training()
+    render: Render = Render()
+    image_noise: ImageNoise = ImageNoise()
+    diversity: Diversity = Diversity()
+    grippers: dict[Name, Gripper] = Field(
+        GRIPPERS, min_length=1, description="all grippers, by name"
+    )
+    cameras: dict[Name, Camera] = Field(
+        CAMERAS, min_length=1, description="all cameras of rendered images, by name"
+    )
+    policies: dict[Name, Policy] = Field(
+        POLICIES, min_length=1, description="all grasp detectors, by name"
+    )
+    training_sets: dict[Name, TrainingSet] = Field(
+        TRAINING_SETS, min_length=1, description="all that networks can learn from, by name"
+    )
+
+    @model_validator(mode="after")
+    def _names_refer_to_something(self) -> Self:
+        problems = [
+            *_unknown("targets.datasets", self.targets.datasets, self.datasets),
+            *_unknown("targets.grippers", self.targets.grippers, self.grippers),
+            *_unknown("targets.policies", self.targets.policies, self.policies),
+            *_unknown("render.camera", [self.render.camera], self.cameras),
+            *_unknown("difficulty.gripper", [self.difficulty.gripper], self.grippers),
+            *_unknown(
+                "select_eval.gripper",
+                [name] if (name := self.select_eval.gripper) else [],
+                self.grippers,
+            ),
+            *_unknown("diversity.sets", self.diversity.sets, self.training_sets),
+            *_unknown("diversity.tests", self.diversity.tests, self.datasets),
+            *_unknown("diversity.references", self.diversity.references, self.policies),
+            *self._unknown_datasets_of_sets(),
+        ]
+        evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]
+        if len(evolved) > 1:
+            problems.append(f"datasets: at most one can be evolved, got {', '.join(evolved)}")
+        if "diversity" in self.datasets:
+            problems.append("datasets.diversity: results/diversity is another folder; rename it")
+        if problems:
+            raise ValueError("\n".join(problems))
+        return self
+
+    def _unknown_datasets_of_sets(self) -> list[str]:
+        """Of those sets that are used: the ones by default are of a dataset that may be gone."""
+        used = [name for name in self.diversity.sets if name in self.training_sets]
+        return [
+            problem
+            for name in used
+            if (dataset := self.training_sets[name].dataset)
+            for problem in _unknown(f"training_sets.{name}.dataset", [dataset], self.datasets)
+        ]
+
+
+def _unknown(key: str, used: list[str], table: Mapping[str, Section]) -> list[str]:
+    return [
+        f"{key}: {name!r} is not defined; known: {', '.join(sorted(table))}"
+        for name in used
+        if name not in table
+    ]

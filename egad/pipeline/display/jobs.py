@@ -1,0 +1,104 @@
+"""The jobs that run, and how far each of them is by its log."""
+
+import os
+import threading
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from egad._util.progress import Status, parse_phase
+
+READ_BYTES = 32768  # of the end of a log
+SILENCE = 30.0  # seconds without any output after which a job is not just starting
+
+
+@dataclass(eq=False)
+class Job:
+    """A job that runs.
+
+    Attributes:
+        rule: Name of its rule.
+        message: What it does; words in parentheses at the end are shown only once.
+        log: Its log, if it has one.
+        start: When it started, by the monotonic clock.
+    """
+
+    rule: str
+    message: str
+    log: Path | None
+    start: float = field(default_factory=time.monotonic)
+    _former: tuple[int, int] | None = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._former = self._written()  # what an earlier run left
+
+    @property
+    def title(self) -> str:
+        """What it does, in short."""
+        return self.message.partition(" (")[0] or self.rule
+
+    def read(self) -> tuple[Status | None, str]:
+        """The last progress in its log, and words on what it has done since."""
+        if self.log is None or self._written() in (None, self._former):
+            silent = time.monotonic() - self.start > SILENCE
+            return None, "no output yet" if silent else "starting"
+        return last_progress(last_lines(self.log))
+
+    def _written(self) -> tuple[int, int] | None:
+        try:
+            status = self.log.stat() if self.log else None
+        except OSError:
+            return None
+        return (status.st_mtime_ns, status.st_size) if status else None
+
+
+class Jobs:
+    """The jobs that run, by their numbers in Snakemake. Several threads may use it at once.
+
+    Attributes:
+        steps: How many jobs are done, and how many there are.
+    """
+
+    def __init__(self, steps: int) -> None:
+        """Start without any that runs or is done, of so many."""
+        self.steps = 0, steps
+        self._jobs: dict[int, Job] = {}
+        self._lock = threading.Lock()
+
+    def add(self, number: int, job: Job) -> None:
+        """Add a job."""
+        with self._lock:
+            self._jobs[number] = job
+
+    def remove(self, number: int) -> Job | None:
+        """Remove a job, if it is there."""
+        with self._lock:
+            return self._jobs.pop(number, None)
+
+    def running(self) -> list[Job]:
+        """All jobs in the order in which they were added."""
+        with self._lock:
+            return list(self._jobs.values())
+
+
+def last_progress(lines: list[str]) -> tuple[Status | None, str]:
+    """The last progress that the lines of a log tell, and the phase that has begun since.
+
+    Progress that has come to its end counts only until then.
+    """
+    doing = ""
+    for line in reversed(lines):
+        if status := Status.parse(line):
+            return (None if doing and status.done >= status.total else status), doing
+        doing = doing or parse_phase(line)
+    return None, doing or "starting"
+
+
+def last_lines(log: Path) -> list[str]:
+    """The lines at the end of a log, the first perhaps without its beginning; none without it."""
+    try:
+        with log.open("rb") as file:
+            file.seek(max(file.seek(0, os.SEEK_END) - READ_BYTES, 0))
+            return file.read().decode("utf-8", errors="replace").splitlines()
+    except OSError:
+        return []

@@ -1,0 +1,56 @@
+"""Compile the kernels of the pipeline on a small object: `python -m egad.pipeline.precompile`.
+
+Jobs that run side by side would each compile the kernels that they share. A kernel that is left
+out here is compiled at its first use.
+"""
+
+import multiprocessing
+import sys
+
+import numpy as np
+import trimesh
+
+from egad._util.kernel_cache import compiled_marker
+from egad.cppn.surface import surface
+from egad.geometry.repair import repair
+from egad.grasps.labels import label
+from egad.measures.complexity import complexity
+from egad.measures.similarity import similarities
+from egad.pipeline.config import Settings, Shape
+from egad.pipeline.config.stage_settings import GraspLabels, select
+from egad.random import generator
+from egad.reeb.forest import Forest
+from egad.reeb.graph import extract
+from egad.reeb.neighbours import diversities
+
+
+def compile_grasps() -> None:
+    """Sampling, quality and collisions of grasps; triangles that cross."""
+    mesh = repair(_example()).mesh
+    label(mesh, mesh.center_mass, select(Settings(), GraspLabels), generator(0, "precompile"))
+
+
+def compile_measures() -> None:
+    """Complexity, Reeb graphs and their matching."""
+    mesh, settings = _example(), Settings()
+    complexity(mesh, settings.complexity.bins)
+    graphs, weight = [extract(mesh, settings.similarity)] * 2, settings.similarity.weight
+    diversities(graphs, weight, 1)
+    similarities(Forest(weight, graphs), np.array([[0, 1]]))
+
+
+def _example() -> trimesh.Trimesh:
+    """A small object as evolution makes them."""
+    voxels = np.zeros((25, 25, 25), bool)
+    voxels[8:16, 10:14, 4:20] = voxels[8:12, 4:20, 4:8] = True
+    return surface(voxels, Shape())
+
+
+if __name__ == "__main__":
+    other = multiprocessing.get_context("spawn").Process(target=compile_grasps)
+    other.start()
+    compile_measures()
+    other.join()
+    if other.exitcode:
+        sys.exit("grasp kernels could not be compiled")
+    compiled_marker().touch()

@@ -1,0 +1,1 @@
+"""Stages: each reads and writes files, and calls the library in between."""

@@ -1,0 +1,69 @@
+"""acronym: labelled grasps as ACRONYM files."""
+
+import logging
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from egad._util.files import replacing
+from egad._util.progress import progress
+from egad.errors import UserError
+from egad.exchange.acronym import COLUMNS, Body, Jaws, write_acronym
+from egad.exchange.grasps import by_object
+from egad.exchange.hdf5 import check_key
+from egad.grasps.hand import finger_span
+from egad.pipeline.config.stage_settings import AcronymFiles
+from egad.tables import parquet
+from egad.tables.grasping import SCALES
+from egad.tables.objects import OBJECTS
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: AcronymFiles, gripper: str, objects: Path, scales: Path, grasps: Path, out: Path
+) -> None:
+    """Write a file for each object that has grasps.
+
+    Args:
+        settings: What this stage reads.
+        gripper: Name of the gripper.
+        objects: Table with the columns of `tables.objects.OBJECTS`.
+        scales: Table with the columns of `tables.grasping.SCALES`.
+        grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
+        out: Folder for `LABEL.h5`; the root of their meshes is the folder of the dataset.
+    """
+    check_key(gripper, "gripper")
+    table = parquet.read(objects, OBJECTS)
+    factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()
+    known = {row["label"]: row for row in parquet.records(table) if row["label"] in factors}
+    jaws = Jaws(gripper, settings.gripper.opening, finger_span(settings.gripper)[1])
+    written = 0
+    with replacing(out, keep=False) as folder:
+        folder.mkdir()
+        rows = by_object(grasps, COLUMNS)
+        for label, found in progress(rows, "writing ACRONYM files", len(known)):
+            if label not in known:
+                raise UserError(f"{grasps}: object {label!r} is not in {objects} and {scales}")
+            body = scaled_body(known[label], factors[label], settings.quality.friction)
+            path = folder / f"{check_key(label)}.h5"
+            write_acronym(path, body, jaws, found, settings.acronym.held)
+            written += 1
+    log.info("%d objects", written)
+
+
+def scaled_body(row: dict[str, Any], factor: float, friction: float) -> Body:
+    """The object of a row of `tables.objects.OBJECTS`, scaled about the origin of its mesh."""
+    xx, yy, zz, xy, xz, yz = (
+        row[f"inertia_{part}"] * factor**5 for part in ("xx", "yy", "zz", "xy", "xz", "yz")
+    )
+    return Body(
+        file=f"meshes/{row['label']}.obj",
+        scale=factor,
+        volume=row["volume"] * factor**3,
+        mass=row["mass"] * factor**3,
+        com=factor * np.array([row[f"com_{part}"] for part in "xyz"]),
+        inertia=np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
+        friction=friction,
+    )

@@ -1,0 +1,143 @@
+"""bundle: objects for simulators, each a folder with meshes, URDF, MJCF and its poses at rest."""
+
+import json
+import logging
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from egad._util.files import replacing
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.errors import RejectedError
+from egad.evalset.bundle import Bundled, bundled, page
+from egad.exchange.folders import object_names
+from egad.exchange.meshes import read_mesh, write_obj
+from egad.exchange.simulators import mjcf, urdf
+from egad.exchange.sums import write_sums
+from egad.pipeline.config.stage_settings import SimulationBundle
+from egad.pipeline.stages.shards import rejection
+from egad.tables import parquet
+from egad.tables.evaluation import BUNDLE, EVAL49
+from egad.tables.objects import REJECTED
+
+log = logging.getLogger(__name__)
+
+VISUAL = "visual.obj"
+MOMENTS = tuple(f"inertia_{axes}" for axes in ("xx", "yy", "zz", "xy", "xz", "yz"))
+
+
+class Item(NamedTuple):
+    """A mesh file, and what the object in it is called."""
+
+    label: str
+    id: str
+    path: Path
+
+
+def evaluation_objects(evaluation: Path, meshes: Path) -> list[Item]:
+    """The objects of a table with the columns of `tables.evaluation.EVAL49`."""
+    chosen = parquet.records(parquet.read(evaluation, EVAL49))
+    return [Item(row["label"], row["id"], meshes / f"{row['object_label']}.obj") for row in chosen]
+
+
+def any_objects(files: list[Path]) -> list[Item]:
+    """Mesh files as objects: label and id are their names."""
+    return [Item(name, name, path) for name, path in object_names(files).items()]
+
+
+def run(
+    settings: SimulationBundle, objects: list[Item], units: str, out: Path, worker_count: int = 1
+) -> int:
+    """Write everything that a simulator needs.
+
+    Args:
+        settings: Material, and how the parts are made.
+        objects: Mesh files and names.
+        units: Unit of the meshes.
+        out: Folder for `LABEL/`, `bundle.parquet`, `rejected.parquet`, `README.md` and
+            `SHA256SUMS`.
+        worker_count: Processes; the result does not depend on it.
+
+    Returns:
+        How many objects could not be used; `rejected.parquet` names them.
+    """
+    rows, left_out = [], []
+    with workers(worker_count) as mapper, replacing(out) as folder:
+        folder.mkdir()
+        paths = [item.path for item in objects]
+        results = mapper(partial(_made, units=units, settings=settings), paths)
+        for item, made in zip(objects, progress(results, "making", len(paths)), strict=True):
+            if isinstance(made, str):
+                left_out.append(rejection(item.id, "bundle", f"{item.label}: {made}"))
+            else:
+                _write(folder / item.label, item.label, made, settings.bundle.friction)
+                rows.append(_row(item, made, settings))
+        table = pd.DataFrame(rows, columns=BUNDLE.names)
+        parquet.write(table, BUNDLE, folder / "bundle.parquet")
+        parquet.write(pd.DataFrame(left_out), REJECTED, folder / "rejected.parquet")
+        (folder / "README.md").write_text(page(table, left_out, settings), encoding="utf-8")
+        write_sums(folder)
+    beyond = [row["label"] for row in rows if not row["within"]]
+    if beyond:
+        log.warning("volume error beyond the bound: %s", ", ".join(beyond))
+    log.info("%d objects, %d rejected", len(rows), len(left_out))
+    return len(left_out)
+
+
+def _made(path: Path, units: str, settings: SimulationBundle) -> Bundled | str:
+    """An object ready for simulators, or the reason why there is none."""
+    try:
+        return bundled(read_mesh(path, units), settings.material.density, settings.bundle)
+    except RejectedError as reason:
+        return str(reason)
+
+
+def _write(folder: Path, name: str, made: Bundled, friction: float) -> None:
+    (folder / "parts").mkdir(parents=True)
+    write_obj(made.mesh, folder / VISUAL)
+    parts = [f"parts/part-{number:03d}.obj" for number in range(len(made.parts))]
+    for part, file in zip(made.parts, parts, strict=True):
+        write_obj(part, folder / file)
+    for ending, describe in (("urdf", urdf), ("xml", mjcf)):
+        text = describe(name, VISUAL, parts, made.physics, friction)
+        (folder / f"{name}.{ending}").write_text(text, encoding="utf-8")
+    text = json.dumps(_poses(made), indent=1) + "\n"
+    (folder / "poses.json").write_text(text, encoding="utf-8")
+
+
+def _poses(made: Bundled) -> list[dict[str, Any]]:
+    return [
+        {
+            "probability": pose.probability,
+            "transform": pose.transform(made.physics.com).tolist(),
+            "face_normal": pose.normal.tolist(),
+            "height": pose.height,
+            "margin": float(np.degrees(pose.margin)),
+        }
+        for pose in made.poses
+    ]
+
+
+def _row(item: Item, made: Bundled, settings: SimulationBundle) -> dict[str, Any]:
+    physics, inertia = made.physics, made.physics.inertia
+    moments = (*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2])
+    return {
+        "label": item.label,
+        "id": item.id,
+        "method": settings.bundle.method,
+        "parts": len(made.parts),
+        "volume_error": made.volume_error,
+        "deviation": made.deviation,
+        "within": abs(made.volume_error) <= settings.bundle.volume_error,
+        "poses": len(made.poses),
+        "volume": physics.volume,
+        "density": settings.material.density,
+        "friction": settings.bundle.friction,
+        "mass": physics.mass,
+        **dict(zip(("com_x", "com_y", "com_z"), physics.com, strict=True)),
+        **dict(zip(MOMENTS, moments, strict=True)),
+    }

@@ -1,0 +1,71 @@
+"""Objects of a simulation bundle, and work on them that an engine may end."""
+
+import logging
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+import pandas as pd
+
+from egad.exchange.meshes import read_mesh
+from egad.geometry.mass import MassProperties
+from egad.pipeline.stages.bundle import MOMENTS, VISUAL
+from egad.sim.model import Model, model_of
+from egad.tables import parquet
+from egad.tables.evaluation import BUNDLE
+
+log = logging.getLogger(__name__)
+ENGINE_TIME = 60.0  # seconds; an attempt takes less than one, unless the engine hangs
+Row = Mapping[str, Any]
+Item = TypeVar("Item")
+
+
+def rows_by_id(bundle: Path) -> dict[str, Row]:
+    """Columns of `tables.evaluation.BUNDLE` of each object in the folder of a bundle."""
+    return {
+        row["id"]: row for row in parquet.records(parquet.read(bundle / "bundle.parquet", BUNDLE))
+    }
+
+
+def model_in(bundle: Path, row: Row) -> Model:
+    """An object of a simulation bundle.
+
+    Args:
+        bundle: Its folder.
+        row: Columns of `tables.evaluation.BUNDLE`.
+    """
+    folder = bundle / row["label"]
+    xx, yy, zz, xy, xz, yz = (row[name] for name in MOMENTS)
+    mesh = read_mesh(folder / VISUAL, "m")
+    physics = MassProperties(
+        volume=row["volume"],
+        area=float(mesh.area),
+        com=np.array([row["com_x"], row["com_y"], row["com_z"]]),
+        mass=row["mass"],
+        inertia=np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
+    )
+    parts = [read_mesh(path, "m") for path in sorted((folder / "parts").iterdir())]
+    return model_of(mesh, parts, physics, row["volume_error"])
+
+
+def outlived(
+    row: Row,
+    work: Callable[[Item], pd.DataFrame | None],
+    item: Item | None,
+    otherwise: Callable[[str], pd.DataFrame],
+) -> pd.DataFrame:
+    """What comes of an object of the evaluation set, whatever the engine does.
+
+    Args:
+        row: Label and id of the object.
+        work: Gives its table from the item, or None if the process died of it.
+        item: What the work takes; None if the object is not in the bundle.
+        otherwise: Gives its table from the outcome that all its attempts have then.
+    """
+    table = None if item is None else work(item)
+    if table is not None:
+        return table
+    outcome = "failed" if item is None else "crashed"
+    log.warning("%s (%s): everything %s", row["label"], row["id"], outcome)
+    return otherwise(outcome)

@@ -1,0 +1,33 @@
+"""collage: one picture of all objects of a dataset, at their places in the space."""
+
+from pathlib import Path
+
+from egad._util.files import replacing
+from egad._util.progress import progress
+from egad.exchange.meshes import read_mesh
+from egad.pipeline.config import Axes, Space
+from egad.report.axes import axis_pair
+from egad.report.collage import collage, most_diverse
+from egad.report.render import png_bytes, render
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS
+
+SIZE = 96
+
+
+def run(dataset: Path, out: Path, space: Space, axes: Axes) -> None:
+    """Draw the most diverse object of every cell.
+
+    Args:
+        dataset: Folder of a dataset, with `objects.parquet` and `meshes/`.
+        out: PNG file.
+        space: The cells.
+        axes: What spans them.
+    """
+    shown = most_diverse(parquet.read(dataset / "objects.parquet", OBJECTS))
+    pictures = {
+        label: png_bytes(render(read_mesh(dataset / "meshes" / f"{label}.obj", "m"), SIZE))
+        for label in progress(shown["label"], "drawing", len(shown))
+    }
+    with replacing(out) as temporary:
+        temporary.write_bytes(collage(shown, pictures, space, axes=axis_pair(axes)))

@@ -1,0 +1,96 @@
+"""collect: the objects of all shards become one dataset, with cells, labels and diversities."""
+
+import logging
+from collections import deque
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import trimesh
+from numpy.typing import NDArray
+
+from egad._util.files import replacing
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.exchange.meshes import write_obj
+from egad.measures.grid import complexity_cells, difficulty_cells, labels
+from egad.pipeline.config.stage_settings import Collect
+from egad.pipeline.stages.shards import join
+from egad.reeb import graph as reeb
+from egad.reeb.neighbours import diversities
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: Collect,
+    evolved: bool,
+    solids: list[Path],
+    rejects: list[Path],
+    objects: Path,
+    rejected: Path,
+    meshes: Path,
+    worker_count: int,
+) -> None:
+    """Bring a dataset together.
+
+    Args:
+        settings: What this stage reads.
+        evolved: Whether labels are built from cells, or are the names that the meshes had.
+        solids: The shards, with the columns of `tables.objects.SOLIDS`.
+        rejects: The rejected objects of the shards.
+        objects: The table of the dataset, with the columns of `tables.objects.OBJECTS`.
+        rejected: The table of all rejected objects.
+        meshes: Folder of `LABEL.obj`, in metres.
+        worker_count: Processes that write, threads that compare; the result does not depend on it.
+    """
+    frame = arrange(join(solids, SOLIDS, ["id"]), settings, evolved, worker_count)
+    with workers(worker_count) as mapper, replacing(meshes) as folder:
+        folder.mkdir()
+        columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
+        written = mapper(partial(_write, folder), columns)
+        deque(progress(written, "writing meshes", len(frame)), maxlen=0)
+    parquet.write(join(rejects, REJECTED, ["id", "stage"]), REJECTED, rejected)
+    parquet.write(frame, OBJECTS, objects)
+    log.info("%d objects", len(frame))
+
+
+def arrange(
+    frame: pd.DataFrame, settings: Collect, evolved: bool, threads: int = 1
+) -> pd.DataFrame:
+    """Add cells, diversities and labels, and sort by label."""
+    graphs = [reeb.unpack(data) for data in frame["graph"]]
+    space = settings.space
+    frame = frame.assign(
+        complexity_cell=complexity_cells(frame["complexity"], space),
+        difficulty_cell=difficulty_cells(frame["difficulty"], space),
+        diversity=diversities(
+            graphs, settings.similarity.weight, space.neighbours, threads, _shown
+        ),
+    )
+    if not evolved:
+        return frame.assign(label=frame["id"]).sort_values("label", ignore_index=True)
+    frame = frame.sort_values(
+        ["difficulty_cell", "complexity_cell", "diversity", "id"],
+        ascending=[True, True, False, True],
+        ignore_index=True,
+    )
+    return frame.assign(label=labels(frame["complexity_cell"], frame["difficulty_cell"]))
+
+
+def _shown(batches: list[NDArray[np.int64]]) -> Iterator[NDArray[np.int64]]:
+    return progress(batches, "comparing objects, batches", len(batches))
+
+
+def _write(folder: Path, row: tuple[str, np.ndarray, np.ndarray]) -> None:
+    label, vertices, faces = row
+    write_obj(mesh_of(vertices, faces), folder / f"{label}.obj")
+
+
+def mesh_of(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
+    """The mesh of the flat arrays of a row of `tables.objects.SOLIDS`."""
+    return trimesh.Trimesh(vertices.reshape(-1, 3), faces.reshape(-1, 3), process=False)

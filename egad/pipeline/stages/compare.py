@@ -1,0 +1,47 @@
+"""compare: datasets side by side, as in EGAD's Table III, with a map of each."""
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from egad._util.files import write_text
+from egad.measures.grid import coverage, filled_cells
+from egad.pipeline.config.stage_settings import Compare
+from egad.report.axes import axis_pair
+from egad.report.dataset_maps import dataset_maps
+from egad.report.summary import comparison_text
+from egad.tables import parquet
+from egad.tables.objects import COMPARISON, OBJECTS
+
+
+def run(settings: Compare, datasets: dict[str, Path], out: Path, figure: Path) -> str:
+    """Coverage and diversity of each dataset, and where its objects lie.
+
+    Args:
+        settings: What this stage reads.
+        datasets: Tables with the columns of `tables.objects.OBJECTS`, by name.
+        out: Table with the columns of `tables.objects.COMPARISON`.
+        figure: SVG file with a map of each dataset.
+
+    Returns:
+        The table for a terminal, with the published numbers beneath.
+    """
+    objects = {name: parquet.read(path, OBJECTS) for name, path in datasets.items()}
+    comparison = pd.DataFrame([_row(name, each, settings) for name, each in objects.items()])
+    parquet.write(comparison, COMPARISON, out)
+    write_text(figure, dataset_maps(objects, settings.space, axis_pair(settings.axes)))
+    return comparison_text(comparison)
+
+
+def _row(name: str, objects: pd.DataFrame, settings: Compare) -> dict[str, Any]:
+    diversity = objects["diversity"]
+    return {
+        "dataset": name,
+        "objects": len(objects),
+        "coverage": coverage(objects, settings.space),
+        "filled_cells": filled_cells(objects, settings.space),
+        "diversity_min": diversity.min(),
+        "diversity_max": diversity.max(),
+        "diversity_mean": diversity.mean(),
+    }

@@ -1,0 +1,75 @@
+"""dexnet-objects: what a Dex-Net database holds of the objects of a shard."""
+
+import logging
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from egad._util.progress import progress
+from egad.errors import RejectedError
+from egad.exchange.dexnet import MEASURES, Solid, add_object
+from egad.exchange.hdf5 import check_key, writing
+from egad.exchange.meshes import read_mesh
+from egad.geometry.distance import distance_field
+from egad.geometry.mass import mass_properties
+from egad.geometry.stable_poses import StablePose, stable_poses
+from egad.pipeline.config.stage_settings import DexNetObjects
+from egad.pipeline.stages.shards import rows_in_shard
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS
+
+Floats = NDArray[np.float64]
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: DexNetObjects, objects: Path, meshes: Path, shard: tuple[int, int], out: Path
+) -> None:
+    """Write the objects of a shard: meshes, distance fields, stable poses, masses and measures.
+
+    An object whose stable poses cannot be found has none; the log says so.
+
+    Args:
+        settings: What this stage reads.
+        objects: Table with the columns of `tables.objects.OBJECTS`.
+        meshes: Folder of the scaled meshes.
+        shard: Number of the shard, and of how many.
+        out: HDF5 file with a group an object in its group `objects`.
+    """
+    rows = parquet.records(rows_in_shard(parquet.read(objects, OBJECTS), *shard))
+    with writing(out) as file:
+        group = file.create_group("objects")
+        for row in progress(rows, "computing distance fields", len(rows)):
+            key = check_key(row["label"])
+            try:
+                solid = _solid(settings, row, meshes / f"{key}.obj")
+            except RejectedError as reason:
+                log.warning("%s is left out: %s", key, reason)
+            else:
+                add_object(group, key, solid)
+
+
+def _solid(settings: DexNetObjects, row: Mapping[str, Any], path: Path) -> Solid:
+    mesh = read_mesh(path, "m")
+    mass = mass_properties(mesh, settings.material.density)
+    wanted = settings.dexnet
+    return Solid(
+        mesh=mesh,
+        mass=mass.mass,
+        field=distance_field(mesh, wanted.field_size, wanted.field_padding),
+        poses=_poses(mesh, mass.com, wanted.pose_probability, row["label"]),
+        name=row["id"],
+        measures={name: float(row[name]) for name in MEASURES},
+    )
+
+
+def _poses(mesh: trimesh.Trimesh, com: Floats, least: float, label: str) -> list[StablePose]:
+    try:
+        return [pose for pose in stable_poses(mesh, com) if pose.probability >= least]
+    except RejectedError as reason:
+        log.warning("%s is written without stable poses: %s", label, reason)
+        return []

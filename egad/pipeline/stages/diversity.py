@@ -1,0 +1,90 @@
+"""diversity: networks that learnt from different objects, side by side."""
+
+import logging
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.files import write_text
+from egad.perception.image_shards import files
+from egad.pipeline.config.stage_settings import DiversityReport
+from egad.pipeline.config.training_study import Network, networks
+from egad.report.axes import axis_pair
+from egad.report.diversity_view import Experiment, Images, Training, page
+from egad.report.trial_views import Set
+from egad.stats.records import read
+from egad.stats.training_study import check_starts
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49
+from egad.tables.training import COMPARED, HISTORY, SCORE
+
+log = logging.getLogger(__name__)
+
+
+def run(settings: DiversityReport, gripper: str, results: Path, out: Path, table: Path) -> None:
+    """Write the page about the experiment, and the table of all attempts.
+
+    Args:
+        settings: What this stage reads.
+        gripper: Name of the gripper of the trials.
+        results: Folder of all results.
+        out: The HTML file.
+        table: Table with the columns of `tables.training.COMPARED`.
+
+    Raises:
+        UserError: Attempts that should have begun with the same drop did not.
+    """
+    asked = settings.diversity
+    found = networks(settings.training_sets, asked.sets, asked.seeds)
+    trials = pd.concat(
+        _attempts(results / test / "trials" / gripper, test, found, asked.references)
+        for test in asked.tests
+    )
+    if settings.trials.between == "anew":
+        for _, rows in trials.groupby("test"):
+            check_starts(rows)
+    trained = [each for each in found if settings.training_sets[each.training_set].dataset]
+    made = results / "diversity"
+    experiment = Experiment(
+        settings=settings,
+        table=trials,
+        tests={test: _set(results / test / "eval49.parquet", settings) for test in asked.tests},
+        images={each.training_set: _images(made, each.training_set) for each in trained},
+        trainings={each: _training(made / "networks" / each.folder) for each in trained},
+    )
+    write_text(out, page(experiment))
+    parquet.write(trials, COMPARED, table)
+    log.info("%d networks, %d attempts", len(found), len(trials))
+
+
+def _attempts(folder: Path, test: str, found: list[Network], references: list[str]) -> pd.DataFrame:
+    """All attempts of a test, columns of `COMPARED`."""
+    made_by = {each.name: (each.training_set, each.seed) for each in found}
+    made_by |= dict.fromkeys(references, ("", 0))
+    parts = [
+        read(folder / f"{name}.parquet")[name].assign(test=test, training_set=chosen, seed=seed)
+        for name, (chosen, seed) in made_by.items()
+    ]
+    return pd.concat(parts, ignore_index=True).loc[:, list(COMPARED.names)]
+
+
+def _set(evaluation: Path, settings: DiversityReport) -> Set:
+    grid = settings.select_eval
+    chosen = parquet.read(evaluation, EVAL49)
+    return Set(grid.rows, grid.columns, chosen, axis_pair(settings.axes))
+
+
+def _images(made: Path, name: str) -> Images:
+    batches = [
+        rows
+        for path in files(made / "images" / name)
+        for rows in parquet.batches(path, ["id", "split"])
+    ]
+    rows = pd.concat(batches)
+    train = rows.loc[rows["split"] == "train", "id"]
+    return Images(frozenset(train), len(train))
+
+
+def _training(folder: Path) -> Training:
+    score = parquet.records(parquet.read(folder / "score.parquet", SCORE))[0]
+    return Training(parquet.read(folder / "history.parquet", HISTORY), score)

@@ -1,0 +1,91 @@
+"""grasp-label: labelled grasps of the objects of a shard, scaled to a gripper."""
+
+import logging
+from pathlib import Path
+
+import pandas as pd
+import trimesh
+
+from egad._util.progress import progress
+from egad.errors import RejectedError, UserError
+from egad.exchange.meshes import read_mesh
+from egad.geometry.rays import RayCaster
+from egad.grasps.hand import parts
+from egad.grasps.labels import found, rated, tally_row
+from egad.measures.difficulty import center_of_mass
+from egad.pipeline.config import Gripper
+from egad.pipeline.config.stage_settings import GraspLabels
+from egad.pipeline.stages.shards import rejection, rows_in_shard
+from egad.random import generator
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS, TALLY
+from egad.tables.objects import OBJECTS, REJECTED
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: GraspLabels,
+    objects: Path,
+    meshes: Path,
+    shard: tuple[int, int],
+    out: Path,
+    tally_out: Path,
+    rejected: Path,
+) -> None:
+    """Label the grasps of the objects of a shard.
+
+    Args:
+        settings: What this stage reads.
+        objects: Table with the columns of `tables.objects.OBJECTS`.
+        meshes: Folder of the scaled meshes; grasps are in the frame of these.
+        shard: Number of the shard, and of how many.
+        out: Table with the columns of `tables.grasping.GRASPS`.
+        tally_out: Table with the columns of `tables.grasping.TALLY`.
+        rejected: Table of the objects that have no grasp.
+    """
+    frame = parquet.read(objects, OBJECTS)
+    frame = rows_in_shard(frame, *shard)
+    palm = palm_of(settings.gripper)
+    labelled, tallies, left_out = [], [], []
+    names = zip(frame["id"], frame["label"], strict=True)
+    for object_id, object_label in progress(names, "labelling grasps", len(frame)):
+        named = {"id": object_id, "label": object_label}
+        try:
+            mesh = read_mesh(meshes / f"{object_label}.obj", "m")
+        except RejectedError as reason:
+            left_out.append(rejection(object_id, "grasp-label", reason))
+            continue
+        rng = generator(settings.seed, "grasps", object_id)
+        caster = RayCaster(mesh)
+        grasps, tally = found(caster, settings, rng)
+        if len(grasps):
+            rows = rated(caster, center_of_mass(mesh), grasps, settings, rng, palm)
+            labelled.append(rows.assign(**named))
+        else:
+            rows = parquet.empty(GRASPS)
+            left_out.append(rejection(object_id, "grasp-label", f"no grasp ({tally})"))
+        tallies.append(named | tally_row(settings.grasp_label.grasps, tally, rows))
+    table = pd.concat(labelled) if labelled else parquet.empty(GRASPS)
+    parquet.write(table, GRASPS, out)
+    parquet.write(pd.DataFrame(tallies), TALLY, tally_out)
+    parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
+    log.info("%d grasps, %d objects without any", len(table), len(left_out))
+
+
+def palm_of(gripper: Gripper) -> trimesh.Trimesh | None:
+    """The mesh in the place of a gripper's palm box, if it has one.
+
+    Raises:
+        UserError: The file cannot be used.
+    """
+    if gripper.mesh is None:
+        return None
+    try:
+        mesh = read_mesh(Path(gripper.mesh), "m")
+        parts(gripper, mesh)
+    except RejectedError as reason:
+        raise UserError(
+            f"the mesh {gripper.mesh} of a gripper cannot be used: {reason}"
+        ) from reason
+    return mesh

@@ -1,0 +1,65 @@
+"""image-card: what is in a set of rendered images, for people."""
+
+import logging
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.files import write_text
+from egad.errors import UserError
+from egad.perception.dataset_card import card, summary
+from egad.perception.image_shards import files
+from egad.pipeline.config.stage_settings import RenderedImages
+from egad.pipeline.stages.shards import join
+from egad.tables import parquet
+from egad.tables.objects import REJECTED
+
+log = logging.getLogger(__name__)
+COLUMNS = ["id", "split", "pose", "free"]
+
+
+def tidy(images: Path, shards: int) -> list[Path]:
+    """The shards of a set; those that a larger set before left behind are removed.
+
+    Args:
+        images: Folder of the images.
+        shards: How many the set has.
+
+    Raises:
+        UserError: Shards are missing, or are not all of one set.
+    """
+    if parquet.notes(images / "images-0.parquet").get("shards") != shards:
+        raise UserError(f"{images}: its images are not in {shards} shards; render them again")
+    wanted = {f"images-{number}.parquet" for number in range(shards)}
+    for path in images.glob("images-*.parquet"):
+        if path.name not in wanted:
+            path.unlink()
+    return files(images)
+
+
+def run(
+    settings: RenderedImages,
+    dataset: str,
+    gripper: str,
+    images: list[Path],
+    parts: list[Path],
+    out: Path,
+    rejected: Path,
+) -> None:
+    """Write the card of a set of images, and the table of the objects that have none.
+
+    Args:
+        settings: What the images were rendered with.
+        dataset: Name of the dataset.
+        gripper: Name of the gripper.
+        images: All shards of the images.
+        parts: Rejected objects of the shards.
+        out: Markdown file.
+        rejected: Table with the columns of `tables.objects.REJECTED`.
+    """
+    batches = [rows for path in images for rows in parquet.batches(path, COLUMNS)]
+    rows = pd.concat(batches) if batches else pd.DataFrame(columns=COLUMNS)
+    left_out = join(parts, REJECTED, ["id", "stage"])
+    write_text(out, card(settings, dataset, gripper, summary(rows), left_out))
+    parquet.write(left_out, REJECTED, rejected)
+    log.info("%d images, %d objects without any", len(rows), len(left_out))

@@ -1,0 +1,178 @@
+"""locate: where any meshes lie among the objects of a dataset, and what is most like them."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.cppn.surface import packed_surface
+from egad.errors import RejectedError, UserError
+from egad.exchange.meshes import read_mesh
+from egad.map_elites.provenance import check_provenance
+from egad.measures.grid import labels
+from egad.pipeline.config import Shape, Similarity
+from egad.pipeline.config.stage_settings import LocateMeshes
+from egad.pipeline.stages.measure import measured, warn_of_units
+from egad.reeb import graph as reeb
+from egad.reeb.neighbours import Neighbourhood
+from egad.report.locations import Located, Neighbour
+from egad.report.render import png_bytes, render
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
+from egad.tables.objects import LOCATED, MEASURED, OBJECTS
+
+PORTRAIT, THUMBNAIL = 192, 96
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The objects that others are compared with.
+
+    Attributes:
+        objects: Columns label, complexity, difficulty and cells.
+        load: For each label, how to get the mesh.
+    """
+
+    objects: pd.DataFrame
+    load: Mapping[str, Callable[[], trimesh.Trimesh]]
+
+
+def reference(path: Path, settings: LocateMeshes) -> Reference:
+    """The objects of an archive, or of a folder of a dataset.
+
+    Args:
+        path: An `archive.parquet`, an `objects.parquet` with `meshes/` beside it, or the folder
+            of these.
+        settings: Those that the objects were made with.
+
+    Raises:
+        UserError: There is neither, or it was made with another grid.
+        TableError: The table is damaged.
+    """
+    if path.is_dir():
+        path = path / "objects.parquet"
+    if not path.is_file():
+        raise UserError(f"--in {path}: no such file; name an archive or the folder of a dataset")
+    names = parquet.columns(path)
+    if "voxels" in names:
+        check_provenance(path, settings, ("shape",))
+        found = _of_archive(parquet.read(path, ARCHIVE), settings.shape)
+    elif "watertight" in names:
+        found = _of_dataset(parquet.read(path, OBJECTS), path.parent / "meshes")
+    else:
+        raise UserError(f"--in {path}: neither an archive nor the objects of a dataset")
+    cells = found.objects[["complexity_cell", "difficulty_cell"]].to_numpy()
+    if len(cells) and cells.max() >= settings.space.cells:
+        raise UserError(
+            f"--in {path}: cells up to {cells.max()}, but the configuration has "
+            f"{settings.space.cells} along each axis; name the one of that dataset with --config"
+        )
+    return found
+
+
+def _of_dataset(objects: pd.DataFrame, meshes: Path) -> Reference:
+    files = {label: meshes / f"{label}.obj" for label in objects["label"]}
+    if missing := [file for file in files.values() if not file.is_file()]:
+        raise UserError(f"{missing[0]}: this mesh of the dataset is not there")
+    return Reference(
+        objects, {label: partial(read_mesh, file, "m") for label, file in files.items()}
+    )
+
+
+def _of_archive(archive: pd.DataFrame, shape: Shape) -> Reference:
+    ordered = archive.sort_values(["difficulty_cell", "complexity_cell", "slot"])
+    names = labels(ordered["complexity_cell"], ordered["difficulty_cell"])
+    solids = zip(names, ordered["voxels"], strict=True)
+    return Reference(
+        ordered.assign(label=names).reset_index(drop=True),
+        {label: partial(packed_surface, packed, shape) for label, packed in solids},
+    )
+
+
+def run(
+    settings: LocateMeshes,
+    among: Reference,
+    files: Mapping[str, Path],
+    units: str,
+    worker_count: int,
+) -> tuple[pd.DataFrame, list[Located]]:
+    """Place meshes among the objects of a dataset.
+
+    Args:
+        settings: What this tool reads.
+        among: The objects of the dataset.
+        files: Mesh files by name.
+        units: Unit of their coordinates.
+        worker_count: Processes; the result does not depend on it.
+
+    Returns:
+        Columns of `tables.objects.LOCATED`, a row a mesh in the order given; and what a page shows
+        of those that could be used.
+    """
+    similarity = settings.similarity
+    with workers(worker_count) as mapper:
+        work = partial(_mine, units=units, settings=settings)
+        mine = list(progress(mapper(work, files.items()), "measuring", len(files)))
+        graphs = mapper(partial(_graph, settings=similarity), among.load.values())
+        packed = list(progress(graphs, "Reeb graphs", len(among.load)))
+    hood = Neighbourhood(similarity.weight, settings.space.neighbours)
+    hood.add(reeb.unpack(graph) for graph in packed)  # indices are those of the rows
+    rows = [_placed(item, hood, among.objects) for item in mine]
+    warn_of_units(pd.DataFrame([item.row for item in mine], columns=MEASURED.names), units)
+    return pd.DataFrame(rows, columns=LOCATED.names), [
+        _located(row, item, among) for row, item in zip(rows, mine, strict=True) if item.graph
+    ]
+
+
+class _Mine(NamedTuple):
+    """A mesh of the user: its row, and its packed graph and picture if it could be used."""
+
+    row: dict[str, Any]
+    graph: bytes = b""
+    picture: bytes = b""
+
+
+def _mine(item: tuple[str, Path], units: str, settings: LocateMeshes) -> _Mine:
+    name, path = item
+    try:
+        solid, row = measured(read_mesh(path, units), settings)
+        graph = reeb.pack(reeb.extract(solid, settings.similarity))
+    except RejectedError as reason:
+        return _Mine({"name": name, "reason": str(reason)})
+    return _Mine({"name": name, **row, "reason": ""}, graph, png_bytes(render(solid, PORTRAIT)))
+
+
+def _graph(load: Callable[[], trimesh.Trimesh], settings: Similarity) -> bytes:
+    return reeb.pack(reeb.extract(load(), settings))
+
+
+def _placed(item: _Mine, hood: Neighbourhood, objects: pd.DataFrame) -> dict[str, Any]:
+    """A row of `tables.objects.LOCATED`."""
+    if not item.graph:
+        return item.row
+    near, distances = hood.nearest_to(reeb.unpack(item.graph))
+    simpler = objects["complexity"] < item.row["complexity"]
+    easier = objects["difficulty"] > item.row["difficulty"]
+    return {
+        **item.row,
+        "complexity_percentile": 100 * simpler.mean(),
+        "difficulty_percentile": 100 * easier.mean(),
+        "diversity": float(np.mean(distances)) if len(distances) else 1.0,
+        "nearest": objects["label"].iloc[near].tolist(),
+        "distances": distances.tolist(),
+    }
+
+
+def _located(row: dict[str, Any], item: _Mine, among: Reference) -> Located:
+    neighbours = [
+        Neighbour(label, distance, png_bytes(render(among.load[label](), THUMBNAIL)))
+        for label, distance in zip(row["nearest"], row["distances"], strict=True)
+    ]
+    return Located(row, item.picture, neighbours)

@@ -1,0 +1,36 @@
+"""materialise: the meshes of an archive, for people who want just those."""
+
+from pathlib import Path
+
+from egad._util.files import replacing
+from egad._util.progress import progress
+from egad.cppn.surface import packed_surface
+from egad.exchange.meshes import write_obj
+from egad.pipeline.config import Shape
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
+from egad.tables.promises import check_names
+
+
+def run(archive: Path, out: Path, shape: Shape) -> int:
+    """Write every object of an archive as `ID.obj`, in metres, as evolution measured it.
+
+    Args:
+        archive: Table with the columns of `tables.evolution.ARCHIVE`.
+        out: Folder to make.
+        shape: The settings that the archive was evolved with.
+
+    Returns:
+        How many meshes were written.
+
+    Raises:
+        TableError: The archive is damaged, or an id in it cannot be the name of a file.
+    """
+    frame = parquet.read(archive, ARCHIVE)
+    check_names(frame, archive, ["id"])
+    objects = zip(frame["id"], frame["voxels"], strict=True)
+    with replacing(out) as folder:
+        folder.mkdir()
+        for object_id, packed in progress(objects, "writing meshes", len(frame)):
+            write_obj(packed_surface(packed, shape), folder / f"{object_id}.obj")
+    return len(frame)

@@ -1,0 +1,87 @@
+"""measure: complexity and difficulty of any meshes, and their cells."""
+
+import logging
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import trimesh
+
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.errors import RejectedError
+from egad.exchange.meshes import read_mesh
+from egad.geometry.mass import body
+from egad.measures.grid import complexity_cells, difficulty_cells
+from egad.measures.measure import graded
+from egad.pipeline.config.stage_settings import MeasureMeshes
+from egad.tables.objects import MEASURED
+
+log = logging.getLogger(__name__)
+USUAL = (0.001, 2.0)  # longest sides of things that are grasped, metres
+
+
+def run(
+    settings: MeasureMeshes, files: Mapping[str, Path], units: str, worker_count: int
+) -> pd.DataFrame:
+    """Repair and measure meshes.
+
+    Args:
+        settings: What this tool reads.
+        files: Mesh files by name.
+        units: Unit of their coordinates.
+        worker_count: Processes; the result does not depend on it.
+
+    Returns:
+        Columns of `tables.objects.MEASURED`: a row a mesh, in the order given. The measures of one
+        that could not be used are missing, and `reason` says why.
+    """
+    work = partial(_row, units=units, settings=settings)
+    with workers(min(worker_count, len(files))) as mapper:
+        rows = list(progress(mapper(work, files.items()), "measuring", len(files)))
+    table = pd.DataFrame(rows, columns=MEASURED.names)
+    warn_of_units(table, units)
+    return table
+
+
+def measured(
+    mesh: trimesh.Trimesh, settings: MeasureMeshes
+) -> tuple[trimesh.Trimesh, dict[str, Any]]:
+    """The repaired mesh and its row of `tables.objects.MEASURED`.
+
+    Raises:
+        RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
+    """
+    solid, repaired, _ = body(mesh, settings.material, settings.postprocess)
+    place = graded(solid, settings, settings.postprocess.grasps)
+    return solid, {
+        **place._asdict(),
+        "complexity_cell": int(complexity_cells(place.complexity, settings.space)),
+        "difficulty_cell": int(difficulty_cells(place.difficulty, settings.space)),
+        "longest_side": float(solid.extents.max()),
+        "repaired": repaired,
+    }
+
+
+def _row(item: tuple[str, Path], units: str, settings: MeasureMeshes) -> dict[str, Any]:
+    name, path = item
+    try:
+        _, row = measured(read_mesh(path, units), settings)
+    except RejectedError as reason:
+        return {"name": name, "reason": str(reason)}
+    return {"name": name, **row, "reason": ""}
+
+
+def warn_of_units(table: pd.DataFrame, units: str) -> None:
+    """Say so if meshes are so large or small that their unit must be another one."""
+    sides = table["longest_side"].dropna()
+    odd = table.loc[sides[~sides.between(*USUAL)].index]
+    if len(odd):
+        log.warning(
+            "%d of %d meshes are smaller than %g m or larger than %g m, %s for one (%.3g m): "
+            "are they really in %s?",
+            *(len(odd), len(table), *USUAL),
+            *(odd["name"].iloc[0], odd["longest_side"].iloc[0], units),
+        )

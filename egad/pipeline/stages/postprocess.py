@@ -1,0 +1,146 @@
+"""postprocess: repaired meshes, mass properties and measures of the objects of a shard."""
+
+import logging
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad._util.progress import progress
+from egad.cppn.surface import packed_surface
+from egad.errors import RejectedError
+from egad.exchange.folders import EVERY_FILE, objects_in
+from egad.exchange.meshes import read_mesh
+from egad.geometry.mass import body
+from egad.geometry.primitives import joined_primitives
+from egad.map_elites.provenance import MEASURING, check_provenance, differences
+from egad.measures.measure import graded
+from egad.pipeline.config.stage_settings import PostprocessSolids
+from egad.pipeline.stages.shards import in_shard, rejection
+from egad.random import generator
+from egad.reeb import graph as reeb
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
+from egad.tables.objects import REJECTED, SOLIDS
+
+log = logging.getLogger(__name__)
+Sources = dict[str, Callable[[], trimesh.Trimesh]]
+
+
+def run(
+    settings: PostprocessSolids, sources: Sources, known: pd.Series, out: Path, rejected: Path
+) -> None:
+    """Repair and measure objects.
+
+    Args:
+        settings: What this stage reads.
+        sources: For each id, how to get its mesh.
+        known: Difficulty by id that evolution selected the objects by; empty for other meshes.
+        out: Table with the columns of `tables.objects.SOLIDS`.
+        rejected: Table of the objects that could not be used, with the reasons.
+    """
+    rows, left_out = [], []
+    for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
+        try:
+            row = solid_row(load(), object_id, settings)
+        except RejectedError as reason:
+            left_out.append(rejection(object_id, "postprocess", reason))
+        else:
+            rows.append(row | {"archive_difficulty": known.get(object_id, np.nan)})
+    log.info("%d objects, %d rejected", len(rows), len(left_out))
+    parquet.write(pd.DataFrame(rows), SOLIDS, out)
+    parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
+
+
+def from_archive(
+    path: Path, settings: PostprocessSolids, shard: int, shards: int
+) -> tuple[Sources, pd.Series]:
+    """The evolved objects of a shard, and the difficulties that they were selected by.
+
+    The latter are left out if they were measured otherwise than is to be done now.
+
+    Raises:
+        UserError: The archive was made with other shapes.
+    """
+    check_provenance(path, settings, ("shape",))
+    archive = parquet.read(path, ARCHIVE).set_index("id")
+    sources: Sources = {
+        str(object_id): partial(packed_surface, packed, settings.shape)
+        for object_id, packed in archive["voxels"].items()
+        if in_shard(str(object_id), shard, shards)
+    }
+    if other := differences(path, settings, MEASURING):
+        log.info("\n".join(["Not compared with the difficulties in the archive:", *other]))
+        return sources, pd.Series(dtype=float)
+    return sources, archive["difficulty"]
+
+
+def from_folder(
+    folder: Path, units: str, shard: int, shards: int, pattern: str = EVERY_FILE
+) -> tuple[Sources, pd.Series]:
+    """The objects of the mesh files of a shard; they were not selected by any difficulty."""
+    files = files_of_shard(folder, shard, shards, pattern)
+    sources: Sources = {name: partial(read_mesh, path, units) for name, path in files.items()}
+    return sources, pd.Series(dtype=float)
+
+
+def files_of_shard(
+    folder: Path, shard: int, shards: int, pattern: str = EVERY_FILE
+) -> dict[str, Path]:
+    """The mesh files of a shard, by the names of their objects."""
+    files = objects_in(folder, pattern)
+    return {name: path for name, path in files.items() if in_shard(name, shard, shards)}
+
+
+def from_primitives(
+    count: int, settings: PostprocessSolids, shard: int, shards: int
+) -> tuple[Sources, pd.Series]:
+    """Those of so many random objects that are of a shard; nothing selected them.
+
+    An object depends on its number, the seed and its size, not on how many there are.
+    """
+    names = {f"p{number:05d}": number for number in range(count)}
+    sources: Sources = {
+        name: partial(_primitives, settings.seed, number, settings.shape.longest_side)
+        for name, number in names.items()
+        if in_shard(name, shard, shards)
+    }
+    return sources, pd.Series(dtype=float)
+
+
+def _primitives(seed: int, number: int, longest_side: float) -> trimesh.Trimesh:
+    return joined_primitives(generator(seed, "primitives", number), longest_side)
+
+
+def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids) -> dict[str, Any]:
+    """The row of `tables.objects.SOLIDS` of one object.
+
+    Raises:
+        RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
+    """
+    solid, repaired, mass = body(mesh, settings.material, settings.postprocess)
+    place = graded(solid, settings, settings.postprocess.grasps)
+    return {
+        "id": object_id,
+        **place._asdict(),
+        "volume": mass.volume,
+        "area": mass.area,
+        "watertight": bool(solid.is_watertight),
+        "repaired": repaired,
+        **dict(zip(("extents_x", "extents_y", "extents_z"), solid.extents, strict=True)),
+        **dict(zip(("com_x", "com_y", "com_z"), mass.com, strict=True)),
+        "mass": mass.mass,
+        **_inertia_columns(mass.inertia),
+        "vertices": solid.vertices.ravel(),
+        "faces": solid.faces.ravel(),
+        "graph": reeb.pack(reeb.extract(solid, settings.similarity)),
+    }
+
+
+def _inertia_columns(tensor: np.ndarray) -> dict[str, float]:
+    axes = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+    return {f"inertia_{name}": float(tensor[place]) for name, place in axes.items()}

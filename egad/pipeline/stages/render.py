@@ -1,0 +1,121 @@
+"""render: depth images of the objects of a dataset at rest, with their grasps."""
+
+import logging
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from egad._util.progress import progress
+from egad.errors import RejectedError, UserError
+from egad.exchange.grasps import vectors
+from egad.exchange.meshes import read_mesh
+from egad.learning.splits import Share, shares
+from egad.perception.image_rows import encoded
+from egad.perception.reachability import Grasped, Hand
+from egad.perception.rendering import pictures
+from egad.pipeline.config.stage_settings import RenderedImages
+from egad.pipeline.stages.grasp_label import palm_of
+from egad.pipeline.stages.shards import rejection
+from egad.tables import parquet
+from egad.tables.columns import vector_names
+from egad.tables.images import IMAGES
+from egad.tables.objects import OBJECTS, REJECTED
+
+log = logging.getLogger(__name__)
+
+GRASP_COLUMNS = [
+    "id",
+    "grasp",
+    *vector_names("center"),
+    *vector_names("axis"),
+    "width",
+    "robust_quality",
+]
+
+
+def run(
+    settings: RenderedImages,
+    objects: Path,
+    meshes: Path,
+    grasps: Path,
+    evaluation: Path | None,
+    shard: tuple[int, int],
+    out: Path,
+    rejected: Path,
+) -> None:
+    """Render the images of a shard: all those of the objects whose first image is in it.
+
+    Args:
+        settings: What this stage reads.
+        objects: Table with the columns of `tables.objects.OBJECTS`.
+        meshes: Folder of the scaled meshes, with `scales.parquet`.
+        grasps: Their grasps, columns of `tables.grasping.GRASPS`.
+        evaluation: Table with the columns of `tables.evaluation.EVAL49`, if there is one.
+        shard: Number of the shard, and of how many.
+        out: Table with the columns of `tables.images.IMAGES`.
+        rejected: Table of the objects that have no images.
+    """
+    number, total = shard
+    chosen = [
+        share
+        for share in planned(settings, objects, meshes, evaluation)
+        if share.images and share.first * total // settings.render.images == number
+    ]
+    labelled = _labelled(grasps, {share.id for share in chosen})
+    hand = Hand(settings.gripper, palm_of(settings.gripper), settings.grasp_label.approach_way)
+    rows, left_out = [], []
+    for share in progress(chosen, "rendering", len(chosen)):
+        try:
+            mesh = read_mesh(meshes / f"{share.label}.obj", "m")
+            found = pictures(mesh, labelled[share.id], share, hand, settings)
+            rows += [encoded(picture) for picture in found]
+        except RejectedError as reason:
+            left_out.append(rejection(share.id, "render", reason))
+    notes = {"shard": number, "shards": total}
+    parquet.write(pd.DataFrame(rows), IMAGES, out, notes)
+    parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
+    log.info("%d images of %d objects, %d rejected", len(rows), len(chosen), len(left_out))
+
+
+def planned(
+    settings: RenderedImages, objects: Path, meshes: Path, evaluation: Path | None
+) -> list[Share]:
+    """The images of all objects that are scaled to the gripper; arguments as in `run`.
+
+    Raises:
+        UserError: There is an evaluation set though none is held out, or the other way round.
+    """
+    if settings.render.hold_out != (evaluation is not None):
+        raise UserError(
+            "render.hold_out is true: the evaluation set must be given (--eval)"
+            if settings.render.hold_out
+            else "render.hold_out is false: no evaluation set must be given (--eval)"
+        )
+    table = parquet.read(objects, OBJECTS)[["id", "label", "complexity"]]
+    scaled = _names(meshes / "scales.parquet", "label")
+    held_out = _names(evaluation, "id") if evaluation else set()
+    known = table[table["label"].isin(scaled)]
+    return shares(known, held_out, settings.render, settings.seed)
+
+
+def _names(path: Path, column: str) -> set[str]:
+    return {name for rows in parquet.batches(path, [column]) for name in rows[column]}
+
+
+def _labelled(path: Path, ids: set[str]) -> dict[str, Grasped]:
+    """The grasps of some objects; of one without grasps, none."""
+    parts = [batch[batch["id"].isin(ids)] for batch in parquet.batches(path, GRASP_COLUMNS)]
+    table = pd.concat(parts) if parts else pd.DataFrame(columns=GRASP_COLUMNS)
+    groups = dict(list(table.groupby("id")))
+    return {name: _grasped(groups.get(name, table.iloc[:0])) for name in ids}
+
+
+def _grasped(rows: pd.DataFrame) -> Grasped:
+    return Grasped(
+        rows["grasp"].to_numpy(np.int64),
+        vectors(rows, "center"),
+        vectors(rows, "axis"),
+        rows["width"].to_numpy(np.float64),
+        rows["robust_quality"].to_numpy(np.float64),
+    )

@@ -1,0 +1,90 @@
+"""replay: an attempt of the simulated trials again, as a film."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from egad.errors import UserError
+from egad.pipeline.config.stage_settings import SimulatedTrials
+from egad.pipeline.stages.bundled import model_in, rows_by_id
+from egad.sim.attempts import END, columns_of, recorded
+from egad.sim.film import Film, Pixels, write_film
+from egad.sim.trial import Attempt, Bench
+from egad.sim.world import World
+from egad.tables import parquet
+from egad.tables.evaluation import TRIALS
+
+
+def run(
+    settings: SimulatedTrials, trials: Path, bundle: Path, label: str, attempt: int, out: Path
+) -> str:
+    """Repeat an attempt and film it.
+
+    The detector is not asked again: what it proposed is in the table.
+
+    Args:
+        settings: Those that the trials were made with.
+        trials: Table with the columns of `tables.evaluation.TRIALS`.
+        bundle: Folder of the simulation bundle.
+        label: The object.
+        attempt: Number of the attempt.
+        out: Film to write, `.gif` or `.mp4`.
+
+    Returns:
+        The outcome.
+
+    Raises:
+        UserError: There is no such attempt, it never began, or it came out differently.
+    """
+    row = _row(trials, label, attempt)
+    if not row["begun"]:
+        raise UserError(f"{label}, attempt {attempt} never began: {row['outcome']}")
+    again, frames = repeated(settings, row, bundle)
+    write_film(frames, out)
+    _check(row, columns_of(again))
+    return str(row["outcome"])
+
+
+def repeated(
+    settings: SimulatedTrials, row: Mapping[str, Any], bundle: Path
+) -> tuple[Attempt, list[Pixels]]:
+    """An attempt again, and the frames of its film.
+
+    Args:
+        settings: Those that the trials were made with.
+        row: Columns of `tables.evaluation.TRIALS`, of an attempt that began.
+        bundle: Folder of the simulation bundle.
+    """
+    known = rows_by_id(bundle)
+    if row["id"] not in known:
+        raise UserError(f"{bundle}: no object {row['label']}")
+    with World(model_in(bundle, known[row["id"]])) as world:
+        film = Film(world)
+        again = Bench(world, settings.gripper, settings.trials).repeat(*recorded(row))
+    return again, film.frames
+
+
+def _row(trials: Path, label: str, attempt: int) -> dict[str, Any]:
+    table = parquet.read(trials, TRIALS)
+    own = table[table["label"] == label]
+    if len(own) == 0:
+        names = ", ".join(table["label"].unique())
+        raise UserError(f"{trials}: no object {label}; allowed: {names}")
+    found = parquet.records(own[own["attempt"] == attempt])
+    if not found:
+        raise UserError(f"{trials}: {label} has no attempt {attempt}; its last is {len(own) - 1}")
+    return found[0]
+
+
+def _check(row: Mapping[str, Any], again: Mapping[str, Any]) -> None:
+    """The same outcome, if there was a grasp to repeat, and the same end, bit by bit."""
+    outcome = again["outcome"] or row["outcome"]
+    before, after = ([values[name] for name in END] for values in (row, again))
+    if outcome != row["outcome"] or not np.array_equal(before, after, equal_nan=True):
+        raise UserError(
+            f"{row['label']}, attempt {row['attempt']} came out differently: {outcome}, not "
+            f"{row['outcome']}; settings, bundle, machine or the version of PyBullet must be "
+            "others than those of the trials"
+        )

@@ -1,0 +1,135 @@
+"""report: everything at a glance, in one HTML file."""
+
+import platform
+from functools import partial
+from importlib.metadata import version
+from pathlib import Path
+
+import pandas as pd
+import pyarrow as pa
+
+from egad._util.files import write_text
+from egad._util.progress import phase, progress
+from egad._util.workers import Mapper, workers
+from egad.exchange.meshes import read_mesh
+from egad.pipeline.config import Settings
+from egad.pipeline.stages.scenes import scenes
+from egad.report.data import DatasetReport, ReportData
+from egad.report.maps import shown_objects
+from egad.report.page import build
+from egad.report.render import png_bytes, render
+from egad.tables import parquet
+from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
+from egad.tables.evolution import HISTORY
+from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
+from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
+
+PACKAGES = [
+    "egad",
+    "snakemake",
+    "numpy",
+    "numba",
+    "trimesh",
+    "scikit-image",
+    "manifold3d",
+    "neat-python",
+    "embreex",
+    "pybullet",
+    "pandas",
+    "pyarrow",
+]
+THUMBNAIL, PORTRAIT = 96, 192
+
+
+def run(settings: Settings, results: Path, out: Path, worker_count: int) -> None:
+    """Write the report of a run.
+
+    Args:
+        settings: The whole configuration.
+        results: Folder of all results.
+        out: The HTML file.
+        worker_count: Processes that draw; the result does not depend on it.
+    """
+    with workers(worker_count) as mapper:
+        datasets = {
+            name: _dataset(settings, name, results / name, mapper) for name in settings.datasets
+        }
+    phase("drawing figures and putting the page together")
+    data = ReportData(
+        settings=settings,
+        comparison=parquet.read(results / "comparison.parquet", COMPARISON),
+        datasets=datasets,
+        versions={"python": platform.python_version()} | {name: version(name) for name in PACKAGES},
+    )
+    write_text(out, build(data))
+
+
+def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> DatasetReport:
+    """What was made for a dataset; only targets are taken beyond their objects."""
+    objects = parquet.read(folder / "objects.parquet", OBJECTS)
+    evolved = settings.datasets[name].source == "evolved"
+    history = parquet.read(folder / "history.parquet", HISTORY) if evolved else None
+    rejected = _rejected(
+        folder, settings.targets.grippers if name in settings.targets.datasets else []
+    )
+    pictures = _pictures(folder / "meshes", shown_objects(objects), THUMBNAIL, mapper)
+    if name not in settings.targets.datasets:
+        return DatasetReport(objects, rejected, pictures, history=history)
+    evalset = parquet.read(folder / "eval49.parquet", EVAL49)
+    labels = evalset["object_label"].tolist()
+    portraits = _pictures(folder / "meshes", labels, PORTRAIT, mapper)
+    grippers = settings.targets.grippers
+    grasps = _each(grippers, folder / "grasps", "{}.parquet", GRASPS)
+    return DatasetReport(
+        objects,
+        rejected,
+        pictures,
+        history=history,
+        evalset=evalset,
+        evalset_pictures=dict(zip(evalset["label"], portraits.values(), strict=True)),
+        grasps=grasps,
+        scales=_each(grippers, folder / "rescaled", "{}/scales.parquet", SCALES),
+        size_effects=_each(grippers, folder / "size_effect", "{}.parquet", SIZE_EFFECT),
+        scenes=scenes(folder, grippers[0], evalset, grasps[grippers[0]]),
+        manifests=_each(grippers, folder / "print", "{}/manifest.parquet", MANIFEST),
+        trials={
+            (gripper, policy): parquet.read(
+                folder / "trials" / gripper / f"{policy}.parquet", TRIALS
+            )
+            for gripper in grippers
+            for policy in settings.targets.policies
+        },
+        agreement=_each(
+            grippers if settings.targets.agreement else [],
+            folder / "agreement",
+            "{}.parquet",
+            AGREEMENT,
+        ),
+    )
+
+
+def _rejected(folder: Path, grippers: list[str]) -> pd.DataFrame:
+    """What was left out of a dataset, and of what was made of it for grippers."""
+    frames = [parquet.read(folder / "rejected.parquet", REJECTED)]
+    for gripper in grippers:
+        for path in (f"rescaled/{gripper}/rejected.parquet", f"grasps/{gripper}.rejected.parquet"):
+            left_out = parquet.read(folder / path, REJECTED)
+            frames.append(left_out.assign(stage=left_out["stage"] + f" {gripper}"))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _pictures(meshes: Path, labels: list[str], size: int, mapper: Mapper) -> dict[str, bytes]:
+    """A PNG of each object, by its label."""
+    drawn = mapper(partial(_picture, size=size), [meshes / f"{label}.obj" for label in labels])
+    return dict(zip(labels, progress(drawn, "drawing", len(labels)), strict=True))
+
+
+def _picture(path: Path, size: int) -> bytes:
+    return png_bytes(render(read_mesh(path, "m"), size))
+
+
+def _each(
+    grippers: list[str], folder: Path, pattern: str, schema: pa.Schema
+) -> dict[str, pd.DataFrame]:
+    """One table a gripper."""
+    return {gripper: parquet.read(folder / pattern.format(gripper), schema) for gripper in grippers}

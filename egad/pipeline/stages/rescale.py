@@ -1,0 +1,101 @@
+"""rescale: meshes scaled to a gripper."""
+
+import logging
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from egad._util.files import replacing
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.errors import RejectedError
+from egad.exchange.folders import object_names
+from egad.exchange.meshes import read_mesh, write_obj, write_stl_mm
+from egad.geometry.scaling import rescale
+from egad.grasps.opening import fitting_part, pinch_widths
+from egad.pipeline.config.stage_settings import RescaleMeshes
+from egad.pipeline.stages.shards import rejection
+from egad.tables import parquet
+from egad.tables.grasping import SCALES
+from egad.tables.objects import REJECTED
+
+log = logging.getLogger(__name__)
+BOTH = ("before", "after")
+WRITERS = {".obj": write_obj, ".stl": write_stl_mm}
+
+
+def run(
+    settings: RescaleMeshes,
+    files: list[Path],
+    units: str,
+    out: Path,
+    ending: str = "obj",
+    suffix: str = "",
+    worker_count: int = 1,
+) -> int:
+    """Scale every mesh by the rule and write it, with a table of what was done.
+
+    Args:
+        settings: Gripper and rule.
+        files: Meshes in any format that can be read.
+        units: Unit of their coordinates.
+        out: Folder for `NAME.obj` (metres) or `NAME.stl` (millimetres), `scales.parquet` and
+            `rejected.parquet`.
+        ending: `obj` or `stl`.
+        suffix: Put behind the names of the files.
+        worker_count: Processes; the result does not depend on it.
+
+    Returns:
+        How many files could not be used; `rejected.parquet` names them.
+    """
+    named = object_names(files)
+    scales, left_out = [], []
+    with workers(worker_count) as mapper, replacing(out) as folder:
+        folder.mkdir()
+        work = partial(
+            _scaled, units=units, settings=settings, folder=folder, tail=f"{suffix}.{ending}"
+        )
+        results = mapper(work, named.items())
+        for name, result in zip(named, progress(results, "scaling", len(named)), strict=True):
+            if isinstance(result, str):
+                left_out.append(rejection(name, "rescale", result))
+            else:
+                scales.append({"label": name, **result})
+        parquet.write(pd.DataFrame(scales), SCALES, folder / "scales.parquet")
+        parquet.write(pd.DataFrame(left_out), REJECTED, folder / "rejected.parquet")
+    rule = settings.rescale.rule
+    log.info("%d meshes scaled by rule %s, %d rejected", len(scales), rule, len(left_out))
+    if scales:
+        _log_fit(scales, settings.gripper.opening)
+    return len(left_out)
+
+
+def _log_fit(scales: list[dict[str, Any]], opening: float) -> None:
+    """Say how much of the surface fits into the gripper."""
+    before, after = (100 * np.mean([row[f"fit_{when}"] for row in scales]) for when in BOTH)
+    text = "%.0f %% of their surface fits into an opening of %g mm, before %.0f %%"
+    log.info(text, after, 1000 * opening, before)
+
+
+def _scaled(
+    named: tuple[str, Path], units: str, settings: RescaleMeshes, folder: Path, tail: str
+) -> dict[str, Any] | str:
+    """Write a scaled mesh; its row, or the reason why there is none."""
+    (name, path), rule = named, settings.rescale
+    try:
+        mesh = read_mesh(path, units)
+        scaled, row = rescale(mesh, rule.rule, settings.gripper.opening, rule.side_fraction)
+    except RejectedError as reason:
+        return str(reason)
+    widths, areas = pinch_widths(mesh)
+    opening = settings.gripper.opening
+    file = folder / f"{name}{tail}"
+    WRITERS[file.suffix](scaled, file)
+    return row | {
+        "fit_before": fitting_part(widths, areas, opening),
+        "fit_after": fitting_part(row["factor"] * widths, areas, opening),
+        "file": file.name,
+    }

@@ -1,0 +1,68 @@
+"""similarity: how alike any meshes are."""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+
+import pandas as pd
+import trimesh
+
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.errors import RejectedError
+from egad.exchange.meshes import read_mesh
+from egad.geometry.repair import repair
+from egad.measures.similarity import similarity_matrix
+from egad.pipeline.config import Similarity
+from egad.reeb import graph as reeb
+
+
+def run(
+    settings: Similarity, files: Mapping[str, Path], units: str, worker_count: int
+) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Compare meshes, each with each.
+
+    Args:
+        settings: How Reeb graphs are made and compared.
+        files: Mesh files by name.
+        units: Unit of their coordinates.
+        worker_count: Processes; the result does not depend on it.
+
+    Returns:
+        The square matrix of similarities with names as index and columns, in the order given, and
+        reasons by name of the meshes that could not be used; their rows and columns are missing
+        values.
+    """
+    work = partial(_graph, units=units, settings=settings)
+    with workers(min(worker_count, len(files))) as mapper:
+        found = list(progress(mapper(work, files.values()), "Reeb graphs", len(files)))
+    results = dict(zip(files, found, strict=True))
+    reasons = {name: result for name, result in results.items() if isinstance(result, str)}
+    graphs = {name: result for name, result in results.items() if isinstance(result, bytes)}
+    names = pd.Index(list(files), name="name")
+    watch = partial(progress, what="comparing", total=len(graphs))
+    unpacked = [reeb.unpack(graph) for graph in graphs.values()]
+    matrix = similarity_matrix(unpacked, settings.weight, worker_count, watch)
+    used = list(graphs)
+    return pd.DataFrame(matrix, used, used).reindex(index=names, columns=list(names)), reasons
+
+
+def _graph(path: Path, units: str, settings: Similarity) -> bytes | str:
+    """The packed Reeb graph of a mesh, or the reason why there is none."""
+    try:
+        return reeb.pack(graph_of(read_mesh(path, units), settings))
+    except RejectedError as reason:
+        return str(reason)
+
+
+def graph_of(mesh: trimesh.Trimesh, settings: Similarity) -> reeb.ReebGraph:
+    """The Reeb graph of a mesh after repair, as datasets have it.
+
+    With `scan` bases it is that of the mesh as it is, for they depend on the order of the vertices,
+    which repair changes; of the repaired mesh only if there is no other way.
+    """
+    if settings.bases == "scan":
+        with suppress(RejectedError):
+            return reeb.extract(mesh, settings)
+    return reeb.extract(repair(mesh).mesh, settings)

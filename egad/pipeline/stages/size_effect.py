@@ -1,0 +1,86 @@
+"""size-effect: grasp quality over the size of an object, of any meshes or an evaluation set."""
+
+import logging
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.errors import RejectedError
+from egad.exchange.meshes import read_mesh
+from egad.geometry.repair import repair
+from egad.measures.size_effect import size_effect
+from egad.pipeline.config.stage_settings import SizeCurves
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49
+from egad.tables.grasping import SIZE_EFFECT
+
+log = logging.getLogger(__name__)
+
+
+def run(settings: SizeCurves, evaluation: Path, meshes: Path, out: Path) -> None:
+    """Measure an easy, a middling and a hard object of an evaluation set.
+
+    Args:
+        settings: What this stage reads.
+        evaluation: Table with the columns of `tables.evaluation.EVAL49`.
+        meshes: Folder of the meshes of the dataset, metres.
+        out: Table with the columns of `tables.grasping.SIZE_EFFECT`.
+    """
+    shown = spread(parquet.read(evaluation, EVAL49))
+    files = {
+        name: meshes / f"{label}.obj"
+        for name, label in zip(shown["label"], shown["object_label"], strict=True)
+    }
+    table, reasons = curves(settings, files, "m", 1)
+    for name, reason in reasons.items():
+        log.warning("%s: %s", name, reason)
+    parquet.write(table, SIZE_EFFECT, out)
+
+
+def spread(evalset: pd.DataFrame) -> pd.DataFrame:
+    """The easiest, the middle and the hardest object of an evaluation set, in that order.
+
+    Args:
+        evalset: Columns of `tables.evaluation.EVAL49`. High difficulties are easy; of two alike the
+            first by label comes first.
+    """
+    ordered = evalset.sort_values(["difficulty", "label"], ascending=[False, True])
+    last = len(ordered) - 1
+    places = dict.fromkeys([0, last // 2, last] if len(ordered) else [])
+    return ordered.iloc[list(places)].reset_index(drop=True)
+
+
+def curves(
+    settings: SizeCurves, files: Mapping[str, Path], units: str, worker_count: int
+) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Measure meshes, repaired first.
+
+    Args:
+        settings: What this stage reads.
+        files: Mesh files by name.
+        units: Unit of their coordinates; the result does not depend on it.
+        worker_count: Processes; the result does not depend on it.
+
+    Returns:
+        Columns of `tables.grasping.SIZE_EFFECT`, meshes in the order given; and the names of
+        those that could not be used, and why.
+    """
+    work = partial(_curve, units=units, settings=settings)
+    with workers(max(1, min(worker_count, len(files)))) as mapper:
+        done = list(progress(mapper(work, files.items()), "measuring", len(files)))
+    tables = [item for item in done if not isinstance(item, str)]
+    reasons = {name: item for name, item in zip(files, done, strict=True) if isinstance(item, str)}
+    return pd.concat(tables) if tables else parquet.empty(SIZE_EFFECT), reasons
+
+
+def _curve(item: tuple[str, Path], units: str, settings: SizeCurves) -> pd.DataFrame | str:
+    """The rows of a mesh, or the reason why there are none."""
+    name, path = item
+    try:
+        return size_effect(repair(read_mesh(path, units)).mesh, name, settings)
+    except RejectedError as reason:
+        return str(reason)

@@ -1,0 +1,116 @@
+"""train: a grasp network learns from rendered images."""
+
+import json
+import logging
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.files import write_text
+from egad.errors import UserError
+from egad.exchange.sums import sum_of
+from egad.learning import evaluation as plain
+from egad.learning.dataset import LearningSet, Rule
+from egad.learning.model_card import Trained, card
+from egad.learning.score import Score, reached, scored
+from egad.perception import image_shards as folder
+from egad.pipeline.code_version import code_version
+from egad.pipeline.config.stage_settings import TrainNetwork
+from egad.pipeline.config.training_study import WEIGHTS
+from egad.report.training_chart import training_chart
+from egad.tables import parquet
+from egad.tables.training import HISTORY, SCORE
+
+log = logging.getLogger(__name__)
+CHART, CARD = "history.svg", "README.md"
+TABLE, REACHED = "history.parquet", "score.parquet"
+CHECKPOINT = "checkpoint.pt"
+NEEDED = "training needs PyTorch and safetensors: install egad with its extra, egad[vision]"
+
+
+def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score:
+    """Train a network; an interrupted training goes on after its last epoch.
+
+    Args:
+        settings: What this stage reads.
+        images: Folder of images in the compact layout.
+        out: Folder for weights, history, score, chart and model card.
+        jobs: Cores; no result depends on it.
+
+    Returns:
+        What the network reaches on the split `test`.
+
+    Raises:
+        UserError: PyTorch is missing, or images of a split are, or all grasps to learn from.
+        TableError: A shard cannot be read.
+    """
+    try:
+        from egad.learning import networks, training, weights  # noqa: PLC0415 (an extra)
+    except ModuleNotFoundError as error:
+        raise UserError(NEEDED) from error
+    plan, seed = settings.training, settings.seed
+    shards = opened(images, settings)
+    network = networks.untrained(plan.network, seed)
+    kept = training.Checkpoint(out / CHECKPOINT, meaning(settings, images))
+    rows = training.train(network, shards, plan, seed, jobs, kept)
+    held, judgements = training.examined(network, shards, plan.test, jobs)
+    score = scored(shards.index.loc[held], judgements)
+    weights.write(network, out / WEIGHTS, {"network": plan.network, "seed": seed})
+    trained = Trained(
+        networks.TITLES[plan.network],
+        networks.parameters(network),
+        images.name if images.is_absolute() else images.as_posix(),
+        shards.index,
+        pd.DataFrame(rows),
+        score,
+        plain.right(shards, held),
+        {"seed": seed, **plan.model_dump(mode="json")},
+    )
+    tell(trained, out)
+    (out / CHECKPOINT).unlink(missing_ok=True)
+    return score
+
+
+def opened(images: Path, settings: TrainNetwork) -> LearningSet:
+    """The images to learn from.
+
+    Raises:
+        UserError: There is no image of some split, or none to learn from with a positive grasp.
+        TableError: A shard cannot be read.
+    """
+    plan = settings.training
+    shards = LearningSet(images, Rule(plan.quality, plan.breadth))
+    for split in ("validation", "test"):
+        shards.numbers(split)
+    if not shards.index.loc[shards.numbers("train"), "positive"].any():
+        raise UserError(
+            f"{images}: no image of the split train has a grasp that is free of collision with a "
+            f"robust quality above training.quality, {plan.quality}"
+        )
+    return shards
+
+
+def meaning(settings: TrainNetwork, images: Path) -> str:
+    """All that decides the result of a training, as text."""
+    import torch  # noqa: PLC0415 (an extra)
+
+    known = {
+        "settings": settings.model_dump(mode="json"),
+        "images": [sum_of(path) for path in folder.files(images)],
+        "torch": torch.__version__,
+        "code": [code_version(f"egad.learning.{name}") for name in ("networks", "training")],
+    }
+    return json.dumps(known, sort_keys=True)
+
+
+def tell(trained: Trained, out: Path) -> None:
+    """Write the history, its chart, the score and the model card."""
+    parquet.write(trained.history, HISTORY, out / TABLE)
+    parquet.write(reached(trained.score), SCORE, out / REACHED)
+    write_text(out / CHART, training_chart(trained.history))
+    write_text(out / CARD, card(trained))
+
+
+def files(out: Path) -> list[Path]:
+    """What a training leaves in its folder besides tables."""
+    return [out / name for name in (WEIGHTS, CHART, CARD)]

@@ -1,0 +1,75 @@
+"""view: what the viewer shows of an object of a dataset, or of any mesh."""
+
+from pathlib import Path
+
+from egad._util.names import known
+from egad.errors import RejectedError, UserError
+from egad.exchange.grasps import check_opening
+from egad.exchange.meshes import read_mesh
+from egad.geometry.repair import repair
+from egad.geometry.scaling import rescale
+from egad.grasps.labels import label
+from egad.pipeline.config.stage_settings import ViewMesh
+from egad.pipeline.stages.grasp_label import palm_of
+from egad.pipeline.stages.scenes import scene
+from egad.random import generator
+from egad.report.viewer import Scene
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49
+from egad.tables.grasping import GRASPS, SCALES
+
+
+def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> Scene:
+    """An object of a dataset with the grasps that were labelled.
+
+    Args:
+        folder: Of the dataset, such as `results/egad`.
+        gripper: Its name.
+        name: Label of the object, in the dataset or in the evaluation set.
+        opening: Of the gripper that is shown, metres.
+
+    Raises:
+        UserError: There is no such dataset or object, no grasps of this gripper, or it opened
+            otherwise when they were made.
+    """
+    table = folder / "grasps" / f"{gripper}.parquet"
+    scales = folder / "rescaled" / gripper / "scales.parquet"
+    if not (folder / "objects.parquet").is_file():
+        raise UserError(f"--in {folder}: there is no dataset; name its folder, e.g. results/egad")
+    for path in (scales, table):
+        if not path.is_file():
+            raise UserError(f"{path} is not there; make it with: snakemake --cores 2 {table}")
+    check_opening(folder, gripper, opening)
+    evaluation = folder / "eval49.parquet"
+    labels = {each: each for each in parquet.read(scales, SCALES)["label"]}
+    if evaluation.is_file():
+        chosen = parquet.read(evaluation, EVAL49)
+        labels = dict(zip(chosen["label"], chosen["object_label"], strict=True)) | labels
+    known("object", name, labels, f" in {folder} for {gripper}")
+    return scene(folder, gripper, labels[name], parquet.read(table, GRASPS))
+
+
+def from_mesh(path: Path, units: str, settings: ViewMesh) -> Scene:
+    """A mesh, repaired, scaled by the gripper's rule and with grasps labelled here.
+
+    Args:
+        path: The mesh file.
+        units: Unit of its coordinates.
+        settings: Gripper and rule, and how grasps are labelled.
+
+    Raises:
+        UserError: The file is not a mesh, or the mesh cannot be repaired.
+    """
+    rule = settings.rescale
+    try:
+        solid = repair(read_mesh(path, units)).mesh
+        mesh, row = rescale(solid, rule.rule, settings.gripper.opening, rule.side_fraction)
+    except RejectedError as reason:
+        raise UserError(f"{path}: {reason}") from reason
+    title = f"{path.name}, scaled by {row['factor']:.3g}"
+    rng = generator(settings.seed, "grasps", path.stem)
+    try:
+        rows = label(mesh, mesh.center_mass, settings, rng, palm_of(settings.gripper))
+        return Scene(path.stem, title, mesh, rows)
+    except RejectedError as reason:
+        return Scene(path.stem, title, mesh, parquet.empty(GRASPS), str(reason))

@@ -1,0 +1,1 @@
+"""Grasp trials in simulation: the world, the gripper, the protocol of a trial."""

@@ -1,0 +1,110 @@
+"""All attempts at an object, as rows of a table; and attempts made from rows again."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from egad.detectors.base import Detector, Grasp
+from egad.detectors.labels import Labels
+from egad.pipeline.config.stage_settings import SimulatedTrials
+from egad.random import entropy
+from egad.sim.initial_pose import Start
+from egad.sim.model import Model
+from egad.sim.trial import Attempt, Bench
+from egad.sim.world import Pose, World
+from egad.tables.columns import POSE_PARTS, START
+from egad.tables.evaluation import TRIALS
+
+CENTER = ("grasp_x", "grasp_y", "grasp_z")
+NUMBERS = ("angle", "width", "depth", "quality")
+END = tuple(f"end_{part}" for part in POSE_PARTS)
+
+
+def tried(
+    model: Model, label: str, object_id: str, detect: Detector | Labels, settings: SimulatedTrials
+) -> pd.DataFrame:
+    """Try to grasp an object again and again, as in EGAD, section V.
+
+    Args:
+        model: The object.
+        label: Name in the evaluation set.
+        object_id: Name of the object; with the seed of the settings it decides all drops.
+        detect: The grasp detector; whatever it does wrong is the outcome of the attempt.
+        settings: Gripper and trials.
+
+    Returns:
+        One row an attempt, columns of `tables.evaluation.TRIALS`.
+    """
+    seeds = _seeds(object_id, settings)
+    known = {"parts": len(model.parts), "volume_error": model.volume_error}
+    with World(model) as world:
+        bench = Bench(world, settings.gripper, settings.trials)
+        attempts = list(_chain(bench, detect, seeds))
+    return _table(label, object_id, seeds, attempts, known)
+
+
+def untried(label: str, object_id: str, settings: SimulatedTrials, outcome: str) -> pd.DataFrame:
+    """The table of an object that cannot be simulated: all attempts have the same outcome."""
+    seeds = _seeds(object_id, settings)
+    attempts = [Attempt(outcome)] * len(seeds)
+    return _table(label, object_id, seeds, attempts, {"parts": 0, "volume_error": np.nan})
+
+
+def recorded(row: Mapping[str, Any]) -> tuple[Start, Grasp | None]:
+    """What an attempt of a table began with, and what was tried.
+
+    Args:
+        row: Columns of `tables.evaluation.TRIALS`, of an attempt that began.
+    """
+    start = Start(row["begun"], Pose.of([row[name] for name in START]))
+    if np.isnan(row["width"]):
+        return start, None
+    x, y, z = (float(row[name]) for name in CENTER)
+    return start, Grasp((x, y, z), *(float(row[key]) for key in NUMBERS))
+
+
+def _seeds(object_id: str, settings: SimulatedTrials) -> list[int]:
+    count = settings.trials.attempts
+    return [entropy(settings.seed, "trial", object_id, number) for number in range(count)]
+
+
+def _chain(bench: Bench, detect: Detector | Labels, seeds: list[int]) -> Iterator[Attempt]:
+    """Each attempt goes on where the one before ended."""
+    before = None
+    for seed in seeds:
+        before = bench.attempt(detect, seed, before)
+        yield before
+
+
+def _table(
+    label: str, object_id: str, seeds: list[int], attempts: list[Attempt], known: dict[str, Any]
+) -> pd.DataFrame:
+    known = known | {"label": label, "id": object_id}
+    rows = [
+        known | {"attempt": number, "seed": f"{seed:032x}"} | columns_of(attempt)
+        for number, (seed, attempt) in enumerate(zip(seeds, attempts, strict=True))
+    ]
+    return pd.DataFrame(rows, columns=TRIALS.names)
+
+
+def columns_of(attempt: Attempt) -> dict[str, Any]:
+    """The columns of `tables.evaluation.TRIALS` that an attempt decides."""
+    grasp, start = attempt.grasp, attempt.start
+    return {
+        "success": attempt.outcome == "success",
+        "outcome": attempt.outcome,
+        "begun": start.begun if start else "",
+        **dict(zip(START, _numbers(start.pose if start else None), strict=True)),
+        **dict(zip(CENTER, grasp.center if grasp else (np.nan,) * 3, strict=True)),
+        **{name: getattr(grasp, name) if grasp else np.nan for name in NUMBERS},
+        "lifted": attempt.lifted,
+        **dict(zip(END, _numbers(attempt.end), strict=True)),
+    }
+
+
+def _numbers(pose: Pose | None) -> list[float]:
+    if pose is None:
+        return [np.nan] * len(POSE_PARTS)
+    return [*pose.position.tolist(), *pose.quaternion.tolist()]

@@ -1,0 +1,130 @@
+"""Labelled grasps carried out on an object that floats, to see whether their qualities are right.
+
+A label knows neither gravity nor a table, and can come from any side: so the object is turned until
+the labelled approach points down, held in the air until the hand has come, and weightless until the
+fingers have closed. Then it is lifted as in every trial. The pads have the friction that the labels
+assume. (ACRONYM closes in free space, too, and then shakes; Eppner 2021.)
+"""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from egad.detectors.base import Grasp
+from egad.grasps.hand import finger_span
+from egad.grasps.parameters import Gripper
+from egad.grasps.poses import hand_poses
+from egad.pipeline.config.stage_settings import LabelTrials
+from egad.random import generator
+from egad.sim.model import Model
+from egad.sim.trial import Execution, execute
+from egad.sim.world import Pose, World
+from egad.tables import parquet
+from egad.tables.columns import vector_names
+from egad.tables.evaluation import AGREEMENT
+
+Floats = NDArray[np.float64]
+
+CLEAR = 0.1  # metres of air below the object at least
+RATINGS = ("quality", "robust_quality", "held")
+
+
+def shares(total: int, objects: int) -> list[int]:
+    """So many grasps split among objects as evenly as can be."""
+    return [(n + 1) * total // objects - n * total // objects for n in range(objects)]
+
+
+def sampled(grasps: pd.DataFrame, object_id: str, count: int, seed: int) -> pd.DataFrame:
+    """Some of the labelled grasps of an object that the hand can come to, each equally likely.
+
+    Args:
+        grasps: Columns of `tables.grasping.GRASPS`, of the object.
+        object_id: With the seed it decides the choice.
+        count: How many; all if there are not more.
+        seed: Of the configuration.
+
+    Returns:
+        Rows of the table in their order, and how many they were drawn from: `labelled`, of these
+        `free`.
+    """
+    free = grasps[grasps["collision_free"]]
+    rng = generator(seed, "agreement", object_id)
+    chosen = np.sort(rng.permutation(len(free))[:count])
+    return free.iloc[chosen].assign(labelled=len(grasps), free=len(free))
+
+
+def carried_out(
+    model: Model, label: str, object_id: str, sample: pd.DataFrame, settings: LabelTrials
+) -> pd.DataFrame:
+    """Carry out labelled grasps, each in an engine that knows nothing of the one before.
+
+    Args:
+        model: The object.
+        label: Name in the evaluation set.
+        object_id: Name of the object.
+        sample: From `sampled`.
+        settings: Gripper, friction, lift and hold.
+
+    Returns:
+        One row a grasp, columns of `tables.evaluation.AGREEMENT`.
+    """
+    found = []
+    gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
+    with World(model) as world:
+        for row in parquet.records(sample):
+            pose, grasp = afloat(model, row, gripper)
+            world.reset()
+            world.place(pose)
+            found.append(execute(world, gripper, settings.trials, grasp, afloat=True))
+    return _table(label, object_id, sample, found)
+
+
+def not_carried_out(label: str, object_id: str, sample: pd.DataFrame, why: str) -> pd.DataFrame:
+    """The same table of an object that cannot be simulated: all grasps have the same outcome."""
+    return _table(label, object_id, sample, [Execution(why, 0.0, None)] * len(sample))
+
+
+def afloat(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[Pose, Grasp]:
+    """Where the object floats so that a labelled grasp is one from above, and that grasp.
+
+    The closing axis is the world's x. The hand is as wide open as it can be, and the contacts are
+    in the middle of its pads, as they were when the label looked for collisions.
+
+    Args:
+        model: The object.
+        row: Columns of `tables.grasping.GRASPS`.
+        gripper: The hand.
+    """
+    center, axis, approach = (
+        np.array([[row[name] for name in vector_names(part)]])
+        for part in ("center", "axis", "approach")
+    )
+    height = float(model.mesh.scale) + CLEAR  # no point of it is further from the centre
+    above = hand_poses(
+        np.array([[0.0, 0.0, height]]), np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, -1.0]])
+    )
+    labelled = hand_poses(center, axis, approach)
+    matrix = above[0] @ np.linalg.inv(labelled[0]) @ np.linalg.inv(model.to_principal)
+    depth = finger_span(gripper)[1]
+    return (
+        Pose(matrix[:3, 3], Rotation.from_matrix(matrix[:3, :3]).as_quat()),
+        Grasp((0.0, 0.0, height), 0.0, gripper.opening, depth, float(row["robust_quality"])),
+    )
+
+
+def _table(
+    label: str, object_id: str, sample: pd.DataFrame, found: list[Execution]
+) -> pd.DataFrame:
+    outcomes = [each.outcome for each in found]
+    known = sample[["grasp", *RATINGS, "labelled", "free"]].reset_index(drop=True)
+    table = known.assign(
+        label=label,
+        id=object_id,
+        outcome=outcomes,
+        success=[outcome == "success" for outcome in outcomes],
+        lifted=[each.lifted for each in found],
+    )
+    return table.loc[:, list(AGREEMENT.names)]

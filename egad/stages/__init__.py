@@ -1,1 +1,0 @@
-"""One module a stage: read its inputs, call the library, write its outputs."""

@@ -1,0 +1,139 @@
+"""Two detectors that tried the same objects: is one better, or was it luck?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.stats import binomtest
+
+from egad.errors import UserError
+from egad.stats.rates import Interval, bootstrap, by_object
+
+Integers = NDArray[np.int64]
+
+
+class NothingInCommonError(UserError):
+    """Two detectors made no attempt that can be compared."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The first of two detectors against the second, over the attempts that both made.
+
+    Attributes:
+        objects: Objects that both tried.
+        attempts: Attempts that both made.
+        difference: Success rate of the first minus that of the second.
+        interval: Of the difference, 95 %: had other objects of the same kind been taken.
+        p_objects: Sign-flip test over the objects; see `sign_flip`.
+        alike: Those of them that began with the same object in the same pose.
+        only_first: Attempts of these that only the first succeeded in.
+        only_second: Attempts of these that only the second succeeded in.
+        p_attempts: Exact McNemar test over these; NaN if there are none.
+    """
+
+    objects: int
+    attempts: int
+    difference: float
+    interval: Interval
+    p_objects: float
+    alike: int
+    only_first: int
+    only_second: int
+    p_attempts: float
+
+
+def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
+    """Compare two detectors on the same attempts.
+
+    The test to go by is that over the objects: attempts on one object resemble each other, and a
+    detector that is better at one shape is so in all 20 attempts at it. McNemar's test takes them
+    for independent, and so answers for these very objects only.
+
+    If attempts go on where the ones before ended, two detectors face the same state only in some of
+    them; McNemar's test is over those.
+
+    Args:
+        first: Columns label, id, attempt, success, and start; id and start are empty where objects
+            are known by their label only and drops cannot be repeated.
+        second: The same of the other detector.
+
+    Raises:
+        NothingInCommonError: They have no attempt in common.
+        UserError: A label stands for one object in the first table and for another in the second.
+    """
+    pairs = first.merge(second, on=["label", "attempt"], suffixes=("_1", "_2"))
+    if pairs.empty:
+        raise NothingInCommonError(
+            "the two tables have no attempt in common: same labels and numbers"
+        )
+    _check_objects(pairs)
+    one, other = (pairs[f"success_{i}"].to_numpy(dtype=np.int64) for i in (1, 2))
+    objects = by_object(pairs.assign(success=one - other))
+    gains, counts = objects["successes"].to_numpy(), objects["attempts"].to_numpy()
+    alike = np.logical_and.reduce([_same(pairs, key) for key in ("id", "start")])
+    only_first, only_second = (int((alike & each).sum()) for each in (one > other, other > one))
+    return Comparison(
+        objects=len(objects),
+        attempts=len(pairs),
+        difference=float((one - other).mean()),
+        interval=bootstrap(lambda drawn: gains[drawn].sum(1) / counts[drawn].sum(1), len(objects)),
+        p_objects=sign_flip(gains),
+        alike=int(alike.sum()),
+        only_first=only_first,
+        only_second=only_second,
+        p_attempts=mcnemar(only_first, only_second) if alike.any() else float("nan"),
+    )
+
+
+def _same(pairs: pd.DataFrame, key: str) -> NDArray[np.bool_]:
+    """Where both tables know a thing and agree on it."""
+    one, other = (pairs[f"{key}_{i}"].to_numpy(dtype=str) for i in (1, 2))
+    same: NDArray[np.bool_] = (one != "") & (one == other)
+    return same
+
+
+def _check_objects(pairs: pd.DataFrame) -> None:
+    one, other = pairs["id_1"], pairs["id_2"]
+    differ = pairs[(one != "") & (other != "") & (one != other)]
+    if len(differ):
+        label, first, second = differ.iloc[0][["label", "id_1", "id_2"]]
+        raise UserError(
+            f"{label} is the object {first} in one table and {second} in the other: "
+            "only trials of one evaluation set can be compared"
+        )
+
+
+def sign_flip(gains: Integers) -> float:
+    """Exact two-sided permutation test that differences have no sign they prefer.
+
+    If neither detector is better, each object could as well have favoured the other one by as
+    much. Of all 2^n ways to choose the signs this is the part whose sum is at least as far from 0;
+    they are counted by adding one object after the other to the distribution of the sum.
+
+    Args:
+        gains: (n,) successes of one detector minus those of the other, by object.
+
+    Returns:
+        The p-value; 1 if there are no differences.
+    """
+    sizes = np.abs(gains)
+    reach = int(sizes.sum())
+    chance = np.zeros(2 * reach + 1)
+    chance[reach] = 1.0  # index = sum + reach
+    for size in sizes[sizes > 0]:
+        chance = (np.roll(chance, size) + np.roll(chance, -size)) / 2  # what wraps around is 0
+    sums = np.arange(-reach, reach + 1)
+    return float(min(chance[np.abs(sums) >= abs(gains.sum())].sum(), 1.0))
+
+
+def mcnemar(only_first: int, only_second: int) -> float:
+    """Exact two-sided McNemar test: the p-value that attempts which differ favour neither.
+
+    Args:
+        only_first: Attempts that only one detector succeeded in.
+        only_second: Attempts that only the other one did.
+    """
+    differing = only_first + only_second
+    return float(binomtest(only_first, differing).pvalue) if differing else 1.0

@@ -1,0 +1,226 @@
+"""Success rates with confidence intervals: overall, per cell of the grid, and as trends."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.stats import binomtest, norm, rankdata, t
+
+from egad.evalset.selection import place
+from egad.random import generator
+
+Floats = NDArray[np.float64]
+Interval = tuple[float, float]
+DRAWS = 10_000
+
+
+def wilson(successes: int, attempts: int, confidence: float = 0.95) -> Interval:
+    """Wilson's score interval of a success probability (Wilson 1927).
+
+    Args:
+        successes: How often it worked.
+        attempts: How often it was tried.
+        confidence: Of the two-sided interval.
+
+    Returns:
+        Lower and upper end; 0 and 1 without attempts, when nothing is known.
+    """
+    if attempts == 0:
+        return 0.0, 1.0
+    found = binomtest(successes, attempts).proportion_ci(confidence, method="wilson")
+    return float(found.low), float(found.high)
+
+
+def bootstrap(
+    statistic: Callable[[NDArray[np.int64]], Floats], count: int, confidence: float = 0.95
+) -> Interval:
+    """Interval of a statistic of objects, had others of their kind been taken in their place.
+
+    Objects are drawn with replacement, 10,000 times, with chance that is always the same. Of what
+    comes out, the percentiles are those that make up for the few objects: widened as Student's t
+    is against the normal distribution, and by sqrt(n / (n - 1)), because the spread of n objects
+    about their own mean is too small (Hesterberg 2015, "expanded percentiles").
+
+    Args:
+        statistic: From (draws, n) indices of the objects drawn to (draws,) values; NaN where a
+            draw has none.
+        count: Objects, n.
+        confidence: Of the two-sided interval.
+
+    Returns:
+        Lower and upper end; NaN if there are less than two objects, or no values.
+    """
+    if count < 2:
+        return np.nan, np.nan
+    values = statistic(generator(0, "bootstrap").integers(count, size=(DRAWS, count)))
+    if np.isnan(values).all():
+        return np.nan, np.nan
+    far = np.sqrt(count / (count - 1)) * t.ppf((1 + confidence) / 2, count - 1)
+    ends: Floats = np.nanquantile(values, norm.cdf(np.array([-far, far])))
+    return float(ends[0]), float(ends[1])
+
+
+@dataclass(frozen=True)
+class Rate:
+    """How often something worked."""
+
+    successes: int
+    attempts: int
+
+    @property
+    def value(self) -> float:
+        """Successes / attempts; NaN if there were no attempts."""
+        return self.successes / self.attempts if self.attempts else float("nan")
+
+    @property
+    def interval(self) -> Interval:
+        """Lower and upper end of the Wilson interval of 95 %."""
+        return wilson(self.successes, self.attempts)
+
+
+@dataclass(frozen=True)
+class Mean(Rate):
+    """The rate over several objects, each of them tried again and again."""
+
+    low: float
+    high: float
+
+    @property
+    def interval(self) -> Interval:
+        """What the rate could be for other objects of the same kind, 95 %; see `mean_rate`."""
+        return self.low, self.high
+
+
+@dataclass(frozen=True)
+class TrialGrid:
+    """Success rates over the grid of the evaluation set, row 0 = easiest, column 0 = simplest.
+
+    Attributes:
+        cells: By row and column, of the objects that there are.
+        rows: Over all attempts of each row; the mean of its objects, which are all tried equally.
+        columns: The same of each column.
+        overall: Over all attempts.
+    """
+
+    cells: dict[tuple[int, int], Rate]
+    rows: list[Mean]
+    columns: list[Mean]
+    overall: Mean
+
+
+def rate(trials: pd.DataFrame) -> Rate:
+    """The success rate over all rows of a table of attempts."""
+    return Rate(int(trials["success"].sum()), len(trials))
+
+
+def by_object(trials: pd.DataFrame) -> pd.DataFrame:
+    """Successes and attempts of each object, by its label, in the order of the labels."""
+    labels, index = np.unique(trials["label"].to_numpy(dtype=str), return_inverse=True)
+    success = trials["success"].to_numpy(dtype=np.float64)
+    counts = np.bincount(index, success), np.bincount(index)
+    columns = zip(("successes", "attempts"), counts, strict=True)
+    return pd.DataFrame({name: values.astype(np.int64) for name, values in columns}, index=labels)
+
+
+def mean_rate(trials: pd.DataFrame) -> Mean:
+    """The success rate over several objects, with an interval of 95 % for objects of their kind.
+
+    Attempts on one object resemble each other, so it is the objects that are drawn (`bootstrap`).
+    The interval is never narrower than Wilson's of all attempts, for objects may agree by chance;
+    from a single object nothing is known about others.
+    """
+    total, objects = rate(trials), by_object(trials)
+    if len(objects) < 2:
+        return Mean(total.successes, total.attempts, 0.0, 1.0)
+    successes, attempts = objects["successes"].to_numpy(), objects["attempts"].to_numpy()
+    low, high = bootstrap(
+        lambda drawn: successes[drawn].sum(axis=1) / attempts[drawn].sum(axis=1), len(objects)
+    )
+    least, most = total.interval
+    return Mean(total.successes, total.attempts, min(low, least), max(high, most))
+
+
+def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
+    """Success rate of every object, row and column of the evaluation set, as in the paper.
+
+    Args:
+        trials: Columns `label` (such as C4) and `success`, one row an attempt.
+        rows: Letters of the set.
+        columns: Digits of the set.
+    """
+    places = [place(label) for label in trials["label"]]
+    row, column = np.array(places, dtype=np.int64).reshape(-1, 2).T
+    cells = {(i, j): rate(trials[(row == i) & (column == j)]) for i, j in sorted(set(places))}
+    return TrialGrid(
+        cells,
+        [mean_rate(trials[row == index]) for index in range(rows)],
+        [mean_rate(trials[column == index]) for index in range(columns)],
+        mean_rate(trials),
+    )
+
+
+@dataclass(frozen=True)
+class Trend:
+    """A rank correlation.
+
+    Attributes:
+        rho: Spearman's coefficient; NaN if all objects are the same in either.
+        low: Lower end of its interval of 95 %, for other objects of the same kind.
+        high: Upper end.
+    """
+
+    rho: float
+    low: float
+    high: float
+
+
+def places(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) -> pd.DataFrame:
+    """Success, difficulty and complexity of each object tried, by its label.
+
+    Args:
+        trials: Columns label and success.
+        evalset: Columns of `tables.evaluation.EVAL49`. Without it, or where it lacks an object,
+            the row of a label stands for difficulty and its column for complexity.
+
+    Returns:
+        Columns rate; difficulty, high for hard objects: the grasp quality of the set, negative;
+        and complexity.
+    """
+    objects = by_object(trials)
+    table = pd.DataFrame({"rate": objects["successes"] / objects["attempts"]})
+    known = None if evalset is None else evalset.set_index("label")
+    if known is None or not table.index.isin(known.index).all():
+        rows = [place(str(label)) for label in table.index]
+        table["difficulty"] = [float(row) for row, _ in rows]
+        table["complexity"] = [float(column) for _, column in rows]
+        return table
+    table["difficulty"] = -known["difficulty"].reindex(table.index)
+    table["complexity"] = known["complexity"].reindex(table.index)
+    return table
+
+
+def trend(values: Floats, rates: Floats) -> Trend:
+    """Spearman's rank correlation of n objects, with an interval by bootstrap over them.
+
+    Args:
+        values: (n,) what may make objects hard.
+        rates: (n,) how often each was held.
+    """
+    everything = np.arange(len(values))[None]
+    low, high = bootstrap(lambda drawn: _spearman(values[drawn], rates[drawn]), len(values))
+    return Trend(float(_spearman(values[everything], rates[everything])[0]), low, high)
+
+
+def _spearman(x: Floats, y: Floats) -> Floats:
+    """Rank correlation of each row of x with that of y, (draws,); NaN if either is constant."""
+    if x.shape[1] == 0:
+        return np.full(len(x), np.nan)
+    a, b = (rankdata(values, axis=1) for values in (x, y))
+    a, b = (ranks - ranks.mean(axis=1, keepdims=True) for ranks in (a, b))
+    scale = np.sqrt((a**2).sum(axis=1) * (b**2).sum(axis=1))
+    defined = scale > 0
+    rho: Floats = np.full(len(x), np.nan)
+    rho[defined] = (a * b).sum(axis=1)[defined] / scale[defined]
+    return rho

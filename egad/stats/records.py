@@ -1,0 +1,172 @@
+"""Results of trials from anywhere: tables of the simulation, or a CSV file of a real robot.
+
+The CSV file has a row an attempt and the columns label, attempt and success, and if you like
+outcome, quality and detector. Rows without a success have not been tried yet and are left out.
+"""
+
+import csv
+import io
+import re
+from collections.abc import Mapping, Sequence
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from egad.errors import UserError
+from egad.evalset.selection import LABEL
+from egad.tables import parquet
+from egad.tables.columns import START
+from egad.tables.evaluation import RESULTS, TRIALS
+
+NEEDED = ("label", "attempt", "success")
+COLUMNS = (*NEEDED, "outcome", "quality", "detector")
+OTHER = "other"
+OUTCOMES = (
+    *("success", "slipped", "slipped_closing", "slipped_lifting", "dropped", "missed"),
+    *("collided", "failed", "crashed", "no_grasp", "not_finite", "too_wide", "below_table"),
+    *("error", "timeout", OTHER),
+)
+WORDS = {
+    **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
+    **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
+}
+MOST_BYTES, MOST_COLUMNS, MOST_ROWS = 1 << 24, 1000, 100_000  # of a CSV file
+ATTEMPT = re.compile(r"[0-9]{1,9}")
+
+
+def template(labels: Sequence[str], attempts: int, detector: str) -> pd.DataFrame:
+    """A table to fill in: a row for each attempt at each object, with the success left empty."""
+    rows = [(label, number) for label in labels for number in range(attempts)]
+    frame = pd.DataFrame(rows, columns=["label", "attempt"])
+    return frame.assign(success="", outcome="", quality="", detector=detector)
+
+
+def read(path: Path) -> dict[str, pd.DataFrame]:
+    """Read results.
+
+    Args:
+        path: `.parquet`, written by the simulation or by `egad trials import`; or `.csv`.
+
+    Returns:
+        Columns of `tables.evaluation.RESULTS`, by detector. Tables of the simulation and rows
+        without a detector have the name of the file.
+
+    Raises:
+        UserError: The file cannot be used; the text says which row, and what is allowed.
+        TableError: It is no Parquet file with these columns.
+    """
+    frame = _csv(path) if path.suffix.lower() == ".csv" else _parquet(path)
+    return {str(name): table.reset_index(drop=True) for name, table in frame.groupby("detector")}
+
+
+def gather(paths: Sequence[Path]) -> dict[str, pd.DataFrame]:
+    """The results of several files by detector; of equal names, the folders are added.
+
+    Raises:
+        UserError: One cannot be used, or two cannot be told apart.
+    """
+    found: dict[str, pd.DataFrame] = {}
+    for path in paths:
+        for name, table in read(path).items():
+            key = name if name not in found else f"{path.parent.name}/{name}"
+            if key in found:
+                raise UserError(f"{path}: there are two tables of the detector {key}; rename one")
+            found[key] = table
+    return found
+
+
+def _parquet(path: Path) -> pd.DataFrame:
+    if "detector" in parquet.columns(path):
+        return parquet.read(path, RESULTS)
+    trials = parquet.read(path, TRIALS)
+    poses = trials[list(START)].to_numpy(np.float64)
+    starts = ["" if np.isnan(pose).any() else pose.tobytes().hex() for pose in poses]
+    return trials.assign(detector=path.stem, start=starts).loc[:, list(RESULTS.names)]
+
+
+def _csv(path: Path) -> pd.DataFrame:
+    (_, names), *lines = _cells(path)
+    names = [name.lower() for name in names]
+    if missing := [name for name in NEEDED if name not in names]:
+        raise UserError(
+            f"{path}: the column {missing[0]} is missing; needed: {', '.join(NEEDED)}; "
+            f"allowed: {', '.join(COLUMNS)}"
+        )
+    if repeated := [name for name in COLUMNS if names.count(name) > 1]:
+        raise UserError(f"{path}: the column {repeated[0]} is there twice")
+    blank = dict.fromkeys(COLUMNS, "")
+    cells = [(line, blank | dict(zip(names, row, strict=True))) for line, row in lines]
+    rows = [_row(path, line, row) for line, row in cells if row["success"]]
+    if not rows:
+        raise UserError(f"{path}: no row says whether the attempt was a success")
+    frame = pd.DataFrame(rows, columns=RESULTS.names)
+    twice = frame.duplicated(["detector", "label", "attempt"])
+    if twice.any():
+        first = frame[twice].iloc[0]
+        raise UserError(f"{path}: attempt {first['attempt']} at {first['label']} is there twice")
+    return frame
+
+
+def _cells(path: Path) -> list[tuple[int, list[str]]]:
+    """The lines of a CSV file with their numbers, as long as the first; empty ones are left out.
+
+    Cells are separated by commas or, as some programs do, by semicolons.
+    """
+    if path.stat().st_size > MOST_BYTES:
+        raise UserError(f"{path}: larger than {MOST_BYTES:,} bytes; split it")
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        head = text.strip().partition("\n")[0]
+        separator = ";" if head.count(";") > head.count(",") else ","
+        reader = csv.reader(io.StringIO(text), delimiter=separator, strict=True)
+        rows = ((reader.line_num, [cell.strip() for cell in row]) for row in reader)
+        filled = list(islice((row for row in rows if any(row[1])), MOST_ROWS + 2))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise UserError(f"{path}: not a CSV file: {error}") from error
+    if not filled:
+        raise UserError(f"{path}: not a CSV file: it is empty")
+    if len(filled) > MOST_ROWS + 1:
+        raise UserError(f"{path}: more than {MOST_ROWS:,} rows; split it")
+    width = len(filled[0][1])
+    if width > MOST_COLUMNS:
+        raise UserError(f"{path}: {width} columns; at most {MOST_COLUMNS} are read")
+    for line, row in filled:
+        if any(row[width:]):
+            raise UserError(f"{path}, line {line}: {len(row)} cells; the first line has {width}")
+    return [(line, [*row, *[""] * width][:width]) for line, row in filled]
+
+
+def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
+    """One attempt; `line` is that of the file, for error messages."""
+
+    def wrong(column: str, wanted: str) -> UserError:
+        return UserError(f"{path}, line {line}: {column} is {row[column]!r}; allowed: {wanted}")
+
+    success = WORDS.get(row["success"].lower())
+    if success is None:
+        raise wrong("success", "1, 0, true, false, yes or no")
+    if not LABEL.fullmatch(row["label"]):
+        raise wrong("label", "a letter and a digit, such as C4")
+    if not ATTEMPT.fullmatch(row["attempt"]):
+        raise wrong("attempt", "a whole number of at most 9 digits")
+    outcome = row["outcome"].lower().replace(" ", "_") or ("success" if success else OTHER)
+    if outcome not in OUTCOMES:
+        raise wrong("outcome", ", ".join(OUTCOMES))
+    if (outcome == "success") != success:
+        raise wrong("outcome", "success just where success is 1")
+    try:
+        quality = float(row["quality"]) if row["quality"] else np.nan
+    except ValueError as error:
+        raise wrong("quality", "a number, or nothing") from error
+    return {
+        "label": row["label"],
+        "id": "",
+        "attempt": int(row["attempt"]),
+        "success": success,
+        "outcome": outcome,
+        "quality": quality,
+        "detector": row["detector"] or path.stem,
+        "start": "",
+    }

@@ -1,0 +1,164 @@
+"""How well a predicted quality separates successful from failed grasps: ROC area, calibration."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.stats import mannwhitneyu
+
+from egad.stats.rates import Interval, Rate, bootstrap
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Names = NDArray[np.str_]
+Areas = Callable[[NDArray[np.int64]], Floats]
+
+# A bootstrap cannot know of failures of other objects than those that it has seen. With fewer than
+# these, its intervals are too narrow, most of all where one object has them all.
+FEWEST = 5
+
+
+@dataclass(frozen=True)
+class Area:
+    """Area under the ROC curve: how often a success was rated higher than a failure.
+
+    Attributes:
+        value: 1 if the rating tells all, 0.5 if it tells nothing; ties count half. NaN if there
+            are no successes, or no failures.
+        interval: Of 95 %, for other objects of the same kind; NaN if fewer than `FEWEST` objects
+            have a success, or a failure.
+        within: The same of pairs of grasps of one object only.
+    """
+
+    value: float
+    interval: Interval
+    within: float = np.nan
+
+
+def area(rating: Floats, success: Bools, objects: Names) -> Area:
+    """Area under the ROC curve of the grasps of several objects.
+
+    Grasps of an object resemble each other, so it is the objects that are drawn (`bootstrap`); one
+    drawn twice counts twice.
+
+    Args:
+        rating: (n,) of each grasp.
+        success: (n,) whether it held.
+        objects: (n,) name of its object.
+    """
+    return _area(*_areas(rating, success, objects), success, objects)
+
+
+def gain(rating: Floats, other: Floats, success: Bools, objects: Names) -> Area:
+    """By how much one rating tells more than another, in the area under the ROC curve.
+
+    Args:
+        rating: (n,) of each grasp.
+        other: (n,) the rating that it is compared with.
+        success: (n,) whether it held.
+        objects: (n,) name of its object.
+
+    Returns:
+        The differences; the interval comes from the same draws of objects for both.
+    """
+    first, within = _areas(rating, success, objects)
+    second, others = _areas(other, success, objects)
+    return _area(lambda drawn: first(drawn) - second(drawn), within - others, success, objects)
+
+
+def _area(areas: Areas, within: float, success: Bools, objects: Names) -> Area:
+    """The area of all objects, each once, and its interval if enough of them are known."""
+    count = len(np.unique(objects))
+    value = float(areas(np.arange(count)[None])[0]) if count else np.nan
+    fewest = min(len(np.unique(objects[each])) for each in (success, ~success))
+    interval = bootstrap(areas, count) if fewest >= FEWEST else (np.nan, np.nan)
+    return Area(value, interval, within)
+
+
+def _areas(rating: Floats, success: Bools, objects: Names) -> tuple[Areas, float]:
+    """From draws of objects to areas; and the area of pairs of one object."""
+    names, owner = np.unique(objects, return_inverse=True)
+    count = len(names)
+    member = (owner[:, None] == np.arange(count)).astype(np.float64)
+    good, bad = member[success], member[~success]
+    apart = rating[success][:, None] - rating[~success][None]
+    won = good.T @ ((np.sign(apart) + 1) / 2) @ bad
+    counts = good.sum(axis=0), bad.sum(axis=0)
+
+    def areas(drawn: NDArray[np.int64]) -> Floats:
+        cells = drawn + count * np.arange(len(drawn))[:, None]
+        times = np.bincount(cells.ravel(), minlength=count * len(drawn))
+        weight = times.reshape(len(drawn), count).astype(np.float64)
+        pairs = (weight @ counts[0]) * (weight @ counts[1])
+        better = np.einsum("di,di->d", weight @ won, weight)
+        found: Floats = np.full(len(drawn), np.nan)
+        np.divide(better, pairs, out=found, where=pairs > 0)
+        return found
+
+    pairs = float(counts[0] @ counts[1])
+    return areas, float(np.trace(won) / pairs) if pairs else np.nan
+
+
+BINS = 10
+
+
+@dataclass(frozen=True)
+class Bin:
+    """Attempts of similar quality.
+
+    Attributes:
+        quality: Their mean quality.
+        rate: How often they succeeded.
+    """
+
+    quality: float
+    rate: Rate
+
+
+def reliability(trials: pd.DataFrame, bins: int = BINS) -> list[Bin]:
+    """Success rates of attempts, binned by the quality that the detector gave.
+
+    Args:
+        trials: Columns quality and success; attempts without a quality are left out.
+        bins: Most bins. Each holds about as many attempts; equal qualities stay together.
+
+    Returns:
+        From low to high quality; empty if no attempt has a quality.
+    """
+    quality, success = _known(trials)
+    if len(quality) == 0:
+        return []
+    edges = np.unique(quality)[1:]
+    if len(edges) >= bins:
+        edges = np.unique(np.quantile(quality, np.linspace(0, 1, bins + 1)[1:-1]))
+    number = np.searchsorted(edges, quality, side="right")
+    return [
+        Bin(float(quality[chosen].mean()), Rate(int(success[chosen].sum()), int(chosen.sum())))
+        for chosen in (number == each for each in np.unique(number))
+    ]
+
+
+def discrimination(trials: pd.DataFrame) -> float:
+    """How often a success had a higher quality than a failure: area under the ROC curve.
+
+    Args:
+        trials: Columns quality and success; attempts without a quality are left out.
+
+    Returns:
+        1 if quality tells all, 0.5 if it tells nothing (ties count half); NaN if there are no
+        successes, or no failures.
+    """
+    quality, success = _known(trials)
+    if success.all() or not success.any():
+        return float("nan")
+    better = mannwhitneyu(quality[success], quality[~success]).statistic
+    return float(better / (success.sum() * (~success).sum()))
+
+
+def _known(trials: pd.DataFrame) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Quality and success of the attempts with a quality."""
+    quality = trials["quality"].to_numpy(dtype=np.float64)
+    known = np.isfinite(quality)
+    return quality[known], trials["success"].to_numpy(dtype=bool)[known]

@@ -1,0 +1,33 @@
+"""Table of docs/cluster.md: `python experiments/cluster.py FOLDERS` of finished runs."""
+
+import runpy
+import sys
+from pathlib import Path
+
+import pandas as pd
+
+ROOT = Path(__file__).parents[1]
+INHERITED = {"render_set": "render", "set_card": "image_card"}  # rules of diversity.smk
+NEEDS = runpy.run_path(str(ROOT / "workflow/rules/resources.smk"))["NEEDS"]
+
+
+def main(folders: list[Path]) -> None:
+    """Print the most that a job of each rule took, and what it asks for."""
+    jobs = pd.concat([job(path) for folder in folders for path in folder.rglob("*.tsv")])
+    most = jobs.groupby("rule")[["max_rss", "max_pss", "cpu_time"]].max()
+    print("| rule | memory, MB | shared counted once | CPU time, s | asks for MB | minutes |")
+    print("| --- " * 6 + "|")
+    for rule, (memory, of_thread, minutes) in NEEDS.items():
+        took = [f"{most.at[rule, name]:.0f}" if rule in most.index else "-" for name in most]
+        asked = f"{memory}" + f" + {of_thread} a thread" * bool(of_thread)
+        print(f"| {rule} | {' | '.join(took)} | {asked} | {minutes} |")
+
+
+def job(path: Path) -> pd.DataFrame:
+    """What a job took, with its rule: the last part of the path of its file that is one."""
+    parts = [INHERITED.get(part, part) for part in reversed(path.with_suffix("").parts)]
+    return pd.read_csv(path, sep="\t").assign(rule=next(name for name in parts if name in NEEDS))
+
+
+if __name__ == "__main__":
+    main([Path(folder) for folder in sys.argv[1:]])

@@ -1,0 +1,85 @@
+"""The picture of docs/images.md: `python experiments/images.py results/D/images/G`.
+
+Depth images around their objects, near is bright; in green some of the best free grasps, in red the
+best that collides.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from egad._util.files import replacing
+from egad.perception.image_shards import read
+from egad.perception.rendering import Picture
+
+DOCS = Path(__file__).parents[1] / "docs"
+COLUMNS, ROWS, SCALE = 5, 2, 3
+SHOWN = 130  # pixels around the object, before they are enlarged
+FREE, COLLIDING = (20, 190, 60), (220, 50, 40)
+JAW = 7  # pixels; half the breadth that is drawn
+DEEPEST = 0.06  # metres below the highest point that are drawn black
+
+
+def main(folder: str) -> None:
+    """Write the picture beside this file."""
+    images = read(folder)
+    first = images.table.drop_duplicates("id").index
+    chosen = [images[int(number)] for number in first[: COLUMNS * ROWS]]
+    side = SHOWN * SCALE
+    sheet = Image.new("RGB", (COLUMNS * side, ROWS * side))
+    for place, picture in enumerate(chosen):
+        row, column = divmod(place, COLUMNS)
+        sheet.paste(drawn(picture), (column * side, row * side))
+    with replacing(DOCS / "images.png") as out:
+        sheet.quantize(128).save(out, "png", optimize=True)
+
+
+def drawn(picture: Picture) -> Image.Image:
+    """An image around its object, with grasps."""
+    corner = _corner(picture.mask)
+    window = tuple(slice(low, low + SHOWN) for low in corner)
+    image = Image.fromarray(_shades(picture)[window]).resize((SHOWN * SCALE,) * 2, Image.NEAREST)
+    pen = ImageDraw.Draw(image)
+    grasps = picture.grasps
+    order = np.argsort(-grasps.quality, kind="stable")
+    for number in [*order[~grasps.free[order]][:1], *_apart(picture, order[grasps.free[order]])]:
+        ends = (grasps.ends()[number] - corner[::-1] + 0.5) * SCALE
+        colour = FREE if grasps.free[number] else COLLIDING
+        pen.line([tuple(end) for end in ends.tolist()], fill=colour, width=3)
+        angle = grasps.angle[number]
+        across = JAW * SCALE * np.array([np.sin(angle), np.cos(angle)])
+        for end in ends:
+            jaw = [tuple((end + sign * across).tolist()) for sign in (-1, 1)]
+            pen.line(jaw, fill=colour, width=3)
+    pen.text((6, 4), f"{picture.label}, pose {picture.pose}", "white")
+    return image
+
+
+def _apart(picture: Picture, numbers: NDArray[np.int64], most: int = 3) -> list[int]:
+    """The best grasps whose angles differ by 30 degrees or more."""
+    kept: list[int] = []
+    for number in numbers.tolist():
+        turns = np.abs(np.cos(picture.grasps.angle[kept] - picture.grasps.angle[number]))
+        if (turns < np.cos(np.radians(30))).all() and len(kept) < most:
+            kept.append(number)
+    return kept
+
+
+def _corner(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    rows, columns = np.nonzero(mask)
+    middle = np.array([rows.min() + rows.max(), columns.min() + columns.max()]) // 2
+    return np.clip(middle - SHOWN // 2, 0, np.array(mask.shape) - SHOWN)
+
+
+def _shades(picture: Picture) -> NDArray[np.uint8]:
+    depth = np.nan_to_num(picture.depth, nan=np.inf)
+    bright = np.clip(1 - (depth - depth[picture.mask].min()) / DEEPEST, 0, 1)
+    grey = np.where(picture.mask, 70 + 185 * bright, 45 + 20 * bright).astype(np.uint8)
+    return np.stack([grey] * 3, axis=-1)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,132 @@
+"""The figures of physics in docs/trials.md: `python experiments/physics.py results/D/bundle/G`.
+
+Each is the same small experiment with the engine as it is, and with one setting another.
+"""
+
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from egad.pipeline.config import GRIPPERS, Bundle, Trials
+from egad.pipeline.stages.bundled import model_in, rows_by_id
+from egad.random import generator
+from egad.sim.arms import Axis, Stance
+from egad.sim.gripper import Hand
+from egad.sim.initial_pose import Start, starts
+from egad.sim.model import build
+from egad.sim.world import TIME_STEP, Pose, World
+
+STANDING = np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # the thickness is that along x
+SIDE = 0.04
+SAME = 15.0  # degrees
+HEIGHT = Trials().drop_height
+OBJECTS, DROPS = 13, 5
+Change = Callable[[World], None]
+
+
+def nothing(_world: World) -> None:
+    """The engine as it is."""
+
+
+def without_anchors(scene: World) -> None:
+    """Contacts that forget where they stuck."""
+    scene.client.changeDynamics(scene.object, -1, frictionAnchor=0)
+
+
+def with_iterations(count: int) -> Change:
+    """Another number of iterations of the solver."""
+    return lambda scene: scene.client.setPhysicsEngineParameter(numSolverIterations=count)
+
+
+def held(scene: World, force: float, change: Change) -> Hand:
+    """A cube or plate between the fingers."""
+    scene.place(Pose(np.array([0.0, 0.0, SIDE / 2]), STANDING))
+    change(scene)
+    gripper = GRIPPERS["egad_75mm"].model_copy(update={"force": force})
+    found = Hand(scene, gripper, Axis(scene, gripper, Stance(0, 0, 0.01, 0)), 0.065)
+    found.close()
+    return found
+
+
+def pressed_in(
+    force: float, change: Change = nothing, mass: float | None = None, thickness: float = SIDE
+) -> float:
+    """By how many millimetres the fingers are nearer than the sides of what they hold."""
+    model = build(trimesh.creation.box((SIDE, SIDE, thickness)), 400.0, Bundle())
+    if mass is not None:
+        part = mass / model.mass
+        model = replace(model, mass=mass, inertia=model.inertia * part)
+    with World(model) as scene:
+        return 1000 * (thickness - held(scene, force, change).opening())
+
+
+def creep(change: Change) -> tuple[float, float]:
+    """How far a cube sinks (mm) and turns (degrees) in 10 s at 20 N."""
+    with World(build(trimesh.creation.box((SIDE,) * 3), 400.0, Bundle())) as scene:
+        held(scene, 20.0, change).lift(0.2, 1.0)
+        before = scene.pose()
+        scene.step(2400)
+        after = scene.pose()
+    return 1000 * float(before.position[2] - after.position[2]), turn(before, after)
+
+
+def turn(before: Pose, after: Pose) -> float:
+    """Angle between two poses, degrees."""
+    trace = np.trace(after.matrix[:3, :3] @ before.matrix[:3, :3].T)
+    return float(np.degrees(np.arccos(np.clip((trace - 1) / 2, -1, 1))))
+
+
+def tilt(before: Pose, after: Pose) -> float:
+    """Angle between what pointed up in two poses, degrees."""
+    cosine = before.matrix[2, :3] @ after.matrix[2, :3]
+    return float(np.degrees(np.arccos(np.clip(cosine, -1, 1))))
+
+
+def lay_as_before(bundle: Path, tilted: bool) -> list[bool]:
+    """Whether objects that a hand lets go come to lie as they had lain before: 65 drops."""
+    found = []
+    rows = sorted(rows_by_id(bundle).values(), key=lambda row: str(row["label"]))
+    for row in rows[:: -(-len(rows) // OBJECTS)]:
+        rng = generator(0, "physics", row["id"])
+        with World(model_in(bundle, row)) as scene:
+            mesh = scene.model.mesh
+            for _ in range(DROPS):
+                lying = fallen(scene, next(starts(mesh, HEIGHT, None, rng)).pose)
+                let_go = next(starts(mesh, HEIGHT, Start("from_hand", lying), rng)).pose
+                up = Pose(lying.position + np.array([0.0, 0.0, HEIGHT]), lying.quaternion)
+                found.append(tilt(lying, fallen(scene, let_go if tilted else up)) < SAME)
+    return found
+
+
+def fallen(scene: World, start: Pose) -> Pose:
+    """Where the object lies 4 s after it was let go."""
+    scene.reset()
+    scene.place(start)
+    scene.step(round(4 / TIME_STEP))
+    return scene.pose()
+
+
+def main(bundle: Path) -> None:
+    """Print them."""
+    for force in (70.0, 100.0):
+        for count in (50, 100, 150):
+            by = pressed_in(force, with_iterations(count))
+            print(f"{count} iterations, {force:.0f} N: {by:.2f} mm")
+    for thickness in (0.005, 0.01, 0.02):
+        true = 400.0 * thickness * SIDE**2
+        own, set_to = (pressed_in(70.0, nothing, mass, thickness) for mass in (true, None))
+        print(f"plate of {1000 * thickness:.0f} mm: {own:.2f} mm; with 50 g {set_to:.2f} mm")
+    for name, change in (("with", nothing), ("without", without_anchors)):
+        sunk, turned = creep(change)
+        print(f"{name} anchors: sinks by {sunk:.3f} mm and turns by {turned:.2f} degrees in 10 s")
+    for name, tilted in (("upright", False), ("tilted", True)):
+        same = lay_as_before(bundle, tilted)
+        print(f"let go {name}: {sum(same)} of {len(same)} lie as before")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,152 @@
+"""antipodal-depth finds the obvious grasps, and none where there are none."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.detectors.antipodal import _edges, _uneven, antipodal_depth
+from egad.detectors.base import Grasp
+from egad.perception.camera import WHOLE, Eye, Intrinsics, View, above, table_depth
+from egad.perception.heightmap import relief_of
+from egad.pipeline.config import GRIPPERS, Gripper
+
+HAND = GRIPPERS["egad_75mm"]
+CAMERA = Intrinsics.spanning(300, 300, 40.0)
+
+
+def seen(mesh: trimesh.Trimesh, x: float = 0.0, y: float = 0.0, turn: float = 0.0) -> View:
+    """A view of a mesh that stands on the table."""
+    matrix = trimesh.transformations.rotation_matrix(turn, (0, 0, 1))
+    matrix[:3, 3] = [x, y, -mesh.bounds[0, 2]]
+    return Eye(mesh).look(matrix, CAMERA, above(0.6))
+
+
+def detect(view: View, gripper: Gripper = HAND) -> list[Grasp]:
+    return antipodal_depth(view, gripper, np.random.default_rng(0))
+
+
+def folded(angle: float) -> float:
+    """An angle of an axis, which has no direction, in [-pi / 2, pi / 2)."""
+    return (angle + np.pi / 2) % np.pi - np.pi / 2
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize(("x", "y"), [(0.0, 0.0), (0.08, -0.05)])
+def test_a_bar_is_grasped_across_its_middle(turn: float, x: float, y: float) -> None:
+    grasps = detect(seen(trimesh.creation.box((0.03, 0.12, 0.04)), x, y, turn))
+    first = grasps[0]
+    assert folded(first.angle - turn) == pytest.approx(0, abs=0.1)
+    np.testing.assert_allclose(first.center[:2], [x, y], atol=0.006)
+    assert 0.03 < first.width <= HAND.opening
+    assert 0 < first.tip < 0.01
+    assert 0.02 < first.center[2] + first.depth < 0.045
+    assert first.quality > 0.8
+
+
+def test_grasps_are_ranked_and_within_bounds() -> None:
+    grasps = detect(seen(trimesh.creation.cylinder(0.02, 0.06)))
+    qualities = [grasp.quality for grasp in grasps]
+    assert 0 < len(grasps) <= 50
+    assert qualities == sorted(qualities, reverse=True)
+    assert all(0 <= quality <= 1 for quality in qualities)
+    assert all(grasp.flaw(HAND) == "" for grasp in grasps)
+
+
+def test_the_closer_to_the_centroid_the_better() -> None:
+    """A dumbbell on its side, heavier at one end: its bar is best held near that end."""
+    bar = trimesh.creation.box((0.16, 0.03, 0.03))
+    head = trimesh.creation.box(
+        (0.03, 0.03, 0.06), trimesh.transformations.translation_matrix((0.095, 0, 0.015))
+    )
+    grasps = detect(seen(trimesh.util.concatenate([bar, head])))
+    assert 0.01 < grasps[0].center[0] < 0.06
+
+
+@pytest.mark.parametrize("sides", [(0.12, 0.12, 0.06), (0.12, 0.12, 0.004)])
+def test_nothing_is_found_on_what_is_too_wide_or_too_flat(sides: tuple[float, ...]) -> None:
+    assert detect(seen(trimesh.creation.box(sides))) == []
+
+
+def test_an_empty_table_gives_nothing() -> None:
+    matrix = trimesh.transformations.translation_matrix((5, 5, 0))
+    empty = Eye(trimesh.creation.box((0.1, 0.1, 0.1))).look(matrix, CAMERA, above(0.6))
+    assert detect(empty) == []
+    blind = View(np.full_like(empty.depth, np.nan), CAMERA, above(0.6))
+    assert detect(blind) == []
+
+
+def test_gentle_slopes_are_no_edges() -> None:
+    """A cone of 45 degrees slips out between pads with a friction of 0.5."""
+    cone = trimesh.creation.cone(0.03, 0.03)
+    steep = trimesh.creation.cone(0.03, 0.12)
+    assert detect(seen(cone)) == []
+    assert detect(seen(steep)) != []
+
+
+def test_fingers_need_space_beside_the_object() -> None:
+    """Between a block and walls 15 mm away, pads that open 8 mm wider and are 10 mm thick."""
+    block = trimesh.creation.box((0.03, 0.03, 0.05))
+    walls = [
+        trimesh.creation.box((0.01, 0.2, 0.05), trimesh.transformations.translation_matrix(at))
+        for at in ((-0.035, 0, 0), (0.035, 0, 0))
+    ]
+
+    def angles(mesh: trimesh.Trimesh) -> set[str]:
+        found = [grasp for grasp in detect(seen(mesh)) if np.hypot(*grasp.center[:2]) < 0.01]
+        return {"across" if abs(folded(grasp.angle)) < 0.5 else "along" for grasp in found}
+
+    assert angles(block) == {"across", "along"}
+    assert angles(trimesh.util.concatenate([block, *walls])) == {"along"}
+
+
+def test_the_palm_stays_above_the_object() -> None:
+    tower = trimesh.creation.box((0.04, 0.04, 0.15))
+    assert all(grasp.tip > 0.15 - HAND.finger_length for grasp in detect(seen(tower)))
+
+
+def test_the_same_image_gives_the_same_grasps() -> None:
+    view = seen(trimesh.creation.box((0.03, 0.06, 0.04)), turn=0.3)
+    other = antipodal_depth(view, HAND, np.random.default_rng(99))
+    assert detect(view) == other
+
+
+def rough(rng: np.random.Generator, friction: float) -> View:
+    """A table seen at a slant, with noise on it that is no edge, blocks, patches and blind pixels.
+
+    What rises from it does so by between 0.3 and 20 times the least height that may be an edge.
+    """
+    camera = Intrinsics.spanning(120, 100, 40.0)
+    tilt = trimesh.transformations.rotation_matrix(rng.uniform(-0.3, 0.3), rng.normal(size=3))
+    pose = tilt @ above(0.6)
+    pose[:3, 3] = [0, 0, 0.6]
+    table = table_depth(camera, pose)
+    least = 0.6 / camera.focal / friction / 2
+    rise = rng.uniform(-0.3, 0.3, table.shape) * least
+    for noise in (0.0, 2.0, 2.0):
+        (top, left), (high, wide) = rng.integers(15, 60, 2), rng.integers(1, 20, 2)
+        patch = rise[top : top + high, left : left + wide]
+        patch += least * 20 ** rng.uniform(-0.3, 1) * rng.uniform(1 - noise, 1, patch.shape)
+    depth = table - rise
+    depth[rng.random(depth.shape) < 0.001] = np.nan
+    return View(depth.astype(np.float32), camera, pose)
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.5, 1.0])
+def test_what_is_looked_at_of_an_image_gives_the_edges_and_heights_of_all_of_it(
+    friction: float,
+) -> None:
+    found = []
+    for seed in range(40):
+        view = rough(np.random.default_rng(seed), friction)
+        np.testing.assert_allclose(view.heights(), view.points()[..., 2], atol=1e-12)
+        window = _uneven(view, friction)
+        part, whole = _edges(view, window, friction), _edges(view, WHOLE, friction)
+        np.testing.assert_allclose(part.points, whole.points, atol=1e-12)
+        np.testing.assert_allclose(part.outward, whole.outward, atol=1e-7)
+        reliefs = relief_of(view, window), relief_of(view, WHOLE)
+        for one, other in zip(*(relief or () for relief in reliefs), strict=True):
+            np.testing.assert_allclose(one, other, atol=1e-12)
+        found.append((len(whole.points), view.depth[window].size < view.depth.size))
+    edges, smaller = np.transpose(found)
+    assert (edges > 0).sum() > 20
+    assert smaller.sum() > 20

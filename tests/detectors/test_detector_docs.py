@@ -1,0 +1,53 @@
+"""The example of docs/detectors.md works as it stands."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+import yaml
+
+from egad.detectors.registry import detector
+from egad.pipeline.config import GRIPPERS, Policy
+from egad.pipeline.config.check import check
+from egad.stats.records import COLUMNS
+
+PAGE = (Path(__file__).parents[2] / "docs" / "detectors.md").read_text()
+HAND = GRIPPERS["egad_75mm"]
+
+
+@pytest.fixture(scope="module")
+def example(tmp_path_factory):
+    path = tmp_path_factory.mktemp("docs") / "across.py"
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    path.write_text(code)
+    return detector(Policy(detector=f"{path}:Across"))
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.6, -1.3])
+def test_it_holds_a_box_across_its_short_side(look, example, turn):
+    view = look(trimesh.creation.box((0.03, 0.09, 0.05)), 0.04, -0.03, turn)
+    (grasp,) = example(view, HAND, np.random.default_rng(0))
+    off = (grasp.angle - turn + np.pi / 2) % np.pi - np.pi / 2
+    assert abs(off) < 0.05
+    np.testing.assert_allclose(grasp.center[:2], (0.04, -0.03), atol=0.004)
+    assert grasp.flaw(HAND) == ""
+    assert grasp.width == pytest.approx(0.05, abs=0.006)
+    assert grasp.tip == pytest.approx(0.02, abs=0.001)
+
+
+def test_an_empty_table_gives_nothing(look, example):
+    view = look(trimesh.creation.box((0.1, 0.1, 0.001)))
+    assert example(view, HAND, np.random.default_rng(0)) == []
+
+
+def test_its_configurations_are_allowed():
+    for text in re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL):
+        config = yaml.safe_load(text)
+        shipped = {"antipodal-depth": {"detector": "antipodal-depth"}}
+        check({**config, "policies": shipped | config["policies"]})
+
+
+def test_every_column_of_a_robots_file_is_explained():
+    assert all(f"| `{name}` |" in PAGE for name in COLUMNS)

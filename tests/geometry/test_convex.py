@@ -1,0 +1,183 @@
+"""Convex parts: cover the solid, stay close to it, and know inside from outside."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.errors import RejectedError
+from egad.geometry.convex_parts import convex_parts, excess_volume
+from egad.geometry.manifold import Solid, to_solid, union
+
+RING, TUBE = 0.03, 0.01  # radii of the torus
+
+
+@pytest.fixture(scope="module")
+def torus() -> trimesh.Trimesh:
+    return trimesh.creation.torus(RING, TUBE, major_sections=96, minor_sections=48)
+
+
+@pytest.fixture(scope="module")
+def torus_parts(torus: trimesh.Trimesh) -> list[trimesh.Trimesh]:
+    return convex_parts(torus, 64, 0.06)
+
+
+def box(size: tuple[float, float, float], at: tuple[float, float, float]) -> trimesh.Trimesh:
+    return trimesh.creation.box(size, trimesh.transformations.translation_matrix(at))
+
+
+def ell() -> trimesh.Trimesh:
+    parts = [
+        box((0.06, 0.02, 0.02), (0.03, 0.01, 0.01)),
+        box((0.02, 0.06, 0.02), (0.01, 0.03, 0.01)),
+    ]
+    return trimesh.boolean.union(parts, engine="manifold")
+
+
+def outside(part: trimesh.Trimesh, points: np.ndarray) -> np.ndarray:
+    """How far points lie beyond the outermost face plane of a convex part; negative inside."""
+    heights = np.einsum("pij,ij->pi", points[:, None] - part.triangles[:, 0], part.face_normals)
+    return heights.max(axis=1)
+
+
+def inside_torus(points: np.ndarray, tube: float) -> np.ndarray:
+    away = np.hypot(points[:, 0], points[:, 1]) - RING
+    return np.hypot(away, points[:, 2]) < tube
+
+
+def test_a_convex_solid_is_its_own_part() -> None:
+    cube = trimesh.creation.box((0.04, 0.04, 0.04))
+    (part,) = convex_parts(cube, 64, 0.06)
+    assert part.volume == pytest.approx(cube.volume, rel=1e-12)
+    assert excess_volume([part], cube) == pytest.approx(0, abs=1e-9)
+
+
+def test_an_ell_is_two_boxes() -> None:
+    parts = convex_parts(ell(), 64, 0.01)
+    assert len(parts) == 2
+    assert sum(part.volume for part in parts) == pytest.approx(5 * 0.02**3, rel=1e-6)
+
+
+def test_parts_are_convex_solids(torus_parts: list[trimesh.Trimesh]) -> None:
+    assert len(torus_parts) > 4
+    for part in torus_parts:
+        assert part.is_volume
+        assert part.volume > 0
+        assert outside(part, part.vertices).max() < 1e-9
+
+
+def test_parts_cover_the_solid_and_nothing_far_from_it(
+    torus: trimesh.Trimesh, torus_parts: list[trimesh.Trimesh]
+) -> None:
+    points = np.random.default_rng(0).uniform(*torus.bounds, size=(4000, 3))
+    covered = np.min([outside(part, points) for part in torus_parts], axis=0) <= 0
+    # The surface may move by 0.5 % of the longest side, 0.4 mm.
+    assert covered[inside_torus(points, TUBE - 0.0005)].all()
+    assert not covered[~inside_torus(points, TUBE + 0.003)].any()
+
+
+def test_a_cluster_of_balls_whose_hulls_have_needles() -> None:
+    rng = np.random.default_rng(4)
+    balls = [
+        trimesh.creation.icosphere(3, rng.uniform(0.008, 0.02)).apply_translation(
+            rng.uniform(-0.025, 0.025, 3)
+        )
+        for _ in range(6)
+    ]
+    cluster = trimesh.boolean.union(balls, engine="manifold")
+    parts = convex_parts(cluster, 64, 0.01)
+    assert len(parts) > 4
+    assert abs(excess_volume(parts, cluster)) <= 0.01
+    assert all(part.is_volume for part in parts)
+
+
+def test_volume_error_is_kept(torus: trimesh.Trimesh, torus_parts: list[trimesh.Trimesh]) -> None:
+    assert 0 < excess_volume(torus_parts, torus) <= 0.06
+    coarse = convex_parts(torus, 64, 0.3)
+    assert len(coarse) < len(torus_parts)
+    assert 0.06 < excess_volume(coarse, torus) <= 0.3
+
+
+def test_volume_error_counts_overlaps_once() -> None:
+    first, second = box((2, 2, 2), (0, 0, 0)), box((2, 2, 2), (1, 0, 0))
+    assert excess_volume([first, second], first) == pytest.approx(0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize("most", [1, 2, 5, 9])
+def test_there_are_never_more_parts_than_allowed(torus: trimesh.Trimesh, most: int) -> None:
+    parts = convex_parts(torus, most, 0.001)
+    assert 1 <= len(parts) <= most
+    points = np.random.default_rng(1).uniform(*torus.bounds, size=(1000, 3))
+    covered = np.min([outside(part, points) for part in parts], axis=0) <= 0
+    assert covered[inside_torus(points, TUBE - 0.0005)].all()
+
+
+def test_inside_out_makes_no_difference(
+    torus: trimesh.Trimesh, torus_parts: list[trimesh.Trimesh]
+) -> None:
+    inverted = torus.copy()
+    inverted.invert()
+    assert inverted.volume < 0
+    parts = convex_parts(inverted, 64, 0.06)
+    assert len(parts) == len(torus_parts)
+    for part, expected in zip(parts, torus_parts, strict=True):
+        np.testing.assert_array_equal(part.vertices, expected.vertices)
+    assert excess_volume(parts, inverted) == excess_volume(torus_parts, torus)
+
+
+def test_bodies_apart_are_parts_apart() -> None:
+    two = trimesh.util.concatenate([box((1, 1, 1), (0, 0, 0)), box((1, 1, 1), (5, 0, 0))])
+    parts = convex_parts(two, 64, 0.06)
+    assert len(parts) == 2
+    assert sum(part.volume for part in parts) == pytest.approx(2)
+    with pytest.raises(RejectedError, match="2 separate bodies"):
+        convex_parts(two, 1, 0.06)
+
+
+def broken() -> dict[str, trimesh.Trimesh]:
+    cube = trimesh.creation.box((1, 1, 1))
+    vertices = cube.vertices.copy()
+    vertices[0] = np.nan
+    return {
+        "open": trimesh.Trimesh(cube.vertices, cube.faces[1:], process=False),
+        "nan": trimesh.Trimesh(vertices, cube.faces, process=False),
+        "empty": trimesh.Trimesh(),
+        "flat": trimesh.Trimesh(cube.vertices * [1, 1, 0], cube.faces, process=False),
+    }
+
+
+@pytest.mark.parametrize("name", broken())
+def test_what_is_no_solid_is_rejected(name: str) -> None:
+    with pytest.raises(RejectedError):
+        convex_parts(broken()[name], 64, 0.06)
+
+
+def shell() -> trimesh.Trimesh:
+    """A cup: half a ball of 30 mm with a wall of 5 mm."""
+    outer, inner = trimesh.creation.icosphere(4, 0.03), trimesh.creation.icosphere(4, 0.025)
+    lower = box((0.1, 0.1, 0.05), (0, 0, -0.025))
+    hollow = trimesh.boolean.difference([outer, inner], engine="manifold")
+    return trimesh.boolean.intersection([hollow, lower], engine="manifold")
+
+
+def test_a_thin_cup_is_covered_within_the_error() -> None:
+    cup = shell()
+    parts = convex_parts(cup, 256, 0.06)
+    assert len(parts) < 200
+    assert excess_volume(parts, cup) <= 0.06
+    bowl = trimesh.creation.icosphere(2, 0.023).vertices
+    assert min(outside(part, bowl).min() for part in parts) > 0  # nothing fills it
+    whole, together = (solid_of([cup]), solid_of(parts))
+    assert (whole - together).volume() < 0.02 * whole.volume()
+
+
+def test_a_straight_cup_is_cut_although_its_rim_lies_deepest_in_its_hull() -> None:
+    outer = trimesh.creation.cylinder(0.025, 0.06, sections=12)
+    inner = trimesh.creation.cylinder(0.020, 0.06, sections=12).apply_translation([0, 0, 0.005])
+    cup = trimesh.boolean.difference([outer, inner], engine="manifold")
+    parts = convex_parts(cup, 64, 0.06)
+    assert len(parts) < 40
+    assert excess_volume(parts, cup) <= 0.06
+
+
+def solid_of(meshes: list[trimesh.Trimesh]) -> Solid:
+    return union(to_solid(mesh.vertices, mesh.faces) for mesh in meshes)

@@ -1,0 +1,220 @@
+import numpy as np
+import pytest
+import trimesh
+
+from egad.errors import RejectedError
+from egad.geometry.manifold import to_mesh, to_solid
+from egad.geometry.repair import repair
+from egad.geometry.self_intersections import crossings, untangle
+
+box, icosphere = trimesh.creation.box, trimesh.creation.icosphere
+
+
+def raw(vertices, faces):
+    return trimesh.Trimesh(vertices, faces, process=False)
+
+
+def soup(mesh):
+    """Every triangle with corners of its own, as in an STL file."""
+    return raw(mesh.triangles.reshape(-1, 3), np.arange(3 * len(mesh.faces)).reshape(-1, 3))
+
+
+def together(*meshes):
+    return trimesh.util.concatenate(list(meshes))
+
+
+def shifted(mesh, *offset):
+    return mesh.copy().apply_translation(offset)
+
+
+def crossing_tube(turns=1):
+    """A tube along a figure of eight: one surface, which runs through itself at the middle."""
+    t = np.linspace(0, 2 * np.pi * turns, 120, endpoint=False)
+    path = np.column_stack([np.sin(t), np.sin(2 * t) / 2, np.zeros_like(t)])
+    along = np.roll(path, -1, axis=0) - np.roll(path, 1, axis=0)
+    side = np.cross([0, 0, 1], along / np.linalg.norm(along, axis=1, keepdims=True))
+    angle = np.linspace(0, 2 * np.pi, 16, endpoint=False)
+    ring = np.cos(angle)[None, :, None] * side[:, None] + np.sin(angle)[None, :, None] * [0, 0, 1]
+    i, j = np.meshgrid(np.arange(120), np.arange(16), indexing="ij")
+    corner = [(a % 120) * 16 + b % 16 for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+    a, b, c, d = (index.ravel() for index in corner)
+    faces = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    mesh = raw((path[:, None] + 0.12 * ring).reshape(-1, 3), faces)
+    if mesh.volume < 0:
+        mesh.invert()
+    return mesh
+
+
+def assert_sound(mesh):
+    assert mesh.is_volume
+    assert mesh.body_count == 1
+    assert len(crossings(mesh.vertices, mesh.faces, 1e-6 * mesh.extents.max())) == 0
+
+
+def test_a_sound_mesh_comes_back_as_it_is():
+    ball = icosphere(subdivisions=3)
+    mesh, changed = repair(ball)
+    assert not changed
+    assert np.array_equal(mesh.vertices, ball.vertices)
+    assert np.array_equal(mesh.faces, ball.faces)
+
+
+def test_merging_vertices_is_no_change_and_the_input_is_kept():
+    given = soup(icosphere(subdivisions=2))
+    before = given.faces.copy()
+    mesh, changed = repair(given)
+    assert not changed
+    assert_sound(mesh)
+    assert np.array_equal(given.faces, before)
+
+
+def test_an_inside_out_mesh_is_turned_round():
+    ball = icosphere(subdivisions=2)
+    mesh, changed = repair(raw(ball.vertices, ball.faces[:, ::-1]))
+    assert changed
+    assert_sound(mesh)
+    assert mesh.volume == pytest.approx(ball.volume)
+
+
+def test_mixed_winding_is_made_consistent():
+    ball = icosphere(subdivisions=2)
+    faces = ball.faces.copy()
+    faces[::3] = faces[::3, ::-1]
+    mesh, _ = repair(raw(ball.vertices, faces))
+    assert_sound(mesh)
+    assert mesh.volume == pytest.approx(ball.volume)
+
+
+def test_cracks_are_welded():
+    given = soup(box((1, 1, 1)).subdivide())
+    noise = np.random.default_rng(0).uniform(-2e-5, 2e-5, given.vertices.shape)
+    mesh, changed = repair(raw(given.vertices + noise, given.faces))
+    assert changed
+    assert_sound(mesh)
+    assert mesh.volume == pytest.approx(1, rel=1e-3)
+
+
+def test_a_small_hole_is_closed_and_a_large_one_is_named():
+    block = box()
+    assert_sound(repair(raw(block.vertices, block.faces[1:])).mesh)
+    side = block.face_normals[:, 2] > 0.9
+    with pytest.raises(RejectedError, match="open surface: 4 open edges"):
+        repair(raw(block.vertices, block.faces[~side]))
+
+
+def test_degenerate_and_doubled_faces_go():
+    block = box()
+    extra = [block.faces[0], [0, 0, 1], [0, 1, 2], [2, 1, 0]]
+    mesh, changed = repair(raw(block.vertices, np.vstack([block.faces, extra])))
+    assert changed
+    assert_sound(mesh)
+    assert mesh.volume == pytest.approx(1)
+
+
+def test_a_fin_on_a_closed_body_is_dropped():
+    block = box().subdivide()
+    edge = block.faces[0, :2]
+    vertices = np.vstack([block.vertices, block.vertices[edge].mean(axis=0) * 1.2])
+    fin = [*edge, len(block.vertices)]
+    mesh, _ = repair(raw(vertices, np.vstack([block.faces, [fin]])))
+    assert_sound(mesh)
+    assert mesh.volume == pytest.approx(1)
+
+
+def test_only_the_largest_part_stays():
+    mesh, changed = repair(together(box(), shifted(box((0.5, 0.5, 0.5)), 3, 0, 0)))
+    assert changed
+    assert mesh.volume == pytest.approx(1)
+    assert mesh.bounds[1, 0] == pytest.approx(0.5)
+
+
+def test_an_open_part_is_dropped_only_if_little_is_lost():
+    block = box()
+    cup = raw(block.vertices, block.faces[block.face_normals[:, 2] < 0.9])
+    mesh, _ = repair(together(block, shifted(cup.copy().apply_scale(0.1), 2, 0, 0)))
+    assert mesh.bounds == pytest.approx(block.bounds)
+    with pytest.raises(RejectedError, match="open surface: 4 open edges"):
+        repair(together(block, shifted(cup, 2, 0, 0)))
+
+
+def test_overlapping_parts_become_one_body():
+    mesh, _ = repair(together(box(), shifted(box(), 0.5, 0.25, 0.125)))
+    assert_sound(mesh)
+    assert mesh.volume == pytest.approx(2 - 0.5 * 0.75 * 0.875)
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+def test_trapped_voids_are_filled_however_their_walls_wind(inverted):
+    inner = icosphere(subdivisions=2, radius=0.3)
+    if inverted:
+        inner.invert()
+    mesh, changed = repair(together(box(), inner))
+    assert changed
+    assert_sound(mesh)
+    assert mesh.volume == pytest.approx(1)
+
+
+def test_a_surface_that_runs_through_itself_is_untangled():
+    tube = crossing_tube()
+    assert tube.is_volume
+    assert len(crossings(tube.vertices, tube.faces, 1e-6)) > 10
+    mesh, changed = repair(tube)
+    assert changed
+    assert_sound(mesh)
+    overlap = 0.12**3 * 16 / 3  # of two round tubes at a right angle; these meet at 90 degrees
+    assert tube.volume - mesh.volume == pytest.approx(overlap, rel=0.1)
+
+
+def test_untangling_leaves_the_rest_untouched():
+    tube = crossing_tube()
+    mesh = to_mesh(untangle(to_solid(tube.vertices, tube.faces)))
+    far = tube.vertices[np.abs(tube.vertices[:, 0]) > 0.4]
+    kept = {tuple(vertex) for vertex in mesh.vertices}
+    assert all(tuple(vertex) in kept for vertex in far)
+
+
+def test_a_dent_pushed_through_the_far_side_is_mended():
+    plate = box((1, 1, 0.02)).subdivide().subdivide().subdivide()
+    vertices = plate.vertices.copy()
+    top = np.flatnonzero((np.hypot(*vertices[:, :2].T) < 0.01) & (vertices[:, 2] > 0))
+    vertices[top, 2] = -0.03
+    mesh, _ = repair(raw(vertices, plate.faces))
+    assert_sound(mesh)
+    assert mesh.volume == pytest.approx(0.02, rel=0.05)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_the_unit_does_not_matter(size):
+    mesh, _ = repair(crossing_tube().apply_scale(size))
+    assert_sound(mesh)
+
+
+def test_repair_is_idempotent_and_deterministic():
+    first, second = repair(crossing_tube()).mesh, repair(crossing_tube()).mesh
+    assert first.vertices.tobytes() == second.vertices.tobytes()
+    assert first.faces.tobytes() == second.faces.tobytes()
+    again, changed = repair(first)
+    assert not changed
+    assert again.volume == pytest.approx(first.volume)
+
+
+SHEET = raw([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]], [[0, 1, 2], [0, 2, 3]])
+BAD = {
+    "no faces": raw(np.zeros((3, 3)), np.empty((0, 3), dtype=int)),
+    "not finite": raw([[0, 0, 0], [1, 0, np.nan], [0, 1, 0]], [[0, 1, 2]]),
+    "no area": raw([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]]),
+    "open surface": SHEET,
+    "no volume": together(SHEET, raw(SHEET.vertices, SHEET.faces[:, ::-1])),
+}
+
+
+@pytest.mark.parametrize("reason", BAD)
+def test_what_bounds_no_solid_is_rejected_with_the_reason(reason):
+    with pytest.raises(RejectedError, match=reason):
+        repair(BAD[reason])
+
+
+def test_random_triangles_are_rejected_not_crashed_on():
+    rng = np.random.default_rng(1)
+    with pytest.raises(RejectedError):
+        repair(raw(rng.normal(size=(60, 3)), rng.integers(0, 60, (200, 3))))

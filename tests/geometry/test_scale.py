@@ -1,0 +1,87 @@
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from egad.errors import RejectedError, UserError
+from egad.geometry.scaling import box_sides, rescale, scale_factor
+from egad.tables.grasping import SCALES
+
+
+def turned(mesh, seed):
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()
+    return mesh.copy().apply_transform(matrix)
+
+
+def blob(seed=3):
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(300, 3)) * [0.01, 0.02, 0.04]
+    return trimesh.convex.convex_hull(points)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_box_of_a_turned_block_is_the_block(seed):
+    block = turned(trimesh.creation.box((0.03, 0.05, 0.11)), seed)
+    assert np.allclose(box_sides(block), [0.03, 0.05, 0.11], rtol=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_random_box_is_smaller_and_turning_changes_little(seed):
+    mesh = blob(seed)
+    volume = np.prod(box_sides(mesh))
+    turns = Rotation.random(5000, rng=np.random.default_rng(9)).as_matrix()
+    others = np.ptp(np.einsum("kij,nj->kni", turns, mesh.vertices), axis=1).prod(axis=1)
+    assert volume <= others.min()
+    assert np.prod(box_sides(turned(mesh, 8))) == pytest.approx(volume, rel=0.01)
+
+
+def test_sides_scale_with_the_object_and_ascend():
+    mesh = blob()
+    sides = box_sides(mesh)
+    assert (np.diff(sides) >= 0).all()
+    assert np.allclose(box_sides(mesh.copy().apply_scale(1000)), sides * 1000, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("rule", "sides", "factor"),
+    [
+        ("paper", [0.03, 0.05, 0.2], 1.0),  # fits as it is
+        ("paper", [0.12, 0.12, 0.2], 0.5),
+        ("egad-script", [0.03, 0.05, 0.2], 0.075 / 0.2),  # longest side decides
+        ("egad-script", [0.05, 0.05, 0.05], 1.2),  # smallest side decides
+        ("egad-script", [0.01, 0.01, 0.025], 3.0),  # grows
+        ("exact", [0.03, 0.05, 0.2], 2.0),
+        ("exact", [0.12, 0.12, 0.2], 0.5),
+    ],
+)
+def test_the_rules(rule, sides, factor):
+    assert scale_factor(rule, np.array(sides), 0.075, 0.8) == pytest.approx(factor)
+
+
+@pytest.mark.parametrize("rule", ["paper", "egad-script", "exact"])
+def test_the_row_says_what_was_done(rule):
+    mesh = blob()
+    scaled, row = rescale(mesh, rule, 0.02, 0.8)
+    assert SCALES.names[: len(row) + 1] == ["label", *row]
+    assert np.allclose(scaled.vertices, mesh.vertices * row["factor"])
+    after = [row["after_1"], row["after_2"], row["after_3"]]
+    assert np.allclose(box_sides(scaled), after, rtol=1e-3)
+    assert after[0] <= 0.016 * (1 + 1e-9)
+    assert (rule, 0.02) == (row["rule"], row["opening"])
+
+
+def test_the_released_script_makes_the_longest_side_the_opening():
+    _, row = rescale(trimesh.creation.box((0.02, 0.05, 0.3)), "egad-script", 0.1, 0.8)
+    assert row["after_3"] == pytest.approx(0.1)
+    assert row["after_1"] <= 0.08
+
+
+def test_an_unknown_rule_and_a_flat_object_are_named():
+    with pytest.raises(UserError, match="allowed: paper, egad-script, exact"):
+        scale_factor("papr", np.ones(3), 0.1, 0.8)
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
+    for faces in ([[0, 1, 2]], [[0, 1, 2], [1, 3, 2]]):
+        sheet = trimesh.Trimesh(corners[: len(faces) + 2], faces, process=False)
+        with pytest.raises(RejectedError, match="flat"):
+            rescale(sheet, "paper", 0.1, 0.8)

@@ -1,0 +1,147 @@
+import pickle
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from egad.errors import TableError, UserError
+from egad.learning.dataset import LearningSet, Rule
+
+RULE = Rule(0.002, 0.02)
+
+
+@dataclass
+class Changed:
+    """Rows of which the first has another value."""
+
+    rows: list
+
+    def __call__(self, **values):
+        return [{**self.rows[0], **values}, *self.rows[1:4]]
+
+
+@pytest.fixture
+def changed(pictures):
+    return Changed(pictures)
+
+
+def test_every_image_is_found_with_its_counts(images, pictures):
+    index = LearningSet(images, RULE).index
+    assert index["image"].tolist() == [row["image"] for row in pictures]
+    assert index["grasps"].tolist() == [len(row["u"]) for row in pictures]
+    # One that collides and one that would slip are in every image; a third shows no other.
+    expected = [0 if n % 3 == 0 else len(row["u"]) - 2 for n, row in enumerate(pictures)]
+    assert index["positive"].tolist() == expected
+
+
+@pytest.mark.parametrize("split", ["train", "validation", "test"])
+def test_a_split_has_its_images_and_no_others(images, pictures, split):
+    found = LearningSet(images, RULE).numbers(split)
+    assert found.tolist() == [n for n, row in enumerate(pictures) if row["split"] == split]
+
+
+def test_depths_and_grasps_come_back(images, pictures):
+    shards = LearningSet(images, RULE)
+    for number in (59, 1, 31):
+        depth, grasps = shards.image(number)
+        row = pictures[number]
+        assert depth.shape == (300, 300)
+        assert 0.005 < np.isnan(depth).mean() < 0.015
+        assert 0.53 < np.nanmin(depth) < np.nanmax(depth) < 0.61
+        good = (row["quality"] > 0.002) & row["free"]
+        np.testing.assert_allclose(grasps[:, 0], row["u"][good])
+        np.testing.assert_allclose(grasps[:, 3], row["opening"][good])
+        np.testing.assert_allclose(grasps[:, 4], 0.02 * 417 / 0.58, rtol=1e-6)
+
+
+def test_the_best_grasp_is_the_last_one(write, changed, tmp_path):
+    count = len(changed.rows[0]["u"])
+    quality = np.linspace(0.005, 0.003, count).astype(np.float32)
+    rows = changed(quality=quality, free=np.ones(count, bool), u=np.arange(count, dtype=np.float32))
+    _, grasps = LearningSet(write(tmp_path, rows), RULE).image(0)
+    assert grasps[:, 0].tolist() == list(range(count))[::-1]
+
+
+def test_few_images_are_kept_in_memory(images, monkeypatch):
+    monkeypatch.setattr("egad.learning.dataset.WINDOW", 16)
+    shards = LearningSet(images, RULE)
+    expected = [shards.image(number)[1] for number in range(60)]
+    assert sum(map(len, shards._kept.values())) <= 32
+    for number in range(60):
+        np.testing.assert_array_equal(shards.image(number)[1], expected[number])
+
+
+def test_a_copy_for_another_process_gives_the_same(images):
+    shards = LearningSet(images, RULE)
+    copy = pickle.loads(pickle.dumps(shards))  # noqa: S301 (our own)
+    np.testing.assert_array_equal(copy.image(7)[0], shards.image(7)[0])
+
+
+def test_a_folder_without_images_or_with_a_gap_is_a_mistake(write, pictures, tmp_path):
+    with pytest.raises(UserError, match="no images here"):
+        LearningSet(tmp_path, RULE)
+    write(tmp_path, pictures[:6], shards=3)
+    (tmp_path / "images-1.parquet").unlink()
+    with pytest.raises(UserError, match=r"half written, images-1\.parquet of 3 shards missing"):
+        LearningSet(tmp_path, RULE)
+
+
+def test_a_shard_that_is_cut_short_or_lacks_a_column_is_a_mistake(write, pictures, tmp_path):
+    path = write(tmp_path, pictures[:6], shards=1) / "images-0.parquet"
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(TableError, match="not a readable Parquet file"):
+        LearningSet(tmp_path, RULE)
+    write(tmp_path, [{k: v for k, v in row.items() if k != "angle"} for row in pictures[:6]], 1)
+    with pytest.raises(TableError, match="columns are missing: angle"):
+        LearningSet(tmp_path, RULE)
+
+
+def test_an_unknown_split_and_an_empty_one_are_mistakes(write, changed, tmp_path):
+    shards = LearningSet(write(tmp_path / "one", changed()), RULE)
+    with pytest.raises(UserError, match="no image is of the split test"):
+        shards.numbers("test")
+    with pytest.raises(UserError, match="split 'holdout' is none of train, validation, test"):
+        LearningSet(write(tmp_path / "two", changed(split="holdout")), RULE)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"depth": b"hello"}, "image 0: its depth cannot be read"),
+        ({"height": 200}, "300 x 200, not 300 x 300"),
+        ({"u": np.ones(3, np.float32)}, "not of equal lengths"),
+    ],
+)
+def test_a_damaged_image_is_named(write, changed, tmp_path, values, words):
+    shards = LearningSet(write(tmp_path, changed(**values)), RULE)
+    shards.image(1)
+    with pytest.raises(TableError, match=words):
+        shards.image(0)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("u", np.nan), ("opening", -1), ("depth_center", 0), ("angle", np.inf)]
+)
+def test_numbers_that_are_no_pixels_are_refused(write, pictures, tmp_path, name, value):
+    row = {**pictures[1], name: np.full(len(pictures[1]["u"]), value, np.float32)}
+    with pytest.raises(TableError, match="numbers that are no pixels"):
+        LearningSet(write(tmp_path, [row], 1), RULE).image(0)
+
+
+def test_a_damaged_png_is_refused_whatever_is_wrong_with_it(write, pictures, tmp_path):
+    """Any byte may be wrong: the image is read, or it is refused in a sentence."""
+    rng = np.random.default_rng(0)
+    whole = pictures[1]["depth"]
+    broken = [whole[: int(cut)] for cut in rng.integers(10, len(whole), 10)]
+    for place in rng.integers(8, 200, 30):
+        data = bytearray(whole)
+        data[place] ^= 0x41
+        broken.append(bytes(data))
+    shards = LearningSet(
+        write(tmp_path, [{**pictures[1], "depth": data} for data in broken], 1), RULE
+    )
+    for number in range(len(broken)):
+        with suppress(TableError):
+            assert np.nanmax(shards.image(number)[0]) > 0

@@ -1,0 +1,50 @@
+import pandas as pd
+import pytest
+
+from egad.learning.dataset import LearningSet, Rule
+from egad.learning.model_card import Trained, card, counts, table
+from egad.learning.score import Score
+from egad.report.training_chart import training_chart
+
+
+@pytest.fixture
+def history():
+    losses = {"loss": [0.03, 0.02, 0.01], "validation_loss": [0.04, 0.02, 0.03]}
+    score = {"validation_score": [float("nan"), 0.5, 0.6]}
+    return pd.DataFrame(
+        {"epoch": [0, 1, 2], "images": [1000, 2000, 3000], **losses, **score}
+    ).assign(taken=[False, True, False])
+
+
+def test_counts_are_of_objects_images_negatives_and_grasps(images, pictures):
+    found = {row[0]: row[1:] for row in counts(LearningSet(images, Rule(0.002, 0.02)).index)}
+    for split, (objects, shown, empty, grasps, positive) in found.items():
+        rows = [row for row in pictures if row["split"] == split]
+        assert objects == len({row["id"] for row in rows})
+        assert (shown, empty) == (len(rows), len(rows) // 3)
+        assert grasps == sum(len(row["u"]) for row in rows)
+        assert positive == sum(len(row["u"]) - 2 for n, row in enumerate(rows) if n % 3)
+
+
+def test_the_card_names_the_epoch_that_was_taken_and_the_score(images, history):
+    index = LearningSet(images, Rule(0.002, 0.02)).index
+    score = Score(right=30, count=40, objects=7, interval=(0.6, 0.85), loss=0.0234)
+    trained = Trained("GG-CNN", 62420, "pictures", index, history, score, 22, {"quality": 0.002})
+    text = card(trained)
+    assert "right in 30 of 40 images of 7 held-out objects" in text
+    assert "75.0%, for other objects of the same kind 60.0% to 85.0%" in text
+    assert "narrower side, was right in 22 of them" in text
+    assert "3,000 images in 3 epochs" in text
+    assert "those after epoch 1." in text
+    assert text.count("| quality | 0.002 |") == 1
+
+
+def test_tables_are_markdown():
+    assert table(["a", "b"], [[1234, "x"], [True, 0.5]]) == (
+        "| a | b |\n| --- | --- |\n| 1,234 | x |\n| True | 0.5 |\n"
+    )
+
+
+def test_the_chart_is_the_same_for_the_same_history(history):
+    assert training_chart(history) == training_chart(history)
+    assert "taken" in training_chart(history)

@@ -1,0 +1,33 @@
+"""What an outline alone suggests: the middle, across the narrower side."""
+
+import numpy as np
+import pytest
+
+from egad.learning.dataset import LearningSet, Rule
+from egad.learning.evaluation import across, right
+from egad.perception.rectangles import agrees
+
+
+@pytest.mark.parametrize("angle", [-1.2, -0.4, 0.0, 0.7, 1.5])
+def test_a_bar_is_grasped_across_its_middle(angle):
+    u, v = np.meshgrid(np.arange(300) - 120.0, np.arange(300) - 170.0)
+    narrow = np.cos(angle) * u - np.sin(angle) * v
+    long = np.sin(angle) * u + np.cos(angle) * v
+    found = across((np.abs(narrow) <= 15) & (np.abs(long) <= 50))
+    np.testing.assert_allclose(found[:2], [120, 170], atol=0.2)
+    assert found[2] == pytest.approx(angle, abs=0.01)
+    assert found[3] == pytest.approx(31, abs=1.5)
+
+
+def test_images_are_counted_in_which_it_is_right(images):
+    """By looking at each image; those without a positive grasp never count."""
+    shards = LearningSet(images, Rule(0.002, 0.02))
+    numbers = range(len(shards.index))
+    expected = 0
+    for number in numbers:
+        truth = shards.image(number)[1]
+        expected += len(truth) > 0 and agrees(across(shards.mask(number)), truth)
+    assert right(shards, numbers) == expected
+    assert 0 < expected <= (shards.index["positive"] > 0).sum()
+    empty = np.flatnonzero(shards.index["positive"] == 0)
+    assert right(shards, empty) == 0

@@ -1,0 +1,63 @@
+import numpy as np
+import pytest
+
+from egad.learning.targets import best, read, targets
+from egad.perception.rectangles import agrees
+
+
+def twin(rectangles, size):
+    """The same maps pixel by pixel, from the definition."""
+    maps = np.zeros((4, size, size), np.float32)
+    for u, v, angle, opening, breadth in rectangles:
+        for row in range(size):
+            for column in range(size):
+                x, y = column - u, v - row
+                along = np.cos(angle) * x + np.sin(angle) * y
+                aside = np.cos(angle) * y - np.sin(angle) * x
+                if abs(along) <= opening / 6 and abs(aside) <= breadth / 2:
+                    code = np.cos(2 * angle), np.sin(2 * angle), min(opening, 150) / 150
+                    maps[:, row, column] = (1, *code)
+    return maps
+
+
+def test_maps_are_those_of_an_obvious_twin():
+    rng = np.random.default_rng(0)
+    low, high = [-10, -10, -np.pi / 2, 0, 0], [70, 70, np.pi / 2, 200, 30]
+    rectangles = rng.uniform(low, high, (30, 5))
+    np.testing.assert_allclose(targets(rectangles, 60), twin(rectangles, 60), atol=1e-6)
+
+
+def test_quality_is_in_the_middle_third_along_the_opening():
+    quality, cosine, sine, width = targets(np.array([[150.0, 100.0, 0.0, 60.0, 10.0]]))
+    rows, columns = np.nonzero(quality)
+    assert (rows.min(), rows.max()) == (95, 105)
+    assert (columns.min(), columns.max()) == (140, 160)
+    assert (cosine[100, 150], sine[100, 150]) == (1, 0)
+    assert width[100, 150] == pytest.approx(0.4)
+    assert cosine.sum() == quality.sum()
+
+
+def test_angles_are_anticlockwise_as_seen():
+    """Up and to the right is positive: rows count downwards."""
+    quality = targets(np.array([[150.0, 150.0, np.pi / 4, 90.0, 1.5]]))[0]
+    assert quality[145, 155] == 1
+    assert quality[155, 155] == 0
+
+
+def test_the_later_rectangle_is_seen_and_widths_are_clipped():
+    one, other = [50.0, 50.0, 0.3, 40.0, 20.0], [50.0, 50.0, -0.3, 400.0, 20.0]
+    maps = targets(np.array([one, other]))
+    np.testing.assert_allclose(maps[:, 50, 50], [1, np.cos(0.6), -np.sin(0.6), 1], atol=1e-6)
+
+
+def test_no_grasp_gives_empty_maps():
+    assert not targets(np.empty((0, 5))).any()
+
+
+def test_what_is_painted_can_be_read_again():
+    """The best grasp of a painted map is the one that was painted."""
+    for turn in (-1.5, -0.7, 0.0, 0.4, 1.2):
+        truth = np.array([[120.0, 170.0, turn, 60.0, 24.0]])
+        found = best(read(targets(truth)))
+        assert agrees(found, truth)
+        assert abs((found[2] - turn + np.pi / 2) % np.pi - np.pi / 2) < 0.01

@@ -1,0 +1,134 @@
+"""From images to weights, by the command; needs the extra."""
+
+import json
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+import egad.learning
+from egad.detectors.ggcnn import GGCNN, MapDetector
+from egad.errors import TableError, UserError
+from egad.pipeline.cli.common import app
+from egad.pipeline.config import GRIPPERS, Settings, Training
+from egad.pipeline.config.stage_settings import TrainNetwork, select
+from egad.pipeline.stages import train as stage
+from egad.tables import parquet
+from egad.tables.training import HISTORY, SCORE
+
+PLAN = Training(images=4, epoch=2, batch=2, validation=2, test=3, quality=0.002, network="ggcnn")
+SETTINGS = TrainNetwork(seed=3, training=PLAN)
+
+
+@pytest.fixture(scope="module")
+def trained(images, tmp_path_factory):
+    """The folder of a network, made by the command in two ways."""
+    pytest.importorskip("torch")
+    out = tmp_path_factory.mktemp("trained")
+    config = out / "config.yaml"
+    config.write_text(json.dumps({"training": {**PLAN.model_dump(mode="json"), "images": 9}}))
+    words = ["--network", "ggcnn", "--seed", "3", "--budget", "4", "--jobs", "2"]
+    by_words = [*words, "--config", str(config), "--out", str(out / "words")]
+    by_json = ["--settings", SETTINGS.model_dump_json(), "--out", str(out / "json"), "--jobs", "1"]
+    for way in (by_words, by_json):
+        result = CliRunner().invoke(app, ["train", str(images), *way])
+        assert result.exit_code == 0, result.output
+        assert "images of held-out objects" in result.output
+    return out
+
+
+def test_both_ways_and_any_number_of_cores_give_the_same_bytes(trained):
+    names = sorted(path.name for path in (trained / "words").iterdir())
+    assert names == sorted(
+        [
+            *("README.md", "README.md.sha256", "history.parquet", "history.svg"),
+            *("history.svg.sha256", "weights.safetensors", "weights.safetensors.sha256"),
+            "score.parquet",
+        ]
+    )
+    for name in names:
+        one, other = (trained / way / name for way in ("words", "json"))
+        assert one.read_bytes() == other.read_bytes(), name
+
+
+def test_the_history_is_there_and_says_where_it_is_from(trained):
+    path = trained / "words/history.parquet"
+    assert parquet.read(path, HISTORY)["images"].tolist() == [2, 4]
+    assert parquet.origin_of(path)["stage"] == "train"
+    assert parquet.origin_of(path)["seed"] == 3
+
+
+def test_the_score_is_that_of_the_card(trained):
+    (row,) = parquet.records(parquet.read(trained / "words/score.parquet", SCORE))
+    text = (trained / "words/README.md").read_text()
+    said = f"right in {row['right']} of {row['count']} images of {row['objects']} held-out objects"
+    assert said in text.replace("\n", " ")
+    assert f"The loss on them was {row['loss']:.4f}" in text.replace("\n", " ")
+
+
+def test_the_card_says_what_it_learnt_from_and_how(trained, pictures):
+    text = (trained / "words/README.md").read_text()
+    splits = [row["split"] for row in pictures]
+    for split in ("train", "validation", "test"):
+        count = splits.count(split)
+        assert f"| {split} | {count // 3} | {count} | {count // 3} |" in text
+    for words in ("62,420 weights", "| seed | 3 |", "| batch | 2 |", "| torch |", "history.svg"):
+        assert words in text
+    assert "4 images in 2 epochs" in text
+
+
+def test_the_chart_is_drawn(trained):
+    text = (trained / "words/history.svg").read_text()
+    assert text.startswith("<?xml")
+    assert "validation" in text
+
+
+def test_the_detector_takes_the_weights(trained, view):
+    safetensors = pytest.importorskip("safetensors.torch")
+    networks = pytest.importorskip("egad.learning.networks")
+    path, hand = trained / "words/weights.safetensors", GRIPPERS["egad_75mm"]
+    network = networks.untrained("ggcnn", 0)
+    before = MapDetector(networks.inference(network))(view, hand, None)
+    network.load_state_dict(safetensors.load_file(path))
+    after = MapDetector(networks.inference(network))(view, hand, None)
+    assert GGCNN(str(path))(view, hand, None) == after != before
+
+
+def test_settings_come_one_way_or_the_other(images, tmp_path):
+    words = ["train", str(images), "--out", str(tmp_path), "--settings", "{}", "--seed", "1"]
+    result = CliRunner().invoke(app, words)
+    assert isinstance(result.exception, UserError)
+    result = CliRunner().invoke(app, [*words[:4], "--network", "resnet"])
+    assert "ggcnn" in str(result.exception)
+
+
+def test_the_default_settings_are_read():
+    assert select(Settings(), TrainNetwork).training == Training()
+    with pytest.raises(ValueError, match="low to high"):
+        Training(zoom=(0.9, 0.5))
+
+
+def test_nothing_to_learn_from_is_a_mistake(write, pictures, tmp_path):
+    strict = SETTINGS.model_copy(update={"training": PLAN.model_copy(update={"quality": 1.0})})
+    with pytest.raises(UserError, match=r"no image of the split train has a grasp .*quality, 1\.0"):
+        stage.opened(write(tmp_path / "all", pictures), strict)
+    kept = [row for row in pictures if row["split"] != "test"]
+    with pytest.raises(UserError, match="no image is of the split test"):
+        stage.opened(write(tmp_path / "some", kept), SETTINGS)
+
+
+def test_a_folder_of_something_else_is_a_mistake(tmp_path):
+    with pytest.raises(UserError, match="no images here"):
+        stage.opened(tmp_path, SETTINGS)
+    (tmp_path / "images-0.parquet").write_text("hello")
+    with pytest.raises(TableError, match="not a readable Parquet file"):
+        stage.opened(tmp_path, SETTINGS)
+
+
+def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
+    for name in ("networks", "weights", "training", "evaluation"):
+        monkeypatch.delitem(sys.modules, f"egad.learning.{name}", raising=False)
+        monkeypatch.delattr(egad.learning, name, raising=False)
+    monkeypatch.setitem(sys.modules, "torch", None)
+    with pytest.raises(UserError, match=r"egad\[vision\]"):
+        stage.run(SETTINGS, tmp_path, tmp_path)

@@ -1,0 +1,182 @@
+"""Training; needs the extra."""
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from egad.errors import UserError
+from egad.learning.dataset import LearningSet, Rule, example
+from egad.pipeline.config import Training
+from egad.tables.training import HISTORY
+
+torch = pytest.importorskip("torch")
+networks = pytest.importorskip("egad.learning.networks")
+training = pytest.importorskip("egad.learning.training")
+scoring = pytest.importorskip("egad.learning.evaluation")
+checkpoint = pytest.importorskip("egad.learning.training")
+SHORT = Training(network="ggcnn", images=10, epoch=4, batch=3, validation=2)
+
+
+@pytest.fixture(scope="module")
+def shards(images):
+    return LearningSet(images, Rule(0.002, 0.02))
+
+
+class InterruptionError(Exception):
+    pass
+
+
+class Breaking(checkpoint.Checkpoint):
+    """Ends the training after its second epoch."""
+
+    def save(self, state):
+        super().save(state)
+        if len(state.rows) == 2:
+            raise InterruptionError
+
+
+class Tiny(torch.nn.Conv2d):
+    """Hardly a network."""
+
+    def __init__(self, scale=1.0):
+        super().__init__(1, 4, 1)
+        torch.nn.init.constant_(self.weight, 0.1 * scale)
+        torch.nn.init.constant_(self.bias, 0.1)
+
+
+def trained(shards, settings=SHORT, seed=0, jobs=1, kept=None):
+    network = networks.untrained("ggcnn", seed)
+    rows = training.train(network, shards, settings, seed, jobs, kept)
+    return rows, network.state_dict()
+
+
+def same(one, other):
+    return one[0] == other[0] and all(torch.equal(one[1][name], other[1][name]) for name in one[1])
+
+
+@pytest.fixture(scope="module")
+def undisturbed(shards):
+    return trained(shards)
+
+
+def test_nothing_but_the_seed_decides(shards, undisturbed):
+    assert same(trained(shards, jobs=2), undisturbed)
+    assert not same(trained(shards, seed=1), undisturbed)
+
+
+def test_it_goes_on_after_an_interruption_with_the_same_result(shards, undisturbed, tmp_path):
+    path = tmp_path / "checkpoint.pt"
+    with pytest.raises(InterruptionError):
+        trained(shards, kept=Breaking(path, "this"))
+    assert same(trained(shards, kept=checkpoint.Checkpoint(path, "this")), undisturbed)
+
+
+@pytest.mark.parametrize("damage", [False, True])
+def test_a_checkpoint_of_something_else_is_not_taken(shards, undisturbed, tmp_path, caplog, damage):
+    path = tmp_path / "checkpoint.pt"
+    with pytest.raises(InterruptionError):
+        training.train(Tiny(), shards, SHORT, 0, 1, Breaking(path, "that"))
+    if damage:
+        path.write_bytes(path.read_bytes()[:300])
+    assert same(trained(shards, kept=checkpoint.Checkpoint(path, "this")), undisturbed)
+    assert ("cannot be read" if damage else "is of another training") in caplog.text
+
+
+def test_the_history_tells_every_epoch(undisturbed):
+    history = pd.DataFrame(undisturbed[0])
+    assert list(history) == HISTORY.names
+    assert history["images"].tolist() == [4, 8, 10]
+    parts = history[["quality_loss", "cosine_loss", "sine_loss", "width_loss"]].sum(axis=1)
+    np.testing.assert_allclose(parts, history["loss"])
+
+
+def test_the_weights_of_the_lowest_validation_loss_are_taken(shards):
+    """The later epochs go astray, for the steps are far too long."""
+    settings = SHORT.model_copy(update={"learning_rate": 0.3, "images": 16, "patience": 2})
+    network = Tiny()
+    rows = training.train(network, shards, settings, 0)
+    losses = [row["validation_loss"] for row in rows]
+    with training.crew(1) as workers:
+        held = training.spread(shards.numbers("validation"), settings.validation)
+        judgements = training.judge(network, shards, held, workers)
+    assert np.mean([each.losses.sum() for each in judgements]) == pytest.approx(min(losses))
+    assert int(np.argmin(losses)) < len(losses) - 1
+    assert [row["taken"] for row in rows] == [loss == min(losses) for loss in losses]
+
+
+def test_without_patience_it_goes_to_its_end_and_the_last_weights_are_taken(shards):
+    settings = SHORT.model_copy(update={"learning_rate": 0.3, "images": 16, "patience": None})
+    network = Tiny()
+    rows = training.train(network, shards, settings, 0)
+    losses = [row["validation_loss"] for row in rows]
+    held = training.spread(shards.numbers("validation"), settings.validation)
+    with training.crew(1) as workers:
+        judgements = training.judge(network, shards, held, workers)
+    assert np.mean([each.losses.sum() for each in judgements]) == pytest.approx(losses[-1])
+    assert losses[-1] > min(losses)
+    assert [row["taken"] for row in rows] == [False] * (len(rows) - 1) + [True]
+
+
+def test_it_ends_when_nothing_gets_better(shards, monkeypatch):
+    losses = iter([3.0, 2.0, 2.5, 2.0, 1.0])
+
+    def judge(*_):
+        return [scoring.Judged(np.full(4, next(losses) / 4), hit=None)]
+
+    monkeypatch.setattr(training, "judge", judge)
+    settings = SHORT.model_copy(update={"images": 20, "patience": 2})
+    rows = training.train(Tiny(), shards, settings, 0)
+    assert [row["validation_loss"] for row in rows] == [3, 2, 2.5, 2]
+    assert [row["taken"] for row in rows] == [False, True, False, False]
+    assert math.isnan(rows[0]["validation_score"])
+
+
+def test_a_loss_that_is_not_finite_ends_it(shards):
+    with pytest.raises(UserError, match="not finite any more; try a lower learning_rate"):
+        training.train(Tiny(math.inf), shards, SHORT, 0)
+
+
+def test_a_step_is_one_along_the_gradient_of_the_whole_batch(shards):
+    """Gradients computed image by image are those of a batch, as everybody else computes them."""
+    settings = SHORT.model_copy(update={"images": 3, "epoch": 3})
+    network, other = Tiny(), Tiny()
+    training.train(network, shards, settings, 0)
+    stream = training.Stream(shards, 3, settings.zoom, 0)
+    seen, wanted = (
+        torch.from_numpy(np.stack(part))
+        for part in zip(*(stream[n] for n in range(3)), strict=True)
+    )
+    optimizer = torch.optim.Adam(other.parameters(), lr=settings.learning_rate)
+    answer = other(seen)
+    loss = sum(torch.nn.functional.mse_loss(answer[:, k], wanted[:, k]) for k in range(4))
+    loss.backward()
+    optimizer.step()
+    torch.testing.assert_close(network.weight, other.weight)
+
+
+def test_numbers_are_spread_evenly():
+    assert training.spread(np.arange(10), 3).tolist() == [0, 4, 9]
+    assert training.spread(np.arange(3), 10).tolist() == [0, 1, 2]
+
+
+class TestScoring:
+    def test_a_network_that_knows_the_answer_is_always_right(self, shards):
+        for number in shards.numbers("train")[:6]:
+            depth, truth = shards.image(number)
+            maps = torch.from_numpy(example(depth, truth)[1])[None]
+            judged = scoring.judged(lambda _, maps=maps: maps, depth, truth)
+            assert judged.losses.tolist() == [0, 0, 0, 0]
+            assert judged.hit is (True if len(truth) else None)
+
+    def test_a_wrong_answer_is_wrong_by_its_squares(self, shards):
+        depth, truth = shards.image(1)
+        judged = scoring.judged(lambda _: torch.full((1, 4, 300, 300), 2.0), depth, truth[:0])
+        np.testing.assert_allclose(judged.losses, 4)
+        assert scoring.judged(lambda _: torch.zeros(1, 4, 300, 300), depth, truth).hit is False
+
+    def test_images_without_a_good_grasp_do_not_count(self):
+        hits = [True, None, False, True, None]
+        assert scoring.score([scoring.Judged(np.zeros(4), hit) for hit in hits]) == 2 / 3
+        assert math.isnan(scoring.score([]))

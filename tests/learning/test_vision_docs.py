@@ -1,0 +1,36 @@
+"""The example and the configuration of docs/vision.md work as they stand; needs the extra."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from egad.detectors.registry import detector
+from egad.pipeline.config import GRIPPERS, Policy
+from egad.pipeline.config.check import check
+from egad.plugins import find
+
+PAGE = (Path(__file__).parents[2] / "docs" / "vision.md").read_text()
+HAND = GRIPPERS["egad_75mm"]
+
+
+def test_a_network_of_ones_own_is_trained_and_proposes_grasps(images, view, tmp_path):
+    torch = pytest.importorskip("torch")
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    (tmp_path / "mine.py").write_text(code)
+    find(f"{tmp_path}/mine.py:train", "", "function")(images, tmp_path / "mine.pt", 16)
+    weights = torch.load(tmp_path / "mine.pt", weights_only=True)
+    assert all(value.isfinite().all() for value in weights.values())
+    mine = Policy(detector=f"{tmp_path}/mine.py:Mine", weights=str(tmp_path / "mine.pt"))
+    found = detector(mine)(view, HAND, np.random.default_rng(0))
+    assert len(found) > 0
+    assert all(grasp.flaw(HAND) == "" for grasp in found)
+
+
+def test_its_configuration_is_allowed():
+    (text,) = re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL)
+    config = yaml.safe_load(text)
+    shipped = {"antipodal-depth": {"detector": "antipodal-depth"}}
+    check({**config, "policies": shipped | config["policies"]})

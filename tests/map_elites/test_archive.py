@@ -1,0 +1,142 @@
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from egad.map_elites.archive import Archive, Elite, elites_of, merge
+from egad.measures.similarity import similarity
+from egad.pipeline.config import Similarity, Space
+from egad.reeb import graph as reeb
+from egad.tables import parquet
+from egad.tables.evolution import EPOCH, GENOME
+
+SIMILARITY = Similarity(vertices=200, ranges=16, base_count=10)
+SPACE = Space(cells=2, elites_per_cell=2, neighbours=3)
+GENOME = {name: [] for name in GENOME.names}
+
+
+def elite(mesh, number, cell=(0, 0)):
+    """A mesh in a given cell of the 2 x 2 space."""
+    return Elite(
+        id=f"{number:03d}",
+        genome=GENOME,
+        voxels=bytes([number]),
+        complexity=[2.0, 4.0][cell[0]],
+        difficulty=[0.003, 0.001][cell[1]],
+        graph=reeb.extract(mesh, SIMILARITY),
+        parents=(),
+        epoch=0,
+    )
+
+
+@pytest.fixture(scope="module")
+def elites(spiky_box):
+    cells = list(itertools.product((0, 1), (0, 1)))
+    return [elite(spiky_box(number), number, cells[number % 3]) for number in range(18)]
+
+
+def slow_archive(batches, space):
+    """The paper's rule, all distances computed again after every removal."""
+
+    def diversity(one):
+        distances = sorted(1 - similarity(one.graph, o.graph, 0.5) for o in kept if o is not one)
+        return np.mean(distances[: space.neighbours])
+
+    kept = []
+    for batch in batches:
+        kept += [each for each in batch if each.id not in {k.id for k in kept}]
+        while True:
+            cells = [(k.complexity, k.difficulty) for k in kept]
+            crowded = [
+                k
+                for k, c in zip(kept, cells, strict=True)
+                if cells.count(c) > space.elites_per_cell
+            ]
+            if not crowded:
+                break
+            kept.remove(min(crowded, key=lambda k: (diversity(k), k.id)))
+    return {k.id for k in kept}
+
+
+@pytest.mark.parametrize("neighbours", [1, 3, 8, 30])
+def test_equals_the_rule_done_slowly(elites, neighbours):
+    space = SPACE.model_copy(update={"neighbours": neighbours})
+    batches = [elites[:7], elites[5:12], elites[10:]]
+    archive = Archive(space, SIMILARITY)
+    for batch in batches:
+        archive.add(batch)
+    assert {each.id for each in archive.elites} == slow_archive(batches, space)
+    assert len(archive) == 6
+
+
+def test_of_equally_diverse_ones_the_first_name_goes(elites):
+    twins = [replace(each, id=f"twin {each.id}") for each in elites]
+    space = SPACE.model_copy(update={"elites_per_cell": 4})
+    batches = [elites[:9] + twins[:9], elites[9:] + twins[9:]]
+    archive = Archive(space, SIMILARITY)
+    for batch in batches:
+        archive.add(batch)
+    assert {each.id for each in archive.elites} == slow_archive(batches, space)
+
+
+def test_any_number_of_threads_keeps_the_same(elites):
+    tables = []
+    for threads in (1, 3):
+        archive = Archive(SPACE, SIMILARITY, threads)
+        for batch in (elites[:7], elites[5:12], elites[10:]):
+            archive.add(batch)
+        tables.append(archive.to_frame())
+    pd.testing.assert_frame_equal(*tables)
+
+
+def test_no_cell_holds_too_many_and_coverage_counts_places(elites):
+    archive = Archive(SPACE, SIMILARITY)
+    archive.add(elites)
+    frame = archive.to_frame()
+    assert frame.groupby(["complexity_cell", "difficulty_cell"]).size().max() == 2
+    assert archive.coverage == pytest.approx(6 / 8)
+
+
+def test_known_objects_are_passed_over(elites):
+    archive = Archive(SPACE, SIMILARITY)
+    archive.add(elites[:3])
+    archive.add(elites[:3])
+    assert len(archive) == 3
+
+
+def test_table_round_trip_gives_the_same_table(elites, tmp_path):
+    archive = Archive(SPACE, SIMILARITY)
+    archive.add(elites)
+    parquet.write(archive.to_frame(), EPOCH, tmp_path / "one")
+    again = Archive(SPACE, SIMILARITY)
+    again.add(elites_of(parquet.read(tmp_path / "one", EPOCH)))
+    parquet.write(again.to_frame(), EPOCH, tmp_path / "two")
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+
+
+def test_slots_count_within_a_cell_from_the_most_diverse(elites):
+    archive = Archive(SPACE, SIMILARITY)
+    archive.add(elites)
+    for _, cell in archive.to_frame().groupby(["difficulty_cell", "complexity_cell"]):
+        assert list(cell["slot"]) == list(range(len(cell)))
+        assert (np.diff(cell["diversity"]) <= 0).all()
+
+
+def test_an_empty_archive_has_an_empty_table():
+    frame = Archive(SPACE, SIMILARITY).to_frame()
+    assert list(frame.columns) == EPOCH.names
+    assert len(frame) == 0
+
+
+def test_merging_keeps_the_survivors_of_all_islands_by_the_rule(elites):
+    halves = elites[:9], elites[9:]
+    frames = []
+    for half in halves:
+        archive = Archive(SPACE, SIMILARITY)
+        archive.add(half)
+        frames.append(archive.to_frame())
+    survivors = [each for frame in frames for each in elites_of(frame)]
+    merged = merge(frames, SPACE, SIMILARITY)
+    assert set(merged["id"]) == slow_archive([survivors], SPACE)

@@ -1,0 +1,133 @@
+import pytest
+import trimesh
+
+from egad.errors import UserError
+from egad.map_elites.provenance import check_provenance, provenance
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import (
+    Evolve,
+    LocateMeshes,
+    Merge,
+    PostprocessSolids,
+    select,
+)
+from egad.pipeline.stages import evolve, merge
+from egad.pipeline.stages.postprocess import from_archive
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE, EPOCH
+
+
+def settings(**changes):
+    return select(Settings.model_validate(changes), Evolve)
+
+
+@pytest.fixture
+def archive(tmp_path):
+    path = tmp_path / "archive.parquet"
+    parquet.write(parquet.empty(EPOCH), EPOCH, path, provenance(settings()))
+    return path
+
+
+def test_the_same_settings_pass(archive):
+    check_provenance(archive, settings())
+    check_provenance(archive, select(Settings(), LocateMeshes), ("shape",))
+
+
+def test_newcomers_that_were_graded_again_matter(archive):
+    with pytest.raises(UserError, match=r"evolution\.regrade: 0 in the archive, 300"):
+        check_provenance(archive, settings(evolution={"regrade": 300}))
+
+
+def test_an_edited_measure_of_ones_own_is_another_one(tmp_path):
+    source = tmp_path / "mine.py"
+    source.write_text("def area(mesh): return mesh.area\n")
+    own = settings(axes={"complexity": f"{source}:area"})
+    path = tmp_path / "archive.parquet"
+    parquet.write(parquet.empty(EPOCH), EPOCH, path, provenance(own))
+    check_provenance(path, own)
+    source.write_text("def area(mesh): return 2 * mesh.area\n")
+    with pytest.raises(UserError, match=r"source\.complexity"):
+        check_provenance(path, own)
+
+
+def test_a_setting_that_the_archive_does_not_know_is_passed_over(tmp_path):
+    notes = provenance(settings())
+    del notes["shape"]["smoothing_beta"]
+    path = tmp_path / "old.parquet"
+    parquet.write(parquet.empty(EPOCH), EPOCH, path, notes)
+    check_provenance(path, settings(shape={"smoothing_beta": 0.5}))
+
+
+def test_how_it_was_bred_does_not_matter(archive):
+    check_provenance(archive, settings(evolution={"population": 7}, neat={"weight_sigma": 2}))
+
+
+def test_other_measures_are_refused_and_both_are_named(archive):
+    other = settings(quality={"friction": 0.8}, complexity={"bins": 64})
+    with pytest.raises(UserError) as raised:
+        check_provenance(archive, other)
+    assert str(raised.value).splitlines()[1:] == [
+        "  complexity.bins: 512 in the archive, 64 in the configuration",
+        "  quality.friction: 0.5 in the archive, 0.8 in the configuration",
+    ]
+
+
+def test_the_robust_metric_against_the_plain_one_is_refused(archive):
+    with pytest.raises(UserError, match=r"difficulty\.metric: plain in the archive, robust in"):
+        check_provenance(archive, settings(difficulty={"metric": "robust"}))
+
+
+def test_only_what_is_asked_for_counts(archive):
+    check_provenance(archive, settings(quality={"friction": 0.8}), ("shape",))
+    with pytest.raises(UserError, match=r"shape\.resolution: 25 in the archive, 16"):
+        check_provenance(archive, settings(shape={"resolution": 16}), ("shape",))
+
+
+def test_an_archive_without_notes_is_taken_as_it_is(tmp_path):
+    path = tmp_path / "foreign.parquet"
+    parquet.write(parquet.empty(EPOCH), EPOCH, path)
+    check_provenance(path, settings(quality={"friction": 0.8}))
+
+
+def test_notes_travel_from_epoch_to_archive(archive, tmp_path):
+    merged, published = tmp_path / "merged.parquet", tmp_path / "published.parquet"
+    merge.run(select(Settings(), Merge), [archive], merged)
+    merge.publish(merged, published)
+    assert parquet.notes(published) == parquet.notes(archive) == provenance(settings())
+
+
+def test_evolution_refuses_to_go_on_from_a_foreign_archive(archive, tmp_path):
+    out = tmp_path / "out.parquet"
+    with pytest.raises(UserError, match="made with other settings"):
+        evolve.run(settings(quality={"friction": 0.8}), 1, 0, archive, out, tmp_path / "h", 1)
+    assert not out.exists()
+
+
+def test_difficulties_by_another_gripper_are_not_compared(tmp_path):
+    """The objects are taken, what they were selected by is not."""
+    path = tmp_path / "archive.parquet"
+    parquet.write(parquet.empty(ARCHIVE), ARCHIVE, path, provenance(settings()))
+    for gripper, count in (("yumi", 0), ("panda", 0)):
+        config = Settings.model_validate({"difficulty": {"gripper": gripper}})
+        read = select(config, PostprocessSolids)
+        _, known = from_archive(path, read, 0, 1)
+        assert len(known) == count
+        assert (known.name == "difficulty") == (gripper == "yumi")
+
+
+def test_an_evolution_that_keeps_nothing_says_why(tmp_path):
+    (tmp_path / "mine.py").write_text("def area(mesh): return mesh.aera\n")
+    nothing = settings(
+        axes={"complexity": f"{tmp_path}/mine.py:area"},
+        evolution={"steps_per_epoch": 1, "population": 20},
+        difficulty={"grasps": 5},
+    )
+    with pytest.raises(UserError, match=r"20 offspring could be kept: .*area failed: AttributeErr"):
+        evolve.run(nothing, 0, 0, None, tmp_path / "out", tmp_path / "history", 1)
+
+
+def test_a_region_is_one_body(tmp_path):
+    two = [trimesh.creation.box(), trimesh.creation.box().apply_translation([3, 0, 0])]
+    trimesh.util.concatenate(two).export(tmp_path / "two.stl")
+    with pytest.raises(UserError, match="has 2 parts; one is allowed"):
+        evolve.mesh_of(str(tmp_path / "two.stl"))

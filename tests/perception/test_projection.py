@@ -1,0 +1,85 @@
+"""Rectangles lie in the image where rays meet the contacts."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.grasps.collision import roomy
+from egad.perception.camera import Eye, Intrinsics, above
+from egad.perception.reachability import Grasped
+from egad.perception.rectangles import half_turn, projected
+from egad.perception.scenes import Scene, drawn_scene
+from egad.pipeline.config import CAMERAS
+
+CAMERA = Intrinsics(300, 300, 417.0, (149.5, 149.5))
+
+
+def one(axis, width=0.03, center=(0, 0, 0)):
+    return Grasped(
+        np.array([5]), np.array([center]), np.array([axis]), np.array([width]), np.array([0.2])
+    )
+
+
+@pytest.mark.parametrize("degrees", [-90, -60, -1, 0, 30, 89])
+def test_angles_are_anticlockwise_from_the_right(degrees, hand):
+    """Seen from above x is right and y is up in the image."""
+    angle = np.radians(degrees)
+    axis = (np.cos(angle), np.sin(angle), 0)
+    scene = Scene(np.eye(4), CAMERA, above(0.6))
+    found = projected(scene, one(axis), np.ones(1, bool), hand.gripper)
+    assert found.angle[0] == pytest.approx(angle, abs=1e-9)
+
+
+def test_centre_opening_and_depth(hand):
+    place = trimesh.transformations.translation_matrix((0.06, 0.03, 0.1))
+    found = projected(
+        Scene(place, CAMERA, above(0.6)), one((1.0, 0, 0)), np.ones(1, bool), hand.gripper
+    )
+    assert found.grasp.tolist() == [5]
+    assert found.depth_center[0] == pytest.approx(0.5)
+    assert found.u[0] == pytest.approx(149.5 + 0.06 / 0.5 * 417)
+    assert found.v[0] == pytest.approx(149.5 - 0.03 / 0.5 * 417)
+    assert found.opening[0] == pytest.approx(roomy(np.array([0.03]), hand.gripper)[0] / 0.5 * 417)
+
+
+def test_what_is_beside_the_image_is_left_out(hand):
+    for x, count in ((0.21, 1), (0.22, 0)):
+        place = trimesh.transformations.translation_matrix((x, 0, 0))
+        scene = Scene(place, CAMERA, above(0.6))
+        found = projected(scene, one((0, 1.0, 0)), np.ones(1, bool), hand.gripper)
+        assert len(found.u) == len(found.free) == count
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_the_rectangle_meets_the_object_at_the_contacts(block, hand, name):
+    """Along the line of the opening the mask begins and ends where the contacts are.
+
+    The contacts are on the upper edges of the block, so that the camera sees them.
+    """
+    eye, top = Eye(block), 0.0199
+    grasp = one((1.0, 0, 0), 0.03, (0, 0.01, top))
+    resting = trimesh.transformations.translation_matrix((0, 0, 0.02))
+    for seed in range(10):
+        scene = drawn_scene(resting, np.zeros(3), CAMERAS[name], np.random.default_rng(seed))
+        depth = eye.look(*scene).depth
+        found = projected(scene, grasp, np.ones(1, bool), hand.gripper)
+        along = np.array([np.cos(found.angle[0]), -np.sin(found.angle[0])])
+        half = 0.015 * scene.intrinsics.focal / found.depth_center[0]
+        for sign in (-1, 1):
+            inner, outer = (
+                np.round([found.u[0], found.v[0]] + sign * (half + pixels) * along).astype(int)
+                for pixels in (-1.5, 3.0)
+            )
+            assert depth[inner[1], inner[0]] < found.depth_center[0] + 0.001
+            assert depth[outer[1], outer[0]] > found.depth_center[0] + 0.005
+        ends = found.ends()[0]
+        reach = np.linalg.norm(ends[1] - ends[0]) - 2 * half
+        assert reach == pytest.approx(2 * 0.008 / 0.015 * half, rel=1e-6)
+
+
+def test_lines_have_angles_of_half_a_turn():
+    angles = half_turn(np.array([-np.pi, -np.pi / 2, 0.0, np.pi / 2, np.pi, 3.0]))
+    np.testing.assert_allclose(angles, [0, -np.pi / 2, 0, -np.pi / 2, 0, 3 - np.pi], atol=1e-12)
+    tiny = half_turn(np.array([-np.pi / 2 - 1e-17, np.nextafter(-np.pi / 2, -2)]))
+    assert (tiny >= -np.pi / 2).all()
+    assert (tiny < np.pi / 2).all()

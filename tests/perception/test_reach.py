@@ -1,0 +1,136 @@
+"""Which grasps a hand can reach from above, tried by hand."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.geometry.rays import RayCaster
+from egad.grasps.collision import LEAST_BITE, TABLE_CLEARANCE
+from egad.perception.reachability import Grasped, reachable
+
+TILT = np.radians(15)
+
+
+def lying(mesh, turn=None):
+    """The mesh turned, then put on the table."""
+    matrix = np.eye(4) if turn is None else turn.copy()
+    heights = mesh.vertices @ matrix[2, :3]
+    matrix[2, 3] = -heights.min()
+    return matrix
+
+
+def across(width):
+    """A grasp along x whose contacts are so far apart, centred on the origin."""
+    centers, axes = np.zeros((1, 3)), np.array([[1.0, 0, 0]])
+    return Grasped(np.array([0]), centers, axes, np.array([width]), np.ones(1))
+
+
+@pytest.fixture
+def slim(hand):
+    """A hand whose palm is a stick: what is over a finger meets that finger alone."""
+    palm = trimesh.creation.box((0.01, 0.01, 0.06))
+    palm.apply_translation((0, 0, -0.03))
+    return hand._replace(palm=palm)
+
+
+def test_axes_near_level_are_reachable(block, grasped, hand):
+    found, free = reachable(RayCaster(block), grasped, lying(block), hand, TILT)
+    assert found.numbers.tolist() == [4, 9]
+    assert free.all()
+
+
+@pytest.mark.parametrize(("degrees", "numbers"), [(14.9, [4, 9]), (15.1, [])])
+def test_the_limit_is_the_angle_between_approach_and_vertical(
+    block, grasped, hand, degrees, numbers
+):
+    turn = trimesh.transformations.rotation_matrix(np.radians(degrees), (0, 1, 0))
+    found, _ = reachable(RayCaster(block), grasped, lying(block, turn), hand, TILT)
+    assert sorted(set(found.numbers.tolist()) & {4, 9}) == numbers
+
+
+def test_on_its_side_the_other_grasp_is_reachable(block, grasped, hand):
+    turn = trimesh.transformations.rotation_matrix(np.pi / 2, (0, 1, 0))
+    found, free = reachable(RayCaster(block), grasped, lying(block, turn), hand, TILT)
+    assert found.numbers.tolist() == [7]
+    assert free.all()
+
+
+def test_a_neighbour_within_the_room_of_a_finger_is_in_the_way(block, grasped, hand):
+    """A wall beside the block: free beyond the finger's outer face, not at it."""
+    outer = 0.015 + 0.008 + hand.gripper.finger_thickness
+    for gap, expected in ((-0.001, False), (0.001, True)):
+        wall = trimesh.creation.box((0.01, 0.06, 0.04))
+        wall.apply_translation((outer + gap + 0.005, 0, 0))
+        both = trimesh.util.concatenate([block, wall])
+        _, free = reachable(RayCaster(both), grasped, lying(block), hand, TILT)
+        assert free.tolist() == [expected] * 2
+
+
+def test_the_palm_meets_what_is_higher_than_the_fingers_are_long(block, hand):
+    length = hand.gripper.finger_length
+    base = hand.gripper.finger_width / 2 - length
+    for top, expected in ((-base - 0.001, True), (-base + 0.001, False)):
+        tower = trimesh.creation.box((0.01, 0.01, 0.01))
+        tower.apply_translation((0, 0.025, top - 0.005))
+        both = trimesh.util.concatenate([block, tower])
+        _, free = reachable(RayCaster(both), across(0.03), lying(block), hand, TILT)
+        assert free.tolist() == [expected]
+
+
+@pytest.mark.parametrize(("x", "height"), [(-0.028, 0), (0.028, 0), (0, 0.06)])
+def test_what_hangs_over_a_finger_or_the_palm_blocks_its_way_in(block, slim, x, height):
+    """It is far above the hand at its place, and in the way if it is lower than the way is long."""
+    top = slim.gripper.finger_length - slim.gripper.finger_width / 2 + height
+    for gap, expected in ((-0.001, False), (0.001, True)):
+        roof = trimesh.creation.box((0.004, 0.06, 0.01))
+        roof.apply_translation((x, 0, top + slim.way + gap + 0.005))
+        both = trimesh.util.concatenate([block, roof])
+        _, free = reachable(RayCaster(both), across(0.03), lying(block), slim, TILT)
+        assert free.tolist() == [expected]
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_finger_inside_a_thick_block_collides_though_it_meets_no_surface(block, slim, side):
+    """A tower beside the block has the whole finger inside it, or leaves the finger out."""
+    for near, expected in ((0.018, False), (0.034, True)):
+        tower = trimesh.creation.box((0.1, 0.1, 0.6))
+        tower.apply_translation((side * (near + 0.05), 0, 0.28))
+        both = trimesh.util.concatenate([block, tower])
+        _, free = reachable(RayCaster(both), across(0.03), lying(block), slim, TILT)
+        assert free.tolist() == [expected]
+
+
+def test_a_plate_is_grasped_as_low_as_the_table_allows(hand):
+    """The contacts are at half its height; the tips stay above the table and bite below them."""
+    for height in (TABLE_CLEARANCE + LEAST_BITE - 5e-4, TABLE_CLEARANCE + LEAST_BITE + 5e-4):
+        plate = trimesh.creation.box((0.03, 0.06, 2 * height))
+        _, free = reachable(RayCaster(plate), across(0.03), lying(plate), hand, TILT)
+        assert free.tolist() == [height > TABLE_CLEARANCE + LEAST_BITE]
+
+
+@pytest.mark.parametrize("degrees", [-30, 30])
+def test_a_tilted_hand_goes_back_along_its_approach_until_it_clears_the_table(hand, degrees):
+    """Then its lower finger ends 3 mm over the table; free if it ends 3 mm beyond the contacts."""
+    angle = np.radians(degrees)
+    bead = trimesh.creation.icosphere(subdivisions=2, radius=0.001)
+    outer = 0.001 + 0.008 + hand.gripper.finger_thickness
+    least = TABLE_CLEARANCE + np.sin(abs(angle)) * outer + np.cos(angle) * LEAST_BITE
+    for more, expected in ((-2e-4, False), (2e-4, True)):
+        place = trimesh.transformations.rotation_matrix(angle, (0, 1, 0))
+        place[2, 3] = least + more
+        _, free = reachable(RayCaster(bead), across(0.002), place, hand, np.radians(45))
+        assert free.tolist() == [expected]
+
+
+def test_hands_open_as_far_as_they_can_and_no_further(hand):
+    """A block as wide as the hand opens is free; its walls are a hair inside the fingers."""
+    wide = trimesh.creation.box((hand.gripper.opening, 0.03, 0.04))
+    grasp = across(hand.gripper.opening)
+    _, free = reachable(RayCaster(wide), grasp, lying(wide), hand, TILT)
+    assert free.tolist() == [True]
+
+
+def test_an_object_without_grasps_has_none_to_reach(block, grasped, hand):
+    none = grasped.chosen(np.zeros(4, dtype=bool))
+    found, free = reachable(RayCaster(block), none, lying(block), hand, TILT)
+    assert len(found.numbers) == len(free) == 0

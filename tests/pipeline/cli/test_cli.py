@@ -1,0 +1,335 @@
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import trimesh
+from commands import egad
+
+from egad.pipeline.cli.common import parse
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import Merge, PostprocessSolids, select
+from egad.tables import parquet
+from egad.tables.grasping import SCALES, SIZE_EFFECT
+from egad.tables.objects import MEASURED, OBJECTS, REJECTED
+
+
+def test_help_lists_every_stage_and_imports_nothing_heavy():
+    code = (
+        "import sys; from egad import cli\n"
+        "print([n for n in ('numba', 'trimesh', 'pybullet', 'scipy') if n in sys.modules])"
+    )
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True
+    )
+    assert loaded.stdout.strip() == "[]"
+    shown = egad("--help").stdout
+    for name in ("evolve", "postprocess", "grasp-label", "rescale", "select-eval", "simulate"):
+        assert name in shown
+
+
+def test_a_damaged_table_is_one_sentence_without_a_traceback(tmp_path):
+    broken = tmp_path / "archive.parquet"
+    broken.write_bytes(b"PAR1 and then nothing")
+    result = egad("archive", broken, "--out", tmp_path / "out.parquet")
+    assert result.returncode == 1
+    assert "archive.parquet: not a readable Parquet file" in result.stderr
+    assert "delete it and run again" in result.stderr
+    assert "Traceback" not in result.stderr
+    assert not (tmp_path / "out.parquet").exists()
+
+
+def test_postprocess_says_what_objects_can_be_made_from(tmp_path):
+    settings = select(Settings(), PostprocessSolids).model_dump_json()
+    files = ["--out", tmp_path / "solids.parquet", "--rejected", tmp_path / "rejected.parquet"]
+    result = egad("postprocess", "--settings", settings, "--shard", 0, "--shards", 1, *files)
+    assert result.returncode == 1
+    assert "needs --archive, --folder and --units, or --primitives" in result.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--opening", "-1"], "opening"),
+        (["--opening", "0.05", "--rule", "papr"], "egad-script"),
+        ([], "--opening"),
+        (["--opening", "0.05", "--format", "step"], "obj, stl"),
+    ],
+)
+def test_rescale_says_what_is_allowed(tmp_path, arguments, sentence):
+    (tmp_path / "a.obj").write_text("v 0 0 0\n")
+    result = egad("rescale", tmp_path, "--out", tmp_path / "out", *arguments)
+    assert result.returncode == 1
+    assert sentence in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_stage_settings_travel_as_json():
+    merge = select(Settings(), Merge)
+    assert parse(Merge, json.dumps(json.loads(merge.model_dump_json()))) == merge
+
+
+CUBE = "\n".join(
+    [
+        *(f"v {x} {y} {z}" for x in (0, 1) for y in (0, 1) for z in (0, 1)),
+        *("f 1 2 4", "f 1 4 3", "f 5 7 8", "f 5 8 6", "f 1 5 6", "f 1 6 2"),
+        *("f 3 4 8", "f 3 8 7", "f 1 3 7", "f 1 7 5", "f 2 6 8", "f 2 8 4"),
+    ]
+)
+
+
+def test_rescale_keeps_files_that_it_did_not_write(tmp_path):
+    source, kept = tmp_path / "source", tmp_path / "kept"
+    for folder in (source, kept):
+        folder.mkdir()
+    (source / "cube.obj").write_text(CUBE)
+    (kept / "thesis.txt").write_text("years of work")
+    for out in (source, kept):
+        result = egad("rescale", source, "--opening", "0.05", "--out", out)
+        assert result.returncode == 1
+        assert "would be lost" in result.stderr
+    assert (source / "cube.obj").read_text() == CUBE
+    assert (kept / "thesis.txt").exists()
+
+
+def test_rescale_scales_the_good_and_names_the_bad(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "cube.obj").write_text(CUBE)
+    (tmp_path / "in" / "list.obj").write_text("milk, eggs")
+    for _ in range(2):  # a second time over its own output
+        result = egad("rescale", tmp_path / "in", "--opening", "0.05", "--out", tmp_path / "out")
+        assert result.returncode == 0, result.stderr
+    scales = parquet.read(tmp_path / "out" / "scales.parquet", SCALES)
+    assert scales["factor"].tolist() == pytest.approx([0.04])
+    assert scales[["fit_before", "fit_after"]].values.tolist() == [[0, 1]]
+    assert scales["file"].tolist() == ["cube_paper_50mm.obj"]
+    assert (tmp_path / "out" / "cube_paper_50mm.obj").exists()
+    rejected = parquet.read(tmp_path / "out" / "rejected.parquet", REJECTED)
+    assert rejected["id"].tolist() == ["list"]
+
+
+@pytest.mark.parametrize("content", ["a: [1", "\x80\x81", "seed: -1\nshard: 3"])
+def test_check_config_says_what_is_wrong(tmp_path, content):
+    path = tmp_path / "mine.yaml"
+    path.write_bytes(content.encode("latin-1"))
+    result = egad("check-config", path)
+    assert result.returncode == 1
+    assert "Traceback" not in result.stderr
+    if "shard" in content:
+        assert "seed" in result.stderr
+        assert "shards" in result.stderr
+
+
+def test_check_config_accepts_the_files_that_come_along():
+    files = sorted((Path(__file__).parents[3] / "config").rglob("*.yaml"))
+    result = egad("check-config", *files)
+    assert result.stdout.splitlines() == [f"{file}: fine" for file in files]
+
+
+@pytest.mark.parametrize(
+    ("command", "table", "arguments"),
+    [
+        ("compare", "objects", ["mine", "--figure", "map.svg"]),
+        (
+            "datasheet",
+            "manifest",
+            ["--manifest", "mine", "--grasps", "a=b", "--dataset", "a", "--eval", "b"],
+        ),
+    ],
+)
+def test_tables_are_given_by_name(tmp_path, command, table, arguments):
+    result = egad(command, *arguments, "--settings", "{}", "--out", tmp_path / "out")
+    assert result.returncode == 1
+    assert f"'mine' does not say which table; write NAME={table}.parquet" in result.stderr
+
+
+def test_settings_of_another_stage_are_refused(tmp_path):
+    result = egad("merge", "--settings", "{}", tmp_path / "a", "--out", tmp_path / "b")
+    assert result.returncode == 1
+    assert "--settings is not what this stage reads" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A cube, and a file that is no mesh."""
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "meshes" / "cube.obj").write_text(CUBE)
+    (tmp_path / "meshes" / "broken.stl").write_text("solid")
+    return tmp_path / "meshes"
+
+
+def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_path):
+    for ending, read in ((".csv", pd.read_csv), (".parquet", pd.read_parquet)):
+        out = tmp_path / f"table{ending}"
+        result = egad("measure", folder, "--units", "cm", "--jobs", 1, "--out", out)
+        assert result.returncode == 0
+        assert "cube" in result.stdout
+        assert "broken: no faces" in result.stderr
+        assert "1 of 2 meshes could not be used" in result.stderr
+        table = read(out).set_index("name")
+        assert table.columns.tolist() == MEASURED.names[1:]
+        assert table.loc["cube", "complexity"] == 0
+        assert table.loc["cube", "difficulty"] == pytest.approx(0.0025, abs=0.0003)
+        assert table.loc["cube", "grasps"] == 1000  # as configured
+        assert table.loc["broken", "reason"] == "no faces"
+
+
+def test_measure_fails_if_no_mesh_can_be_used(folder):
+    result = egad("measure", folder / "broken.stl", "--units", "m", "--jobs", 1)
+    assert result.returncode == 1
+    assert "none of the 1 meshes could be used" in result.stderr
+
+
+def test_measure_takes_grasps_and_a_configuration(folder, tmp_path):
+    config, out = tmp_path / "my.yaml", tmp_path / "table.csv"
+    config.write_text("space: {cells: 5}\ncomplexity: {bins: 64}\n")
+    given = ["--units", "cm", "--jobs", 1, "--out", out]
+    egad("measure", folder, *given, "--grasps", 30, "--config", config)
+    cube = pd.read_csv(out).set_index("name").loc["cube"]
+    assert cube["grasps"] == 30
+    assert cube["difficulty_cell"] == 2
+
+
+def test_a_file_named_twice_is_taken_once(folder):
+    result = egad("measure", folder, folder / "cube.obj", "--units", "cm", "--jobs", 1)
+    assert result.stdout.count("cube") == 1
+    assert "cube.obj is named twice" in result.stderr
+
+
+def test_the_table_is_written_even_if_nobody_reads_the_terminal(folder, tmp_path):
+    out = tmp_path / "table.csv"
+    code = "from egad.pipeline.cli import main; main()"
+    given = ["measure", folder, "--units", "m", "--jobs", "1", "--out", out]
+    command = [sys.executable, "-c", code, *given]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
+        process.stdout.close()
+    assert len(pd.read_csv(out)) == 2
+
+
+def test_similarity_writes_a_square_matrix(folder, tmp_path):
+    trimesh.creation.torus(0.04, 0.01).export(folder / "torus.ply")
+    (folder / "copy.obj").write_text(CUBE)
+    found = {}
+    for bases in ("even", "scan"):
+        out = tmp_path / f"{bases}.csv"
+        given = ["--units", "m", "--bases", bases, "--jobs", 1, "--out", out]
+        egad("similarity", folder, *given)
+        matrix = found[bases] = pd.read_csv(out, index_col="name")
+        assert matrix.columns.tolist() == matrix.index.tolist()
+        assert matrix.index.tolist() == ["broken", "copy", "cube", "torus"]
+        assert matrix.loc["copy", "cube"] == 1
+        assert matrix.loc["broken"].isna().all()
+    assert found["even"].loc["cube", "torus"] != found["scan"].loc["cube", "torus"]
+
+
+def test_locate_writes_a_page_and_a_table(folder, tmp_path):
+    """Among two objects, of which one is the mesh itself."""
+    dataset = tmp_path / "dataset"
+    (dataset / "meshes").mkdir(parents=True)
+    names = OBJECTS.names
+    objects = pd.DataFrame(0, index=range(2), columns=names).assign(
+        id=["1", "2"], label=["A00_0", "B01_0"], complexity=[0.0, 2.0], difficulty=[0.003, 0.001]
+    )
+    parquet.write(objects, OBJECTS, dataset / "objects.parquet")
+    (dataset / "meshes" / "A00_0.obj").write_text(CUBE)
+    trimesh.creation.torus(0.04, 0.01).export(dataset / "meshes" / "B01_0.obj")
+    page, table = tmp_path / "page.html", tmp_path / "table.csv"
+    given = ["--units", "cm", "--in", dataset, "--jobs", 1, "--out", page, "--out", table]
+    result = egad("locate", folder, *given)
+    assert result.returncode == 0, result.stderr
+    assert "A00_0" in result.stdout
+    row = pd.read_csv(table).set_index("name").loc["cube"]
+    assert row["nearest"] == "A00_0 B01_0"
+    assert row["distances"].startswith("0.0 0.")
+    assert row["difficulty_percentile"] == 50
+    text = page.read_text()
+    assert "cube" in text
+    assert "broken" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["measure"], "--units"),
+        (["measure", "--units", "feet"], "not one of"),
+        (["measure", "--units", "m", "--out", "table.xlsx"], "must end in .parquet or .csv"),
+        (["measure", "--units", "m", "--out", "no/such/table.csv"], "there is no folder no/such"),
+        (["measure", "--units", "m", "--grasps", "-3"], "--grasps"),
+        (["similarity", "--units", "m", "--bases", "odd"], "even or scan"),
+        (["locate", "--units", "m"], "--in"),
+        (["locate", "--units", "m", "--in", "nothing.parquet"], "no such file"),
+    ],
+)
+def test_tools_say_what_is_allowed(folder, arguments, sentence):
+    result = egad(arguments[0], folder / "cube.obj", *arguments[1:])
+    assert result.returncode != 0
+    assert sentence in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_export_says_what_is_allowed(tmp_path):
+    (tmp_path / "grasps").mkdir()
+    given = ["export", tmp_path, "--out", tmp_path / "out", "--gripper", "hand", "--format"]
+    assert "neither a table of grasps nor a dataset" in egad(*given, "dexnet").stderr
+    (tmp_path / "grasps" / "yumi.parquet").touch()
+    assert "no grasps of gripper 'hand'; there are yumi" in egad(*given, "acronym").stderr
+    (tmp_path / "grasps" / "hand.parquet").touch()
+    unknown = egad(*given, "dexnet")
+    assert "gripper 'hand' is not in the configuration" in unknown.stderr
+    refused = egad(*given, "step")
+    assert refused.returncode != 0
+    assert "dexnet" in refused.stderr
+    assert "Traceback" not in unknown.stderr + refused.stderr
+
+
+def test_size_effect_rates_the_good_and_names_the_bad(tmp_path):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    (tmp_path / "list.obj").write_text("milk, eggs")
+    config = tmp_path / "quick.yaml"
+    config.write_text("size_effect: {fractions: [0.5, 1.2], repeats: 2}")
+    out = [tmp_path / name for name in ("curve.svg", "curve.csv", "curve.parquet")]
+    files = [word for path in out for word in ("--out", path)]
+    options = ["--units", "mm", "--gripper", "yumi", "--config", config, "--grasps", 10]
+    result = egad("size-effect", tmp_path / "cube.obj", tmp_path / "list.obj", *options, *files)
+    assert result.returncode == 0, result.stderr
+    assert "list: no faces" in result.stderr
+    table = parquet.read(out[2], SIZE_EFFECT)
+    assert pd.read_csv(out[1])["quality"].notna().tolist() == [True] * 6 + [False] * 6
+    assert set(table["name"]) == {"cube"}
+    assert "</svg>" in out[0].read_text()
+    assert "cube" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["size-effect", "a.obj", "--units", "mm", "--gripper", "yumy"], "did you mean yumi?"),
+        (["size-effect", "a.obj", "--units", "mm", "--out", "a.pdf"], ".svg or .parquet or .csv"),
+        (["size-effect", "a.obj", "--units", "mm"], "none of the 1 meshes could be used"),
+        (["view", "A0", "--in", "nowhere"], "there is no dataset"),
+        (["view", "A0", "--gripper", "pandaa"], "did you mean panda?"),
+        (["view", "a.obj"], "say with --units"),
+        (["view", "a.obj", "--units", "mm"], "a.obj: no such file"),
+        (["view", "a.obj", "--units", "foot"], "allowed: m, cm, mm, inch"),
+        (["view", "A0", "--out", "a.png"], "must end in .html"),
+    ],
+)
+def test_tools_about_grasps_say_what_is_wrong(tmp_path, monkeypatch, arguments, sentence):
+    monkeypatch.chdir(tmp_path)
+    result = egad(*arguments)
+    assert result.returncode == 1
+    assert sentence in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_view_writes_a_page_of_a_mesh(tmp_path):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    out = tmp_path / "cube.html"
+    result = egad("view", tmp_path / "cube.obj", "--units", "m", "--grasps", 3, "--out", out)
+    assert result.returncode == 0, result.stderr
+    assert "cube: 3 grasps" in result.stdout
+    assert "<title>Grasps of cube</title>" in out.read_text()

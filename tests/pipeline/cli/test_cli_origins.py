@@ -1,0 +1,85 @@
+import pytest
+from typer.testing import CliRunner
+
+from egad.data import released
+from egad.pipeline.cli import origins, recorded, stages  # noqa: F401 (they add their commands)
+from egad.pipeline.cli.common import app
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import Evolve, SimulatedTrials, select
+from egad.tables import parquet
+from egad.tables.objects import REJECTED
+
+ROWS = [{"id": name, "stage": "", "reason": ""} for name in "ab"]
+
+
+def egad(*words):
+    return CliRunner().invoke(app, [str(word) for word in words])
+
+
+@pytest.fixture
+def joined(tmp_path, monkeypatch):
+    """A table that a command of the pipeline made of two others."""
+    monkeypatch.chdir(tmp_path)
+    for row in ROWS:
+        parquet.write(parquet.pd.DataFrame([row]), REJECTED, tmp_path / f"{row['id']}.parquet")
+    done = egad("join", "--by", "id", "--out", "all/rows.parquet", "a.parquet", "b.parquet")
+    assert done.exit_code == 0, done.output
+    return tmp_path / "all/rows.parquet"
+
+
+def test_a_command_notes_what_it_read(joined):
+    noted = parquet.origin_of(joined)
+    assert [name for name, _ in noted["inputs"]] == ["../a.parquet", "../b.parquet"]
+    assert (noted["stage"], noted["arguments"]) == ("join", {"by": ["id"]})
+
+
+@pytest.mark.usefixtures("joined")
+def test_provenance_prints_a_tree():
+    said = egad("provenance", "all/rows.parquet").output.splitlines()
+    assert said[0].startswith("all/rows.parquet: join (by id), code ")
+    assert said[1] == "└─ a.parquet and 1 more: nothing is noted of it"
+
+
+def test_verify_tells_by_its_status_and_names_the_file(joined):
+    assert egad("verify", "all").exit_code == 0
+    data = bytearray(joined.read_bytes())
+    data[10] ^= 1
+    joined.write_bytes(data)
+    done = egad("verify", "all")
+    assert done.exit_code == 1
+    assert "all/rows.parquet: altered" in done.output
+
+
+def test_an_input_from_elsewhere_is_not_taken_for_one_of_the_same_name(tmp_path, monkeypatch):
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    done = egad("archive", released(), "--out", "results/egad/archive.parquet")
+    assert done.exit_code == 0, done.output
+    assert egad("verify", "results/egad").exit_code == 0
+    lines = egad("provenance", "results/egad/archive.parquet").output.splitlines()
+    assert lines[1].startswith("└─ elsewhere:archive.parquet: not there; its sha256 was ")
+
+
+def test_files_that_settings_name_are_inputs(tmp_path):
+    mesh, code, weights = (tmp_path / name for name in ("hand.stl", "mine.py", "net.pt"))
+    for path in (mesh, code, weights):
+        path.write_text("")
+    own = {
+        "axes": {"complexity": f"{code}:size"},
+        "part": {"kind": "mesh", "mesh": str(mesh), "size": [0.3, 0.3, 0.3]},
+        "policies": {"net": {"detector": "ggcnn", "weights": str(weights)}},
+        "targets": {"policies": ["net"]},
+    }
+    whole = Settings.model_validate(own)
+    assert set(recorded.named_files(select(whole, Evolve))) == {mesh, code}
+    tried = select(whole, SimulatedTrials, "egad_75mm", "net")
+    assert recorded.named_files(tried) == [weights]
+    code.unlink()
+    assert recorded.named_files(select(whole, Evolve)) == [mesh]
+
+
+def test_the_hash_of_settings_follows_their_values():
+    one, same, other = (select(Settings(seed=seed), Evolve) for seed in (1, 1, 2))
+    assert recorded.settings_hash(one) == recorded.settings_hash(same)
+    assert recorded.settings_hash(one) != recorded.settings_hash(other)

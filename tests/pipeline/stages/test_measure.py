@@ -1,0 +1,184 @@
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+
+from egad.cppn.surface import surface
+from egad.exchange.meshes import read_mesh, write_obj
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import MeasureMeshes, PostprocessSolids, select
+from egad.pipeline.stages import measure
+from egad.pipeline.stages.postprocess import solid_row
+from egad.tables.objects import MEASURED
+
+DEFAULTS = Settings()
+SETTINGS = select(DEFAULTS, MeasureMeshes)
+
+
+def potato(subdivisions=3):
+    """A smooth lump without symmetry, 60 mm long."""
+    mesh = trimesh.creation.icosphere(subdivisions=subdivisions)
+    x, y, z = mesh.vertices.T
+    mesh.vertices *= (1 + 0.2 * np.sin(2 * x + y) + 0.15 * np.cos(3 * z - x))[:, None]
+    mesh.apply_scale(0.06 / mesh.extents.max())
+    return mesh
+
+
+def open_scan():
+    """A scan without the patch that the object stood on."""
+    mesh = potato()
+    low = mesh.triangles_center[:, 2] < mesh.bounds[0, 2] + 0.001
+    mesh.update_faces(~low)
+    return mesh
+
+
+def inside_out():
+    mesh = potato()
+    mesh.invert()
+    return mesh
+
+
+def several_bodies():
+    crumb = trimesh.creation.icosphere(subdivisions=1, radius=0.002).apply_translation([0.1, 0, 0])
+    return trimesh.util.concatenate([potato(), crumb])
+
+
+def doubled_and_degenerate():
+    mesh = potato()
+    faces = np.vstack([mesh.faces, mesh.faces[:20], [[0, 0, 1], [5, 5, 5]]])
+    return trimesh.Trimesh(mesh.vertices, faces, process=False)
+
+
+def plane():
+    return trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+
+
+def triangle():
+    return trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+
+
+def not_finite():
+    mesh = potato()
+    mesh.vertices[3] = np.nan
+    return mesh
+
+
+@pytest.fixture(scope="module")
+def bad(tmp_path_factory):
+    """A folder of everything that people have."""
+    folder = tmp_path_factory.mktemp("bad")
+    meshes = {
+        "good": potato(),
+        "open_scan": open_scan(),
+        "inside_out": inside_out(),
+        "several_bodies": several_bodies(),
+        "doubled": doubled_and_degenerate(),
+        "plane": plane(),
+        "triangle": triangle(),
+        "not_finite": not_finite(),
+        "wide": potato().apply_scale(100),
+        "thousand": potato().apply_scale(1000),
+        "thousandth": potato().apply_scale(0.001),
+    }
+    for name, mesh in meshes.items():
+        mesh.export(folder / f"{name}.ply")
+    (folder / "empty.obj").write_text("")
+    (folder / "text.stl").write_text("solid nothing of the kind")
+    names = [*meshes, "empty", "text", "absent"]
+    endings = {"empty": "obj", "text": "stl"}
+    return {name: folder / f"{name}.{endings.get(name, 'ply')}" for name in names}
+
+
+@pytest.fixture(scope="module")
+def table(bad):
+    return measure.run(SETTINGS, bad, "m", 2).set_index("name")
+
+
+def test_every_mesh_has_a_row_in_the_order_given(bad, table):
+    assert list(table.index) == list(bad)
+    assert list(table.reset_index().columns) == MEASURED.names
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("plane", "open edges"),
+        ("triangle", "open edges"),
+        ("not_finite", "not finite"),
+        ("thousandth", "is the unit of the mesh right?"),
+        ("empty", "no faces"),
+        ("text", "no faces"),
+        ("absent", "no such file"),
+    ],
+)
+def test_what_cannot_be_measured_says_why(table, name, reason):
+    assert reason in table.loc[name, "reason"]
+    assert table.loc[name].drop("reason").isna().all()
+
+
+@pytest.mark.parametrize("name", ["open_scan", "inside_out", "several_bodies", "doubled"])
+def test_what_can_be_mended_is_measured_as_the_whole_mesh(table, name):
+    row, good = table.loc[name], table.loc["good"]
+    assert row["reason"] == ""
+    assert row["repaired"]
+    assert not good["repaired"]
+    assert row["complexity"] == pytest.approx(good["complexity"], abs=0.1)
+    assert row["difficulty"] == pytest.approx(good["difficulty"], abs=0.0003)
+    assert row["longest_side"] == pytest.approx(good["longest_side"], rel=0.01)
+
+
+@pytest.mark.parametrize(("name", "factor"), [("wide", 100), ("thousand", 1000)])
+def test_size_does_not_matter(table, name, factor):
+    """Objects are scaled to the gripper, also one that is wider than it in every direction."""
+    row, good = table.loc[name], table.loc["good"]
+    assert row["complexity"] == pytest.approx(good["complexity"], abs=0.02)
+    assert row["difficulty"] == pytest.approx(good["difficulty"], rel=1e-3)
+    assert row["longest_side"] == pytest.approx(factor * good["longest_side"])
+
+
+def test_units_that_must_be_wrong_are_pointed_out(bad, caplog):
+    measure.run(SETTINGS, {"thousand": bad["thousand"]}, "m", 1)
+    assert "thousand for one (60 m): are they really in m?" in caplog.text
+    caplog.clear()
+    measure.run(SETTINGS, {"thousand": bad["thousand"]}, "mm", 1)
+    assert caplog.text == ""
+
+
+def test_workers_leave_no_trace(bad, table):
+    one = measure.run(SETTINGS, bad, "m", 1).set_index("name")
+    pd.testing.assert_frame_equal(one, table)
+
+
+def test_an_object_has_the_measures_that_it_has_in_a_dataset(bad, table):
+    row = solid_row(read_mesh(bad["good"], "m"), "other", select(DEFAULTS, PostprocessSolids))
+    assert [row["complexity"], row["difficulty"], row["grasps"]] == list(
+        table.loc["good", ["complexity", "difficulty", "grasps"]]
+    )
+
+
+def test_an_evolved_object_has_the_measures_of_its_mesh_file(tmp_path):
+    """Also in another unit: grasps are named after the triangles."""
+    made = surface(np.pad(np.ones((3, 5, 9), bool), 2), DEFAULTS.shape)
+    row = solid_row(made, "0123", select(DEFAULTS, PostprocessSolids))
+    mesh = trimesh.Trimesh(
+        np.reshape(row["vertices"], (-1, 3)), np.reshape(row["faces"], (-1, 3)), process=False
+    )
+    write_obj(mesh, tmp_path / "A00_0.obj")
+    write_obj(mesh.copy().apply_scale(1000), tmp_path / "mm.obj")
+    for name, units in (("A00_0", "m"), ("mm", "mm")):
+        (found,) = measure.run(SETTINGS, {name: tmp_path / f"{name}.obj"}, units, 1).to_dict(
+            "records"
+        )
+        assert found["complexity"] == pytest.approx(row["complexity"], abs=1e-6)
+        assert found["difficulty"] == pytest.approx(row["difficulty"], rel=1e-6)
+
+
+@pytest.mark.slow
+def test_a_million_faces_are_measured(tmp_path):
+    path = tmp_path / "fine.ply"
+    fine = potato(subdivisions=8)
+    assert len(fine.faces) > 1_000_000
+    fine.export(path)
+    (row,) = measure.run(SETTINGS, {"fine": path}, "m", 1).to_dict("records")
+    assert row["reason"] == ""
+    assert row["longest_side"] == pytest.approx(0.06)

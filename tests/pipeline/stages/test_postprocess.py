@@ -1,0 +1,91 @@
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import PostprocessSolids, select
+from egad.pipeline.stages.postprocess import from_folder, from_primitives, run, solid_row
+from egad.tables import parquet
+from egad.tables.objects import REJECTED, SOLIDS
+
+COARSE = Settings.model_validate(
+    {
+        "postprocess": {"grasps": 20},
+        "similarity": {"vertices": 1000, "base_count": 20},
+        "shape": {"longest_side": 0.07},
+    }
+)
+
+
+@pytest.fixture
+def scans(tmp_path):
+    for side, name in enumerate(["can", "mug", "bowl"], start=1):
+        (tmp_path / name / "scan").mkdir(parents=True)
+        trimesh.creation.box([side] * 3).export(tmp_path / name / "scan" / "mesh.ply")
+    return tmp_path
+
+
+def test_a_pattern_finds_and_names_the_meshes_of_sub_folders(scans):
+    sources, known = from_folder(scans, "cm", 0, 1, "*/scan/mesh.ply")
+    assert known.empty
+    sides = {name: load().extents[0] for name, load in sources.items()}
+    assert sides == pytest.approx({"can": 0.01, "mug": 0.02, "bowl": 0.03})
+
+
+def test_every_mesh_is_in_one_shard(scans):
+    shards = [set(from_folder(scans, "m", shard, 4, "**/*.ply")[0]) for shard in range(4)]
+    assert sorted(name for shard in shards for name in shard) == [
+        *("bowl-scan-mesh", "can-scan-mesh", "mug-scan-mesh")
+    ]
+
+
+def postprocessed(folder, count, shards):
+    """The solids and the rejected ones among so many random objects, of all shards."""
+    settings = select(COARSE, PostprocessSolids)
+    solids, rejected = [], []
+    for shard in range(shards):
+        sources, known = from_primitives(count, settings, shard, shards)
+        assert known.empty
+        out, left_out = folder / f"solids-{shard}.parquet", folder / f"rejected-{shard}.parquet"
+        run(settings, sources, known, out, left_out)
+        solids.append(parquet.read(out, SOLIDS))
+        rejected.append(parquet.read(left_out, REJECTED))
+    return pd.concat(solids).sort_values("id", ignore_index=True), pd.concat(rejected)
+
+
+def test_random_objects_are_the_same_however_many_and_in_any_number_of_shards(tmp_path):
+    whole, _ = postprocessed(tmp_path, 6, 1)
+    parts, _ = postprocessed(tmp_path, 8, 3)
+    assert parts["id"].tolist() == [f"p{number:05d}" for number in range(8)]
+    pd.testing.assert_frame_equal(whole, parts.head(6))
+    assert whole[["extents_x", "extents_y", "extents_z"]].max(axis=1).to_numpy() == pytest.approx(
+        [0.07] * 6
+    )
+
+
+@pytest.mark.slow
+def test_no_random_object_is_rejected(tmp_path):
+    solids, rejected = postprocessed(tmp_path, 100, 1)
+    assert (len(solids), len(rejected)) == (100, 0)
+    assert solids["watertight"].all()
+    assert solids["volume"].gt(0).all()
+    assert solids["volume"].nunique() == 100
+
+
+def test_random_objects_follow_the_seed():
+    def bytes_of(seed):
+        settings = select(COARSE.model_copy(update={"seed": seed}), PostprocessSolids)
+        return from_primitives(1, settings, 0, 1)[0]["p00000"]().vertices.tobytes()
+
+    assert bytes_of(1) == bytes_of(1) != bytes_of(2)
+
+
+def test_a_turned_block_has_the_textbook_moments_about_its_own_axes():
+    sides, settings = np.array([0.03, 0.05, 0.08]), select(COARSE, PostprocessSolids)
+    turn = trimesh.transformations.rotation_matrix(0.7, [1, 2, 3])
+    row = solid_row(trimesh.creation.box(sides).apply_transform(turn), "block", settings)
+    tensor = np.array([[row[f"inertia_{min(a, b)}{max(a, b)}"] for a in "xyz"] for b in "xyz"])
+    moments = settings.material.density * sides.prod() / 12 * (sides @ sides - sides**2)
+    axes = turn[:3, :3]
+    np.testing.assert_allclose(tensor @ axes, axes * moments, atol=1e-6 * moments.max())

@@ -1,0 +1,52 @@
+"""Models: true mass, centre of mass and inertia, in the principal frame."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.pipeline.config import Bundle
+from egad.sim.model import MIN_MASS, build
+
+BUNDLE = Bundle()
+SIDES = np.array([0.08, 0.05, 0.03])
+
+
+def tilted_box() -> trimesh.Trimesh:
+    box = trimesh.creation.box(SIDES)
+    box.apply_transform(trimesh.transformations.euler_matrix(0.3, 0.5, 0.7))
+    return box.apply_translation((0.1, -0.2, 0.3))
+
+
+def test_mass_and_inertia_of_a_box() -> None:
+    model = build(tilted_box(), 1000.0, BUNDLE)
+    mass = 1000 * SIDES.prod()
+    squares = SIDES**2
+    expected = np.sort(mass / 12 * (squares.sum() - squares))
+    assert model.mass == pytest.approx(mass)
+    np.testing.assert_allclose(model.inertia, expected, rtol=1e-9)
+
+
+def test_mesh_and_parts_lie_in_the_principal_frame() -> None:
+    model = build(tilted_box(), 1000.0, BUNDLE)
+    for mesh in (model.mesh, *model.parts):
+        np.testing.assert_allclose(mesh.center_mass, 0, atol=1e-9)
+        # The longest side has the smallest moment, which comes first.
+        np.testing.assert_allclose(mesh.extents, SIDES, rtol=1e-6)
+        assert mesh.volume == pytest.approx(SIDES.prod(), rel=1e-6)
+
+
+def test_a_light_object_gets_the_least_mass_and_keeps_its_form() -> None:
+    light, heavy = build(tilted_box(), 1.0, BUNDLE), build(tilted_box(), 1000.0, BUNDLE)
+    assert light.mass == MIN_MASS
+    np.testing.assert_allclose(light.inertia / light.mass, heavy.inertia / heavy.mass)
+
+
+def test_inside_out_is_mended_and_the_input_left_alone() -> None:
+    mesh = tilted_box()
+    mesh.invert()
+    before = mesh.vertices.copy(), mesh.faces.copy()
+    model = build(mesh, 1000.0, BUNDLE)
+    assert model.mesh.volume > 0
+    assert model.volume_error == pytest.approx(0, abs=1e-6)
+    np.testing.assert_array_equal(mesh.vertices, before[0])
+    np.testing.assert_array_equal(mesh.faces, before[1])

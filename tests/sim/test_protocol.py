@@ -1,0 +1,189 @@
+"""Attempts: what succeeds, what fails and how, and that each can be repeated alone."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.detectors.base import Detector, Grasp
+from egad.detectors.subprocess import DetectorTimeoutError
+from egad.perception.camera import View
+from egad.pipeline.config import GRIPPERS, Bundle, Gripper, Trials
+from egad.sim.initial_pose import Start
+from egad.sim.model import build
+from egad.sim.settling import Stillness
+from egad.sim.trial import Attempt, Bench, Execution, execute
+from egad.sim.world import Pose, World
+
+BUNDLE = Bundle()
+CUBE = trimesh.creation.box((0.04, 0.04, 0.04))
+
+
+def always(shift: tuple[float, float, float], width: float = 0.07) -> Detector:
+    """A detector that knows only where the object is, and grasps beside its top by `shift`."""
+
+    def detect(view: View, _gripper: Gripper, _rng: np.random.Generator, /) -> list[Grasp]:
+        points = view.points().reshape(-1, 3)
+        standing = points[points[:, 2] > 0.005]
+        x, y, z = standing.mean(axis=0) * [1, 1, 0] + [0, 0, standing[:, 2].max()] + shift
+        return [Grasp((float(x), float(y), float(z)), 0.0, width, 0.0, 1.0)]
+
+    return detect
+
+
+def outcome(
+    mesh: trimesh.Trimesh, detect: Detector, density: float = 400.0, **gripper: float
+) -> Attempt:
+    hand = GRIPPERS["egad_75mm"].model_copy(update=gripper)
+    with World(build(mesh, density, BUNDLE)) as world:
+        return Bench(world, hand, Trials()).attempt(detect, 5)
+
+
+def test_the_drop_does_not_depend_on_the_detector() -> None:
+    places = []
+    with World(build(CUBE, 400.0, BUNDLE)) as world:
+        bench = Bench(world, GRIPPERS["egad_75mm"], Trials())
+
+        def thirsty(view: View, _gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
+            rng.random(len(places) * 10)
+            places.append(view.depth)
+            return []
+
+        for _ in range(2):
+            assert bench.attempt(thirsty, 3).outcome == "no_grasp"
+    np.testing.assert_array_equal(*places)
+
+
+def test_a_grasp_at_the_middle_succeeds() -> None:
+    attempt = outcome(CUBE, always((0, 0, -0.03)))
+    assert attempt.outcome == "success"
+
+
+def test_a_grasp_beside_the_object_misses() -> None:
+    attempt = outcome(CUBE, always((0, 0.1, -0.03)))
+    assert attempt.outcome == "missed"
+    assert attempt.lifted == pytest.approx(0, abs=0.001)
+
+
+def test_a_finger_on_top_of_the_object_collides() -> None:
+    assert outcome(CUBE, always((0.035, 0, -0.03))).outcome == "collided"
+
+
+def test_too_heavy_an_object_slips() -> None:
+    attempt = outcome(CUBE, always((0, 0, -0.03)), density=2.5 / 0.04**3, force=20.0, friction=0.5)
+    assert attempt.outcome == "slipped_lifting"
+    assert attempt.lifted < 0.05
+
+
+@pytest.mark.parametrize(
+    ("shift", "width", "name"),
+    [
+        ((0, 0, -0.03), 0.2, "too_wide"),
+        ((0, 0, -0.03), -0.01, "too_wide"),
+        ((0, 0, -0.03), np.inf, "not_finite"),
+        ((0, np.nan, 0), 0.07, "not_finite"),
+        ((0, 0, -0.1), 0.07, "below_table"),
+    ],
+)
+def test_a_grasp_that_the_hand_cannot_do_is_named(
+    shift: tuple[float, float, float], width: float, name: str
+) -> None:
+    attempt = outcome(CUBE, always(shift, width))
+    assert (attempt.outcome, attempt.grasp, attempt.lifted) == (name, None, 0.0)
+    assert attempt.end is attempt.rest
+
+
+@pytest.mark.parametrize("answer", [None, 3, ["grasp"], [(0, 0, 0)]])
+def test_an_answer_that_is_no_list_of_grasps_is_an_error(answer: object) -> None:
+    assert outcome(CUBE, lambda *_: answer).outcome == "error"  # type: ignore[arg-type,return-value]
+
+
+def test_a_detector_that_takes_too_long_has_failed() -> None:
+    def slow(*_: object) -> list[Grasp]:
+        raise DetectorTimeoutError
+
+    assert outcome(CUBE, slow).outcome == "timeout"
+
+
+def test_an_object_larger_than_the_view_fails() -> None:
+    huge = trimesh.creation.box((0.5, 0.5, 0.5))
+    assert outcome(huge, always((0, 0, 0))).outcome == "failed"
+
+
+@pytest.mark.parametrize(
+    ("end", "outcome", "begun"),
+    [
+        ((0.05, 0.03, 0.02), "missed", "left"),
+        ((0.15, 0.0, 0.02), "missed", "dropped"),
+        ((0.3, 0.0, 0.02), "slipped_lifting", "dropped"),
+        ((0.0, 0.0, 0.0201), "collided", "dropped"),
+        ((0.0, 0.0, 0.42), "success", "from_hand"),
+        (None, "failed", "dropped"),
+    ],
+)
+def test_how_an_attempt_begins(
+    end: tuple[float, float, float] | None, outcome: str, begun: str
+) -> None:
+    """From the hand after a success; put back where it left the workspace or was not touched."""
+    upright = [0.0, 0.0, 0.0, 1.0]
+    rest = Pose.of([0.0, 0.0, 0.02, *upright])
+    last = Pose.of([*end, *upright]) if end else None
+    before = Attempt(outcome, Start("dropped", rest), rest, None, 0.0, last)
+    with World(build(CUBE, 400.0, BUNDLE)) as world:
+        trials = Trials()
+        bench = Bench(world, GRIPPERS["egad_75mm"], trials)
+        after = bench.attempt(always((0, 0, -0.03)), 3, before)
+    assert after.start is not None
+    assert after.rest is not None
+    assert after.start.begun == begun
+    assert np.linalg.norm(after.rest.position[:2]) < trials.workspace
+    if begun == "from_hand":
+        start = after.start.pose.matrix
+        lowest = (CUBE.vertices @ start[:3, :3].T + start[:3, 3])[:, 2].min()
+        assert lowest == pytest.approx(trials.drop_height)
+        assert -1e-9 < start[2, 2] < 1 - 1e-9  # tilted, by 90 degrees at most
+
+
+def held_up(world: World) -> Execution:
+    world.place(Pose.of([0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 1.0]))
+    return execute(
+        world, GRIPPERS["egad_75mm"], Trials(), Grasp((0.0, 0.0, 0.02), 0.0, 0.07, 0.01, 1.0)
+    )
+
+
+def test_an_object_that_is_lost_while_it_is_held_up_is_dropped(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Somebody takes it out of the hand, in which it is never taken for still."""
+    monkeypatch.setattr(Stillness, "__call__", lambda _: False)
+    steps = []
+
+    def take(world: World) -> None:
+        steps.append(world.pose().position[2] > 0.4195)
+        if sum(steps) == 100:  # long after the lift
+            world.place(Pose.of([0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0]))
+
+    with World(build(CUBE, 400.0, BUNDLE)) as world:
+        assert held_up(world).outcome == "success"
+        world.reset()
+        world.watch = take
+        assert held_up(world).outcome == "dropped"
+
+
+@pytest.mark.parametrize("velocity", [(200.0, 0.0, 0.0), (np.nan, 0.0, 0.0)])
+def test_an_object_that_explodes_has_failed_and_the_next_attempt_begins_anew(
+    velocity: tuple[float, float, float],
+) -> None:
+    def explode(world: World) -> None:
+        if 0.1 < world.pose().position[2] < 0.11 and world.force(world.table, world.object) == 0:
+            world.client.resetBaseVelocity(world.object, velocity)
+
+    with World(build(CUBE, 400.0, BUNDLE)) as world:
+        bench = Bench(world, GRIPPERS["egad_75mm"], Trials(drop_height=0.05))
+        world.watch = explode
+        first = bench.attempt(always((0, 0, -0.03)), 3)
+        world.watch = None
+        second = bench.attempt(always((0, 0, -0.03)), 4, first)
+    assert (first.outcome, first.end, first.lifted) == ("failed", None, 0.0)
+    assert second.outcome == "success"
+    assert second.start is not None
+    assert second.start.begun == "dropped"

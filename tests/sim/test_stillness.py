@@ -1,0 +1,189 @@
+"""A lift and a hold end early only where they would end in the same way."""
+
+from collections.abc import Callable
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.detectors.base import Grasp
+from egad.detectors.registry import QUICK
+from egad.pipeline.config import GRIPPERS, Bundle, Trials
+from egad.sim.model import build
+from egad.sim.settling import Stillness
+from egad.sim.trial import Attempt, Bench, Execution, execute
+from egad.sim.world import TIME_STEP, Pose, World
+
+BUNDLE = Bundle()
+SIDE = 0.04
+UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
+Motion = Callable[[float], tuple[float, float, float]]
+
+
+def still_from(motion: Motion, start: float = 0.0, end: float = 2.0) -> float | None:
+    """Seconds until an object of 40 mm is still that sinks, turns and is squeezed as given.
+
+    Args:
+        motion: Metres, radians and metres at a time.
+        start: Of `Stillness`.
+        end: Of `Stillness`.
+    """
+    now = [0.0]
+
+    def pose() -> Pose:
+        sunk, angle, _ = motion(now[0])
+        half = angle / 2
+        return Pose(np.array([0.0, 0.0, 0.5 - sunk]), np.array([np.sin(half), 0, 0, np.cos(half)]))
+
+    mesh = trimesh.creation.box((SIDE,) * 3)
+    world = SimpleNamespace(model=SimpleNamespace(mesh=mesh), pose=pose)
+    hand = SimpleNamespace(
+        world=world, height=lambda: 0.4, opening=lambda: SIDE - motion(now[0])[2]
+    )
+    still = Stillness(hand, start, end)  # type: ignore[arg-type]
+    for step in range(1, round(end / TIME_STEP) + 1):
+        now[0] = step * TIME_STEP
+        if still():
+            return now[0]
+    return None
+
+
+def test_what_does_not_move_is_still_after_a_tenth_of_a_second() -> None:
+    assert still_from(lambda _: (0.0, 0.0, 0.0)) == pytest.approx(0.1)
+    for start in (0.3, 0.31, 0.32):
+        found = still_from(lambda _: (0.0, 0.0, 0.0), start=start)
+        assert found == pytest.approx(start + 0.1, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        lambda time: (0.001 * time, 0.0, 0.0),  # 1 mm/s
+        lambda time: (0.0, 0.04 * time, 0.0),  # a corner at 1.4 mm/s
+        lambda time: (0.0, 0.0, 0.001 * time),
+        lambda time: (0.01 * time**2, 0.0, 0.0),
+        lambda time: (0.0, 0.03 * np.cos(time / 0.07), 0.0),  # swings by 2 degrees, as 5 cm do
+    ],
+    ids=["sinks", "turns", "is squeezed", "sinks faster", "swings"],
+)
+def test_what_slips_slowly_is_not_still(motion: Motion) -> None:
+    found = still_from(motion)
+    assert found is None or found > 0.9  # of 2 s: then too little time is left to go far
+
+
+def test_what_slips_and_then_sticks_is_still_once_it_sticks() -> None:
+    found = still_from(lambda time: (0.01 * min(time, 0.5), 0.0, 0.0))
+    assert found == pytest.approx(0.6, abs=0.03)
+
+
+def held_up(
+    density: float,
+    arm: str,
+    shift: float = 0.0,
+    force: float = 20.0,
+    lift: float = 0.4,
+    watch: Callable[[World], None] | None = None,
+) -> Execution:
+    """A cube of 40 mm grasped between pads of friction 0.5, beside its middle."""
+    gripper = GRIPPERS["egad_75mm"].model_copy(update={"force": force, "friction": 0.5})
+    with World(build(trimesh.creation.box((SIDE,) * 3), density, BUNDLE)) as world:
+        world.watch = watch
+        world.place(Pose(np.array([0.0, 0.0, SIDE / 2]), UPRIGHT))
+        trials = Trials(arm=arm, lift_height=lift)
+        return execute(world, gripper, trials, Grasp((0.0, shift, 0.02), 0.0, 0.065, 0.01, 1.0))
+
+
+def in_full(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From now on everything is lifted all the way and held as long as it says."""
+    monkeypatch.setattr(Stillness, "__call__", lambda _: False)
+
+
+@pytest.mark.parametrize(("arm", "spared"), [("axis", 1.2), ("panda", 0.75)])
+def test_what_is_held_firmly_is_not_simulated_to_the_end(
+    arm: str, spared: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On the axis most of the lift is left out with the hold; an arm is lifted all the way.
+
+    Args:
+        arm: What carries the hand.
+        spared: Part of the time of holding that is left out at least.
+    """
+    steps = []
+
+    def counted(simulate: Callable[..., None]) -> Callable[..., None]:
+        return lambda world, count=1: steps.append(count) or simulate(world, count)
+
+    monkeypatch.setattr(World, "step", counted(World.step))
+    case = (0.2 / SIDE**3, arm)
+    assert held_up(*case).outcome == "success"
+    early = sum(steps)
+    in_full(monkeypatch)
+    assert held_up(*case).outcome == "success"
+    assert sum(steps) - 2 * early > spared * Trials().hold_time / TIME_STEP
+
+
+def test_what_is_taken_out_of_a_hand_on_the_axis_is_dropped() -> None:
+    """It is lifted so shortly that the hand still has to hold it until it lies still."""
+    lift, lifted = 0.03, []
+
+    def take(world: World) -> None:
+        lifted.append(world.pose().position[2] > SIDE / 2 + lift - 0.0005)
+        if sum(lifted) == 10:
+            world.place(Pose(np.array([0.2, 0.0, 0.3]), UPRIGHT))
+
+    assert held_up(0.2 / SIDE**3, "axis", lift=lift).outcome == "success"
+    assert held_up(0.2 / SIDE**3, "axis", lift=lift, watch=take).outcome == "dropped"
+
+
+@pytest.mark.parametrize("arm", ["axis", "panda"])
+def test_loads_around_what_friction_carries_end_as_if_simulated_in_full(
+    arm: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Pads of 20 N carry 2.04 kg at rest, and 1.73 kg when the hand speeds up most."""
+    masses = (0.5, 1.7, 1.75, 1.8, 1.9, 2.1) if arm == "axis" else (1.7, 1.8, 2.1)
+    cases = [(mass / SIDE**3, arm) for mass in masses]
+    early = [held_up(*case) for case in cases]
+    in_full(monkeypatch)
+    full = [held_up(*case) for case in cases]
+    assert [each.outcome for each in early] == [each.outcome for each in full]
+    assert len({each.outcome for each in full}) > 1
+    for one, other in zip(early, full, strict=True):
+        assert one.lifted == pytest.approx(other.lifted, abs=0.001)
+
+
+def test_grasps_near_an_edge_end_as_if_simulated_in_full(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Off the middle the weight turns the cube between the pads, which are 20 mm wide."""
+    cases = [(1.0 / SIDE**3, "axis", shift, 25.0) for shift in (0.005, 0.015, 0.025)]
+    early = [held_up(*case) for case in cases]
+    in_full(monkeypatch)
+    full = [held_up(*case) for case in cases]
+    assert [each.outcome for each in early] == [each.outcome for each in full]
+
+
+def attempts(model: object, count: int) -> list[Attempt]:
+    with World(model) as world:  # type: ignore[arg-type]
+        bench = Bench(world, GRIPPERS["egad_75mm"].model_copy(update={"force": 8.0}), Trials())
+        return [bench.attempt(QUICK["random"], seed) for seed in range(count)]
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        trimesh.creation.icosphere(3, 0.025),
+        trimesh.creation.box((0.02, 0.03, 0.09)),
+        trimesh.creation.torus(0.03, 0.01, 24, 12),
+    ],
+    ids=["ball", "bar", "ring"],
+)
+def test_attempts_end_as_if_simulated_in_full(
+    mesh: trimesh.Trimesh, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Random grasps in a weak hand: some hold, some slip."""
+    model = build(mesh, 1500.0, BUNDLE)
+    early = attempts(model, 8)
+    in_full(monkeypatch)
+    full = attempts(model, 8)
+    assert [each.outcome for each in early] == [each.outcome for each in full]
+    for one, other in zip(early, full, strict=True):
+        assert one.lifted == pytest.approx(other.lifted, abs=0.001)

@@ -1,0 +1,163 @@
+"""Results of a real robot: what is read, and what is said about mistakes."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from egad.errors import UserError
+from egad.stats.records import COLUMNS, gather, read, template
+from egad.tables import parquet
+from egad.tables.evaluation import RESULTS, TRIALS
+
+GOOD = """label,attempt,success,outcome,quality,detector
+A0,0,1,,0.8,mine
+A0,1,no,slipped,,mine
+C4,0,TRUE,success,0.5,other
+G6,0,,,,mine
+"""
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text, name="results.csv", encoding="utf-8"):
+        path = tmp_path / name
+        path.write_text(text, encoding=encoding)
+        return path
+
+    return write
+
+
+def test_a_file_is_read_by_detector(written):
+    found = read(written(GOOD))
+    assert list(found) == ["mine", "other"]
+    mine = found["mine"]
+    assert mine.columns.tolist() == RESULTS.names
+    assert mine["success"].tolist() == [True, False]
+    assert mine["outcome"].tolist() == ["success", "slipped"]
+    assert mine["quality"].tolist()[0] == 0.8
+    assert np.isnan(mine["quality"].tolist()[1])
+
+
+def test_three_columns_are_enough(written):
+    (name, table), *_ = read(written("Label, Attempt ,Success\nA0,0,1\nA0,1,0\n")).items()
+    assert name == "results"
+    assert table["outcome"].tolist() == ["success", "other"]
+
+
+def test_what_spreadsheets_write_is_read(written):
+    text = "label;attempt;success\r\nA0;0;yes\r\n"
+    assert len(read(written(text, encoding="utf-8-sig"))["results"]) == 1
+
+
+def test_cells_in_quotes_and_empty_ones_at_the_end_are_read(written):
+    text = 'label,attempt,success,outcome\n"A0",0,1\nA1,0,0,"no grasp",,\n'
+    assert read(written(text))["results"]["outcome"].tolist() == ["success", "no_grasp"]
+
+
+def test_semicolons_separate_what_has_commas_in_it(written):
+    """As written where 0,5 is a half: a comma in a cell does not cut it."""
+    text = "label;attempt;success;detector\nA0;0;1;mine, the new one\n"
+    assert list(read(written(text))) == ["mine, the new one"]
+
+
+def test_a_robots_objects_are_known_by_their_label_only(written):
+    table = read(written(GOOD))["mine"]
+    assert set(table["id"]) == set(table["start"]) == {""}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "not a CSV file: it is empty"),
+        ("\n , ,\n\n", "not a CSV file: it is empty"),
+        ("label,attempt\nA0,0\n", "the column success is missing; needed: label, attempt, success"),
+        ("label,attempt,success\n", "no row says whether"),
+        ("label,attempt,success\nA0,0,\n", "no row says whether"),
+        (
+            "label,attempt,success\nA0,0,1\nA0,1,maybe\n",
+            "line 3: success is 'maybe'; allowed: 1, 0",
+        ),
+        ("label,attempt,success\nmug,0,1\n", "line 2: label is 'mug'; allowed: a letter and a dig"),
+        (
+            "label,attempt,success\nA00,0,1\n",
+            "line 2: label is 'A00'; allowed: a letter and a digit",
+        ),
+        ("label,attempt,success\nA0,first,1\n", "line 2: attempt is 'first'; allowed: a whole"),
+        ("label,attempt,success\nA0,0,1\nA0,0,0\n", "attempt 0 at A0 is there twice"),
+        ("label,attempt,success,outcome\nA0,0,0,fell\n", "outcome is 'fell'; allowed: success, sl"),
+        ("label,attempt,success,outcome\nA0,0,0,success\n", "success just where success is 1"),
+        ("label,attempt,success,quality\nA0,0,1,high\n", "quality is 'high'; allowed: a number"),
+        ("label,attempt,Success,success\nA0,0,1,0\n", "the column success is there twice"),
+        ("label,attempt,success\nA0,0,1\nA0,1,0,missed\n", "line 3: 4 cells; the first line has 3"),
+        ("label,attempt,success\nA0,0\n", "no row says whether"),
+        ('label,attempt,success\nA0,0,1\n"A1,0,1\n', "not a CSV file: unexpected end of data"),
+        (f"label,attempt,success\nA0,{'9' * 20},1\n", "line 2: attempt is '9{20}'; .* 9 digits"),
+        ("label,attempt,success\nA0,-1,1\n", "line 2: attempt is '-1'; allowed: a whole number"),
+        ("\n\nlabel,attempt,success\n\nA0,0,1\n,,\nA1,0,2\n", "line 7: success is '2'"),
+    ],
+)
+def test_mistakes_are_named_with_their_line(written, text, words):
+    with pytest.raises(UserError, match=words):
+        read(written(text))
+
+
+def test_what_is_no_text_is_a_mistake(tmp_path):
+    path = tmp_path / "picture.csv"
+    path.write_bytes(b"\x89PNG\xff\xfe\x00")
+    with pytest.raises(UserError, match="not a CSV file"):
+        read(path)
+
+
+def test_a_filled_template_is_read_again(tmp_path):
+    frame = template(["A0", "B1"], 3, "mine")
+    assert tuple(frame.columns) == COLUMNS
+    assert len(frame) == 6
+    frame["success"] = ["1", "0", "1", "", "", "0"]
+    path = tmp_path / "filled.csv"
+    frame.to_csv(path, index=False)
+    assert read(path)["mine"]["success"].tolist() == [True, False, True, False]
+
+
+def test_a_table_round_trips_through_parquet(written, tmp_path):
+    whole = pd.concat(read(written(GOOD)).values())
+    parquet.write(whole, RESULTS, tmp_path / "r.parquet")
+    again = read(tmp_path / "r.parquet")
+    for name, table in read(written(GOOD)).items():
+        pd.testing.assert_frame_equal(again[name], table, check_dtype=False)
+
+
+def test_tables_of_the_simulation_have_the_name_of_their_file(tmp_path):
+    blank = {"string": "", "bool": True}
+    row = {field.name: blank.get(str(field.type), 0) for field in TRIALS}
+    row |= {"label": "A0", "id": "some/object", "seed": "ff", "outcome": "success"}
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        path = tmp_path / folder / "antipodal-depth.parquet"
+        parquet.write(pd.DataFrame([row]), TRIALS, path)
+    (found,) = parquet.records(read(path)["antipodal-depth"])
+    assert (found["id"], found["start"]) == ("some/object", "00" * 56)  # seven zeros
+    files = [tmp_path / folder / "antipodal-depth.parquet" for folder in ("one", "two")]
+    assert list(gather(files)) == ["antipodal-depth", "two/antipodal-depth"]
+    with pytest.raises(UserError, match="two tables of the detector two/antipodal-depth"):
+        gather([*files, files[1]])
+
+
+def test_a_file_that_is_far_too_large_is_not_read(tmp_path):
+    with (tmp_path / "results.csv").open("wb") as file:
+        file.truncate(1 << 30)
+    with pytest.raises(UserError, match="larger than 16,777,216 bytes"):
+        read(tmp_path / "results.csv")
+
+
+@pytest.mark.parametrize(("blank", "rows"), [(1_000_000, 5), (0, 100_001)])
+def test_there_are_not_too_many_rows(written, blank, rows):
+    path = written("label,attempt,success\n" + "\n" * blank + "A0,,\n" * rows)
+    reason = "more than 100,000 rows" if rows > 5 else "no row says whether"
+    with pytest.raises(UserError, match=reason):
+        read(path)
+
+
+def test_no_table_grows_to_rows_times_columns(written):
+    text = "label,attempt,success" + "," * 10_000 + "\n" + "A0,0,1\n" * 100_000
+    with pytest.raises(UserError, match="10003 columns; at most 1000"):
+        read(written(text))

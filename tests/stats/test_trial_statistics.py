@@ -1,0 +1,150 @@
+"""Intervals and grids of success rates."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import t
+
+from egad.stats.rates import Mean, Rate, bootstrap, by_object, mean_rate, rate, trial_grid, wilson
+
+TRIALS = pd.DataFrame(
+    [("A0", True)] * 20 + [("A2", True)] * 5 + [("A2", False)] * 15 + [("C2", False)] * 20,
+    columns=["label", "success"],
+)
+
+
+@pytest.mark.parametrize(("successes", "attempts"), [(0, 20), (7, 20), (20, 20), (58, 100)])
+def test_the_ends_are_where_the_score_test_just_rejects(successes: int, attempts: int) -> None:
+    """The definition: |p - x / n| = z sqrt(p (1 - p) / n)."""
+    z = 1.959963984540054
+    for end in wilson(successes, attempts):
+        distance = abs(end - successes / attempts)
+        assert distance == pytest.approx(z * math.sqrt(end * (1 - end) / attempts), abs=1e-7)
+
+
+def test_known_intervals() -> None:
+    assert wilson(10, 20) == pytest.approx((0.2993, 0.7007), abs=1e-4)
+    low, high = wilson(0, 20)
+    assert low == 0
+    assert high == pytest.approx(0.1611, abs=1e-4)
+
+
+def test_intervals_cover_as_often_as_they_say() -> None:
+    """Exact coverage over all outcomes of 20 attempts, averaged over true rates."""
+    chosen = [math.comb(20, k) for k in range(21)]
+    ends = [wilson(k, 20, 0.9) for k in range(21)]
+    coverage = [
+        sum(
+            c * p**k * (1 - p) ** (20 - k)
+            for k, (c, (low, high)) in enumerate(zip(chosen, ends, strict=True))
+            if low <= p <= high
+        )
+        for p in np.linspace(0.05, 0.95, 181)
+    ]
+    assert np.mean(coverage) == pytest.approx(0.9, abs=0.02)
+
+
+def test_without_attempts_nothing_is_known() -> None:
+    assert wilson(0, 0) == (0.0, 1.0)
+    assert math.isnan(Rate(0, 0).value)
+    assert rate(TRIALS[:0]) == Rate(0, 0)
+    assert mean_rate(TRIALS[:0]) == Mean(0, 0, 0.0, 1.0)
+
+
+def table(successes: Sequence[int], attempts: int = 20) -> pd.DataFrame:
+    """Objects A0, A1, ... with so many successes each."""
+    rows = [(f"A{i}", n < k) for i, k in enumerate(successes) for n in range(attempts)]
+    return pd.DataFrame(rows, columns=["label", "success"])
+
+
+def test_successes_are_counted_by_object() -> None:
+    counted = by_object(table([3, 0, 20]).sample(frac=1, random_state=1))
+    assert counted.to_dict("index") == {
+        "A0": {"successes": 3, "attempts": 20},
+        "A1": {"successes": 0, "attempts": 20},
+        "A2": {"successes": 20, "attempts": 20},
+    }
+
+
+def coverage(objects: int, spread: float, times: int) -> float:
+    """How often the interval of a row holds the true mean of objects of beta-distributed rates."""
+    rng = np.random.default_rng(5)
+    a, b = 0.6 * spread, 0.4 * spread
+    held = 0
+    for _ in range(times):
+        rates = rng.beta(a, b, objects)
+        low, high = mean_rate(table(rng.binomial(20, rates))).interval
+        held += low <= 0.6 <= high
+    return held / times
+
+
+@pytest.mark.parametrize(("objects", "spread"), [(7, 3.0), (7, 30.0), (25, 3.0)])
+def test_the_interval_of_a_mean_covers_as_often_as_it_says(objects: int, spread: float) -> None:
+    """200 made-up evaluations: the standard error of the coverage is 1.5 points."""
+    assert 0.91 <= coverage(objects, spread, 200) <= 0.995
+
+
+def test_the_bootstrap_of_a_mean_is_students_interval_where_that_is_right() -> None:
+    values = np.random.default_rng(2).normal(size=40)
+    low, high = bootstrap(lambda drawn: values[drawn].mean(axis=1), len(values))
+    known = t.interval(0.95, 39, values.mean(), values.std(ddof=1) / 40**0.5)
+    assert (low, high) == pytest.approx(known, abs=0.05)
+    assert (low, high) == bootstrap(lambda drawn: values[drawn].mean(axis=1), len(values))
+
+
+def test_the_bootstrap_of_few_values_is_as_wide_as_students_interval() -> None:
+    """The spread of ten values about their own mean is too small by 5 %."""
+    ratios = []
+    for values in np.random.default_rng(3).normal(size=(10, 10)):
+        low, high = bootstrap(lambda drawn, values=values: values[drawn].mean(axis=1), 10)
+        known = t.interval(0.95, 9, values.mean(), values.std(ddof=1) / 10**0.5)
+        ratios.append((high - low) / (known[1] - known[0]))
+    assert np.mean(ratios) == pytest.approx(1, abs=0.03)
+
+
+def test_too_few_objects_or_values_give_no_interval() -> None:
+    assert np.isnan(bootstrap(lambda drawn: drawn[:, 0] * 1.0, 1)).all()
+    assert np.isnan(bootstrap(lambda drawn: np.full(len(drawn), np.nan), 5)).all()
+
+
+def test_objects_that_differ_make_a_mean_less_certain_than_attempts_do() -> None:
+    same, different = mean_rate(table([10] * 7)), mean_rate(table([20, 0, 20, 0, 10, 20, 0]))
+    assert same.value == different.value == 0.5
+    assert same.interval == pytest.approx(wilson(70, 140))
+    assert different.interval[1] - different.interval[0] > 2 * (same.high - same.low)
+
+
+def test_a_perfect_row_is_no_certainty() -> None:
+    assert mean_rate(table([20] * 7)).interval == pytest.approx(wilson(140, 140))
+
+
+def test_one_object_says_nothing_about_others() -> None:
+    assert mean_rate(table([20])).interval == (0.0, 1.0)
+
+
+def test_the_grid_has_the_objects_and_the_means() -> None:
+    grid = trial_grid(TRIALS, 7, 7)
+    assert grid.cells == {(0, 0): Rate(20, 20), (0, 2): Rate(5, 20), (2, 2): Rate(0, 20)}
+    for mean, counts in (
+        (grid.rows[0], (25, 40)),
+        (grid.rows[1], (0, 0)),
+        (grid.columns[2], (5, 40)),
+        (grid.overall, (25, 60)),
+    ):
+        assert (mean.successes, mean.attempts) == counts
+        assert mean.interval[0] <= mean.interval[1]
+    assert (len(grid.rows), len(grid.columns)) == (7, 7)
+
+
+def test_a_row_is_the_mean_of_its_equally_tried_objects() -> None:
+    grid = trial_grid(TRIALS, 7, 7)
+    assert grid.rows[0].value == pytest.approx(np.mean([1.0, 0.25]))
+
+
+def test_an_empty_grid() -> None:
+    grid = trial_grid(TRIALS[:0], 7, 7)
+    assert grid.cells == {}
+    assert all(part.attempts == 0 for part in (*grid.rows, *grid.columns, grid.overall))

@@ -1,0 +1,113 @@
+import errno
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from egad._util.files import replacing, write_text
+from egad.errors import UserError
+
+
+def test_a_failed_write_leaves_the_old_file_and_the_temporary(tmp_path):
+    path = tmp_path / "deep" / "file.txt"
+    write_text(path, "old")
+    with (
+        pytest.raises(UserError, match=r"file\.txt cannot be written: No space left on device"),
+        replacing(path) as temporary,
+    ):
+        temporary.write_text("half")
+        raise OSError(28, "No space left on device")
+    assert path.read_text() == "old"
+    assert temporary.read_text() == "half"
+    write_text(path, "new")
+    assert path.read_text() == "new"
+    assert [entry.name for entry in path.parent.iterdir()] == ["file.txt"]
+
+
+WRITES = """
+import sys
+from pathlib import Path
+from egad._util.files import replacing
+
+with replacing(Path(sys.argv[1])) as temporary:
+    temporary.write_text("theirs")
+    print("writing", flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.mark.parametrize("killed", [False, True])
+def test_only_one_process_writes_a_path_until_it_is_done_or_killed(tmp_path, killed):
+    path, pipe = tmp_path / "file.txt", subprocess.PIPE
+    command = [sys.executable, "-c", WRITES, str(path)]
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True) as other:
+        other.stdout.readline()
+        with pytest.raises(UserError, match="another process is writing it"):
+            write_text(path, "ours")
+        if killed:
+            other.kill()
+    assert path.exists() != killed
+    write_text(path, "ours")
+    assert path.read_text() == "ours"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["file.txt"]
+
+
+def test_a_failed_write_need_not_leave_the_temporary(tmp_path):
+    for make in (Path.touch, Path.mkdir):
+        with (
+            pytest.raises(UserError, match="full"),
+            replacing(tmp_path / "a", keep=False) as temporary,
+        ):
+            make(temporary)
+            raise OSError(errno.ENOSPC, "full")
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_replaces_a_folder(tmp_path):
+    path = tmp_path / "meshes"
+    for names in (["a", "b"], ["c"]):
+        with replacing(path) as folder:
+            folder.mkdir()
+            for name in names:
+                (folder / name).touch()
+    assert [entry.name for entry in path.iterdir()] == ["c"]
+
+
+def test_a_failed_folder_leaves_the_old_one(tmp_path):
+    path = tmp_path / "meshes"
+    with replacing(path) as folder:
+        folder.mkdir()
+    with pytest.raises(RuntimeError), replacing(path) as folder:
+        folder.mkdir()
+        raise RuntimeError
+    assert list(path.iterdir()) == []
+    assert folder.exists()
+
+
+def test_a_folder_is_never_missing_while_it_is_replaced(tmp_path):
+    path = tmp_path / "meshes"
+    with replacing(path) as folder:
+        folder.mkdir()
+        (folder / "old").touch()
+    with replacing(path) as folder:
+        folder.mkdir()
+        assert (path / "old").exists()
+    assert [entry.name for entry in tmp_path.iterdir()] == ["meshes"]
+
+
+def test_a_lock_that_was_removed_while_it_was_taken_is_none(tmp_path, monkeypatch):
+    """Another process finished between the opening of its lock and the locking of it."""
+    lock = tmp_path / ".file.txt.lock"
+
+    def late(*_arguments):
+        lock.unlink()
+
+    monkeypatch.setattr("egad.files.fcntl.lockf", late)
+    with pytest.raises(UserError, match="another process is writing it"):
+        write_text(tmp_path / "file.txt", "words")
+
+
+def test_what_fails_otherwise_is_not_taken_for_a_full_disk(tmp_path):
+    with pytest.raises(OSError, match="cannot identify"), replacing(tmp_path / "file.txt"):
+        raise OSError("cannot identify image file")

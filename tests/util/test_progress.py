@@ -1,0 +1,146 @@
+import itertools
+
+import numba
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from egad._util import progress as module
+from egad._util.progress import Status, duration, parse_phase, phase, progress, rate_text
+
+
+class Clock:
+    """A clock that goes on only when the work does."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def work(self, seconds):
+        for each in seconds:
+            self.now += each
+            yield each
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    made = Clock()
+    monkeypatch.setattr(module.time, "monotonic", lambda: made.now)
+    return made
+
+
+def told(capsys):
+    return [Status.parse(line) for line in capsys.readouterr().err.splitlines()]
+
+
+def test_items_pass_through_and_a_log_tells_the_beginning_and_the_end(clock, capsys):
+    assert list(progress(clock.work([0.1] * 4), "working", 4)) == [0.1] * 4
+    assert [(each.what, each.done, each.total) for each in told(capsys)] == [
+        ("working", 0, 4),
+        ("working", 4, 4),
+    ]
+
+
+def test_no_two_lines_are_more_than_ten_seconds_apart_nor_are_they_too_many(clock, capsys):
+    list(progress(clock.work([0.25] * 4000), "working", 4000))
+    times = [each.done / 4 for each in told(capsys)]
+    gaps = [after - before for before, after in itertools.pairwise(times)]
+    assert max(gaps) <= 10
+    assert min(gaps[:-1]) >= 1
+    assert len(times) < 130
+
+
+def test_what_an_item_holds_and_how_things_stand_is_told(clock, capsys):
+    list(progress(clock.work([40, 40]), "evaluations", 2, scale=100, state=lambda: "coverage 0.81"))
+    first, middle, last = told(capsys)
+    assert (first.done, middle.done, last.done) == (0, 100, 200)
+    assert middle == Status("evaluations", 100, 200, pytest.approx(2.5), "coverage 0.81")
+    assert middle.left == pytest.approx(40)
+
+
+def test_a_slow_first_item_does_not_count_once_there_are_others(clock, capsys):
+    list(progress(clock.work([100] + [0.5] * 40), "working", 41))
+    *_, last = told(capsys)
+    assert last.rate == pytest.approx(2, rel=0.01)
+
+
+def test_items_that_come_at_the_same_moment_give_no_endless_rate(clock, capsys):
+    list(progress(clock.work([20, 0, 0, 0, 4]), "working", 10))
+    assert max(each.rate for each in told(capsys)) < 0.26
+
+
+def test_the_rate_is_that_of_the_last_minute(clock, capsys):
+    list(progress(clock.work([1] * 100 + [4] * 30), "working", 130))
+    *_, last = told(capsys)
+    assert last.rate == pytest.approx(1 / 4, rel=0.1)
+
+
+def test_nothing_is_told_of_no_items(capsys):
+    assert list(progress([], "working", 0)) == []
+    assert capsys.readouterr().err == ""
+
+
+words = st.text("abc xyz-()", min_size=1).map(str.strip).filter(bool)
+totals = st.integers(1, 10**6)
+
+
+@given(words, totals, totals, st.floats(1e-3, 1e5), st.just("") | words)
+def test_a_line_can_be_read_back(what, done, total, rate, state):
+    written = Status(what, done, total, rate, state)
+    found = Status.parse(str(written))
+    assert (found.what, found.done, found.total, found.state) == (what, done, total, state)
+    assert found.rate == pytest.approx(rate, rel=0.01)
+
+
+@given(words, totals, st.just("") | words)
+def test_a_line_without_a_rate_can_be_read_back(what, total, state):
+    assert Status.parse(str(Status(what, 0, total, 0, state))) == Status(what, 0, total, 0, state)
+
+
+@pytest.mark.parametrize("line", ["", "474 elites, coverage 0.190", "a: 3/", "egad: no such file"])
+def test_other_lines_tell_no_progress(line):
+    assert Status.parse(line) is None
+    assert parse_phase(line) == ""
+
+
+def test_a_phase_can_be_read_back(capsys):
+    phase("writing meshes")
+    (line,) = capsys.readouterr().err.splitlines()
+    assert parse_phase(line) == "writing meshes"
+    assert Status.parse(line) is None
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(0, "0:00"), (59.6, "1:00"), (61, "1:01"), (3600, "1:00:00")]
+)
+def test_durations(seconds, text):
+    assert duration(seconds) == text
+
+
+@pytest.mark.parametrize(
+    ("rate", "text"), [(123.4, "123/s"), (12.34, "12.3/s"), (0.5, "30.0/min"), (0.001, "3.60/h")]
+)
+def test_rates_have_three_digits_in_a_unit_that_suits_them(rate, text):
+    assert rate_text(rate) == text
+
+
+def test_a_terminal_gets_a_bar(monkeypatch, capsys):
+    monkeypatch.setenv("TTY_COMPATIBLE", "1")
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    assert list(progress("abc", "working", 3, state=lambda: "coverage 0.81")) == list("abc")
+    assert "100%" in capsys.readouterr().err
+
+
+def test_an_error_inside_the_loop_is_not_swallowed():
+    def work():
+        for item in progress([1], "working", 1):
+            raise ValueError(item)
+
+    with pytest.raises(ValueError, match="1"):
+        work()
+
+
+def test_a_process_says_when_it_compiles_kernels(capsys):
+    module._listen_to_compiler.cache_clear()
+    module.report_compilation()
+    numba.njit(lambda x: x + 1)(1)
+    assert "compiling kernels" in map(parse_phase, capsys.readouterr().err.splitlines())
