@@ -25,11 +25,12 @@ from egad.geometry.repair import repair
 from egad.grasps.quality import ferrari_canny
 from egad.measures.complexity import complexity
 from egad.measures.difficulty import difficulty
-from egad.measures.similarity import similarity_matrix
+from egad.measures.parameters import MeasureParameters
 from egad.pipeline.config import Settings, Similarity
-from egad.pipeline.config.stage_settings import Measuring, select
+from egad.pipeline.config.stage_settings import select
 from egad.random import generator
 from egad.reeb import graph as reeb
+from egad.reeb.similarity import similarity_matrix
 from egad.report.style import LINES, SOFT, drawn
 
 Floats = NDArray[np.float64]
@@ -80,7 +81,7 @@ def _measured(path: Path) -> dict[str, float]:
     for metric, grasps in VARIANTS:
         config = Settings.model_validate({"difficulty": {"metric": metric}})
         rng = generator(0, "labels", path.stem, metric, grasps)
-        value, _ = difficulty(mesh, select(config, Measuring), grasps, rng)
+        value, _ = difficulty(mesh, select(config, MeasureParameters), grasps, rng)
         row[_variant((metric, grasps))] = value
     return row
 
@@ -110,7 +111,7 @@ def spread() -> float:
     """Standard deviation over seeds of the difficulty by 100 grasps, mean of the shapes, cells."""
     config = Settings()
     low, high = config.space.difficulty_range
-    settings = select(config, Measuring)
+    settings = select(config, MeasureParameters)
     solids = [repair(mesh).mesh for mesh in shapes()]
     values = [
         [difficulty(mesh, settings, 100, generator(seed, "spread"))[0] for seed in range(10)]

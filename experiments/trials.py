@@ -13,9 +13,10 @@ from PIL import Image, ImageDraw
 
 from egad._util.files import replacing
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import SimulatedTrials, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.replay import repeated
 from egad.sim.film import Pixels
+from egad.sim.parameters import TrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 
@@ -28,7 +29,7 @@ HAND = (120, 205)  # its shades of grey; nothing else is as dark and without col
 
 def main(folder: Path, gripper: str, *policies: str) -> None:
     """Write the picture beside this file."""
-    settings = select(Settings(), SimulatedTrials, gripper)
+    settings = select(Settings(), TrialParameters, gripper)
     tables = [folder / "trials" / gripper / f"{policy}.parquet" for policy in policies]
     trials = pd.concat(parquet.read(path, TRIALS) for path in tables)
     shown = [trials[trials["outcome"] == outcome].head(1) for outcome in OUTCOMES]

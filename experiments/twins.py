@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from egad.perception.parameters import RenderParameters
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import RenderedImages, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.config.training_study import Network, settings_for
 from egad.pipeline.stages.render import planned
 from egad.tables import parquet
@@ -41,7 +42,7 @@ def main(folder: Path, gripper: str) -> None:
 
 def learnt(settings: Settings, name: str, folder: Path, gripper: str) -> list[str]:
     """Ids of the objects that the networks of a training set learn from."""
-    wanted = select(settings_for(settings, Network(name, 0)), RenderedImages, gripper)
+    wanted = select(settings_for(settings, Network(name, 0)), RenderParameters, gripper)
     held_out = folder / "eval49.parquet" if wanted.render.hold_out else None
     shares = planned(wanted, folder / "objects.parquet", folder / "rescaled" / gripper, held_out)
     return [share.id for share in shares if share.images and share.split == "train"]

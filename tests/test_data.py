@@ -11,17 +11,18 @@ from egad.cppn.constraints import UNBOUND
 from egad.cppn.surface import packed_surface
 from egad.data import named, released
 from egad.map_elites.island import Solid, express, measure
-from egad.map_elites.provenance import check_provenance
+from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
+from egad.pipeline.archive_settings import check_provenance
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import Evolve, select
+from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
 from egad.reeb.neighbours import diversities
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME
 
 SETTINGS = Settings()
-EVOLVE = select(SETTINGS, Evolve)
+EVOLVE = select(SETTINGS, EvolutionParameters)
 
 
 @pytest.fixture(scope="module")

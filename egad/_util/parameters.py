@@ -17,13 +17,13 @@ Activation = Literal["sin", "sigmoid", "gaussian", "identity"]
 ScaleRule = Literal["paper", "egad-script", "exact"]
 
 
-class Section(BaseModel):
+class Parameters(BaseModel):
     """A group of settings: immutable, and closed to keys that it does not know."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-def ascending(section: Section, *names: str) -> None:
+def ascending(section: Parameters, *names: str) -> None:
     """Check ranges: raise ValueError for one that does not go from low to high."""
     for name in names:
         low, high = getattr(section, name)

@@ -14,7 +14,6 @@ from egad.cppn import voxels
 from egad.cppn.parameters import Limits, Region, Symmetry
 from egad.cppn.voxels import Solid
 from egad.errors import RejectedError, UserError
-from egad.pipeline.config.stage_settings import Evolve
 
 Points = NDArray[np.float32]
 Voxels = NDArray[np.bool_]
@@ -176,12 +175,26 @@ class Rules:
 UNBOUND = Rules()
 
 
-def rules_of(settings: Evolve, read: Reader) -> Rules:
-    """The rules that a configuration asks for.
+def build_rules(
+    resolution: int,
+    read: Reader,
+    *,
+    envelope: Region,
+    part: Region,
+    hole: Region,
+    symmetry: Symmetry,
+    limits: Limits,
+) -> Rules:
+    """Turn constraints into voxels of the cube that shapes grow in.
 
     Args:
-        settings: What evolution reads.
+        resolution: Voxels along each side of the cube.
         read: Gives the closed mesh of a file, for regions of that kind.
+        envelope: Shapes stay inside it, except for their part.
+        part: Shapes contain it, except for the hole.
+        hole: Shapes stay out of it.
+        symmetry: Mirrors and turn.
+        limits: Allowed values of numbers that describe a shape.
 
     Raises:
         UserError: Nothing could grow by these rules, or a mesh cannot be used.
@@ -191,24 +204,23 @@ def rules_of(settings: Evolve, read: Reader) -> Rules:
         if region.kind == "none":
             return None
         mesh = read(region.mesh) if region.kind == "mesh" else None
-        return region_voxels(region, settings.shape.resolution, mesh)
+        return region_voxels(region, resolution, mesh)
 
-    mirror = settings.symmetry.mirror
-    envelope, part, hole = map(grid, (settings.envelope, settings.part, settings.hole))
-    shape = (settings.shape.resolution,) * 3
-    void = np.zeros(shape, dtype=bool) if hole is None else with_images(hole, mirror)
-    outside = np.zeros(shape, dtype=bool) if envelope is None else with_images(~envelope, mirror)
-    kept = np.zeros(shape, dtype=bool) if part is None else with_images(part, mirror) & ~void
+    mirror, shape = symmetry.mirror, (resolution,) * 3
+    inside, solid, hollow = map(grid, (envelope, part, hole))
+    void = np.zeros(shape, dtype=bool) if hollow is None else with_images(hollow, mirror)
+    outside = np.zeros(shape, dtype=bool) if inside is None else with_images(~inside, mirror)
+    kept = np.zeros(shape, dtype=bool) if solid is None else with_images(solid, mirror) & ~void
     allowed = (kept | ~outside) & ~void
-    if part is not None and not kept.any():
+    if solid is not None and not kept.any():
         raise UserError("part: no voxel of it lies outside the hole")
     if not allowed.any():
         raise UserError("envelope and hole leave no voxel of the cube to grow in")
     return Rules(
         None if allowed.all() else allowed,
-        None if part is None else kept,
-        settings.symmetry,
-        settings.limits,
+        None if solid is None else kept,
+        symmetry,
+        limits,
     )
 
 

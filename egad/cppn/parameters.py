@@ -11,15 +11,15 @@ from egad._util.parameters import (
     FractionRange,
     Length,
     Offset,
+    Parameters,
     PositiveFraction,
     Range,
-    Section,
     Sigma,
     ascending,
 )
 
 
-class Shape(Section):
+class Shape(Parameters):
     """From a genome to a mesh."""
 
     resolution: int = Field(25, ge=8, le=64, description="voxels along each side of the cube")
@@ -30,7 +30,7 @@ class Shape(Section):
     longest_side: Length = Field(0.1, description="longest axis-aligned side of the mesh, metres")
 
 
-class Region(Section):
+class Region(Parameters):
     """A part of the cube that shapes grow in; the cube has sides of 1 and its middle at 0."""
 
     kind: Literal["none", "box", "ellipsoid", "cylinder", "mesh"] = Field(
@@ -69,7 +69,7 @@ class Hole(Region):
     """What must stay empty."""
 
 
-class Symmetry(Section):
+class Symmetry(Parameters):
     """Symmetry that shapes must have. Mirrors hold for envelope, part and hole too."""
 
     mirror: tuple[Axis, ...] = Field(
@@ -79,7 +79,7 @@ class Symmetry(Section):
     axis: Axis = Field("z", description="axis of that turn")
 
 
-class Limits(Section):
+class Limits(Parameters):
     """Shapes outside are rejected before they are measured."""
 
     aspect_ratio: Range = Field(
@@ -96,7 +96,7 @@ class Limits(Section):
         return self
 
 
-class Neat(Section):
+class Neat(Parameters):
     """Mutation of CPPN genomes (NEAT; the values of the released EGAD code)."""
 
     activations: list[Activation] = Field(

@@ -4,12 +4,12 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Section
+from egad._util.parameters import Parameters
 
 SHIPPED = ("antipodal-depth", "ggcnn", "labels", "random")
 
 
-class Policy(Section):
+class Policy(Parameters):
     """A grasp detector under a name of its own."""
 
     detector: str = Field(

@@ -15,7 +15,6 @@ from egad.geometry.distance import largest_deviation
 from egad.geometry.manifold import is_solid, to_mesh, to_solid
 from egad.geometry.mass import MassProperties, mass_properties
 from egad.geometry.stable_poses import StablePose, grouped, stable_poses
-from egad.pipeline.config.stage_settings import SimulationBundle
 from egad.tables import parquet
 
 LEAST_PROBABILITY = 0.001  # of the poses that are listed
@@ -140,21 +139,24 @@ they stick out of the object at most. `!` marks a volume error beyond the bound 
 {rejected}"""
 
 
-def page(table: pd.DataFrame, left_out: list[dict[str, str]], settings: SimulationBundle) -> str:
+def page(
+    table: pd.DataFrame, left_out: list[dict[str, str]], density: float, bundle: Bundle
+) -> str:
     """The page as Markdown.
 
     Args:
         table: Columns of `tables.evaluation.BUNDLE`.
         left_out: Rows of `tables.objects.REJECTED`.
-        settings: What the objects were made with.
+        density: Of the objects, kg/m3.
+        bundle: How their parts were made.
     """
     rows = map(_line, parquet.records(table))
     missing = [f"- {row['id']}: {row['reason']}" for row in left_out]
     return PAGE.format(
         count=len(table),
-        density=settings.material.density,
-        friction=settings.bundle.friction,
-        bound=settings.bundle.volume_error,
+        density=density,
+        friction=bundle.friction,
+        bound=bundle.volume_error,
         rows="\n".join(rows),
         rejected="\n".join(["", "## Left out", "", *missing, ""]) if missing else "",
     )

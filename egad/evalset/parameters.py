@@ -4,10 +4,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from egad._util.parameters import Length, Name, PositiveFraction, Section
+from egad._util.parameters import Length, Name, Parameters, PositiveFraction
 
 
-class SelectEval(Section):
+class SelectEval(Parameters):
     """The evaluation set: one object a cell of a coarse grid, chosen to look least alike."""
 
     rows: int = Field(7, ge=1, le=26, description="rows = letters = difficulty")
@@ -26,7 +26,7 @@ class SelectEval(Section):
     )
 
 
-class PrintCheck(Section):
+class PrintCheck(Parameters):
     """What a printer can make."""
 
     wall: Length = Field(0.0012, description="thinnest wall, metres: some nozzle widths")
@@ -37,7 +37,7 @@ class PrintCheck(Section):
     )
 
 
-class PrintExport(Section):
+class PrintExport(Parameters):
     """Files for 3D printers."""
 
     bed: tuple[Length, Length] = Field(
@@ -60,7 +60,7 @@ class PrintExport(Section):
     filament_density: float = Field(1240.0, gt=0, description="of solid filament, kg/m3: PLA 1240")
 
 
-class Engraving(Section):
+class Engraving(Parameters):
     """The label of an object, cut into its print."""
 
     enabled: bool = Field(False, description="whether prints carry their labels")
@@ -73,7 +73,7 @@ class Engraving(Section):
     )
 
 
-class Bundle(Section):
+class Bundle(Parameters):
     """Files for simulators: convex parts, URDF and MJCF."""
 
     method: Literal["cut", "coacd"] = Field(

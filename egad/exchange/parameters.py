@@ -4,10 +4,10 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Fraction, Section
+from egad._util.parameters import Fraction, Parameters
 
 
-class DexNet(Section):
+class DexNet(Parameters):
     """Dex-Net databases."""
 
     field_size: int = Field(
@@ -33,7 +33,7 @@ class DexNet(Section):
         return self
 
 
-class Acronym(Section):
+class Acronym(Parameters):
     """ACRONYM files."""
 
     held: Fraction = Field(

@@ -7,9 +7,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
-from egad.geometry.parameters import Material
 from egad.geometry.repair import repair
-from egad.pipeline.config.sections import Postprocess
 
 
 class MassProperties(NamedTuple):
@@ -63,22 +61,22 @@ class Body(NamedTuple):
     mass: MassProperties
 
 
-def body(mesh: trimesh.Trimesh, material: Material, limits: Postprocess) -> Body:
+def body(mesh: trimesh.Trimesh, density: float, min_volume: float = 0.0) -> Body:
     """Repair a mesh and weigh it.
 
     Args:
         mesh: In metres.
-        material: Density.
-        limits: The least volume that an object may have.
+        density: kg/m3.
+        min_volume: The least volume that an object may have, m3.
 
     Raises:
         RejectedError: The mesh cannot be repaired, or is too small.
     """
     repaired = repair(mesh)
-    mass = mass_properties(repaired.mesh, material.density)
-    if mass.volume < limits.min_volume:
+    mass = mass_properties(repaired.mesh, density)
+    if mass.volume < min_volume:
         raise RejectedError(
-            f"volume of {mass.volume:.3g} m3 is below {limits.min_volume:.3g} m3: "
+            f"volume of {mass.volume:.3g} m3 is below {min_volume:.3g} m3: "
             "is the unit of the mesh right?"
         )
     return Body(repaired.mesh, repaired.changed, mass)

@@ -11,10 +11,10 @@ from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches
 from egad.grasps.opening import needed_openings
+from egad.grasps.parameters import LabelParameters
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
 from egad.grasps.sampler import Grasps, Tally, sample
-from egad.pipeline.config.stage_settings import GraspLabels
 
 Floats = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 def label(
     mesh: trimesh.Trimesh,
     com: Floats,
-    settings: GraspLabels,
+    settings: LabelParameters,
     rng: np.random.Generator,
     palm: trimesh.Trimesh | None = None,
 ) -> pd.DataFrame:
@@ -50,7 +50,7 @@ def label(
 
 
 def found(
-    caster: RayCaster, settings: GraspLabels, rng: np.random.Generator
+    caster: RayCaster, settings: LabelParameters, rng: np.random.Generator
 ) -> tuple[Grasps, Tally]:
     """The grasps of an object that will be rated, and what became of all candidates.
 
@@ -66,7 +66,7 @@ def rated(
     caster: RayCaster,
     com: Floats,
     grasps: Grasps,
-    settings: GraspLabels,
+    settings: LabelParameters,
     rng: np.random.Generator,
     palm: trimesh.Trimesh | None = None,
 ) -> pd.DataFrame:

@@ -4,7 +4,7 @@ from typing import Literal, NamedTuple
 
 from pydantic import Field
 
-from egad._util.parameters import Length, Section, Sigma
+from egad._util.parameters import Length, Parameters, Sigma
 
 
 class Pad(NamedTuple):
@@ -22,7 +22,7 @@ class Pad(NamedTuple):
 PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}
 
 
-class Gripper(Section):
+class Gripper(Parameters):
     """A parallel-jaw gripper."""
 
     opening: Length = Field(description="widest opening, metres")
@@ -81,7 +81,7 @@ GRIPPERS = {
 }
 
 
-class Quality(Section):
+class Quality(Parameters):
     """Ferrari-Canny grasp quality, one deterministic value a grasp."""
 
     friction: float = Field(0.5, gt=0, le=2, description="Coulomb friction coefficient")
@@ -90,7 +90,7 @@ class Quality(Section):
     cone_faces: int = Field(8, ge=3, le=24, description="edges of a linearised friction cone")
 
 
-class Robust(Section):
+class Robust(Parameters):
     """The same quality under uncertainty: the mean over disturbed copies of a grasp."""
 
     samples: int = Field(25, ge=1, description="disturbed copies of a grasp")
@@ -103,7 +103,7 @@ class Robust(Section):
     friction_sigma: Sigma = Field(0.1, description="friction coefficient")
 
 
-class Sampling(Section):
+class Sampling(Parameters):
     """Antipodal grasp sampler."""
 
     cone: float = Field(
@@ -122,7 +122,7 @@ class Sampling(Section):
     )
 
 
-class GraspLabel(Section):
+class GraspLabel(Parameters):
     """Labelled grasps."""
 
     grasps: int = Field(100, ge=1, description="most grasps an object")
@@ -132,3 +132,14 @@ class GraspLabel(Section):
     approach_way: float = Field(
         0.1, ge=0, le=10, description="the hand comes in straight from this far, metres"
     )
+
+
+class LabelParameters(Parameters):
+    """What labelled grasps depend on."""
+
+    seed: int
+    gripper: Gripper
+    grasp_label: GraspLabel
+    sampling: Sampling
+    quality: Quality
+    robust: Robust

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from egad.errors import TableError, UserError
 from egad.learning.augmentation import Change, changed_depth, changed_rectangles, drawn
-from egad.learning.splits import SPLITS
 from egad.learning.targets import SIZE, prepared, targets
 from egad.perception.image_rows import depth_of, pixels
 from egad.perception.image_shards import files
 from egad.perception.noise import filled
 from egad.perception.rectangles import Rectangles, half_turn
+from egad.perception.splits import SPLITS
 from egad.random import generator
 from egad.tables.row_groups import RowGroups
 

@@ -4,10 +4,10 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Length, PositiveFraction, Section
+from egad._util.parameters import Length, Parameters, PositiveFraction
 
 
-class Training(Section):
+class Training(Parameters):
     """Training of a grasp network on rendered images."""
 
     network: Literal["ggcnn", "ggcnn2"] = Field(

@@ -19,9 +19,9 @@ from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError
 from egad.map_elites.archive import Archive, Elite
 from egad.map_elites.history import EVALUATED, KNOWN, snapshot
+from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import Offspring, breed
 from egad.measures.measure import coordinates
-from egad.pipeline.config.stage_settings import Evolve
 from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.tables.evolution import HISTORY
@@ -44,7 +44,7 @@ class Measured:
     graph: reeb.ReebGraph
 
 
-def express(row: Row, settings: Evolve, rules: constraints.Rules) -> Solid | str:
+def express(row: Row, settings: EvolutionParameters, rules: constraints.Rules) -> Solid | str:
     """The solid of a genome, or the reason why it is none that is allowed."""
     shape = settings.shape
     output = cppn.query(row, shape.resolution, rules.symmetry)
@@ -55,7 +55,7 @@ def express(row: Row, settings: Evolve, rules: constraints.Rules) -> Solid | str
     return Solid(voxels.identity(solid), voxels.pack(solid))
 
 
-def measure(solid: Solid, settings: Evolve) -> Measured | str:
+def measure(solid: Solid, settings: EvolutionParameters) -> Measured | str:
     """The measures of a solid, or the reason why it has none.
 
     The grasps are drawn from a generator named after the solid, so equal solids have equal
@@ -71,7 +71,7 @@ def measure(solid: Solid, settings: Evolve) -> Measured | str:
         return str(error)
 
 
-def regrade(solid: Solid, settings: Evolve) -> float | str:
+def regrade(solid: Solid, settings: EvolutionParameters) -> float | str:
     """The difficulty of a solid by other grasps, or the reason why it has none."""
     mesh = packed_surface(solid.packed, settings.shape)
     rng = generator(settings.seed, "newcomer", solid.id)
@@ -96,7 +96,7 @@ class Step(NamedTuple):
 
 def evolve(
     archive: Archive,
-    settings: Evolve,
+    settings: EvolutionParameters,
     epoch: int,
     island: int,
     rules: Rules = UNBOUND,
@@ -146,7 +146,7 @@ def _standing(rows: list[dict[str, Any]]) -> str:
 def _evaluated(
     offspring: list[Offspring],
     archive: Archive,
-    settings: Evolve,
+    settings: EvolutionParameters,
     epoch: int,
     rules: Rules,
     mapper: Mapper,
@@ -168,7 +168,11 @@ def _evaluated(
 
 
 def _fresh(
-    offspring: list[Offspring], archive: Archive, settings: Evolve, rules: Rules, mapper: Mapper
+    offspring: list[Offspring],
+    archive: Archive,
+    settings: EvolutionParameters,
+    rules: Rules,
+    mapper: Mapper,
 ) -> tuple[list[tuple[Offspring, Solid]], Counter[str]]:
     """The offspring whose voxels are not known yet, and how many others there are."""
     outcomes: Counter[str] = Counter()
@@ -189,7 +193,7 @@ def _regraded(
     solids: list[Solid],
     results: list[Measured | str],
     archive: Archive,
-    settings: Evolve,
+    settings: EvolutionParameters,
     mapper: Mapper,
 ) -> list[Measured | str]:
     """The results, those graded again that would have to replace an elite (ours)."""

@@ -4,10 +4,12 @@ from typing import Literal
 
 from pydantic import Field
 
-from egad._util.parameters import Fraction, Section
+from egad._util.parameters import Fraction, Parameters
+from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Shape, Symmetry
+from egad.measures.parameters import MeasureParameters, Space
 
 
-class Evolution(Section):
+class Evolution(Parameters):
     """Breeding: MAP-Elites over CPPN genomes; config/paper.yaml has the paper's values."""
 
     steps_per_epoch: int = Field(24, ge=1, description="steps of an island in one epoch")
@@ -28,3 +30,17 @@ class Evolution(Section):
         description="grasps that a newcomer to a full cell is graded again by, against lucky "
         "elites; 0: not",
     )
+
+
+class EvolutionParameters(MeasureParameters):
+    """What one epoch of an island depends on."""
+
+    evolution: Evolution
+    neat: Neat
+    shape: Shape
+    envelope: Envelope
+    part: Part
+    hole: Hole
+    symmetry: Symmetry
+    limits: Limits
+    space: Space

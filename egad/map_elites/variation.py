@@ -9,9 +9,9 @@ from scipy.ndimage import convolve
 
 from egad.cppn.genome import Row, child, neat_config, random_genome
 from egad.map_elites.archive import Elite
+from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.grid import complexity_cells, difficulty_cells
 from egad.measures.parameters import Space
-from egad.pipeline.config.stage_settings import Evolve
 from egad.random import entropy, generator
 
 LEAST = 0.25  # weight of a parent that has no empty place around it: it may still be drawn
@@ -25,7 +25,7 @@ class Offspring:
     parents: tuple[str, ...]
 
 
-def breed(elites: Sequence[Elite], settings: Evolve, *index: int) -> list[Offspring]:
+def breed(elites: Sequence[Elite], settings: EvolutionParameters, *index: int) -> list[Offspring]:
     """The offspring of one step.
 
     Parents are drawn from the whole archive, a second one with the crossover probability. Without
@@ -53,7 +53,7 @@ def breed(elites: Sequence[Elite], settings: Evolve, *index: int) -> list[Offspr
 
 
 def _parents(
-    elites: Sequence[Elite], settings: Evolve, rng: np.random.Generator
+    elites: Sequence[Elite], settings: EvolutionParameters, rng: np.random.Generator
 ) -> list[list[Elite]]:
     """The parents of each child; none for a random genome."""
     evolution = settings.evolution

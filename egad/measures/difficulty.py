@@ -13,7 +13,7 @@ from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
 from egad.grasps.sampler import Grasps, sample
-from egad.pipeline.config.stage_settings import Measuring
+from egad.measures.parameters import MeasureParameters
 
 Floats = NDArray[np.float64]
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
@@ -21,7 +21,7 @@ FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 
 def difficulty(
     mesh: trimesh.Trimesh,
-    settings: Measuring,
+    settings: MeasureParameters,
     grasps: int,
     rng: np.random.Generator,
     com: Floats | None = None,
@@ -66,7 +66,7 @@ def _qualities(
     caster: RayCaster,
     grasps: Grasps,
     com: Floats,
-    settings: Measuring,
+    settings: MeasureParameters,
     rng: np.random.Generator,
 ) -> Floats:
     """Quality of each grasp by the metric of the settings."""

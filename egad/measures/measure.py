@@ -9,7 +9,7 @@ import trimesh
 from egad.measures.complexity import complexity
 from egad.measures.custom import own_value
 from egad.measures.difficulty import difficulty
-from egad.pipeline.config.stage_settings import Measuring
+from egad.measures.parameters import MeasureParameters
 from egad.random import generator
 
 
@@ -28,7 +28,7 @@ class Coordinates(NamedTuple):
 
 
 def coordinates(
-    mesh: trimesh.Trimesh, settings: Measuring, grasps: int, rng: np.random.Generator
+    mesh: trimesh.Trimesh, settings: MeasureParameters, grasps: int, rng: np.random.Generator
 ) -> Coordinates:
     """Measure a closed mesh.
 
@@ -56,7 +56,7 @@ def coordinates(
     return Coordinates(across, quality, found)
 
 
-def graded(mesh: trimesh.Trimesh, settings: Measuring, grasps: int) -> Coordinates:
+def graded(mesh: trimesh.Trimesh, settings: MeasureParameters, grasps: int) -> Coordinates:
     """Measure a closed mesh by grasps that are named after its triangles.
 
     So a mesh has the same coordinates in every dataset, under every name and in every unit.

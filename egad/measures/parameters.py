@@ -7,16 +7,18 @@ from pydantic import Field, model_validator
 
 from egad._util.parameters import (
     Name,
+    Parameters,
     Percent,
     PositiveFraction,
     Range,
-    Section,
     SideFraction,
     ascending,
 )
+from egad.grasps.parameters import Gripper, Quality, Robust, Sampling
+from egad.reeb.parameters import Similarity
 
 
-class Space(Section):
+class Space(Parameters):
     """The two axes that objects are spread over, and the archive of their elites."""
 
     complexity_range: Range = Field((1.0, 5.0), description="complexities that the cells span")
@@ -35,7 +37,7 @@ class Space(Section):
         return self
 
 
-class Axes(Section):
+class Axes(Parameters):
     """Measures of your own as the axes of the space, in the place of complexity or difficulty.
 
     `FILE.py:FUNCTION` or `package.module:FUNCTION` names a function from a closed
@@ -58,13 +60,13 @@ class Axes(Section):
         return self
 
 
-class Complexity(Section):
+class Complexity(Parameters):
     """Shape complexity: the entropy of the angular deficits of the vertices."""
 
     bins: int = Field(512, ge=2, description="histogram bins over [-2 pi, 2 pi)")
 
 
-class Difficulty(Section):
+class Difficulty(Parameters):
     """Grasp difficulty: a percentile of the quality of sampled grasps. High values are easy."""
 
     gripper: Name = Field("yumi", description="gripper of the table that grasps are sampled for")
@@ -80,7 +82,7 @@ class Difficulty(Section):
     )
 
 
-class SizeEffect(Section):
+class SizeEffect(Parameters):
     """How grasp quality changes with the size of an object."""
 
     fractions: list[SideFraction] = Field(
@@ -101,3 +103,27 @@ class SizeEffect(Section):
             if any(low >= high for low, high in pairwise(values)):
                 raise ValueError(f"{name} must ascend, got {', '.join(map(str, values))}")
         return self
+
+
+class MeasureParameters(Parameters):
+    """What the measures of an object depend on."""
+
+    seed: int
+    gripper: Gripper
+    axes: Axes
+    complexity: Complexity
+    difficulty: Difficulty
+    similarity: Similarity
+    sampling: Sampling
+    quality: Quality
+    robust: Robust | None  # none if the metric is plain: then its settings do not matter
+
+
+class SizeEffectParameters(Parameters):
+    """What grasp quality over the size of objects depends on."""
+
+    seed: int
+    gripper: Gripper
+    size_effect: SizeEffect
+    sampling: Sampling
+    quality: Quality

@@ -17,14 +17,14 @@ from egad.geometry.scaling import box_sides
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.sampler import sample
 from egad.measures.difficulty import center_of_mass, percentile
-from egad.pipeline.config.stage_settings import SizeCurves
+from egad.measures.parameters import SizeEffectParameters
 from egad.random import generator
 from egad.tables.grasping import SIZE_EFFECT
 
 Floats = NDArray[np.float64]
 
 
-def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeCurves) -> pd.DataFrame:
+def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters) -> pd.DataFrame:
     """Sample and rate grasps of an object at several sizes.
 
     The object is scaled until the smallest side of its minimum-volume box is the fraction of the
@@ -58,7 +58,7 @@ def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeCurves) -> pd.Da
 
 
 def _rated(
-    caster: RayCaster, settings: SizeCurves, rng: np.random.Generator
+    caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
 ) -> Iterator[dict[str, Any]]:
     """What was found at one size, a row a percentile."""
     wanted = settings.size_effect

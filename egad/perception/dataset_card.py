@@ -3,9 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from egad.learning.splits import SPLITS
-from egad.perception.parameters import Camera, ImageNoise, Render
-from egad.pipeline.config.stage_settings import RenderedImages
+from egad.perception.parameters import Camera, ImageNoise, Render, RenderParameters
+from egad.perception.splits import SPLITS
 
 COUNTS = {
     "objects": "objects",
@@ -45,7 +44,7 @@ def _counts(rows: pd.DataFrame) -> dict[str, int]:
 
 
 def card(
-    settings: RenderedImages,
+    settings: RenderParameters,
     dataset: str,
     gripper: str,
     counts: pd.DataFrame,

@@ -15,9 +15,9 @@ import pandas as pd
 
 from egad._util.names import known
 from egad.errors import UserError
-from egad.learning.splits import SPLITS
 from egad.perception.image_rows import decoded
 from egad.perception.rendering import Picture
+from egad.perception.splits import SPLITS
 from egad.tables import parquet
 from egad.tables.images import IMAGES
 

@@ -9,15 +9,16 @@ from egad._util.parameters import (
     Fraction,
     FractionRange,
     Name,
+    Parameters,
     Pixels,
     PositiveFraction,
     Range,
-    Section,
     ascending,
 )
+from egad.grasps.parameters import GraspLabel, Gripper
 
 
-class Camera(Section):
+class Camera(Parameters):
     """A camera over the table, drawn anew for every image; ranges may be single values."""
 
     image: tuple[Pixels, Pixels] = Field(
@@ -58,7 +59,7 @@ CAMERAS = {
 }
 
 
-class Render(Section):
+class Render(Parameters):
     """Depth images of the objects as they come to rest, with their grasps."""
 
     images: int = Field(
@@ -96,7 +97,7 @@ class Render(Section):
         return self
 
 
-class ImageNoise(Section):
+class ImageNoise(Parameters):
     """What a real depth camera does to these images; off by default."""
 
     disparity: float = Field(
@@ -110,3 +111,14 @@ class ImageNoise(Section):
         False, description="whether what the second imager does not see, beside edges, has no depth"
     )
     missing: Fraction = Field(0.0, description="part of the pixels that is lost, in small spots")
+
+
+class RenderParameters(Parameters):
+    """What rendered images depend on."""
+
+    seed: int
+    gripper: Gripper
+    grasp_label: GraspLabel
+    render: Render
+    camera: Camera
+    image_noise: ImageNoise

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from egad.geometry.mass import mass_properties
 from egad.geometry.rays import RayCaster
 from egad.geometry.stable_poses import stable_poses
-from egad.learning.splits import Share
 from egad.perception.camera import Eye, View, object_mask
 from egad.perception.noise import spoilt
+from egad.perception.parameters import RenderParameters
 from egad.perception.reachability import Grasped, Hand, reachable
 from egad.perception.rectangles import ImageGrasps, projected
 from egad.perception.scenes import drawn_poses, drawn_scene
-from egad.pipeline.config.stage_settings import RenderedImages
+from egad.perception.splits import Share
 from egad.random import generator
 
 Floats = NDArray[np.float64]
@@ -56,7 +56,7 @@ class Picture:
 
 
 def pictures(
-    mesh: trimesh.Trimesh, grasps: Grasped, share: Share, hand: Hand, settings: RenderedImages
+    mesh: trimesh.Trimesh, grasps: Grasped, share: Share, hand: Hand, settings: RenderParameters
 ) -> Iterator[Picture]:
     """All images of an object, in the order of their numbers: by pose, then by view.
 

@@ -14,20 +14,21 @@ from egad._util.kernel_cache import compiled_marker
 from egad.cppn.surface import surface
 from egad.geometry.repair import repair
 from egad.grasps.labels import label
+from egad.grasps.parameters import LabelParameters
 from egad.measures.complexity import complexity
-from egad.measures.similarity import similarities
 from egad.pipeline.config import Settings, Shape
-from egad.pipeline.config.stage_settings import GraspLabels, select
+from egad.pipeline.config.stage_settings import select
 from egad.random import generator
 from egad.reeb.forest import Forest
 from egad.reeb.graph import extract
 from egad.reeb.neighbours import diversities
+from egad.reeb.similarity import similarities
 
 
 def compile_grasps() -> None:
     """Sampling, quality and collisions of grasps; triangles that cross."""
     mesh = repair(_example()).mesh
-    label(mesh, mesh.center_mass, select(Settings(), GraspLabels), generator(0, "precompile"))
+    label(mesh, mesh.center_mass, select(Settings(), LabelParameters), generator(0, "precompile"))
 
 
 def compile_measures() -> None:

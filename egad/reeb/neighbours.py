@@ -15,9 +15,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.measures.similarity import SLACK, bound, compare
 from egad.reeb.forest import Forest, Space, Trees, space
 from egad.reeb.graph import ReebGraph
+from egad.reeb.similarity import SLACK, bound, compare
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -4,10 +4,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from egad._util.parameters import Fraction, Section
+from egad._util.parameters import Fraction, Parameters
 
 
-class Similarity(Section):
+class Similarity(Parameters):
     """Shape similarity: matching of multiresolutional Reeb graphs."""
 
     vertices: int = Field(4000, ge=4, description="split edges until a mesh has this many vertices")

@@ -18,9 +18,9 @@ from typing import Any
 from egad._util.progress import duration, rate_text
 from egad.cppn.voxels import unpack
 from egad.map_elites.archive import Archive, Elite
+from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
 from egad.measures.parameters import Space
-from egad.pipeline.config.stage_settings import Evolve
 from egad.report.axes import axis_pair
 from egad.report.environment import environment
 from egad.report.voxel_picture import png, voxel_picture
@@ -41,7 +41,7 @@ class LiveMap:
         self,
         page: Path,
         run: str,
-        settings: Evolve,
+        settings: EvolutionParameters,
         epoch: int,
         island: int,
         islands: int | None = None,
@@ -156,7 +156,7 @@ def states_in(folder: Path, own: State, islands: int | None = None) -> list[Stat
     return sorted(found, key=lambda state: int(state["island"]))
 
 
-def page_of(states: Sequence[State], settings: Evolve) -> str:
+def page_of(states: Sequence[State], settings: EvolutionParameters) -> str:
     """The page.
 
     Args:

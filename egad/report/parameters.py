@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from pydantic.fields import FieldInfo
 
-from egad._util.parameters import Section
+from egad._util.parameters import Parameters
 from egad.pipeline.config.settings import Settings
 
 
@@ -43,7 +43,7 @@ def parameter_tables(settings: Settings) -> list[ParameterTable]:
     single, sections = [], []
     for name, field in Settings.model_fields.items():
         value = getattr(settings, name)
-        if isinstance(value, Section):
+        if isinstance(value, Parameters):
             sections.append(_section(name, value))
         elif not _is_table(value):
             single.append(_parameter(name, value, field))
@@ -69,10 +69,12 @@ def entry_tables(settings: Settings) -> list[EntryTable]:
 
 
 def _is_table(value: object) -> bool:
-    return isinstance(value, Mapping) and all(isinstance(item, Section) for item in value.values())
+    return isinstance(value, Mapping) and all(
+        isinstance(item, Parameters) for item in value.values()
+    )
 
 
-def _section(name: str, section: Section) -> ParameterTable:
+def _section(name: str, section: Parameters) -> ParameterTable:
     summary = (type(section).__doc__ or "").strip().partition("\n")[0]
     fields = type(section).model_fields
     parameters = [_parameter(key, getattr(section, key), field) for key, field in fields.items()]

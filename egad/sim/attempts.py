@@ -8,10 +8,10 @@ import pandas as pd
 
 from egad.detectors.base import Detector, Grasp
 from egad.detectors.labels import Labels
-from egad.pipeline.config.stage_settings import SimulatedTrials
 from egad.random import entropy
 from egad.sim.initial_pose import Start
 from egad.sim.model import Model
+from egad.sim.parameters import TrialParameters
 from egad.sim.trial import Attempt, Bench
 from egad.sim.world import Pose, World
 from egad.tables.columns import POSE_PARTS, START
@@ -23,7 +23,7 @@ END = tuple(f"end_{part}" for part in POSE_PARTS)
 
 
 def tried(
-    model: Model, label: str, object_id: str, detect: Detector | Labels, settings: SimulatedTrials
+    model: Model, label: str, object_id: str, detect: Detector | Labels, settings: TrialParameters
 ) -> pd.DataFrame:
     """Try to grasp an object again and again, as in EGAD, section V.
 
@@ -45,7 +45,7 @@ def tried(
     return _table(label, object_id, seeds, attempts, known)
 
 
-def untried(label: str, object_id: str, settings: SimulatedTrials, outcome: str) -> pd.DataFrame:
+def untried(label: str, object_id: str, settings: TrialParameters, outcome: str) -> pd.DataFrame:
     """The table of an object that cannot be simulated: all attempts have the same outcome."""
     seeds = _seeds(object_id, settings)
     attempts = [Attempt(outcome)] * len(seeds)
@@ -65,7 +65,7 @@ def recorded(row: Mapping[str, Any]) -> tuple[Start, Grasp | None]:
     return start, Grasp((x, y, z), *(float(row[key]) for key in NUMBERS))
 
 
-def _seeds(object_id: str, settings: SimulatedTrials) -> list[int]:
+def _seeds(object_id: str, settings: TrialParameters) -> list[int]:
     count = settings.trials.attempts
     return [entropy(settings.seed, "trial", object_id, number) for number in range(count)]
 

@@ -17,9 +17,9 @@ from egad.detectors.base import Grasp
 from egad.grasps.hand import finger_span
 from egad.grasps.parameters import Gripper
 from egad.grasps.poses import hand_poses
-from egad.pipeline.config.stage_settings import LabelTrials
 from egad.random import generator
 from egad.sim.model import Model
+from egad.sim.parameters import LabelTrialParameters
 from egad.sim.trial import Execution, execute
 from egad.sim.world import Pose, World
 from egad.tables import parquet
@@ -57,7 +57,7 @@ def sampled(grasps: pd.DataFrame, object_id: str, count: int, seed: int) -> pd.D
 
 
 def carried_out(
-    model: Model, label: str, object_id: str, sample: pd.DataFrame, settings: LabelTrials
+    model: Model, label: str, object_id: str, sample: pd.DataFrame, settings: LabelTrialParameters
 ) -> pd.DataFrame:
     """Carry out labelled grasps, each in an engine that knows nothing of the one before.
 

@@ -4,10 +4,12 @@ from typing import Literal
 
 from pydantic import Field
 
-from egad._util.parameters import Length, Pixels, Section
+from egad._util.parameters import Length, Parameters, Pixels
+from egad.detectors.parameters import Policy
+from egad.grasps.parameters import Gripper, Quality
 
 
-class Lifting(Section):
+class Lifting(Parameters):
     """How a grasp is carried out."""
 
     arm: Literal["axis", "panda"] = Field(
@@ -53,9 +55,28 @@ class Trials(Lifting):
     )
 
 
-class Agreement(Section):
+class Agreement(Parameters):
     """Labelled grasps carried out, to see what their qualities are worth."""
 
     grasps: int = Field(
         2000, ge=1, description="grasps carried out, as many of each object of the evaluation set"
     )
+
+
+class TrialParameters(Parameters):
+    """What simulated trials depend on."""
+
+    seed: int
+    gripper: Gripper
+    policy: Policy
+    trials: Trials
+
+
+class LabelTrialParameters(Parameters):
+    """What the execution of labelled grasps depends on."""
+
+    seed: int
+    gripper: Gripper
+    quality: Quality
+    trials: Lifting
+    agreement: Agreement

@@ -18,10 +18,11 @@ from egad.cppn import query as cppn
 from egad.map_elites import archive, island
 from egad.map_elites import island as evaluation
 from egad.map_elites.archive import Archive, elites_of
+from egad.map_elites.parameters import EvolutionParameters
 from egad.measures import difficulty
 from egad.measures import measure as coordinates
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import Evolve, select
+from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
 from egad.reeb import neighbours
 from egad.tables import parquet
@@ -47,7 +48,7 @@ STEPS = {
 
 def settings(steps):
     evolution = {"population": 100, "steps_per_epoch": steps}
-    return select(Settings.model_validate({"evolution": evolution}), Evolve)
+    return select(Settings.model_validate({"evolution": evolution}), EvolutionParameters)
 
 
 @pytest.fixture(scope="module")

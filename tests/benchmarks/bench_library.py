@@ -17,22 +17,24 @@ from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError
 from egad.geometry.convex_parts import convex_parts, excess_volume
 from egad.grasps.labels import label
+from egad.grasps.parameters import LabelParameters
 from egad.grasps.quality import ferrari_canny, wrenches
 from egad.map_elites.archive import Archive
 from egad.map_elites.island import Solid, evolve, express, measure
+from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import breed
 from egad.measures.difficulty import difficulty
-from egad.measures.similarity import similarities, similarity_matrix
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import Evolve, GraspLabels, select
+from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
 from egad.reeb.forest import Forest
 from egad.reeb.neighbours import Neighbourhood
+from egad.reeb.similarity import similarities, similarity_matrix
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 
 SETTINGS = Settings()
-EVOLVE = select(SETTINGS, Evolve)
+EVOLVE = select(SETTINGS, EvolutionParameters)
 SECONDS = 3.0
 
 
@@ -51,7 +53,7 @@ def rate(what, unit, work, amount=1):
 def elites():
     few = {"evolution": {"population": 20, "steps_per_epoch": 15}}
     archive = Archive(SETTINGS.space, SETTINGS.similarity)
-    evolve(archive, select(Settings.model_validate(few), Evolve), 0, 0)
+    evolve(archive, select(Settings.model_validate(few), EvolutionParameters), 0, 0)
     return archive.elites
 
 
@@ -197,7 +199,7 @@ def test_labels(meshes):
     """500 grasps an object with everything that is known about them, on default grippers."""
     wanted = Settings.model_validate({"grasp_label": {"grasps": 500}})
     for gripper in ("egad_75mm", "yumi"):
-        settings = select(wanted, GraspLabels, gripper)
+        settings = select(wanted, LabelParameters, gripper)
         side = 0.8 * settings.gripper.opening
         scaled = [mesh.copy().apply_scale(side / mesh.extents.min()) for mesh in meshes[:10]]
         found = sum(len(labelled(mesh, settings)) for mesh in scaled)

@@ -17,8 +17,9 @@ import pandas as pd
 
 from egad.map_elites.archive import Archive, elites_of, merge
 from egad.map_elites.island import evolve
+from egad.map_elites.parameters import EvolutionParameters
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import Evolve, select
+from egad.pipeline.config.stage_settings import select
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 
@@ -32,7 +33,9 @@ def clocked(work: Callable[..., T], *arguments: object) -> tuple[T, float]:
     return work(*arguments), time.process_time() - start
 
 
-def island(settings: Evolve, base: pd.DataFrame | None, epoch: int, number: int) -> pd.DataFrame:
+def island(
+    settings: EvolutionParameters, base: pd.DataFrame | None, epoch: int, number: int
+) -> pd.DataFrame:
     """One epoch of one island."""
     archive = Archive(settings.space, settings.similarity)
     if base is not None:
@@ -41,7 +44,7 @@ def island(settings: Evolve, base: pd.DataFrame | None, epoch: int, number: int)
     return archive.to_frame()
 
 
-def epoch(settings: Evolve, base: pd.DataFrame | None, number: int) -> pd.DataFrame:
+def epoch(settings: EvolutionParameters, base: pd.DataFrame | None, number: int) -> pd.DataFrame:
     """Print what an epoch costs; returns the archive that all islands are merged to."""
     frames, spent, merged = [], [], pd.DataFrame()
     for count in ISLANDS:
@@ -53,7 +56,9 @@ def epoch(settings: Evolve, base: pd.DataFrame | None, number: int) -> pd.DataFr
     return merged
 
 
-def merging(settings: Evolve, frames: list[pd.DataFrame], spent: str = "") -> pd.DataFrame:
+def merging(
+    settings: EvolutionParameters, frames: list[pd.DataFrame], spent: str = ""
+) -> pd.DataFrame:
     """Merge islands and print what it costs, beside what an island has cost."""
     merged, cpu = clocked(merge, frames, settings.space, settings.similarity)
     objects = len({name for frame in frames for name in frame["id"]})
@@ -65,8 +70,12 @@ def merging(settings: Evolve, frames: list[pd.DataFrame], spent: str = "") -> pd
 def main(arguments: list[str]) -> None:
     """Print a table."""
     steps = int(arguments[0]) if arguments[0].isdigit() else 1
-    settings = select(Settings.model_validate({"evolution": {"steps_per_epoch": steps}}), Evolve)
-    few = select(Settings.model_validate({"evolution": {"steps_per_epoch": 1}}), Evolve)
+    settings = select(
+        Settings.model_validate({"evolution": {"steps_per_epoch": steps}}), EvolutionParameters
+    )
+    few = select(
+        Settings.model_validate({"evolution": {"steps_per_epoch": 1}}), EvolutionParameters
+    )
     merge([island(few, None, 9, 0), island(few, None, 9, 1)], few.space, few.similarity)  # compiles
     print("| islands | s an island | s the merge | objects | kept |")
     print("| --- | --- | --- | --- | --- |")

@@ -2,17 +2,17 @@ import numpy as np
 import pytest
 
 from egad.cppn import constraints, voxels
-from egad.cppn.constraints import UNBOUND, Rules, rules_of, with_images
+from egad.cppn.constraints import UNBOUND, Rules, build_rules, with_images
+from egad.cppn.parameters import Envelope, Hole, Limits, Part, Symmetry
 from egad.errors import RejectedError, UserError
-from egad.pipeline.config import Envelope, Hole, Limits, Part, Settings, Shape, Symmetry
-from egad.pipeline.config.stage_settings import Evolve, select
 
 R = 12
 
 
-def rules(**sections):
-    settings = select(Settings(shape=Shape(resolution=R), **sections), Evolve)
-    return rules_of(settings, lambda path: pytest.fail(f"{path} was read"))
+def rules(**regions):
+    free = {"envelope": Envelope(), "part": Part(), "hole": Hole()}
+    free |= {"symmetry": Symmetry(), "limits": Limits()}
+    return build_rules(R, lambda path: pytest.fail(f"{path} was read"), **(free | regions))
 
 
 def noise(seed):

@@ -7,8 +7,9 @@ import trimesh
 
 from egad.exchange.meshes import write_obj
 from egad.geometry.mass import mass_properties
+from egad.grasps.parameters import LabelParameters
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import GraspLabels, RescaleMeshes, select
+from egad.pipeline.config.stage_settings import RescaleMeshes, select
 from egad.pipeline.stages import grasp_label, rescale
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
@@ -71,7 +72,7 @@ def dataset(meshes, settings, tmp_path_factory):
     rescale.run(rule, sorted((folder / "meshes").glob("*.obj")), "m", scaled)
     wide = trimesh.creation.box((0.2, 0.2, 0.2))
     write_obj(wide, scaled / "C02_0.obj")
-    wanted = select(settings, GraspLabels, GRIPPER)
+    wanted = select(settings, LabelParameters, GRIPPER)
     tables = [grasps / f"{GRIPPER}{kind}.parquet" for kind in ("", ".tally", ".rejected")]
     grasp_label.run(wanted, folder / "objects.parquet", scaled, (0, 1), *tables)
     return folder

@@ -8,10 +8,11 @@ from scipy.spatial.transform import Rotation
 
 from egad.geometry.rays import RayCaster
 from egad.grasps.labels import found, rated, tally_row
+from egad.grasps.parameters import LabelParameters
 from egad.pipeline.config import GraspLabel, Settings
-from egad.pipeline.config.stage_settings import GraspLabels, select
+from egad.pipeline.config.stage_settings import select
 
-SETTINGS = select(Settings(), GraspLabels, gripper="yumi").model_copy(
+SETTINGS = select(Settings(), LabelParameters, gripper="yumi").model_copy(
     update={"grasp_label": GraspLabel(grasps=10)}
 )
 HAND = SETTINGS.gripper

@@ -5,13 +5,14 @@ import trimesh
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
 from egad.grasps.labels import found, label
+from egad.grasps.parameters import LabelParameters
 from egad.grasps.sampler import sample
 from egad.pipeline.config import GraspLabel, Settings
-from egad.pipeline.config.stage_settings import GraspLabels, select
+from egad.pipeline.config.stage_settings import select
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 
-SETTINGS = select(Settings(), GraspLabels, gripper="yumi").model_copy(
+SETTINGS = select(Settings(), LabelParameters, gripper="yumi").model_copy(
     update={"grasp_label": GraspLabel(grasps=40)}
 )
 MESH = trimesh.creation.cylinder(0.02, 0.08, sections=48)

@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 
 from egad.map_elites.archive import Archive, Elite, elites_of, merge
-from egad.measures.similarity import similarity
 from egad.pipeline.config import Similarity, Space
 from egad.reeb import graph as reeb
+from egad.reeb.similarity import similarity
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, GENOME
 

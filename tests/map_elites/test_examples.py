@@ -9,17 +9,18 @@ import pytest
 import trimesh
 import yaml
 
-from egad.cppn.constraints import rules_of, voxel_middles
+from egad.cppn.constraints import voxel_middles
 from egad.cppn.surface import packed_surface
 from egad.cppn.voxels import largest_body, unpack
 from egad.map_elites.archive import Archive
 from egad.map_elites.island import evolve
+from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.custom import own_value
 from egad.measures.measure import coordinates
 from egad.pipeline.config.check import check
 from egad.pipeline.config.schema import schema
-from egad.pipeline.config.stage_settings import Evolve, PostprocessSolids, select
-from egad.pipeline.stages.evolve import mesh_of
+from egad.pipeline.config.stage_settings import PostprocessSolids, select
+from egad.pipeline.stages.evolve import rules_of
 from egad.pipeline.stages.postprocess import solid_row
 from egad.random import generator
 
@@ -46,9 +47,9 @@ def configured(name):
 def evolved(name):
     """The archive, the settings, and the voxels of all elites."""
     config = configured(name)
-    settings = select(config, Evolve)
+    settings = select(config, EvolutionParameters)
     archive = Archive(settings.space, settings.similarity)
-    evolve(archive, settings, 0, 0, rules_of(settings, mesh_of))
+    evolve(archive, settings, 0, 0, rules_of(settings))
     assert len(archive) >= 3
     return archive, config, [unpack(each.voxels, 25) for each in archive.elites]
 
@@ -150,7 +151,7 @@ def test_slippery_fingers_make_the_same_shape_harder():
     config = configured("friction")
     assert config.quality.friction < 0.5
     mesh = trimesh.creation.icosphere(3, 0.05)
-    slippery = select(config, Evolve)
+    slippery = select(config, EvolutionParameters)
     sticky = slippery.model_copy(
         update={"quality": config.quality.model_copy(update={"friction": 0.5})}
     )

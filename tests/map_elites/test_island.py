@@ -8,9 +8,10 @@ from egad._util.workers import workers
 from egad.cppn.constraints import UNBOUND
 from egad.map_elites.archive import Archive, elites_of, merge
 from egad.map_elites.island import Solid, _evaluated, evolve, measure, regrade
+from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import LEAST, breed, parent_odds
 from egad.pipeline.config import Difficulty, Evolution, Settings, Shape, Similarity
-from egad.pipeline.config.stage_settings import Evolve, select
+from egad.pipeline.config.stage_settings import select
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, HISTORY
 
@@ -21,7 +22,7 @@ SETTINGS = select(
         difficulty=Difficulty(grasps=8),
         similarity=Similarity(vertices=300, ranges=16, base_count=8),
     ),
-    Evolve,
+    EvolutionParameters,
 )
 
 

@@ -4,13 +4,14 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.measures.difficulty import center_of_mass, difficulty, percentile
+from egad.measures.parameters import MeasureParameters
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import Measuring, select
+from egad.pipeline.config.stage_settings import select
 
 
 def measure(mesh, grasps=100, seed=0, com=None, sampling=None, **settings):
     config = {"difficulty": settings, "sampling": sampling or {}}
-    read = select(Settings.model_validate(config), Measuring)
+    read = select(Settings.model_validate(config), MeasureParameters)
     return difficulty(mesh, read, grasps, np.random.default_rng(seed), com)
 
 

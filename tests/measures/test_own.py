@@ -4,8 +4,9 @@ import trimesh
 from egad.errors import RejectedError, UserError
 from egad.measures.custom import check_measures, own_name, own_value, source_hash
 from egad.measures.measure import coordinates
+from egad.measures.parameters import MeasureParameters
 from egad.pipeline.config import Axes, Settings
-from egad.pipeline.config.stage_settings import Measuring, select
+from egad.pipeline.config.stage_settings import select
 from egad.random import generator
 
 CODE = """
@@ -33,7 +34,7 @@ def file(tmp_path):
 
 
 def placed(axes):
-    settings = select(Settings(axes=axes), Measuring)
+    settings = select(Settings(axes=axes), MeasureParameters)
     return coordinates(BOX, settings, 20, generator(0, "test"))
 
 

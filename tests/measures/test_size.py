@@ -3,13 +3,14 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError
+from egad.measures.parameters import SizeEffectParameters
 from egad.measures.size_effect import size_effect, summarised
 from egad.pipeline.config import Settings, SizeEffect
-from egad.pipeline.config.stage_settings import SizeCurves, select
+from egad.pipeline.config.stage_settings import select
 from egad.tables.grasping import SIZE_EFFECT
 
 WANTED = SizeEffect(fractions=[0.3, 0.6, 0.9, 1.1], grasps=60, repeats=2)
-SETTINGS = select(Settings(size_effect=WANTED), SizeCurves, "panda")
+SETTINGS = select(Settings(size_effect=WANTED), SizeEffectParameters, "panda")
 BALL = trimesh.creation.icosphere(subdivisions=4, radius=1.0)
 BRICK = trimesh.creation.box([1.0, 1.5, 2.0])
 BRICK.vertices += [0.3, -2.0, 5.0]

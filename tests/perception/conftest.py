@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.perception.parameters import RenderParameters
 from egad.perception.reachability import Grasped, Hand
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import RenderedImages, select
+from egad.pipeline.config.stage_settings import select
 
 
 @pytest.fixture(scope="session")
@@ -28,8 +29,8 @@ def grasped():
 def rendering():
     """Settings of the stage, with what a test changes."""
 
-    def settings(gripper="egad_75mm", **changed) -> RenderedImages:
-        return select(Settings.model_validate(changed), RenderedImages, gripper)
+    def settings(gripper="egad_75mm", **changed) -> RenderParameters:
+        return select(Settings.model_validate(changed), RenderParameters, gripper)
 
     return settings
 

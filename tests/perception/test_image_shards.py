@@ -9,10 +9,10 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError, TableError, UserError
-from egad.learning.splits import Share
 from egad.perception.image_rows import coded, decoded, encoded
 from egad.perception.image_shards import Images, read, shards
 from egad.perception.rendering import pictures
+from egad.perception.splits import Share
 from egad.tables import parquet
 from egad.tables.images import IMAGES
 from egad.tables.origin import Origin, made_by

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from egad.detectors.ggcnn import MapDetector
-from egad.learning.splits import Share
 from egad.learning.targets import targets
 from egad.perception.rectangles import half_turn
 from egad.perception.rendering import pictures
+from egad.perception.splits import Share
 from egad.pipeline.config import GRIPPERS
 
 HAND = GRIPPERS["egad_75mm"]

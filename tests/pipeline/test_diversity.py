@@ -3,17 +3,13 @@
 import pytest
 
 from egad.errors import UserError
+from egad.perception.parameters import RenderParameters
 from egad.pipeline.code_version import imported
 from egad.pipeline.config import Settings
 from egad.pipeline.config.check import check
-from egad.pipeline.config.stage_settings import (
-    DiversityReport,
-    RenderedImages,
-    SimulatedTrials,
-    TrainNetwork,
-    select,
-)
+from egad.pipeline.config.stage_settings import DiversityReport, TrainNetwork, select
 from egad.pipeline.config.training_study import Network, networks_of, settings_for, with_networks
+from egad.sim.parameters import TrialParameters
 
 ASKED = {
     "diversity": {"sets": ["complex", "given"], "seeds": 2, "tests": ["egad"]},
@@ -47,7 +43,7 @@ def test_a_set_has_a_network_a_seed_and_given_weights_one(asked):
 def test_networks_are_detectors_like_any_other(asked):
     tried = with_networks(asked)
     assert set(tried.policies) == {*asked.policies, "complex-0", "complex-1", "given-0"}
-    policy = select(tried, SimulatedTrials, policy="complex-1").policy
+    policy = select(tried, TrialParameters, policy="complex-1").policy
     assert policy.detector == "ggcnn"
     assert policy.weights == "results/diversity/networks/complex/1/weights.safetensors"
     assert tried.policies["given-0"].weights == "given.pt"
@@ -57,7 +53,7 @@ def test_the_trials_of_all_networks_have_the_same_seed(asked):
     """And so the same drops: they follow from the seed, the object and the attempt."""
     tried = with_networks(asked)
     parts = [
-        select(tried, SimulatedTrials, policy=network.name).model_dump(exclude={"policy"})
+        select(tried, TrialParameters, policy=network.name).model_dump(exclude={"policy"})
         for network in networks_of(asked)
     ]
     assert all(part == parts[0] for part in parts)
@@ -65,7 +61,7 @@ def test_the_trials_of_all_networks_have_the_same_seed(asked):
 
 def test_a_set_decides_what_is_rendered_and_a_seed_the_training_alone(asked):
     first, second = (settings_for(asked, Network("complex", seed)) for seed in (0, 1))
-    images = select(first, RenderedImages, "egad_75mm")
+    images = select(first, RenderParameters, "egad_75mm")
     chosen = images.render
     assert (chosen.complexity, chosen.part, chosen.hold_out) == ((0.5, 1.0), 0.4, False)
     assert images.render.images == asked.render.images

@@ -3,11 +3,11 @@ import pytest
 import trimesh
 
 from egad.errors import UserError
-from egad.measures.similarity import similarity_matrix
 from egad.pipeline.config import Similarity
 from egad.reeb import graph as reeb
 from egad.reeb import neighbours
 from egad.reeb.neighbours import Neighbourhood, diversities
+from egad.reeb.similarity import similarity_matrix
 
 SETTINGS = Similarity(vertices=200, ranges=16, base_count=10)
 

@@ -9,9 +9,9 @@ import trimesh
 from scipy.stats import spearmanr
 
 from egad.errors import RejectedError, UserError
-from egad.measures.similarity import similarity, similarity_matrix
 from egad.pipeline.config import Similarity
 from egad.reeb import graph as reeb
+from egad.reeb.similarity import similarity, similarity_matrix
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reeb_reference.npz"
 BOX = trimesh.creation.box().subdivide()

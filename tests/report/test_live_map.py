@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from egad.cppn.voxels import pack
+from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import Evolve, select
+from egad.pipeline.config.stage_settings import select
 from egad.report import live_map as module
 from egad.report.live_map import LiveMap
 
-SETTINGS = select(Settings(), Evolve)
+SETTINGS = select(Settings(), EvolutionParameters)
 STEPS = SETTINGS.evolution.steps_per_epoch
 SPACE = SETTINGS.space
 

@@ -10,14 +10,15 @@ import trimesh
 
 from egad.grasps.hand import parts
 from egad.grasps.labels import label
+from egad.grasps.parameters import LabelParameters
 from egad.pipeline.config import GRIPPERS, GraspLabel, Settings
-from egad.pipeline.config.stage_settings import GraspLabels, select
+from egad.pipeline.config.stage_settings import select
 from egad.report import viewer
 from egad.report.viewer import Scene
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 
-SETTINGS = select(Settings(grasp_label=GraspLabel(grasps=20)), GraspLabels, "yumi")
+SETTINGS = select(Settings(grasp_label=GraspLabel(grasps=20)), LabelParameters, "yumi")
 MESH = trimesh.creation.torus(0.03, 0.008)
 MESH.vertices += [0.5, -0.2, 0.0]
 

@@ -8,14 +8,15 @@ import trimesh
 from egad.grasps.hand import finger_span
 from egad.grasps.poses import hand_poses
 from egad.pipeline.config import Bundle, Settings
-from egad.pipeline.config.stage_settings import LabelTrials, select
+from egad.pipeline.config.stage_settings import select
 from egad.sim.labelled_trials import afloat, carried_out, not_carried_out, sampled, shares
 from egad.sim.model import build
+from egad.sim.parameters import LabelTrialParameters
 from egad.sim.world import GRAVITY, World
 from egad.tables.columns import vector_names
 from egad.tables.evaluation import AGREEMENT
 
-SETTINGS = select(Settings(), LabelTrials, "egad_75mm")
+SETTINGS = select(Settings(), LabelTrialParameters, "egad_75mm")
 HAND = SETTINGS.gripper
 SIDES = (0.03, 0.04, 0.06)
 PLACE = trimesh.transformations.compose_matrix(angles=(0.4, 1.1, -2.0), translate=(0.1, 0.2, 0.3))

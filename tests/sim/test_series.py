@@ -9,9 +9,9 @@ from egad.detectors.base import Detector, Grasp
 from egad.detectors.registry import QUICK
 from egad.perception.camera import View
 from egad.pipeline.config import GRIPPERS, POLICIES, Bundle, Gripper, Trials
-from egad.pipeline.config.stage_settings import SimulatedTrials
 from egad.sim.attempts import columns_of, recorded, tried, untried
 from egad.sim.model import Model, build
+from egad.sim.parameters import TrialParameters
 from egad.sim.trial import Bench
 from egad.sim.world import World
 from egad.tables import parquet
@@ -19,7 +19,7 @@ from egad.tables.columns import START
 from egad.tables.evaluation import TRIALS
 
 BUNDLE = Bundle()
-SETTINGS = SimulatedTrials(
+SETTINGS = TrialParameters(
     seed=1,
     gripper=GRIPPERS["egad_75mm"],
     policy=POLICIES["antipodal-depth"],
@@ -46,7 +46,7 @@ def ell() -> Model:
 def attempts(
     model: Model,
     detect: Detector = QUICK["antipodal-depth"],
-    settings: SimulatedTrials = SETTINGS,
+    settings: TrialParameters = SETTINGS,
     **trials: object,
 ) -> pd.DataFrame:
     changed = settings.trials.model_copy(update=trials)

@@ -18,7 +18,7 @@ from snakemake.cli import get_argument_parser, main
 import egad.data
 import egad.detectors.ggcnn
 import egad.exchange.sums
-import egad.learning.splits  # noqa: F401
+import egad.perception.splits  # noqa: F401
 
 # what the workflow imports
 from egad.pipeline.code_version import code_version

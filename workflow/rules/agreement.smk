@@ -31,7 +31,7 @@ rule agreement:
     resources:
         **needs("agreement"),
     params:
-        settings=settings_of("LabelTrials"),
+        settings=settings_of("LabelTrialParameters"),
         bundle=subpath(input.bundle, parent=True),
         shards=len(EVALUATION_SHARDS),
         code=code_version("egad.pipeline.stages.agreement"),

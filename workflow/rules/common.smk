@@ -20,7 +20,7 @@ from egad.exchange.sums import sum_of
 from egad._util.kernel_cache import compile_kernels
 from egad.measures.custom import source_hash
 from egad.detectors.registry import fingerprint
-from egad.learning.splits import shard_count
+from egad.perception.splits import shard_count
 
 try:
     SETTINGS = check(config)

@@ -32,7 +32,7 @@ use rule render as render_set with:
     benchmark:
         "benchmarks/diversity/render_set/{training_set}-{shard}.tsv"
     params:
-        settings=settings_of_set("RenderedImages"),
+        settings=settings_of_set("RenderParameters"),
         meshes=subpath(input.scales, parent=True),
         shards=len(IMAGE_SHARDS),
         evaluation=each("--eval", "evaluation"),
@@ -55,7 +55,7 @@ use rule image_card as set_card with:
     benchmark:
         "benchmarks/diversity/set_card/{training_set}.tsv"
     params:
-        settings=settings_of_set("RenderedImages"),
+        settings=settings_of_set("RenderParameters"),
         dataset=lambda wildcards: SETTINGS.training_sets[wildcards.training_set].dataset,
         gripper=GRIPPER,
         folder=subpath(output.card, parent=True),

@@ -39,7 +39,7 @@ rule evolve:
     resources:
         **needs("evolve"),
     params:
-        settings=settings_of("Evolve"),
+        settings=settings_of("EvolutionParameters"),
         base=each("--base", "base"),
         measures=MEASURES,
         contents=contents_of(region_meshes),

@@ -35,7 +35,7 @@ rule grasp_label:
     resources:
         **needs("grasp_label"),
     params:
-        settings=settings_of("GraspLabels"),
+        settings=settings_of("LabelParameters"),
         meshes=subpath(input.scales, parent=True),
         shards=len(SHARDS),
         contents=contents_of(gripper_mesh),

@@ -36,7 +36,7 @@ rule render:
     resources:
         **needs("render"),
     params:
-        settings=settings_of("RenderedImages"),
+        settings=settings_of("RenderParameters"),
         meshes=subpath(input.scales, parent=True),
         shards=len(IMAGE_SHARDS),
         evaluation=each("--eval", "evaluation"),
@@ -68,7 +68,7 @@ rule image_card:
     resources:
         **needs("image_card"),
     params:
-        settings=settings_of("RenderedImages"),
+        settings=settings_of("RenderParameters"),
         dataset="{dataset}",
         gripper="{gripper}",
         folder=subpath(output.card, parent=True),

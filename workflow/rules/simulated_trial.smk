@@ -35,7 +35,7 @@ rule simulated_trial:
     resources:
         **needs("simulated_trial"),
     params:
-        settings=settings_of("SimulatedTrials"),
+        settings=settings_of("TrialParameters"),
         bundle=subpath(input.bundle, parent=True),
         shards=len(EVALUATION_SHARDS),
         grasps=each("--grasps", "grasps"),

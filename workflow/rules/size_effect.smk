@@ -22,7 +22,7 @@ rule size_effect:
     resources:
         **needs("size_effect"),
     params:
-        settings=settings_of("SizeCurves"),
+        settings=settings_of("SizeEffectParameters"),
         code=code_version("egad.pipeline.stages.size_effect"),
     message:
         "Rating {wildcards.dataset} at several sizes for {wildcards.gripper}"

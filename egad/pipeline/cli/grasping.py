@@ -43,8 +43,9 @@ def size_effect(
     from egad._util.files import write_text
     from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_frame
+    from egad.measures.parameters import SizeEffectParameters
     from egad.pipeline.cli.show import size_curves
-    from egad.pipeline.config.stage_settings import SizeCurves, select
+    from egad.pipeline.config.stage_settings import select
     from egad.pipeline.stages import size_effect as stage
     from egad.report.size_chart import size_chart
     from egad.tables.grasping import SIZE_EFFECT
@@ -54,7 +55,7 @@ def size_effect(
     whole = changed(settings_in(config), "size_effect", grasps=grasps)
     name = known("gripper", gripper or whole.targets.grippers[0], whole.grippers)
     files = object_names(files_in(meshes))
-    table, reasons = stage.curves(select(whole, SizeCurves, name), files, units, jobs)
+    table, reasons = stage.curves(select(whole, SizeEffectParameters, name), files, units, jobs)
     complain(reasons, len(files))
     for path in out:
         if path.suffix.lower() == ".svg":

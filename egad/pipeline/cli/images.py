@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
+from egad.perception.parameters import RenderParameters
 from egad.pipeline.cli.common import STAGE, Out, app, parse
 from egad.pipeline.cli.recorded import recorded
 from egad.pipeline.cli.stages import Rejected, SettingsText, Shard, Shards
-from egad.pipeline.config.stage_settings import RenderedImages
 
 Grasps = Annotated[Path, typer.Option(help="labelled grasps")]
 
@@ -30,7 +30,7 @@ def render(
     """Render the depth images of a shard, with the grasps that can be reached in them."""
     from egad.pipeline.stages import render as stage
 
-    parsed = parse(RenderedImages, settings)
+    parsed = parse(RenderParameters, settings)
     reads = [objects, meshes, grasps, *([evaluation] if evaluation else [])]
     with recorded("render", parsed, reads, shard=shard, shards=shards):
         stage.run(parsed, objects, meshes, grasps, evaluation, (shard, shards), out, rejected)
@@ -50,7 +50,7 @@ def image_card(
     """Write the card of a set of images: counts, splits, camera, noise."""
     from egad.pipeline.stages import image_card as stage
 
-    parsed = parse(RenderedImages, settings)
+    parsed = parse(RenderParameters, settings)
     found = stage.tidy(images, shards)
     reads = [*found, *rejects]
     with recorded("image_card", parsed, reads, [out], dataset=dataset, gripper=gripper):

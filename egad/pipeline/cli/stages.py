@@ -33,10 +33,10 @@ def evolve(
     jobs: Jobs = 1,
 ) -> None:
     """Evolve one island for one epoch."""
-    from egad.pipeline.config.stage_settings import Evolve
+    from egad.map_elites.parameters import EvolutionParameters
     from egad.pipeline.stages import evolve as stage
 
-    parsed, bases = parse(Evolve, settings), [base] if base else []
+    parsed, bases = parse(EvolutionParameters, settings), [base] if base else []
     with recorded("evolve", parsed, bases, epoch=epoch, island=island):
         watch = None
         if page:
@@ -142,10 +142,10 @@ def grasp_label(
     rejected: Rejected,
 ) -> None:
     """Label the grasps of the objects of a shard."""
-    from egad.pipeline.config.stage_settings import GraspLabels
+    from egad.grasps.parameters import LabelParameters
     from egad.pipeline.stages import grasp_label as stage
 
-    parsed = parse(GraspLabels, settings)
+    parsed = parse(LabelParameters, settings)
     with recorded("grasp_label", parsed, [objects, meshes], shard=shard, shards=shards):
         stage.run(parsed, objects, meshes, (shard, shards), out, tally, rejected)
 
@@ -189,10 +189,10 @@ def size_effect_eval(
     out: Out,
 ) -> None:
     """Rate an easy, a middling and a hard object of the evaluation set at several sizes."""
-    from egad.pipeline.config.stage_settings import SizeCurves
+    from egad.measures.parameters import SizeEffectParameters
     from egad.pipeline.stages import size_effect as stage
 
-    parsed = parse(SizeCurves, settings)
+    parsed = parse(SizeEffectParameters, settings)
     with recorded("size_effect", parsed, [evaluation, meshes]):
         stage.run(parsed, evaluation, meshes, out)
 
@@ -266,10 +266,10 @@ def simulate(
     grasps: Annotated[Path | None, typer.Option(help="labelled grasps, for `labels`")] = None,
 ) -> None:
     """Try to grasp the evaluation objects of a shard in simulation."""
-    from egad.pipeline.config.stage_settings import SimulatedTrials
     from egad.pipeline.stages import simulate as stage
+    from egad.sim.parameters import TrialParameters
 
-    parsed = parse(SimulatedTrials, settings)
+    parsed = parse(TrialParameters, settings)
     reads = [evaluation, bundle, *([grasps] if grasps else [])]
     with recorded("simulate", parsed, reads, shard=shard, shards=shards):
         stage.run(parsed, evaluation, bundle, grasps, (shard, shards), out)
@@ -286,10 +286,10 @@ def agreement(
     out: Out,
 ) -> None:
     """Carry out labelled grasps of the evaluation objects of a shard in simulation."""
-    from egad.pipeline.config.stage_settings import LabelTrials
     from egad.pipeline.stages import agreement as stage
+    from egad.sim.parameters import LabelTrialParameters
 
-    parsed = parse(LabelTrials, settings)
+    parsed = parse(LabelTrialParameters, settings)
     reads = [evaluation, bundle, grasps]
     with recorded("agreement", parsed, reads, shard=shard, shards=shards):
         stage.run(parsed, evaluation, bundle, grasps, (shard, shards), out)

@@ -107,7 +107,7 @@ def bundle(
 def materialise(archive: ArchiveFile, out: OutFolder, config: Config = None) -> None:
     """Write the meshes of an archive as ID.obj, in metres, as they came out of evolution."""
     from egad.data import named
-    from egad.map_elites.provenance import check_provenance
+    from egad.pipeline.archive_settings import check_provenance
     from egad.pipeline.config.stage_settings import LocateMeshes, select
     from egad.pipeline.stages import materialise as stage
 
@@ -135,7 +135,7 @@ def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
     """Draw how many elites each cell of an archive holds, as SVG."""
     from egad._util.files import write_text
     from egad.data import named
-    from egad.map_elites.provenance import check_provenance
+    from egad.pipeline.archive_settings import check_provenance
     from egad.pipeline.config.stage_settings import LocateMeshes, select
     from egad.report.axes import axis_pair
     from egad.report.dataset_maps import dataset_maps

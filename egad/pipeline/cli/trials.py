@@ -89,10 +89,11 @@ def replay(
 ) -> None:
     """Repeat an attempt of the simulation, bit by bit, and film it."""
     from egad.exchange.frames import check_ending
-    from egad.pipeline.config.stage_settings import SimulatedTrials, select
+    from egad.pipeline.config.stage_settings import select
     from egad.pipeline.config.training_study import with_networks
     from egad.pipeline.stages import replay as stage
     from egad.sim.film import ENDINGS
+    from egad.sim.parameters import TrialParameters
 
     film = out or Path(f"{label}-{attempt}.gif")
     check_ending(film, ENDINGS)
@@ -100,7 +101,7 @@ def replay(
     hand = known("gripper", gripper or settings.targets.grippers[0], settings.grippers)
     detector = known("policy", policy or settings.targets.policies[0], settings.policies)
     outcome = stage.run(
-        select(settings, SimulatedTrials, hand, detector),
+        select(settings, TrialParameters, hand, detector),
         dataset / "trials" / hand / f"{detector}.parquet",
         dataset / "bundle" / hand,
         label,

@@ -5,7 +5,7 @@ generates `config/*.yaml` and the JSON schema from them, and turns validation er
 Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles degrees.
 """
 
-from egad._util.parameters import Axis, Name, Range, ScaleRule, Section
+from egad._util.parameters import Axis, Name, Parameters, Range, ScaleRule
 from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Region, Shape, Symmetry
 from egad.detectors.parameters import POLICIES, Policy
 from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
@@ -58,6 +58,7 @@ __all__ = [
     "Material",
     "Name",
     "Neat",
+    "Parameters",
     "Part",
     "Policy",
     "Postprocess",
@@ -72,7 +73,6 @@ __all__ = [
     "Sampling",
     "ScaleRule",
     "Schedule",
-    "Section",
     "SelectEval",
     "Settings",
     "Shape",

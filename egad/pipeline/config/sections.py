@@ -7,14 +7,14 @@ from pydantic import Field, model_validator
 from egad._util.parameters import (
     FractionRange,
     Name,
+    Parameters,
     PositiveFraction,
     ScaleRule,
-    Section,
     ascending,
 )
 
 
-class Schedule(Section):
+class Schedule(Parameters):
     """How evolution is cut into jobs. More epochs than before extend a finished run."""
 
     islands: int = Field(
@@ -23,14 +23,14 @@ class Schedule(Section):
     epochs: int = Field(1, ge=1, le=200, description="rounds of evolving apart and merging")
 
 
-class Postprocess(Section):
+class Postprocess(Parameters):
     """Repair, and difficulty graded again without the luck of selection."""
 
     grasps: int = Field(1000, ge=1, description="grasps that an object is graded by")
     min_volume: float = Field(1e-9, ge=0, description="objects smaller than this are rejected, m3")
 
 
-class Rescale(Section):
+class Rescale(Parameters):
     """Scaling to a gripper."""
 
     rule: ScaleRule = Field(
@@ -46,7 +46,7 @@ class Rescale(Section):
 MOST_PRIMITIVES = 100_000  # their ids have five digits
 
 
-class Dataset(Section):
+class Dataset(Parameters):
     """A set of objects: evolved here, from an archive, meshes of somebody else, or random ones."""
 
     source: Literal["evolved", "archive", "meshes", "primitives"] = Field(
@@ -90,7 +90,7 @@ class Dataset(Section):
         return self
 
 
-class Targets(Section):
+class Targets(Parameters):
     """What `snakemake --cores 2` makes when no file is named."""
 
     datasets: list[Name] = Field(
@@ -121,7 +121,7 @@ class Targets(Section):
 WHOLE = (0.0, 1.0)
 
 
-class TrainingSet(Section):
+class TrainingSet(Parameters):
     """What a network learns from, or weights that somebody else trained."""
 
     dataset: Name | None = Field(None, description="dataset of the objects that are rendered")
@@ -157,7 +157,7 @@ TRAINING_SETS = {
 }
 
 
-class Diversity(Section):
+class Diversity(Parameters):
     """What the objects that a network learns from are worth; see docs/diversity.md."""
 
     sets: list[Name] = Field([], description="training sets of the table below to compare")

@@ -5,7 +5,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Name, Section
+from egad._util.parameters import Name, Parameters
 from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Shape, Symmetry
 from egad.detectors.parameters import POLICIES, Policy
 from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
@@ -30,7 +30,7 @@ from egad.reeb.parameters import Similarity
 from egad.sim.parameters import Agreement, Trials
 
 
-class Settings(Section):
+class Settings(Parameters):
     """The whole configuration."""
 
     seed: int = Field(0, ge=0, lt=2**32, description="every random draw follows from this number")
@@ -127,7 +127,7 @@ class Settings(Section):
         ]
 
 
-def _unknown(key: str, used: list[str], table: Mapping[str, Section]) -> list[str]:
+def _unknown(key: str, used: list[str], table: Mapping[str, Parameters]) -> list[str]:
     return [
         f"{key}: {name!r} is not defined; known: {', '.join(sorted(table))}"
         for name in used

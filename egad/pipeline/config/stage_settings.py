@@ -6,31 +6,18 @@ changed setting re-runs the stages that read it and no other.
 
 from typing import TypeVar
 
-from pydantic import BaseModel, ConfigDict
-
+from egad._util.parameters import Parameters
+from egad.grasps.parameters import LabelParameters
+from egad.measures.parameters import MeasureParameters
 from egad.pipeline.config import (
     Acronym,
-    Agreement,
     Axes,
     Bundle,
-    Camera,
-    Complexity,
     DexNet,
-    Difficulty,
     Diversity,
     Engraving,
-    Envelope,
-    Evolution,
-    GraspLabel,
     Gripper,
-    Hole,
-    ImageNoise,
-    Lifting,
-    Limits,
     Material,
-    Neat,
-    Part,
-    Policy,
     Postprocess,
     PrintCheck,
     PrintExport,
@@ -38,52 +25,19 @@ from egad.pipeline.config import (
     Render,
     Rescale,
     Robust,
-    Sampling,
     SelectEval,
     Settings,
     Shape,
     Similarity,
-    SizeEffect,
     Space,
-    Symmetry,
     Training,
     TrainingSet,
     Trials,
 )
 
 
-class StageSettings(BaseModel):
+class StageSettings(Parameters):
     """The sections that one stage reads; `gripper`, `camera`, `policy` are entries of tables."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Measuring(StageSettings):
-    """What the coordinates of an object depend on."""
-
-    seed: int
-    gripper: Gripper
-    axes: Axes
-    complexity: Complexity
-    difficulty: Difficulty
-    similarity: Similarity
-    sampling: Sampling
-    quality: Quality
-    robust: Robust | None  # none if the metric is plain: then its settings do not matter
-
-
-class Evolve(Measuring):
-    """One epoch of an island."""
-
-    evolution: Evolution
-    neat: Neat
-    shape: Shape
-    envelope: Envelope
-    part: Part
-    hole: Hole
-    symmetry: Symmetry
-    limits: Limits
-    space: Space
 
 
 class Merge(StageSettings):
@@ -93,7 +47,7 @@ class Merge(StageSettings):
     similarity: Similarity
 
 
-class MeasureMeshes(Measuring):
+class MeasureMeshes(MeasureParameters):
     """Any meshes: repaired, measured, and placed in the space."""
 
     postprocess: Postprocess
@@ -107,7 +61,7 @@ class LocateMeshes(MeasureMeshes):
     shape: Shape
 
 
-class PostprocessSolids(Measuring):
+class PostprocessSolids(MeasureParameters):
     """Repair, mass properties and measures of the objects of a shard."""
 
     postprocess: Postprocess
@@ -129,31 +83,10 @@ class RescaleMeshes(StageSettings):
     rescale: Rescale
 
 
-class GraspLabels(StageSettings):
-    """Labelled grasps."""
-
-    seed: int
-    gripper: Gripper
-    grasp_label: GraspLabel
-    sampling: Sampling
-    quality: Quality
-    robust: Robust
-
-
-class ViewMesh(GraspLabels):
+class ViewMesh(LabelParameters):
     """Labelled grasps of any mesh, scaled first."""
 
     rescale: Rescale
-
-
-class SizeCurves(StageSettings):
-    """Grasp quality over the size of objects."""
-
-    seed: int
-    gripper: Gripper
-    size_effect: SizeEffect
-    sampling: Sampling
-    quality: Quality
 
 
 class EvalSelection(StageSettings):
@@ -215,41 +148,11 @@ class AcronymFiles(StageSettings):
     acronym: Acronym
 
 
-class SimulatedTrials(StageSettings):
-    """Simulated trials."""
-
-    seed: int
-    gripper: Gripper
-    policy: Policy
-    trials: Trials
-
-
-class LabelTrials(StageSettings):
-    """Labelled grasps carried out."""
-
-    seed: int
-    gripper: Gripper
-    quality: Quality
-    trials: Lifting
-    agreement: Agreement
-
-
 class TrainNetwork(StageSettings):
     """Training of a grasp network."""
 
     seed: int
     training: Training
-
-
-class RenderedImages(StageSettings):
-    """Depth images with grasps."""
-
-    seed: int
-    gripper: Gripper
-    grasp_label: GraspLabel
-    render: Render
-    camera: Camera
-    image_noise: ImageNoise
 
 
 class ImageLayouts(StageSettings):
@@ -277,7 +180,7 @@ class Compare(StageSettings):
     axes: Axes
 
 
-S = TypeVar("S", bound=StageSettings)
+S = TypeVar("S", bound=Parameters)
 
 
 def select(
@@ -293,7 +196,7 @@ def select(
     """
     names = [name for name in stage.model_fields if name not in ("gripper", "camera", "policy")]
     values = {name: getattr(settings, name) for name in names}
-    if issubclass(stage, Measuring) and settings.difficulty.metric == "plain":
+    if issubclass(stage, MeasureParameters) and settings.difficulty.metric == "plain":
         values["robust"] = None
     if "training_sets" in values:
         values["training_sets"] = {

@@ -11,10 +11,10 @@ import pandas as pd
 
 from egad._util.progress import phase, progress
 from egad._util.workers import Survivor
-from egad.pipeline.config.stage_settings import LabelTrials
 from egad.pipeline.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.pipeline.stages.shards import rows_in_shard
 from egad.sim.labelled_trials import carried_out, not_carried_out, sampled, shares
+from egad.sim.parameters import LabelTrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49
 from egad.tables.grasping import GRASPS
@@ -24,7 +24,7 @@ Task = tuple[Mapping[str, Any], pd.DataFrame]
 
 
 def run(
-    settings: LabelTrials,
+    settings: LabelTrialParameters,
     evaluation: Path,
     bundle: Path,
     grasps: Path,
@@ -67,7 +67,9 @@ def run(
 
 
 @contextmanager
-def executor(settings: LabelTrials, bundle: Path) -> Iterator[Callable[[Task], pd.DataFrame]]:
+def executor(
+    settings: LabelTrialParameters, bundle: Path
+) -> Iterator[Callable[[Task], pd.DataFrame]]:
     """What carries out grasps at an object of the bundle: its row there, and the grasps."""
 
     def carry_out(task: Task) -> pd.DataFrame:

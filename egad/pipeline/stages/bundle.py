@@ -79,7 +79,9 @@ def run(
         table = pd.DataFrame(rows, columns=BUNDLE.names)
         parquet.write(table, BUNDLE, folder / "bundle.parquet")
         parquet.write(pd.DataFrame(left_out), REJECTED, folder / "rejected.parquet")
-        (folder / "README.md").write_text(page(table, left_out, settings), encoding="utf-8")
+        (folder / "README.md").write_text(
+            page(table, left_out, settings.material.density, settings.bundle), encoding="utf-8"
+        )
         write_sums(folder)
     beyond = [row["label"] for row in rows if not row["within"]]
     if beyond:

@@ -7,15 +7,15 @@ import trimesh
 
 from egad._util.progress import phase
 from egad._util.workers import workers
-from egad.cppn.constraints import rules_of
+from egad.cppn.constraints import Rules, build_rules
 from egad.errors import RejectedError, UserError
 from egad.exchange.meshes import read_mesh
 from egad.geometry.repair import repair
 from egad.map_elites.archive import Archive, elites_of
 from egad.map_elites.island import Watch, evolve
-from egad.map_elites.provenance import check_provenance, provenance
+from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.custom import check_measures
-from egad.pipeline.config.stage_settings import Evolve
+from egad.pipeline.archive_settings import check_provenance, provenance
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, HISTORY
 
@@ -23,7 +23,7 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: Evolve,
+    settings: EvolutionParameters,
     epoch: int,
     island: int,
     base: Path | None,
@@ -45,7 +45,7 @@ def run(
         watch: Is told of the archive and its steps after each of them.
     """
     check_measures(settings.axes)
-    rules = rules_of(settings, mesh_of)
+    rules = rules_of(settings)
     with workers(worker_count) as mapper:
         archive = Archive(settings.space, settings.similarity, worker_count)
         if base is not None:
@@ -61,6 +61,23 @@ def run(
     log.info("%d elites, coverage %.3f", len(archive), archive.coverage)
     for outcome, count in sorted(counts.items()):
         log.info("%6d offspring: %s", count, outcome)
+
+
+def rules_of(settings: EvolutionParameters) -> Rules:
+    """What every shape must obey.
+
+    Raises:
+        UserError: Nothing could grow by these rules, or a mesh cannot be used.
+    """
+    return build_rules(
+        settings.shape.resolution,
+        mesh_of,
+        envelope=settings.envelope,
+        part=settings.part,
+        hole=settings.hole,
+        symmetry=settings.symmetry,
+        limits=settings.limits,
+    )
 
 
 def mesh_of(path: str) -> trimesh.Trimesh:

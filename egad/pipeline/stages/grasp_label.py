@@ -12,9 +12,9 @@ from egad.exchange.meshes import read_mesh
 from egad.geometry.rays import RayCaster
 from egad.grasps.hand import parts
 from egad.grasps.labels import found, rated, tally_row
+from egad.grasps.parameters import LabelParameters
 from egad.measures.difficulty import center_of_mass
 from egad.pipeline.config import Gripper
-from egad.pipeline.config.stage_settings import GraspLabels
 from egad.pipeline.stages.shards import rejection, rows_in_shard
 from egad.random import generator
 from egad.tables import parquet
@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: GraspLabels,
+    settings: LabelParameters,
     objects: Path,
     meshes: Path,
     shard: tuple[int, int],

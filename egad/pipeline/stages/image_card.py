@@ -9,7 +9,7 @@ from egad._util.files import write_text
 from egad.errors import UserError
 from egad.perception.dataset_card import card, summary
 from egad.perception.image_shards import files
-from egad.pipeline.config.stage_settings import RenderedImages
+from egad.perception.parameters import RenderParameters
 from egad.pipeline.stages.shards import join
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
@@ -38,7 +38,7 @@ def tidy(images: Path, shards: int) -> list[Path]:
 
 
 def run(
-    settings: RenderedImages,
+    settings: RenderParameters,
     dataset: str,
     gripper: str,
     images: list[Path],

@@ -9,9 +9,9 @@ from egad._util.progress import progress
 from egad.exchange.cornell import write_cornell
 from egad.exchange.gqcnn import write_gqcnn
 from egad.exchange.jacquard import write_jacquard
-from egad.learning.splits import SPLITS
 from egad.perception.image_shards import Images, shards
 from egad.perception.rendering import Picture
+from egad.perception.splits import SPLITS
 from egad.pipeline.config import Gripper
 from egad.pipeline.config.stage_settings import ImageLayouts
 

@@ -15,8 +15,8 @@ from egad._util.workers import workers
 from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError, UserError
 from egad.exchange.meshes import read_mesh
-from egad.map_elites.provenance import check_provenance
 from egad.measures.grid import labels
+from egad.pipeline.archive_settings import check_provenance
 from egad.pipeline.config import Shape, Similarity
 from egad.pipeline.config.stage_settings import LocateMeshes
 from egad.pipeline.stages.measure import measured, warn_of_units

@@ -54,7 +54,7 @@ def measured(
     Raises:
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
     """
-    solid, repaired, _ = body(mesh, settings.material, settings.postprocess)
+    solid, repaired, _ = body(mesh, settings.material.density, settings.postprocess.min_volume)
     place = graded(solid, settings, settings.postprocess.grasps)
     return solid, {
         **place._asdict(),

@@ -17,8 +17,8 @@ from egad.exchange.folders import EVERY_FILE, objects_in
 from egad.exchange.meshes import read_mesh
 from egad.geometry.mass import body
 from egad.geometry.primitives import joined_primitives
-from egad.map_elites.provenance import MEASURING, check_provenance, differences
 from egad.measures.measure import graded
+from egad.pipeline.archive_settings import MEASURING, check_provenance, differences
 from egad.pipeline.config.stage_settings import PostprocessSolids
 from egad.pipeline.stages.shards import in_shard, rejection
 from egad.random import generator
@@ -122,7 +122,7 @@ def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids
     Raises:
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
     """
-    solid, repaired, mass = body(mesh, settings.material, settings.postprocess)
+    solid, repaired, mass = body(mesh, settings.material.density, settings.postprocess.min_volume)
     place = graded(solid, settings, settings.postprocess.grasps)
     return {
         "id": object_id,

@@ -10,11 +10,11 @@ from egad._util.progress import progress
 from egad.errors import RejectedError, UserError
 from egad.exchange.grasps import vectors
 from egad.exchange.meshes import read_mesh
-from egad.learning.splits import Share, shares
 from egad.perception.image_rows import encoded
+from egad.perception.parameters import RenderParameters
 from egad.perception.reachability import Grasped, Hand
 from egad.perception.rendering import pictures
-from egad.pipeline.config.stage_settings import RenderedImages
+from egad.perception.splits import Share, shares
 from egad.pipeline.stages.grasp_label import palm_of
 from egad.pipeline.stages.shards import rejection
 from egad.tables import parquet
@@ -35,7 +35,7 @@ GRASP_COLUMNS = [
 
 
 def run(
-    settings: RenderedImages,
+    settings: RenderParameters,
     objects: Path,
     meshes: Path,
     grasps: Path,
@@ -79,7 +79,7 @@ def run(
 
 
 def planned(
-    settings: RenderedImages, objects: Path, meshes: Path, evaluation: Path | None
+    settings: RenderParameters, objects: Path, meshes: Path, evaluation: Path | None
 ) -> list[Share]:
     """The images of all objects that are scaled to the gripper; arguments as in `run`.
 

@@ -21,11 +21,11 @@ from egad.evalset.selection import (
     select,
 )
 from egad.geometry.scaling import rescale
-from egad.measures.similarity import similarity_matrix
 from egad.pipeline.config.stage_settings import EvalSelection
 from egad.pipeline.stages.shards import join, rejection
 from egad.random import generator
 from egad.reeb import graph as reeb
+from egad.reeb.similarity import similarity_matrix
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.objects import OBJECTS, REJECTED, SOLIDS

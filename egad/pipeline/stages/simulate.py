@@ -16,10 +16,10 @@ from egad.detectors.labels import Labels
 from egad.detectors.registry import QUICK
 from egad.detectors.subprocess import Child
 from egad.errors import UserError
-from egad.pipeline.config.stage_settings import SimulatedTrials
 from egad.pipeline.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.pipeline.stages.shards import rows_in_shard
 from egad.sim.attempts import tried, untried
+from egad.sim.parameters import TrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.grasping import GRASPS
@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: SimulatedTrials,
+    settings: TrialParameters,
     evaluation: Path,
     bundle: Path,
     grasps: Path | None,
@@ -65,7 +65,7 @@ def run(
 
 @contextmanager
 def trier(
-    settings: SimulatedTrials, bundle: Path, grasps: Path | None
+    settings: TrialParameters, bundle: Path, grasps: Path | None
 ) -> Iterator[Callable[[Mapping[str, Any]], pd.DataFrame]]:
     """What makes all attempts at an object of the bundle, by its row there."""
     with opened(settings, grasps) as detector_of:
@@ -79,7 +79,7 @@ def trier(
 
 @contextmanager
 def opened(
-    settings: SimulatedTrials, grasps: Path | None
+    settings: TrialParameters, grasps: Path | None
 ) -> Iterator[Callable[[str], Detector | Labels]]:
     """The detector for each object, by its id; for as long as the block lasts.
 

@@ -12,8 +12,8 @@ from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange.meshes import read_mesh
 from egad.geometry.repair import repair
+from egad.measures.parameters import SizeEffectParameters
 from egad.measures.size_effect import size_effect
-from egad.pipeline.config.stage_settings import SizeCurves
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import SIZE_EFFECT
@@ -21,7 +21,7 @@ from egad.tables.grasping import SIZE_EFFECT
 log = logging.getLogger(__name__)
 
 
-def run(settings: SizeCurves, evaluation: Path, meshes: Path, out: Path) -> None:
+def run(settings: SizeEffectParameters, evaluation: Path, meshes: Path, out: Path) -> None:
     """Measure an easy, a middling and a hard object of an evaluation set.
 
     Args:
@@ -55,7 +55,7 @@ def spread(evalset: pd.DataFrame) -> pd.DataFrame:
 
 
 def curves(
-    settings: SizeCurves, files: Mapping[str, Path], units: str, worker_count: int
+    settings: SizeEffectParameters, files: Mapping[str, Path], units: str, worker_count: int
 ) -> tuple[pd.DataFrame, dict[str, str]]:
     """Measure meshes, repaired first.
 
@@ -77,7 +77,9 @@ def curves(
     return pd.concat(tables) if tables else parquet.empty(SIZE_EFFECT), reasons
 
 
-def _curve(item: tuple[str, Path], units: str, settings: SizeCurves) -> pd.DataFrame | str:
+def _curve(
+    item: tuple[str, Path], units: str, settings: SizeEffectParameters
+) -> pd.DataFrame | str:
     """The rows of a mesh, or the reason why there are none."""
     name, path = item
     try:

@@ -5,11 +5,12 @@ import pytest
 import trimesh
 
 from egad.grasps.collision import SIDE_CLEARANCE
-from egad.learning.splits import Share
+from egad.perception.parameters import RenderParameters
 from egad.perception.reachability import Grasped, Hand
 from egad.perception.rendering import pictures
+from egad.perception.splits import Share
 from egad.pipeline.config import CAMERAS, GRIPPERS, Settings
-from egad.pipeline.config.stage_settings import RenderedImages, select
+from egad.pipeline.config.stage_settings import select
 
 SIDES = np.array([0.03, 0.06, 0.04])
 AXES = np.vstack([np.eye(3), [[1.0, 0, 0]]])
@@ -28,7 +29,7 @@ def sets():
 
     def made(camera, **noise):
         changed = {"render": {"camera": camera}, "image_noise": noise}
-        settings = select(Settings.model_validate(changed), RenderedImages, "egad_75mm")
+        settings = select(Settings.model_validate(changed), RenderParameters, "egad_75mm")
         shares = [
             Share("id-1", "A1", "train", 0, 4),
             Share("id-2", "B2", "validation", 4, 2),

@@ -3,13 +3,14 @@ import json
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from egad.pipeline.config import Dataset, Gripper, Section, Settings, stage_settings
-from egad.pipeline.config.stage_settings import Evolve, RescaleMeshes, StageSettings, select
+from egad.map_elites.parameters import EvolutionParameters
+from egad.pipeline.config import Dataset, Gripper, Parameters, Settings, stage_settings
+from egad.pipeline.config.stage_settings import RescaleMeshes, StageSettings, select
 
 
 def sections():
     """All groups of settings, and the models of the entries of tables."""
-    return [model for model in Section.__subclasses__() if model is not Settings]
+    return [model for model in Parameters.__subclasses__() if model is not Settings]
 
 
 @pytest.mark.parametrize("model", sections(), ids=lambda model: model.__name__)
@@ -100,19 +101,22 @@ def stage_models(base):
 def test_a_stage_gets_the_gripper_by_name_and_else_that_of_the_difficulty():
     settings = Settings()
     assert select(settings, RescaleMeshes, "panda").gripper == settings.grippers["panda"]
-    assert select(settings, Evolve).gripper == settings.grippers[settings.difficulty.gripper]
+    assert (
+        select(settings, EvolutionParameters).gripper
+        == settings.grippers[settings.difficulty.gripper]
+    )
 
 
 def test_what_a_stage_gets_is_what_the_configuration_says():
     settings = Settings.model_validate({"evolution": {"population": 3}, "seed": 9})
-    chosen = json.loads(select(settings, Evolve).model_dump_json())
+    chosen = json.loads(select(settings, EvolutionParameters).model_dump_json())
     assert (chosen["evolution"]["population"], chosen["seed"]) == (3, 9)
     assert "trials" not in chosen
-    assert Evolve.model_validate(chosen) == select(settings, Evolve)
+    assert EvolutionParameters.model_validate(chosen) == select(settings, EvolutionParameters)
 
 
 def test_models_are_closed():
-    for model in (Dataset, Gripper, Settings, Evolve):
+    for model in (Dataset, Gripper, Settings, EvolutionParameters):
         assert issubclass(model, BaseModel)
         assert model.model_config["extra"] == "forbid"
     assert stage_settings.StageSettings.model_config["frozen"]

@@ -6,9 +6,10 @@ import signal
 import pandas as pd
 import pytest
 
+from egad.map_elites.parameters import EvolutionParameters
 from egad.pipeline.cli.recorded import recorded
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import Collect, Evolve, PostprocessSolids, select
+from egad.pipeline.config.stage_settings import Collect, PostprocessSolids, select
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
 
@@ -24,7 +25,7 @@ def made(tmp_path, monkeypatch):
     folder = tmp_path / "results/egad"
     (folder / "meshes").mkdir(parents=True)
     shards = [folder / f"parts/solids-{shard}.parquet" for shard in (0, 1, 2)]
-    with recorded("evolve", select(Settings(seed=5), Evolve), []):
+    with recorded("evolve", select(Settings(seed=5), EvolutionParameters), []):
         table(folder / "archive.parquet", "archive")
     for shard, path in enumerate(shards):
         settings = select(Settings(), PostprocessSolids)

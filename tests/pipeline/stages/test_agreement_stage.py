@@ -7,16 +7,18 @@ import pytest
 import trimesh
 
 from egad.exchange.meshes import write_obj
+from egad.grasps.parameters import LabelParameters
 from egad.pipeline.cli import main
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import GraspLabels, LabelTrials, SimulationBundle, select
+from egad.pipeline.config.stage_settings import SimulationBundle, select
 from egad.pipeline.stages import agreement, bundle, grasp_label
+from egad.sim.parameters import LabelTrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49
 from egad.tables.objects import OBJECTS
 
 WHOLE = Settings.model_validate({"agreement": {"grasps": 11}, "grasp_label": {"grasps": 20}})
-SETTINGS = select(WHOLE, LabelTrials, "egad_75mm")
+SETTINGS = select(WHOLE, LabelTrialParameters, "egad_75mm")
 BOX = trimesh.creation.box((0.04, 0.04, 0.04))
 MESHES = {
     "A0": trimesh.creation.box((0.04, 0.03, 0.05)),
@@ -39,7 +41,7 @@ def dataset(tmp_path_factory):
     table = pd.DataFrame(objects)[OBJECTS.names]
     parquet.write(table, OBJECTS, folder / "objects.parquet")
     out = [folder / f"{name}.parquet" for name in ("grasps", "tally", "rejected")]
-    settings = select(WHOLE, GraspLabels, "egad_75mm")
+    settings = select(WHOLE, LabelParameters, "egad_75mm")
     grasp_label.run(settings, folder / "objects.parquet", meshes, (0, 1), *out)
     items = [item for item in bundle.evaluation_objects(evaluation, meshes) if item.label != "B0"]
     bundle.run(select(WHOLE, SimulationBundle), items, "m", folder / "bundle")

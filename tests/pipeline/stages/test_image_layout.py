@@ -5,13 +5,14 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.learning.splits import SPLITS, Share
 from egad.perception.image_rows import encoded
+from egad.perception.parameters import RenderParameters
 from egad.perception.reachability import Grasped, Hand
 from egad.perception.rendering import pictures
+from egad.perception.splits import SPLITS, Share
 from egad.pipeline.cli import main
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import RenderedImages, select
+from egad.pipeline.config.stage_settings import select
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
 from egad.tables.images import IMAGES
@@ -21,7 +22,7 @@ from egad.tables.images import IMAGES
 def dataset(tmp_path_factory):
     """A block in each split, two images each, in two shards."""
     folder = tmp_path_factory.mktemp("results") / "mine"
-    settings = select(Settings(), RenderedImages, "egad_75mm")
+    settings = select(Settings(), RenderParameters, "egad_75mm")
     block, hand = trimesh.creation.box((0.03, 0.03, 0.03)), Hand(settings.gripper, None, 0.1)
     same = np.full(3, 0.03), np.full(3, 0.002)
     grasps = Grasped(np.arange(3), np.zeros((3, 3)), np.eye(3), *same)

@@ -8,11 +8,12 @@ from scipy.stats import percentileofscore
 from egad.errors import UserError
 from egad.exchange.meshes import read_mesh, write_obj
 from egad.geometry.repair import repair
-from egad.measures.similarity import similarity
+from egad.map_elites.parameters import EvolutionParameters
 from egad.pipeline.config import Settings, Space
-from egad.pipeline.config.stage_settings import Evolve, LocateMeshes, select
+from egad.pipeline.config.stage_settings import LocateMeshes, select
 from egad.pipeline.stages import evolve, locate, materialise
 from egad.reeb import graph as reeb
+from egad.reeb.similarity import similarity
 from egad.report.locations import location_map, page
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS, REJECTED
@@ -35,7 +36,7 @@ def home(tmp_path_factory):
     """A small archive and its meshes."""
     folder = tmp_path_factory.mktemp("located")
     archive, history = folder / "archive.parquet", folder / "history.parquet"
-    evolve.run(select(SETTINGS, Evolve), 0, 0, None, archive, history, 1)
+    evolve.run(select(SETTINGS, EvolutionParameters), 0, 0, None, archive, history, 1)
     materialise.run(archive, folder / "meshes", SETTINGS.shape)
     return folder
 

@@ -10,9 +10,10 @@ import trimesh
 from egad.errors import UserError
 from egad.exchange.meshes import write_obj
 from egad.perception.image_shards import read
+from egad.perception.parameters import RenderParameters
 from egad.pipeline.cli import main
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import RenderedImages, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import image_card, render
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
@@ -20,7 +21,7 @@ from egad.tables.grasping import GRASPS, SCALES
 from egad.tables.objects import OBJECTS, REJECTED
 
 WHOLE = Settings.model_validate({"render": {"images": 40, "test": 0.2, "validation": 0.2}})
-SETTINGS = select(WHOLE, RenderedImages, "egad_75mm")
+SETTINGS = select(WHOLE, RenderParameters, "egad_75mm")
 NAMES = [f"B{number}" for number in range(8)]
 
 
@@ -102,7 +103,7 @@ def test_objects_without_a_pose_are_left_out_and_without_grasps_are_not(dataset,
 def test_images_depend_on_their_object_alone(dataset, images, tmp_path):
     """With other splits an object has other numbers, and in each pose the same first views."""
     whole = Settings.model_validate({"render": {"images": 90, "hold_out": False}})
-    settings = select(whole, RenderedImages, "egad_75mm")
+    settings = select(whole, RenderParameters, "egad_75mm")
     other = made(dataset, tmp_path, 1, settings, held_out=False).table
     assert not other.groupby("id").size().equals(images.table.groupby("id").size())
     compared = 0
@@ -117,7 +118,7 @@ def test_images_depend_on_their_object_alone(dataset, images, tmp_path):
 @pytest.mark.parametrize("held_out", [True, False])
 def test_holding_out_needs_the_evaluation_set_and_nothing_else_does(dataset, tmp_path, held_out):
     whole = Settings.model_validate({"render": {"hold_out": not held_out}})
-    settings = select(whole, RenderedImages, "egad_75mm")
+    settings = select(whole, RenderParameters, "egad_75mm")
     with pytest.raises(UserError, match="hold_out is"):
         made(dataset, tmp_path, 1, settings, held_out)
 

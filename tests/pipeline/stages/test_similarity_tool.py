@@ -5,10 +5,10 @@ import pytest
 import trimesh
 
 from egad.errors import UserError
-from egad.measures.similarity import similarity
 from egad.pipeline.config import Similarity
 from egad.pipeline.stages import similarity as tool
 from egad.reeb import graph as reeb
+from egad.reeb.similarity import similarity
 
 SETTINGS = Similarity(vertices=600, base_count=15)
 

@@ -14,16 +14,17 @@ from egad.evalset.bundle import bundled
 from egad.exchange.meshes import write_obj
 from egad.pipeline.cli import main
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import SimulatedTrials, SimulationBundle, select
+from egad.pipeline.config.stage_settings import SimulationBundle, select
 from egad.pipeline.stages import bundle, replay, simulate
 from egad.pipeline.stages.bundled import model_in
 from egad.sim.film import write_film
 from egad.sim.model import model_of
+from egad.sim.parameters import TrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, TRIALS
 
 WHOLE = Settings.model_validate({"trials": {"attempts": 3}})
-SETTINGS = select(WHOLE, SimulatedTrials, "egad_75mm", "antipodal-depth")
+SETTINGS = select(WHOLE, TrialParameters, "egad_75mm", "antipodal-depth")
 BOX = trimesh.creation.box((0.04, 0.04, 0.04))
 OPEN = BOX.vertices, BOX.faces[1:]
 MESHES = {

@@ -2,15 +2,16 @@ import pandas as pd
 import pytest
 import trimesh
 
+from egad.measures.parameters import SizeEffectParameters
 from egad.pipeline.config import Settings, SizeEffect
-from egad.pipeline.config.stage_settings import SizeCurves, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import size_effect
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import SIZE_EFFECT
 
 WANTED = SizeEffect(fractions=[0.5, 1.2], percentiles=[75.0], grasps=5, repeats=1)
-SETTINGS = select(Settings(size_effect=WANTED), SizeCurves, "yumi")
+SETTINGS = select(Settings(size_effect=WANTED), SizeEffectParameters, "yumi")
 
 
 def evalset(*difficulties):

@@ -4,9 +4,11 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from egad._util.parameters import Parameters
 from egad.errors import UserError
+from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.custom import source_hash
-from egad.pipeline.config.stage_settings import Evolve, Measuring, StageSettings
+from egad.measures.parameters import MeasureParameters
 from egad.tables import parquet
 
 SECTIONS = (
@@ -25,19 +27,19 @@ SECTIONS = (
 MEASURING = ("gripper", "axes", "source", "difficulty", "sampling", "quality", "robust")
 
 
-def provenance(settings: StageSettings) -> dict[str, Any]:
+def provenance(settings: Parameters) -> dict[str, Any]:
     """What the measures in an archive depend on: settings, and the user's own measures."""
     counts = dict.fromkeys(SECTIONS, True) | {"gripper": {"opening"}}  # the rest is for the hand
     notes: dict[str, Any] = settings.model_dump(mode="json", include=counts)
-    if isinstance(settings, Measuring):
+    if isinstance(settings, MeasureParameters):
         notes["source"] = {axis: source_hash(name) for axis, name in settings.axes if name}
-    if isinstance(settings, Evolve):
+    if isinstance(settings, EvolutionParameters):
         notes["evolution"] = {"regrade": settings.evolution.regrade}
     return notes
 
 
 def differences(
-    path: Path, settings: StageSettings, sections: Collection[str] | None = None
+    path: Path, settings: Parameters, sections: Collection[str] | None = None
 ) -> list[str]:
     """What an archive was made with that is different in a configuration, a line each.
 
@@ -60,7 +62,7 @@ def differences(
 
 
 def check_provenance(
-    path: Path, settings: StageSettings, sections: Collection[str] | None = None
+    path: Path, settings: Parameters, sections: Collection[str] | None = None
 ) -> None:
     """Make sure that an archive was made with the settings that are to be used with it.
 

@@ -5,10 +5,10 @@ import pytest
 import trimesh
 
 from egad.errors import UserError
-from egad.measures.similarity import bound, compare, similarity, similarity_matrix
 from egad.pipeline.config import Similarity
 from egad.reeb import graph as reeb
 from egad.reeb.forest import Forest, space
+from egad.reeb.similarity import bound, compare, similarity, similarity_matrix
 
 SETTINGS = Similarity(vertices=400, ranges=32, base_count=10)
 COUNT = 24

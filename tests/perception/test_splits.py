@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.learning.splits import SPLITS, evenly, shard_count, shares, split_of
+from egad.perception.splits import SPLITS, evenly, shard_count, shares, split_of
 from egad.pipeline.config import Render
 
 RENDER = Render(images=1000)

@@ -2,15 +2,10 @@ import pytest
 import trimesh
 
 from egad.errors import UserError
-from egad.map_elites.provenance import check_provenance, provenance
+from egad.map_elites.parameters import EvolutionParameters
+from egad.pipeline.archive_settings import check_provenance, provenance
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import (
-    Evolve,
-    LocateMeshes,
-    Merge,
-    PostprocessSolids,
-    select,
-)
+from egad.pipeline.config.stage_settings import LocateMeshes, Merge, PostprocessSolids, select
 from egad.pipeline.stages import evolve, merge
 from egad.pipeline.stages.postprocess import from_archive
 from egad.tables import parquet
@@ -18,7 +13,7 @@ from egad.tables.evolution import ARCHIVE, EPOCH
 
 
 def settings(**changes):
-    return select(Settings.model_validate(changes), Evolve)
+    return select(Settings.model_validate(changes), EvolutionParameters)
 
 
 @pytest.fixture
