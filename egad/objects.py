@@ -1,0 +1,167 @@
+"""Datasets of objects in Python: the released one, those of a run, or any archive."""
+
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import trimesh
+from numpy.typing import NDArray
+
+from egad._util.names import known
+from egad.cppn.genome import Row
+from egad.cppn.parameters import Shape
+from egad.cppn.surface import packed_surface
+from egad.cppn.voxels import unpack
+from egad.data import released
+from egad.errors import UserError
+from egad.exchange.meshes import read_mesh
+from egad.geometry.repair import repair
+from egad.measures.grid import labels
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE, GENOME
+from egad.tables.objects import OBJECTS
+
+RELEASED = "released"
+
+
+class EvolvedObject:
+    """One object of a dataset.
+
+    Attributes:
+        id: Hash of its voxels, or the name of its mesh file.
+        label: Its name in the dataset: `M14_3` is the fourth object of cell (14, M).
+        row: Its row of the table of the dataset.
+    """
+
+    def __init__(self, row: pd.Series, meshes: Path | None, elite: pd.Series | None, shape: Shape):
+        """Made by `Dataset`."""
+        self.id, self.label, self.row = str(row["id"]), str(row["label"]), row
+        self._meshes, self._elite, self._shape = meshes, elite, shape
+
+    def __repr__(self) -> str:
+        return f"EvolvedObject({self.label!r})"
+
+    @cached_property
+    def mesh(self) -> trimesh.Trimesh:
+        """The closed surface, in metres."""
+        if self._meshes is not None:
+            return read_mesh(self._meshes / f"{self.label}.obj", "m")
+        return repair(packed_surface(self._evolved["voxels"], self._shape)).mesh
+
+    @cached_property
+    def voxels(self) -> NDArray[np.bool_]:
+        """Which cells of the cube are solid, (r, r, r).
+
+        Raises:
+            UserError: The object comes from a mesh.
+        """
+        return unpack(self._evolved["voxels"], self._shape.resolution)
+
+    @cached_property
+    def genome(self) -> Row:
+        """The CPPN that the object was grown from, with the columns of `tables.evolution.GENOME`.
+
+        Raises:
+            UserError: The object comes from a mesh.
+        """
+        return {name: self._evolved[name] for name in GENOME.names}
+
+    @property
+    def _evolved(self) -> pd.Series:
+        if self._elite is None:
+            raise UserError(f"{self.label} comes from a mesh: it has no voxels and no genome")
+        return self._elite
+
+
+class Dataset:
+    """Objects by label or id. Meshes are made or read when they are asked for.
+
+    Attributes:
+        table: A row an object, sorted by label.
+    """
+
+    def __init__(
+        self, table: pd.DataFrame, archive: pd.DataFrame | None, shape: Shape, meshes: Path | None
+    ) -> None:
+        """Made by `load`."""
+        self.table = table
+        self._archive = None if archive is None else archive.set_index("id", drop=False)
+        self._shape, self._meshes = shape, meshes
+        self._place = {str(name): i for key in ("id", "label") for i, name in enumerate(table[key])}
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    def __iter__(self) -> Iterator[EvolvedObject]:
+        return map(self._object, range(len(self)))
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._place
+
+    def __getitem__(self, name: str) -> EvolvedObject:
+        """The object of a label or an id.
+
+        Raises:
+            UserError: There is none; the text names labels that are spelled alike.
+        """
+        if name not in self._place:
+            known("object", str(name), self.table["label"])
+        return self._object(self._place[name])
+
+    def __repr__(self) -> str:
+        return f"Dataset({len(self)} objects)"
+
+    def select(self, names: list[str]) -> "Dataset":
+        """The dataset of some objects alone, in the order of the dataset.
+
+        Raises:
+            UserError: One of the names is unknown.
+        """
+        wanted = {self[name].label for name in names}
+        table = self.table[self.table["label"].isin(wanted)].reset_index(drop=True)
+        return Dataset(table, self._archive, self._shape, self._meshes)
+
+    def _object(self, place: int) -> EvolvedObject:
+        row = self.table.iloc[place]
+        elite = None
+        if self._archive is not None and row["id"] in self._archive.index:
+            elite = self._archive.loc[row["id"]]
+        return EvolvedObject(row, self._meshes, elite, self._shape)
+
+
+def load(source: str | Path = RELEASED) -> Dataset:
+    """Load objects.
+
+    Args:
+        source: `released`: the archive that egad ships; the folder of a dataset, such as
+            `results/egad`; or a file `archive.parquet`.
+
+    Raises:
+        UserError: There is no such file or folder.
+        TableError: A table is damaged or of another version.
+    """
+    path = released() if source == RELEASED else Path(source)
+    if path.is_dir() and (path / "objects.parquet").is_file():
+        archive = path / "archive.parquet"
+        elites = parquet.read(archive, ARCHIVE) if archive.is_file() else None
+        shape = _shape(archive) if elites is not None else Shape()
+        return Dataset(
+            parquet.read(path / "objects.parquet", OBJECTS), elites, shape, path / "meshes"
+        )
+    if not path.is_file():
+        raise UserError(
+            f"{source} is neither {RELEASED!r}, nor a folder with objects.parquet, nor an archive"
+        )
+    elites = parquet.read(path, ARCHIVE)
+    order = ["difficulty_cell", "complexity_cell", "slot"]
+    elites = elites.sort_values(order, ignore_index=True)
+    table = elites.drop(columns=[*GENOME.names, "voxels"])
+    names = labels(table["complexity_cell"], table["difficulty_cell"])
+    return Dataset(table.assign(label=names), elites, _shape(path), None)
+
+
+def _shape(archive: Path) -> Shape:
+    """How the voxels of an archive become meshes, as it says itself."""
+    return Shape.model_validate(parquet.notes(archive).get("shape", {}))
