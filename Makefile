@@ -45,7 +45,8 @@ test: kernels
 # Compiled with few optimisations, which takes less time than these would save.
 bounds: tools
 	NUMBA_BOUNDSCHECK=1 NUMBA_OPT=1 $(TESTS) \
-		tests/evolution tests/measures tests/grasps tests/shapes tests/trials tests/vision
+		tests/cppn tests/detectors tests/geometry tests/grasps tests/learning tests/map_elites tests/measures \
+		tests/perception tests/reeb tests/sim tests/stats
 
 check: kernels has-slicer has-slurm has-torch
 	$(TESTS) -m 'not slow'
@@ -61,7 +62,7 @@ slurm: has-slurm
 	pytest -m slurm tests/workflow
 
 vision: has-torch
-	pytest tests/vision tests/trials/test_ggcnn.py
+	pytest tests/learning tests/perception tests/detectors/test_ggcnn.py
 
 has-slicer: tools
 	@command -v prusa-slicer >/dev/null || { echo "prusa-slicer is needed" >&2; exit 1; }

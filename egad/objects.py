@@ -35,7 +35,9 @@ class EvolvedObject:
         row: Its row of the table of the dataset.
     """
 
-    def __init__(self, row: pd.Series, meshes: Path | None, elite: pd.Series | None, shape: Shape):
+    def __init__(
+        self, row: pd.Series, meshes: Path | None, elite: pd.Series | None, shape: Shape
+    ) -> None:
         """Made by `Dataset`."""
         self.id, self.label, self.row = str(row["id"]), str(row["label"]), row
         self._meshes, self._elite, self._shape = meshes, elite, shape

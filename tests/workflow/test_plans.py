@@ -97,7 +97,7 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(copy, settings, rules)
         ("egad/measures/size_effect.py", AFTER_SIZES),
         ("egad/report/page.py", {"report", "all"}),
         ("egad/pipeline/cli/stages.py", set()),
-        ("egad/settings/measures.py", set()),
+        ("egad/measures/parameters.py", set()),
         ("egad/tables/evolution.py", EVERYTHING),
         ("egad/tables/evaluation.py", {"select_eval"} | AFTER_SELECTION),
     ],

@@ -8,7 +8,12 @@ from typing import TypeVar
 
 from egad._util.parameters import Parameters
 from egad.grasps.parameters import LabelParameters
-from egad.measures.parameters import MeasureParameters
+from egad.map_elites.parameters import EvolutionParameters  # noqa: F401 (found by its name)
+from egad.measures.parameters import (
+    MeasureParameters,
+    SizeEffectParameters,  # noqa: F401 (found by its name)
+)
+from egad.perception.parameters import RenderParameters  # noqa: F401 (found by its name)
 from egad.pipeline.config import (
     Acronym,
     Axes,
@@ -33,6 +38,10 @@ from egad.pipeline.config import (
     Training,
     TrainingSet,
     Trials,
+)
+from egad.sim.parameters import (
+    LabelTrialParameters,  # noqa: F401 (found by its name)
+    TrialParameters,  # noqa: F401 (found by its name)
 )
 
 
