@@ -12,7 +12,7 @@ from matplotlib.patches import Rectangle
 
 from egad._util.files import write_text
 from egad.evalset.selection import place
-from egad.report.diversity_figures import success_chart
+from egad.pipeline.report.training_study import success_chart
 from egad.report.environment import p_value
 from egad.report.heat_map import rate_colour
 from egad.report.style import drawn, ink_on

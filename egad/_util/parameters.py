@@ -23,6 +23,10 @@ class Parameters(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+class ParameterGroup(Parameters):
+    """The groups of settings that one function or stage reads together."""
+
+
 def ascending(section: Parameters, *names: str) -> None:
     """Check ranges: raise ValueError for one that does not go from low to high."""
     for name in names:

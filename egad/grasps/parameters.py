@@ -4,7 +4,7 @@ from typing import Literal, NamedTuple
 
 from pydantic import Field
 
-from egad._util.parameters import Length, Parameters, Sigma
+from egad._util.parameters import Length, ParameterGroup, Parameters, Sigma
 
 
 class Pad(NamedTuple):
@@ -134,7 +134,7 @@ class GraspLabel(Parameters):
     )
 
 
-class LabelParameters(Parameters):
+class LabelParameters(ParameterGroup):
     """What labelled grasps depend on."""
 
     seed: int

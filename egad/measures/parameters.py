@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from egad._util.parameters import (
     Name,
+    ParameterGroup,
     Parameters,
     Percent,
     PositiveFraction,
@@ -105,7 +106,7 @@ class SizeEffect(Parameters):
         return self
 
 
-class MeasureParameters(Parameters):
+class MeasureParameters(ParameterGroup):
     """What the measures of an object depend on."""
 
     seed: int
@@ -119,7 +120,7 @@ class MeasureParameters(Parameters):
     robust: Robust | None  # none if the metric is plain: then its settings do not matter
 
 
-class SizeEffectParameters(Parameters):
+class SizeEffectParameters(ParameterGroup):
     """What grasp quality over the size of objects depends on."""
 
     seed: int

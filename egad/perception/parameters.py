@@ -9,6 +9,7 @@ from egad._util.parameters import (
     Fraction,
     FractionRange,
     Name,
+    ParameterGroup,
     Parameters,
     Pixels,
     PositiveFraction,
@@ -113,7 +114,7 @@ class ImageNoise(Parameters):
     missing: Fraction = Field(0.0, description="part of the pixels that is lost, in small spots")
 
 
-class RenderParameters(Parameters):
+class RenderParameters(ParameterGroup):
     """What rendered images depend on."""
 
     seed: int

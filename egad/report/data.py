@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 
 import pandas as pd
 
-from egad.pipeline.config.settings import Settings
 from egad.report.viewer import Scene
 
 
@@ -42,20 +41,3 @@ class DatasetReport:
     agreement: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     scenes: Sequence[Scene] = ()
     history: pd.DataFrame | None = None
-
-
-@dataclass(frozen=True)
-class ReportData:
-    """A whole run.
-
-    Attributes:
-        settings: The resolved configuration.
-        comparison: Columns of `tables.objects.COMPARISON`.
-        datasets: Reports by name of the dataset.
-        versions: Version of each program that took part.
-    """
-
-    settings: Settings
-    comparison: pd.DataFrame
-    datasets: Mapping[str, DatasetReport]
-    versions: Mapping[str, str]

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from egad._util.parameters import Length, Parameters, Pixels
+from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels
 from egad.detectors.parameters import Policy
 from egad.grasps.parameters import Gripper, Quality
 
@@ -63,7 +63,7 @@ class Agreement(Parameters):
     )
 
 
-class TrialParameters(Parameters):
+class TrialParameters(ParameterGroup):
     """What simulated trials depend on."""
 
     seed: int
@@ -72,7 +72,7 @@ class TrialParameters(Parameters):
     trials: Trials
 
 
-class LabelTrialParameters(Parameters):
+class LabelTrialParameters(ParameterGroup):
     """What the execution of labelled grasps depends on."""
 
     seed: int

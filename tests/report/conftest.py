@@ -7,8 +7,8 @@ import trimesh
 
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.pipeline.config import Dataset, Settings
-from egad.report.data import DatasetReport, ReportData
-from egad.report.page import build
+from egad.pipeline.report.page import ReportData, build
+from egad.report.data import DatasetReport
 from egad.report.render import png_bytes, render
 from egad.report.viewer import Scene
 from egad.tables import parquet

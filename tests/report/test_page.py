@@ -9,7 +9,8 @@ import pytest
 import trimesh
 
 from egad.pipeline.config import Settings
-from egad.report.page import DatasetReport, ReportData, build
+from egad.pipeline.report.page import ReportData, build
+from egad.report.data import DatasetReport
 from egad.report.render import png_bytes, render
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS

@@ -95,7 +95,7 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(copy, settings, rules)
         ("egad/geometry/mass.py", {"postprocess"} | AFTER_POSTPROCESS),
         ("egad/map_elites/variation.py", EVERYTHING),
         ("egad/measures/size_effect.py", AFTER_SIZES),
-        ("egad/report/page.py", {"report", "all"}),
+        ("egad/pipeline/report/page.py", {"report", "all"}),
         ("egad/pipeline/cli/stages.py", set()),
         ("egad/measures/parameters.py", set()),
         ("egad/tables/evolution.py", EVERYTHING),

@@ -6,7 +6,7 @@ changed setting re-runs the stages that read it and no other.
 
 from typing import TypeVar
 
-from egad._util.parameters import Parameters
+from egad._util.parameters import ParameterGroup
 from egad.grasps.parameters import LabelParameters
 from egad.map_elites.parameters import EvolutionParameters  # noqa: F401 (found by its name)
 from egad.measures.parameters import (
@@ -45,7 +45,7 @@ from egad.sim.parameters import (
 )
 
 
-class StageSettings(Parameters):
+class StageSettings(ParameterGroup):
     """The sections that one stage reads; `gripper`, `camera`, `policy` are entries of tables."""
 
 
@@ -189,7 +189,7 @@ class Compare(StageSettings):
     axes: Axes
 
 
-S = TypeVar("S", bound=Parameters)
+S = TypeVar("S", bound=ParameterGroup)
 
 
 def select(

@@ -9,8 +9,8 @@ from egad._util.files import write_text
 from egad.perception.image_shards import files
 from egad.pipeline.config.stage_settings import DiversityReport
 from egad.pipeline.config.training_study import Network, networks
+from egad.pipeline.report.training_study import Experiment, Images, Training, page
 from egad.report.axes import axis_pair
-from egad.report.diversity_view import Experiment, Images, Training, page
 from egad.report.trial_views import Set
 from egad.stats.records import read
 from egad.stats.training_study import check_starts

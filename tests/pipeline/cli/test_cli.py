@@ -18,7 +18,7 @@ from egad.tables.objects import MEASURED, OBJECTS, REJECTED
 
 def test_help_lists_every_stage_and_imports_nothing_heavy():
     code = (
-        "import sys; from egad import cli\n"
+        "import sys; from egad.pipeline import cli\n"
         "print([n for n in ('numba', 'trimesh', 'pybullet', 'scipy') if n in sys.modules])"
     )
     loaded = subprocess.run(

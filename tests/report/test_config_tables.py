@@ -1,5 +1,5 @@
 from egad.pipeline.config import Settings, Trials
-from egad.report.parameters import entry_tables, parameter_tables
+from egad.pipeline.report.config_tables import entry_tables, parameter_tables
 
 
 def test_only_changed_values_show_their_default():

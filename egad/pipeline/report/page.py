@@ -7,19 +7,34 @@ from typing import Any
 import pandas as pd
 
 from egad.pipeline.config.settings import Settings
+from egad.pipeline.report.config_tables import entry_tables, parameter_tables
 from egad.report import figures, maps, summary
 from egad.report.agreement_view import Agreement, agreement
 from egad.report.axes import axis_pair
-from egad.report.data import DatasetReport, ReportData
+from egad.report.data import DatasetReport
 from egad.report.dataset_maps import dataset_maps
 from egad.report.environment import environment
 from egad.report.filling import filling_curves, filling_film
-from egad.report.parameters import entry_tables, parameter_tables
 from egad.report.size_chart import size_chart
 from egad.report.trial_views import Results, Set, results
 from egad.report.viewer import viewer_data
 
-__all__ = ["DatasetReport", "ReportData", "build"]
+
+@dataclass(frozen=True)
+class ReportData:
+    """A whole run.
+
+    Attributes:
+        settings: The resolved configuration.
+        comparison: Columns of `tables.objects.COMPARISON`.
+        datasets: Reports by name of the dataset.
+        versions: Version of each program that took part.
+    """
+
+    settings: Settings
+    comparison: pd.DataFrame
+    datasets: Mapping[str, DatasetReport]
+    versions: Mapping[str, str]
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from egad.pipeline.config import TrainingSet
 from egad.pipeline.config.check import check
 from egad.pipeline.config.stage_settings import DiversityReport, select
 from egad.pipeline.config.training_study import networks_of
-from egad.report.diversity_view import Experiment, Images, Training, described, page
+from egad.pipeline.report.training_study import Experiment, Images, Training, described, page
 from egad.report.trial_views import Set
 from egad.tables.training import COMPARED, HISTORY
 

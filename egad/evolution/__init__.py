@@ -1,1 +1,0 @@
-"""MAP-Elites: breeding, evaluation and the archive of elites."""

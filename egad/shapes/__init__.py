@@ -1,1 +1,0 @@
-"""Genome -> voxels -> watertight mesh."""

@@ -1,1 +1,0 @@
-"""Depth images of objects on a table, and where their grasps are in them."""
