@@ -8,7 +8,7 @@ from scipy import ndimage
 
 from egad.detectors.base import Grasp, ranked
 from egad.grasps.collision import TABLE_CLEARANCE, roomy
-from egad.grasps.parameters import Gripper
+from egad.grasps.gripper import Gripper
 from egad.perception.camera import View, Window
 from egad.perception.heightmap import Relief, lowest_tip, relief_of, window_of
 

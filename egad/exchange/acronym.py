@@ -9,8 +9,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad.exchange import sums
-from egad.exchange.grasps import poses_of
 from egad.exchange.hdf5 import add_array, add_group, writing
+from egad.grasps.grasps import Grasps
 from egad.grasps.poses import panda_poses
 
 Floats = NDArray[np.float64]
@@ -107,7 +107,7 @@ def is_ours(path: Path) -> bool:
 
 def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, held: float) -> None:
     group = add_group(file, "grasps")
-    add_array(group, "transforms", panda_poses(poses_of(grasps), jaws.fingertip))
+    add_array(group, "transforms", panda_poses(Grasps(grasps).poses, jaws.fingertip))
     add_array(group, "widths", grasps["width"])
     own = add_group(group, "qualities/egad")
     for name in QUALITIES:

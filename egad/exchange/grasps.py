@@ -5,34 +5,29 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from egad.errors import UserError
-from egad.grasps.poses import hand_poses
+from egad.grasps.grasps import Grasps
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS, SCALES
 
-Floats = NDArray[np.float64]
 
-
-def load_grasps(path: str | Path, gripper: str | None = None) -> tuple[pd.DataFrame, Floats]:
-    """The labelled grasps of a dataset, and the poses of the hand.
+def load_grasps(path: str | Path, gripper: str | None = None) -> Grasps:
+    """The labelled grasps of a dataset.
 
     Args:
         path: Folder of a dataset, e.g. `results/egad`, or a table of grasps.
         gripper: Name of the gripper; only with a folder.
 
     Returns:
-        A row a grasp, as `results/README.md` says, and (n, 4, 4) poses in the same order. A pose
-        maps from the frame of the hand to that of the object: its origin is midway between the
-        contacts, x closes (from the first contact to the second), z approaches. Metres.
+        The grasps of all objects, each in the frame of its object, scaled to the gripper;
+        `of(label)` gives those of one object.
 
     Raises:
         UserError: There is no such gripper in the folder, none is named, or one with a file.
         TableError: The table is damaged, or is not one of grasps.
     """
-    frame = parquet.read(grasp_table(Path(path), gripper), GRASPS)
-    return frame, poses_of(frame)
+    return Grasps(parquet.read(grasp_table(Path(path), gripper), GRASPS))
 
 
 def grasp_table(path: Path, gripper: str | None) -> Path:
@@ -71,16 +66,6 @@ def check_opening(dataset: Path, gripper: str, opening: float) -> None:
                 f"gripper {gripper!r} opens {opening:g} m in the settings, but {other:g} m in "
                 f"{path}; give the configuration of that run with --config"
             )
-
-
-def poses_of(frame: pd.DataFrame) -> Floats:
-    """Poses of the hand, (n, 4, 4), of rows with the columns `center`, `axis` and `approach`."""
-    return hand_poses(*(vectors(frame, name) for name in ("center", "axis", "approach")))
-
-
-def vectors(frame: pd.DataFrame, name: str) -> Floats:
-    """The columns `NAME_x`, `NAME_y`, `NAME_z` as (n, 3)."""
-    return np.asarray(frame[[f"{name}_{part}" for part in "xyz"]], dtype=np.float64).reshape(-1, 3)
 
 
 def by_object(path: Path, columns: list[str]) -> Iterator[tuple[str, pd.DataFrame]]:

@@ -9,8 +9,8 @@ from egad.geometry.rays import RayCaster
 from egad.geometry.surface_samples import spread
 from egad.grasps.approach import inside
 from egad.grasps.collision import apart, clipped, local, spheres
+from egad.grasps.gripper import Gripper
 from egad.grasps.hand import finger_span
-from egad.grasps.parameters import Gripper
 from egad.grasps.sampler import Grasps
 
 Floats = NDArray[np.float64]

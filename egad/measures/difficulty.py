@@ -4,9 +4,12 @@ The rules are EGAD's (Morrison, Corke and Leitner, RA-L 2020): many antipodal gr
 the object scaled to the gripper, and a percentile of their quality is taken.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import trimesh
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import betainc
 
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
@@ -19,13 +22,27 @@ Floats = NDArray[np.float64]
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 
 
+class GraspDifficulty(NamedTuple):
+    """How hard an object is to grasp.
+
+    Attributes:
+        value: Percentile of the quality of sampled grasps.
+        std: Standard error of that, as if the grasps were independent of each other.
+        grasps: How many it was taken from: fewer than wanted if the sampler did not find more.
+    """
+
+    value: float
+    std: float
+    grasps: int
+
+
 def difficulty(
     mesh: trimesh.Trimesh,
     settings: MeasureParameters,
     grasps: int,
     rng: np.random.Generator,
     com: Floats | None = None,
-) -> tuple[float, int]:
+) -> GraspDifficulty:
     """A percentile of the quality of sampled grasps: high values are easy objects.
 
     A copy of the mesh is measured: turned until its principal axes (of the vertices) are the
@@ -38,10 +55,6 @@ def difficulty(
         grasps: Grasps to sample.
         rng: Where chance comes from.
         com: Centre of mass in the frame of the mesh; else the centroid of the volume.
-
-    Returns:
-        The percentile, and how many grasps it was taken from: fewer than wanted if the rounds of
-        the sampler did not find more.
 
     Raises:
         RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
@@ -59,7 +72,10 @@ def difficulty(
     if len(found) == 0:
         raise RejectedError(f"no grasp ({tally})")
     qualities = _qualities(caster, found, centre, settings, rng)
-    return percentile(qualities, settings.difficulty.percentile), len(found)
+    percent = settings.difficulty.percentile
+    return GraspDifficulty(
+        percentile(qualities, percent), percentile_std(qualities, percent), len(found)
+    )
 
 
 def _qualities(
@@ -91,6 +107,19 @@ def percentile(values: Floats, percent: float) -> float:
     """The value at index n * percent / 100 of the ascending values: no interpolation."""
     index = min(int(len(values) * percent / 100), len(values) - 1)
     return float(np.sort(values)[index])
+
+
+def percentile_std(values: Floats, percent: float) -> float:
+    """Standard error of a sample percentile of n independent values.
+
+    Source: Maritz and Jarrett, JASA 73 (1978).
+    """
+    count = len(values)
+    m = min(int(count * percent / 100), count - 1) + 1  # the percentile is the m-th smallest value
+    weights = np.diff(betainc(m, count - m + 1, np.arange(count + 1) / count))
+    ordered = np.sort(values)
+    mean = weights @ ordered
+    return float(np.sqrt(weights @ (ordered - mean) ** 2))
 
 
 def center_of_mass(mesh: trimesh.Trimesh) -> Floats:

@@ -1,6 +1,7 @@
 """Where an object lies in the space: its complexity and its difficulty."""
 
 import hashlib
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ import trimesh
 
 from egad.measures.complexity import complexity
 from egad.measures.custom import own_value
-from egad.measures.difficulty import difficulty
+from egad.measures.difficulty import GraspDifficulty, difficulty
 from egad.measures.parameters import MeasureParameters
 from egad.random import generator
 
@@ -19,11 +20,13 @@ class Coordinates(NamedTuple):
     Attributes:
         complexity: Entropy of the angular deficits, bits; or the user's own measure.
         difficulty: Percentile of grasp quality; high is easy. Or the user's own measure.
+        difficulty_std: Standard error of the percentile; NaN for a measure of the user.
         grasps: How many grasps the percentile was taken from; 0 for a measure of the user.
     """
 
     complexity: float
     difficulty: float
+    difficulty_std: float
     grasps: int
 
 
@@ -43,8 +46,8 @@ def coordinates(
         UserError: A measure of the user cannot be found.
     """
     axes = settings.axes
-    quality, found = (
-        (own_value(axes.difficulty, mesh), 0)
+    along = (
+        GraspDifficulty(own_value(axes.difficulty, mesh), math.nan, 0)
         if axes.difficulty
         else difficulty(mesh, settings, grasps, rng)
     )
@@ -53,7 +56,7 @@ def coordinates(
         if axes.complexity
         else complexity(mesh, settings.complexity.bins)
     )
-    return Coordinates(across, quality, found)
+    return Coordinates(across, *along)
 
 
 def graded(mesh: trimesh.Trimesh, settings: MeasureParameters, grasps: int) -> Coordinates:

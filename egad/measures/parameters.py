@@ -15,7 +15,8 @@ from egad._util.parameters import (
     SideFraction,
     ascending,
 )
-from egad.grasps.parameters import Gripper, Quality, Robust, Sampling
+from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Quality, Robust, Sampling
 from egad.reeb.parameters import Similarity
 
 

@@ -16,7 +16,8 @@ from egad._util.parameters import (
     Range,
     ascending,
 )
-from egad.grasps.parameters import GraspLabel, Gripper
+from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import GraspLabel
 
 
 class Camera(Parameters):

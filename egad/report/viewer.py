@@ -16,7 +16,7 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
-from egad.grasps.parameters import Gripper
+from egad.grasps.gripper import Gripper
 from egad.report.environment import environment
 
 STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm

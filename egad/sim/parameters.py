@@ -6,7 +6,8 @@ from pydantic import Field
 
 from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels
 from egad.detectors.parameters import Policy
-from egad.grasps.parameters import Gripper, Quality
+from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Quality
 
 
 class Lifting(Parameters):

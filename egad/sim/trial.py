@@ -12,7 +12,7 @@ from egad.detectors.base import Detector, Grasp, best
 from egad.detectors.labels import Labels
 from egad.detectors.subprocess import DetectorTimeoutError
 from egad.errors import UserError
-from egad.grasps.parameters import Gripper
+from egad.grasps.gripper import Gripper
 from egad.perception.camera import Eye, Intrinsics, View, above
 from egad.perception.noise import noisy
 from egad.sim.arms import CARRIERS, Stance, UnreachableError

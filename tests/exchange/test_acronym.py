@@ -8,8 +8,9 @@ import trimesh
 
 from egad.errors import UserError
 from egad.exchange.acronym import QUALITIES, is_ours
-from egad.exchange.grasps import load_grasps, vectors
+from egad.exchange.grasps import load_grasps
 from egad.geometry.mass import mass_properties
+from egad.grasps.grasps import vectors
 from egad.grasps.poses import PANDA_REACH
 from egad.pipeline.config.stage_settings import AcronymFiles, select
 from egad.pipeline.stages import acronym
@@ -68,7 +69,8 @@ def test_the_mesh_is_that_of_the_grasps(files, dataset, settings):
 
 
 def test_fingertips_of_its_hand_reach_beyond_the_contacts(files, dataset):
-    frame, poses = load_grasps(dataset, GRIPPER)
+    grasps = load_grasps(dataset, GRIPPER)
+    frame, poses = grasps.to_frame(), grasps.poses
     for path in files.iterdir():
         rows = np.flatnonzero(frame["label"] == path.stem)
         transforms, success = read_grasps_of(path)

@@ -3,7 +3,7 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError
-from egad.measures.difficulty import center_of_mass, difficulty, percentile
+from egad.measures.difficulty import center_of_mass, difficulty, percentile, percentile_std
 from egad.measures.parameters import MeasureParameters
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
@@ -35,9 +35,27 @@ def test_percentile_is_a_plain_index(values, percent, expected):
     assert percentile(np.array(values, dtype=float), percent) == expected
 
 
+@pytest.mark.parametrize("percent", [25, 75])
+def test_the_standard_error_is_the_spread_of_resampled_values(percent):
+    """It is the limit of the bootstrap for infinitely many resamples."""
+    rng = np.random.default_rng(percent)
+    values = rng.gamma(2, size=40)
+    resampled = np.sort(rng.choice(values, (40_000, 40)), axis=1)
+    spread = resampled[:, 40 * percent // 100].std()
+    assert percentile_std(values, percent) == pytest.approx(spread, rel=0.02)
+
+
+def test_the_standard_error_is_the_spread_of_repeated_samples():
+    rng = np.random.default_rng(0)
+    samples = np.sort(rng.gamma(2, size=(4000, 200)), axis=1)
+    spread = samples[:, 150].std()
+    told = np.mean([percentile_std(sample, 75) for sample in samples[:300]])
+    assert told == pytest.approx(spread, rel=0.1)
+
+
 def test_value_of_a_ball_and_of_a_slab():
-    ball, used = measure(trimesh.creation.icosphere(subdivisions=4))
-    slab, _ = measure(trimesh.creation.box([0.04, 0.1, 0.1]))
+    ball, _, used = measure(trimesh.creation.icosphere(subdivisions=4))
+    slab, *_ = measure(trimesh.creation.box([0.04, 0.1, 0.1]))
     assert used == 100
     assert ball == pytest.approx(0.0036, abs=0.0003)
     assert slab == pytest.approx(0.0013, abs=0.0003)
@@ -72,15 +90,15 @@ def test_side_fraction_sets_the_size():
 
 
 def test_fewer_grasps_than_wanted_are_counted():
-    value, used = measure(wedge(), sampling={"rounds": 1, "spacing": 0.01})
+    value, _, used = measure(wedge(), sampling={"rounds": 1, "spacing": 0.01})
     assert 0 < used < 100
     assert value > 0
 
 
 def test_the_robust_metric_is_lower_for_objects_as_wide_as_the_hand():
     ball = trimesh.creation.icosphere(subdivisions=3)
-    plain, _ = measure(ball)
-    robust, used = measure(ball, metric="robust")
+    plain, *_ = measure(ball)
+    robust, _, used = measure(ball, metric="robust")
     assert used == 100
     assert 0 < robust < plain
 

@@ -107,7 +107,7 @@ def test_colours_mean_the_same_for_all_objects(grasps):
 
 
 @pytest.mark.parametrize("name", GRIPPERS)
-def test_the_jaws_reach_back_to_the_palm_of_the_gripper(name):
+def test_the_jaws_reach_back_to_the_palm_mesh_the_gripper(name):
     gripper = GRIPPERS[name]
     data = viewer.viewer_data([Scene("ring", "", MESH, parquet.empty(GRASPS))], gripper)
     assert data["finger"] == pytest.approx(-parts(gripper)[2].box[1, 2])

@@ -11,8 +11,9 @@ import pyarrow as pa
 from egad._util.progress import progress
 from egad.errors import UserError
 from egad.exchange.dexnet import MEASURES, add_dataset, add_grasps
-from egad.exchange.grasps import by_object, vectors
+from egad.exchange.grasps import by_object
 from egad.exchange.hdf5 import DamagedError, check_key, copy_group, sound_keys, writing
+from egad.grasps.grasps import vectors
 from egad.grasps.poses import dexnet_configurations
 from egad.pipeline.config.stage_settings import DexNetDatabase
 from egad.tables import parquet

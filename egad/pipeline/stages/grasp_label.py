@@ -4,17 +4,15 @@ import logging
 from pathlib import Path
 
 import pandas as pd
-import trimesh
 
 from egad._util.progress import progress
-from egad.errors import RejectedError, UserError
+from egad.errors import RejectedError
+from egad.exchange.grippers import palm_mesh
 from egad.exchange.meshes import read_mesh
 from egad.geometry.rays import RayCaster
-from egad.grasps.hand import parts
 from egad.grasps.labels import found, rated, tally_row
 from egad.grasps.parameters import LabelParameters
 from egad.measures.difficulty import center_of_mass
-from egad.pipeline.config import Gripper
 from egad.pipeline.stages.shards import rejection, rows_in_shard
 from egad.random import generator
 from egad.tables import parquet
@@ -46,7 +44,7 @@ def run(
     """
     frame = parquet.read(objects, OBJECTS)
     frame = rows_in_shard(frame, *shard)
-    palm = palm_of(settings.gripper)
+    palm = palm_mesh(settings.gripper)
     labelled, tallies, left_out = [], [], []
     names = zip(frame["id"], frame["label"], strict=True)
     for object_id, object_label in progress(names, "labelling grasps", len(frame)):
@@ -71,21 +69,3 @@ def run(
     parquet.write(pd.DataFrame(tallies), TALLY, tally_out)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
     log.info("%d grasps, %d objects without any", len(table), len(left_out))
-
-
-def palm_of(gripper: Gripper) -> trimesh.Trimesh | None:
-    """The mesh in the place of a gripper's palm box, if it has one.
-
-    Raises:
-        UserError: The file cannot be used.
-    """
-    if gripper.mesh is None:
-        return None
-    try:
-        mesh = read_mesh(Path(gripper.mesh), "m")
-        parts(gripper, mesh)
-    except RejectedError as reason:
-        raise UserError(
-            f"the mesh {gripper.mesh} of a gripper cannot be used: {reason}"
-        ) from reason
-    return mesh

@@ -8,14 +8,14 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError
-from egad.exchange.grasps import vectors
+from egad.exchange.grippers import palm_mesh
 from egad.exchange.meshes import read_mesh
+from egad.grasps.grasps import vectors
 from egad.perception.image_rows import encoded
 from egad.perception.parameters import RenderParameters
 from egad.perception.reachability import Grasped, Hand
 from egad.perception.rendering import pictures
 from egad.perception.splits import Share, shares
-from egad.pipeline.stages.grasp_label import palm_of
 from egad.pipeline.stages.shards import rejection
 from egad.tables import parquet
 from egad.tables.columns import vector_names
@@ -63,7 +63,7 @@ def run(
         if share.images and share.first * total // settings.render.images == number
     ]
     labelled = _labelled(grasps, {share.id for share in chosen})
-    hand = Hand(settings.gripper, palm_of(settings.gripper), settings.grasp_label.approach_way)
+    hand = Hand(settings.gripper, palm_mesh(settings.gripper), settings.grasp_label.approach_way)
     rows, left_out = [], []
     for share in progress(chosen, "rendering", len(chosen)):
         try:

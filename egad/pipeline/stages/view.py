@@ -5,12 +5,12 @@ from pathlib import Path
 from egad._util.names import known
 from egad.errors import RejectedError, UserError
 from egad.exchange.grasps import check_opening
+from egad.exchange.grippers import palm_mesh
 from egad.exchange.meshes import read_mesh
 from egad.geometry.repair import repair
 from egad.geometry.scaling import rescale
 from egad.grasps.labels import label
 from egad.pipeline.config.stage_settings import ViewMesh
-from egad.pipeline.stages.grasp_label import palm_of
 from egad.pipeline.stages.scenes import scene
 from egad.random import generator
 from egad.report.viewer import Scene
@@ -69,7 +69,7 @@ def from_mesh(path: Path, units: str, settings: ViewMesh) -> Scene:
     title = f"{path.name}, scaled by {row['factor']:.3g}"
     rng = generator(settings.seed, "grasps", path.stem)
     try:
-        rows = label(mesh, mesh.center_mass, settings, rng, palm_of(settings.gripper))
+        rows = label(mesh, mesh.center_mass, settings, rng, palm_mesh(settings.gripper))
         return Scene(path.stem, title, mesh, rows)
     except RejectedError as reason:
         return Scene(path.stem, title, mesh, parquet.empty(GRASPS), str(reason))

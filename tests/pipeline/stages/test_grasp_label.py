@@ -2,18 +2,18 @@ import pytest
 import trimesh
 
 from egad.errors import UserError
+from egad.exchange.grippers import palm_mesh
 from egad.pipeline.config import Gripper
-from egad.pipeline.stages.grasp_label import palm_of
 
 
 def test_a_gripper_without_mesh_has_none():
-    assert palm_of(Gripper(opening=0.05)) is None
+    assert palm_mesh(Gripper(opening=0.05)) is None
 
 
 def test_the_mesh_of_a_gripper_is_read_in_metres(tmp_path):
     path = tmp_path / "palm.stl"
     trimesh.creation.box([0.1, 0.06, 0.05]).export(path)
-    palm = palm_of(Gripper(opening=0.05, mesh=str(path)))
+    palm = palm_mesh(Gripper(opening=0.05, mesh=str(path)))
     assert palm.extents == pytest.approx([0.1, 0.06, 0.05])
 
 
@@ -25,4 +25,4 @@ def test_a_mesh_that_cannot_be_used_is_named(tmp_path, content):
     elif content:
         path.write_text(content)
     with pytest.raises(UserError, match=r"the mesh .*palm\.obj of a gripper cannot be used: "):
-        palm_of(Gripper(opening=0.05, mesh=str(path)))
+        palm_mesh(Gripper(opening=0.05, mesh=str(path)))

@@ -1,0 +1,241 @@
+"""The functions of `import egad` that take a mesh: measure, compare, scale, grasp, decompose."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+from numpy.typing import ArrayLike, NDArray
+
+from egad.errors import UserError
+from egad.exchange.grippers import palm_mesh
+from egad.geometry import convex_parts as decomposition
+from egad.geometry import scaling
+from egad.geometry import stable_poses as resting
+from egad.geometry.mass import mass_properties
+from egad.geometry.repair import repair as repair_mesh
+from egad.grasps.grasps import Grasps
+from egad.grasps.gripper import Gripper, as_gripper
+from egad.grasps.labels import label
+from egad.grasps.parameters import GraspLabel, LabelParameters, Quality, Robust, Sampling
+from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
+from egad.measures.measure import graded
+from egad.measures.parameters import Axes, Complexity, Difficulty, MeasureParameters, Space
+from egad.random import generator
+from egad.reeb import graph as reeb
+from egad.reeb import similarity as matching
+from egad.reeb.parameters import Similarity
+
+Floats = NDArray[np.float64]
+Cell = tuple[int, int]
+
+
+class Measures(NamedTuple):
+    """Where an object lies in EGAD's space.
+
+    Attributes:
+        complexity: Entropy of the angular deficits of its vertices, bits.
+        difficulty: Percentile of the quality of its sampled grasps: high is easy to grasp.
+        difficulty_std: Standard error of the percentile, as if the grasps were independent.
+        cell: Of the grid, (complexity, difficulty): 0 is simplest and easiest.
+        label: Name of the cell, such as `M14`: row M in difficulty, column 14 in complexity.
+    """
+
+    complexity: float
+    difficulty: float
+    difficulty_std: float
+    cell: Cell
+    label: str
+
+
+def measure(
+    mesh: trimesh.Trimesh, gripper: Gripper | str = "yumi", *, grasps: int = 1000, seed: int = 0
+) -> Measures:
+    """Complexity and grasp difficulty of a mesh.
+
+    The mesh is repaired, then scaled until its smallest side is 80 % of the opening of the
+    gripper, so its size and unit do not matter. The same mesh and seed give the same values.
+
+    Args:
+        mesh: Any mesh, in any unit.
+        gripper: The gripper that grasps are sampled for, or its name. The published labels are
+            for `yumi`.
+        grasps: Grasps that the percentile is taken from.
+        seed: Of the grasps.
+
+    Raises:
+        RejectedError: The mesh cannot be repaired, is flat, or has no grasp.
+        UserError: There is no gripper of this name.
+
+    Source: EGAD (Morrison, Corke and Leitner 2020), section III.
+    """
+    solid = repair_mesh(mesh).mesh
+    place = graded(solid, _measure_parameters(as_gripper(gripper), seed), grasps)
+    space = Space()
+    cell = (
+        int(complexity_cells(place.complexity, space)),
+        int(difficulty_cells(place.difficulty, space)),
+    )
+    return Measures(
+        place.complexity, place.difficulty, place.difficulty_std, cell, cell_name(*cell)
+    )
+
+
+def _measure_parameters(gripper: Gripper, seed: int) -> MeasureParameters:
+    """The default parameters of the measures."""
+    return MeasureParameters(
+        seed=seed,
+        gripper=gripper,
+        axes=Axes(),
+        complexity=Complexity(),
+        difficulty=Difficulty(),
+        similarity=Similarity(),
+        sampling=Sampling(),
+        quality=Quality(),
+        robust=None,
+    )
+
+
+def similarity(first: trimesh.Trimesh, second: trimesh.Trimesh) -> float:
+    """Similarity of two shapes by their Reeb graphs: 1 for equal ones, 0 for nothing in common.
+
+    Args:
+        first: A mesh, in any unit.
+        second: Another one.
+
+    Raises:
+        RejectedError: A mesh cannot be repaired or has no Reeb graph.
+
+    Source: Hilaga et al., Topology Matching, SIGGRAPH 2001.
+    """
+    return float(similarity_matrix([first, second])[0, 1])
+
+
+def similarity_matrix(meshes: Sequence[trimesh.Trimesh]) -> Floats:
+    """Similarities of all pairs of n shapes, (n, n): symmetric, with 1 on the diagonal.
+
+    Args:
+        meshes: The shapes, each in any unit.
+
+    Raises:
+        RejectedError: A mesh cannot be repaired or has no Reeb graph.
+    """
+    parameters = Similarity()
+    graphs = [reeb.extract(repair_mesh(mesh).mesh, parameters) for mesh in meshes]
+    return matching.similarity_matrix(graphs, parameters.weight)
+
+
+def rescale(
+    mesh: trimesh.Trimesh,
+    gripper: Gripper | str,
+    rule: str = "paper",
+    *,
+    side_fraction: float = 0.8,
+) -> tuple[trimesh.Trimesh, float]:
+    """Scale an object about the origin of its coordinates to fit a gripper.
+
+    Args:
+        mesh: Metres; not changed.
+        gripper: The gripper, or its name.
+        rule: `paper`: the smallest side of the minimum-volume box becomes at most the fraction of
+            the opening, smaller objects stay as they are. `egad-script`: the longest side becomes
+            the opening, then as `paper`. `exact`: the smallest side becomes the fraction.
+        side_fraction: Part of the opening that the rule aims at.
+
+    Returns:
+        The scaled mesh, and the factor.
+
+    Raises:
+        RejectedError: The mesh is flat.
+        UserError: There is no such gripper or rule.
+    """
+    scaled, row = scaling.rescale(mesh, rule, as_gripper(gripper).opening, side_fraction)
+    return scaled, row["factor"]
+
+
+def sample_grasps(
+    mesh: trimesh.Trimesh,
+    gripper: Gripper | str,
+    n: int = 500,
+    *,
+    seed: int = 0,
+    friction: float = 0.5,
+    center_of_mass: ArrayLike | None = None,
+) -> Grasps:
+    """Sample antipodal grasps of a mesh, with their quality and collisions of the hand.
+
+    Args:
+        mesh: A closed mesh in metres, as it is grasped: see `rescale`.
+        gripper: The gripper, or its name.
+        n: Most grasps; fewer if no more are found that are 2.5 mm apart.
+        seed: The same mesh and seed give the same grasps.
+        friction: Coulomb friction coefficient of the contacts.
+        center_of_mass: (3,) metres; by default that of a solid of uniform density.
+
+    Returns:
+        At least one grasp, in the frame of the mesh.
+
+    Raises:
+        RejectedError: There is no grasp; the text says what became of the candidates.
+        UserError: There is no gripper of this name.
+
+    Source: Mahler et al., Dex-Net 2.0, RSS 2017 (sampling); Ferrari and Canny, ICRA 1992 (quality).
+    """
+    hand = as_gripper(gripper)
+    parameters = LabelParameters(
+        seed=seed,
+        gripper=hand,
+        grasp_label=GraspLabel(grasps=n),
+        sampling=Sampling(),
+        quality=Quality(friction=friction),
+        robust=Robust(),
+    )
+    com = _center(mesh, center_of_mass)
+    rng = generator(seed, "sample_grasps")
+    return Grasps(label(mesh, com, parameters, rng, palm_mesh(hand)))
+
+
+def convex_parts(
+    mesh: trimesh.Trimesh, *, max_parts: int = 256, volume_error: float = 0.06
+) -> list[trimesh.Trimesh]:
+    """Convex meshes that together stand for a solid, for physics engines.
+
+    Args:
+        mesh: A closed surface, in any unit.
+        max_parts: Most parts.
+        volume_error: The parts may exceed the solid by this fraction of its volume.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
+    """
+    return decomposition.convex_parts(mesh, max_parts, volume_error)
+
+
+def stable_poses(
+    mesh: trimesh.Trimesh, center_of_mass: ArrayLike | None = None
+) -> list[resting.StablePose]:
+    """The poses in which a solid can rest on a table, the most probable first.
+
+    Args:
+        mesh: Any surface, in any unit; only its convex hull counts.
+        center_of_mass: (3,) in the unit of the mesh; by default that of a solid of uniform density.
+
+    Returns:
+        At least one pose; the probabilities add up to 1.
+
+    Raises:
+        RejectedError: The mesh is flat, or the centre of mass is not inside its hull.
+
+    Source: after Goldberg et al., Part pose statistics, 1999.
+    """
+    return resting.stable_poses(mesh, _center(mesh, center_of_mass))
+
+
+def _center(mesh: trimesh.Trimesh, given: ArrayLike | None) -> Floats:
+    """The centre of mass that is given, or that of the solid."""
+    if given is None:
+        return mass_properties(mesh, 1.0).com
+    found = np.asarray(given, dtype=np.float64)
+    if found.shape != (3,) or not np.isfinite(found).all():
+        raise UserError(f"a center of mass is 3 finite numbers, got {given!r}")
+    return found

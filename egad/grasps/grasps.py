@@ -1,0 +1,151 @@
+"""Grasps of a parallel-jaw hand as arrays and as a table: what the functions of `egad` return."""
+
+from typing import Any, Self
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from egad.errors import UserError
+from egad.grasps.poses import hand_poses
+
+Floats = NDArray[np.float64]
+POINTS = ("center", "contact0", "contact1")
+DIRECTIONS = ("axis", "approach", "normal0", "normal1")
+RIGID = 1e-6  # largest entry of R^T R - 1
+
+
+class Grasps:
+    """Grasps of a parallel-jaw hand, in the frame of the object, metres.
+
+    `len(grasps)`, `grasps[:10]`, `grasps[grasps.quality > 0.002]` and `grasps[order]` work as for
+    arrays, and give `Grasps` again.
+    """
+
+    def __init__(self, table: pd.DataFrame) -> None:
+        """Wrap a table.
+
+        Args:
+            table: A row a grasp, with the columns of `tables.grasping.GRASPS`; `id` and `label`
+                may be absent.
+        """
+        self._table = table.reset_index(drop=True)
+
+    def __len__(self) -> int:
+        return len(self._table)
+
+    def __getitem__(self, chosen: int | slice | ArrayLike) -> Self:
+        """Some of the grasps: an index, a slice, an array of indices, or (n,) booleans."""
+        index = np.arange(len(self))[chosen if isinstance(chosen, slice) else np.asarray(chosen)]
+        return type(self)(self._table.iloc[np.atleast_1d(index)])
+
+    def __repr__(self) -> str:
+        return f"Grasps({len(self)})"
+
+    @property
+    def poses(self) -> Floats:
+        """(n, 4, 4) poses of the hand.
+
+        They map from the frame of the hand to that of the object. The origin of the hand is midway
+        between the contacts, x is the closing axis, z the approach direction.
+        """
+        return hand_poses(*(vectors(self._table, name) for name in ("center", "axis", "approach")))
+
+    @property
+    def contacts(self) -> Floats:
+        """(n, 2, 3) contact points, metres."""
+        return np.stack([vectors(self._table, f"contact{i}") for i in (0, 1)], axis=1)
+
+    @property
+    def normals(self) -> Floats:
+        """(n, 2, 3) outward unit normals of the surface at the contacts."""
+        return np.stack([vectors(self._table, f"normal{i}") for i in (0, 1)], axis=1)
+
+    @property
+    def widths(self) -> Floats:
+        """(n,) distances of the two contacts, metres."""
+        return self._column("width")
+
+    @property
+    def quality(self) -> Floats:
+        """(n,) Ferrari-Canny quality; 0 if the grasp slips."""
+        return self._column("quality")
+
+    @property
+    def robust_quality(self) -> Floats:
+        """(n,) mean Ferrari-Canny quality over perturbed copies of the grasp."""
+        return self._column("robust_quality")
+
+    @property
+    def collision_free(self) -> NDArray[np.bool_]:
+        """(n,) whether the open hand reaches the grasp without touching the object."""
+        return np.asarray(self._table["collision_free"], dtype=bool)
+
+    def sorted_by(self, column: str = "quality") -> Self:
+        """The grasps in descending order of a column, equals in the order that they have.
+
+        Raises:
+            UserError: There is no such column.
+        """
+        if column not in self._table:
+            names = ", ".join(map(str, self._table.columns))
+            raise UserError(f"grasps have no column {column!r}; allowed: {names}")
+        return type(self)(self._table.sort_values(column, ascending=False, kind="stable"))
+
+    def of(self, label: str) -> Self:
+        """The grasps of one object of a dataset, by its label.
+
+        Raises:
+            UserError: The grasps are of a single object, or there are none of this label.
+        """
+        if "label" not in self._table:
+            raise UserError("these grasps are of a single object, which has no label")
+        rows = self._table[self._table["label"] == label]
+        if rows.empty:
+            raise UserError(f"there are no grasps of an object {label!r}")
+        return type(self)(rows)
+
+    def transformed(self, matrix: ArrayLike) -> Self:
+        """The same grasps in another frame.
+
+        Args:
+            matrix: (4, 4) rigid transform from the frame of the object to the new one.
+
+        Raises:
+            UserError: The matrix is not a rigid transform.
+        """
+        rotation, shift = _rigid(matrix)
+        moved = self._table.copy()
+        for name in POINTS:
+            moved[_columns(name)] = vectors(moved, name) @ rotation.T + shift
+        for name in DIRECTIONS:
+            moved[_columns(name)] = vectors(moved, name) @ rotation.T
+        return type(self)(moved)
+
+    def to_frame(self) -> pd.DataFrame:
+        """A copy of the table: a row a grasp, columns as in `results/README.md`."""
+        return self._table.copy()
+
+    def _column(self, name: str) -> Floats:
+        return self._table[name].to_numpy(dtype=np.float64)
+
+
+def vectors(frame: pd.DataFrame, name: str) -> Floats:
+    """The columns `NAME_x`, `NAME_y`, `NAME_z` as (n, 3)."""
+    return np.asarray(frame[_columns(name)], dtype=np.float64).reshape(-1, 3)
+
+
+def _columns(name: str) -> list[Any]:
+    return [f"{name}_{part}" for part in "xyz"]
+
+
+def _rigid(matrix: ArrayLike) -> tuple[Floats, Floats]:
+    """Rotation (3, 3) and translation (3,) of a transform."""
+    whole = np.asarray(matrix, dtype=np.float64)
+    if whole.shape != (4, 4) or not np.isfinite(whole).all():
+        raise UserError(f"a transform is a finite (4, 4) matrix, not one of shape {whole.shape}")
+    rotation, last = whole[:3, :3], whole[3]
+    off = np.abs(rotation.T @ rotation - np.eye(3)).max()
+    if off > RIGID or np.linalg.det(rotation) < 0 or np.abs(last - [0, 0, 0, 1]).max() > RIGID:
+        raise UserError("the transform is not rigid: only a rotation and a translation are allowed")
+    return rotation, whole[:3, 3]

@@ -1,0 +1,148 @@
+"""The functions of `import egad`, as a user calls them."""
+
+import subprocess
+import sys
+
+import igl
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+
+import egad
+from egad.errors import RejectedError, UserError
+from egad.grasps.quality import ferrari_canny
+
+
+@pytest.fixture(scope="module")
+def mug():
+    """A closed mesh that is neither convex nor symmetric, metres."""
+    body = trimesh.creation.annulus(0.02, 0.025, 0.07)
+    handle = trimesh.creation.box((0.03, 0.01, 0.04)).apply_translation((0.035, 0, 0.01))
+    return trimesh.boolean.union([body, handle], engine="manifold")
+
+
+@pytest.fixture(scope="module")
+def grasps(mug):
+    return egad.sample_grasps(mug, "panda", n=60, seed=3)
+
+
+def test_importing_egad_loads_no_heavy_package():
+    heavy = ("numpy", "pandas", "numba", "trimesh", "h5py", "snakemake")
+    code = f"import sys, egad; print([name for name in {heavy} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_every_public_name_can_be_imported_and_is_documented():
+    for name in egad.__all__:
+        assert getattr(egad, name).__doc__, name
+    with pytest.raises(AttributeError, match="load_grips"):
+        egad.load_grips  # noqa: B018
+
+
+def test_a_released_object_has_the_measures_of_its_label():
+    """Its label comes from an evaluation with other grasps, so it may lie in the next cell."""
+    objects = egad.load("released")
+    for label in ("E08_0", "M14_3", "U18_1"):
+        found = egad.measure(objects[label].mesh)
+        assert found.cell[0] == int(label[1:3])
+        assert abs(found.cell[1] - "ABCDEFGHIJKLMNOPQRSTUVWXY".index(label[0])) <= 1
+        assert found.label == f"{'ABCDEFGHIJKLMNOPQRSTUVWXY'[found.cell[1]]}{found.cell[0]:02}"
+
+
+def test_measures_do_not_depend_on_the_unit_and_repeat(mug):
+    first = egad.measure(mug, grasps=200)
+    large = egad.measure(mug.copy().apply_scale(1024), grasps=200)
+    assert large[:3] == pytest.approx(first[:3])
+    assert egad.measure(mug, grasps=200) == first
+    assert egad.measure(mug, grasps=200, seed=1).difficulty != first.difficulty
+
+
+def test_similarity_is_one_for_a_turned_copy_and_less_for_another_shape(mug):
+    turned = mug.copy().apply_transform(trimesh.transformations.rotation_matrix(1, (1, 2, 3)))
+    box = trimesh.creation.box((0.02, 0.03, 0.05))
+    matrix = egad.similarity_matrix([mug, turned, box])
+    assert matrix == pytest.approx(matrix.T)
+    assert np.diag(matrix) == pytest.approx(1)
+    assert matrix[0, 1] > 0.9 > matrix[0, 2]
+    assert egad.similarity(mug, box) == matrix[0, 2]
+
+
+def test_rescaling_makes_the_smallest_side_fit():
+    box = trimesh.creation.box((0.1, 0.2, 0.3))
+    scaled, factor = egad.rescale(box, "panda", "exact")
+    assert factor == pytest.approx(0.8 * 0.08 / 0.1)
+    assert np.sort(scaled.extents) == pytest.approx(factor * np.array([0.1, 0.2, 0.3]))
+    same, one = egad.rescale(box, egad.Gripper(opening=1.0))
+    assert one == 1
+    assert same.vertices == pytest.approx(box.vertices)
+    with pytest.raises(UserError, match="allowed: paper, egad-script, exact"):
+        egad.rescale(box, "panda", "best")
+
+
+def test_grasps_touch_the_object_within_the_opening(mug, grasps):
+    assert len(grasps) == 60
+    points = grasps.contacts.reshape(-1, 3)
+    squares, *_ = igl.point_mesh_squared_distance(points, mug.vertices, mug.faces)
+    assert np.sqrt(squares.max()) < 1e-6
+    spans = np.linalg.norm(grasps.contacts[:, 1] - grasps.contacts[:, 0], axis=1)
+    assert grasps.widths == pytest.approx(spans)
+    assert spans.max() <= egad.gripper("panda").opening
+
+
+def test_poses_close_along_x_about_the_middle_of_the_contacts(grasps):
+    poses, contacts = grasps.poses, grasps.contacts
+    assert poses[:, :3, 3] == pytest.approx(contacts.mean(axis=1))
+    along = np.einsum(
+        "nij,nj->ni", poses[:, :3, :3].transpose(0, 2, 1), np.diff(contacts, axis=1)[:, 0]
+    )
+    assert along == pytest.approx(np.outer(grasps.widths, [1, 0, 0]), abs=1e-9)
+    identity = np.einsum("nij,nik->njk", poses[:, :3, :3], poses[:, :3, :3])
+    assert identity == pytest.approx(np.tile(np.eye(3), (len(grasps), 1, 1)), abs=1e-9)
+    assert np.linalg.det(poses) == pytest.approx(np.ones(len(grasps)))
+
+
+def test_quality_is_ferrari_canny_about_the_centre_of_mass(mug, grasps):
+    axes = grasps.poses[:, :3, 0]
+    expected = ferrari_canny(grasps.contacts, grasps.normals, axes, mug.center_mass)
+    assert grasps.quality == pytest.approx(expected)
+    off = egad.sample_grasps(mug, "panda", n=60, seed=3, center_of_mass=(0.05, 0, 0))
+    assert off.quality == pytest.approx(
+        ferrari_canny(off.contacts, off.normals, off.poses[:, :3, 0], np.array([0.05, 0, 0]))
+    )
+
+
+def test_the_same_seed_gives_the_same_grasps(mug, grasps):
+    again = egad.sample_grasps(mug, egad.gripper("panda"), n=60, seed=3)
+    pd.testing.assert_frame_equal(again.to_frame(), grasps.to_frame())
+    other = egad.sample_grasps(mug, "panda", n=60, seed=4)
+    assert not np.array_equal(other.contacts, grasps.contacts)
+
+
+def test_an_object_that_is_too_wide_has_no_grasp():
+    with pytest.raises(RejectedError, match=r"no grasp \(of .* too wide"):
+        egad.sample_grasps(trimesh.creation.box((0.2, 0.2, 0.2)), "panda")
+
+
+def test_a_box_is_one_convex_part_that_rests_on_six_faces():
+    box = trimesh.creation.box((0.04, 0.04, 0.04))
+    (part,) = egad.convex_parts(box)
+    assert part.volume == pytest.approx(box.volume)
+    poses = egad.stable_poses(box)
+    assert [pose.probability for pose in poses] == pytest.approx([1 / 6] * 6)
+    low = egad.stable_poses(box, center_of_mass=(0, 0, -0.015))
+    assert low[0].height == pytest.approx(0.005)
+    with pytest.raises(UserError, match="3 finite numbers"):
+        egad.stable_poses(box, center_of_mass=(0, 0))
+
+
+def test_an_unknown_gripper_is_told_with_those_that_there_are():
+    with pytest.raises(UserError, match="gripper 'pandda' is not known; did you mean panda"):
+        egad.gripper("pandda")
+
+
+@pytest.mark.parametrize("opening", [0, -0.1, float("nan"), 20])
+def test_a_gripper_that_cannot_open_is_refused(opening):
+    with pytest.raises(ValueError, match="opening"):
+        egad.Gripper(opening=opening)
