@@ -14,3 +14,5 @@ from .grasps.gripper import gripper as gripper
 from .objects import Dataset as Dataset
 from .objects import EvolvedObject as EvolvedObject
 from .objects import load as load
+
+__version__: str
