@@ -67,7 +67,7 @@ def _read(package: Path, module: str) -> tuple[str, frozenset[str]]:
         name
         for node in ast.walk(tree)
         for target in _targets(node, here)
-        for name in _with_parents(target)
+        for name in _with_parents(_resolved(package, target))
         if _source(package, name) is not None
     }
     _drop_docstrings(tree)
@@ -83,6 +83,23 @@ def _targets(node: ast.AST, here: str) -> Iterator[str]:
         start = parts[: len(parts) + 1 - node.level] if node.level else []
         base = ".".join([*start, *([node.module] if node.module else [])])
         yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+def _resolved(package: Path, target: str) -> str:
+    """The module that a name really comes from, where a package offers it in `__init__.pyi`."""
+    base, _, name = target.rpartition(".")
+    return _offered(package, base).get(name, target)
+
+
+@cache
+def _offered(package: Path, module: str) -> dict[str, str]:
+    """Names that the stub of a package re-exports, and the module that each comes from."""
+    path = _source(package, module)
+    stub = path.with_suffix(".pyi") if path else None
+    if stub is None or not stub.is_file():
+        return {}
+    nodes = [n for n in ast.parse(stub.read_bytes()).body if isinstance(n, ast.ImportFrom)]
+    return {alias.name: f"{module}.{node.module}" for node in nodes for alias in node.names}
 
 
 def _with_parents(name: str) -> Iterator[str]:
@@ -103,14 +120,14 @@ def _source(package: Path, module: str) -> Path | None:
 
 
 def _other_files(package: Path, module: str) -> list[Path]:
-    """Files in the folder of a subpackage, and below it, that are not Python."""
+    """Files in the folder of a subpackage, and below it, that are neither code nor stubs."""
     path = _source(package, module)
     if path is None or path.name != "__init__.py":
         return []
     return sorted(
         file
         for file in path.parent.rglob("*")
-        if file.is_file() and file.suffix != ".py" and "__pycache__" not in file.parts
+        if file.is_file() and file.suffix not in (".py", ".pyi") and "__pycache__" not in file.parts
     )
 
 

@@ -8,13 +8,13 @@ from egad.pipeline.code_version import code_version, imported
 
 FILES = {
     "__init__.py": "__version__ = '1'\n",
-    "settings/__init__.py": "from toy.settings.base import DEFAULT\n",
-    "settings/base.py": "DEFAULT = 1\n",
+    "config/__init__.py": "from toy.config.base import DEFAULT\n",
+    "config/base.py": "DEFAULT = 1\n",
     "unused.py": "X = 1\n",
     "stages/__init__.py": '"""Stages."""\n',
     "stages/evolve.py": """\
-        from toy import settings
-        from toy.settings.base import DEFAULT
+        from toy import config
+        from toy.config.base import DEFAULT
         from toy.shapes.cppn import query
         import numpy as np
 
@@ -111,6 +111,22 @@ def test_circular_imports_end(make):
     )
 
 
+def test_a_name_that_a_package_offers_stands_for_its_module(make):
+    """Only the module behind the name counts, not its siblings."""
+    shapes = "import lazy_loader\n"
+
+    def version(**changes):
+        package = make(shapes____init__=shapes, late="from toy.shapes import query\n", **changes)
+        (package / "shapes/__init__.pyi").write_text(
+            "from .cppn import query as query\nfrom .other import thing as thing\n"
+        )
+        return code_version("toy.late", package)
+
+    first = version(shapes__other="thing = 1\n")
+    assert version(shapes__other="thing = 2\n") == first
+    assert version(shapes__other="thing = 1\n", shapes__voxels="SIZE = 3\n") != first
+
+
 def test_an_unknown_module_is_an_error(make):
     with pytest.raises(ModuleNotFoundError, match=r"toy\.stages\.evlove"):
         code_version("toy.stages.evlove", make())
@@ -139,11 +155,11 @@ def test_reading_the_source_finds_what_importing_finds():
     loaded = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
-    assert imported(stage) == {
+    names = set(loaded.stdout.split())
+    packages = {name.rpartition(".")[0] for name in names}  # some are loaded for parameters only
+    expected = {
         name
-        for name in loaded.stdout.split()
-        if name
-        not in ("egad", "egad._util.kernel_cache")  # the top module, and what it alone imports
-        and not name.startswith("egad.pipeline.config")
-        and not name.endswith(".parameters")
+        for name in names - packages - {"egad._util.kernel_cache"}  # that the top module imports
+        if not name.startswith("egad.pipeline.config") and not name.endswith(".parameters")
     }
+    assert imported(stage) - packages == expected
