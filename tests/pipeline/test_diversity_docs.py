@@ -16,13 +16,14 @@ from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS
 from egad.tables.training import COMPARED
 
-DOCS = Path(__file__).parents[2] / "docs"
+ROOT = Path(__file__).parents[2]
+EXPERIMENTS = ROOT / "experiments"
 NAMES = [f"o{number:02}" for number in range(30)]
 
 
 @pytest.fixture(scope="module")
 def twins():
-    return runpy.run_path(str(DOCS / "twins.py"))
+    return runpy.run_path(str(EXPERIMENTS / "twins.py"))
 
 
 def write(schema, rows, path):
@@ -59,7 +60,7 @@ def test_overlaps_are_those_of_sets_of_voxels(twins):
 
 
 def test_what_is_learnt_from_is_of_the_set_and_not_of_the_evaluation_set(twins, dataset):
-    settings = settings_in(DOCS.parent / "config/diversity.yaml")
+    settings = settings_in(ROOT / "config/diversity.yaml")
     found = {
         name: set(twins["learnt"](settings, name, dataset, "egad_75mm"))
         for name in ("evolved", "simple", "complex")
@@ -74,7 +75,7 @@ def test_every_set_of_the_dataset_has_its_twins(twins, dataset, capsys):
     twins["main"](dataset, "egad_75mm")
     head, _, *lines = capsys.readouterr().out.splitlines()
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
-    settings = settings_in(DOCS.parent / "config/diversity.yaml")
+    settings = settings_in(ROOT / "config/diversity.yaml")
     sets = settings.training_sets
     assert [row[0] for row in rows] == [
         f"`{name}`" for name in settings.diversity.sets if sets[name].dataset == "egad"
@@ -84,7 +85,7 @@ def test_every_set_of_the_dataset_has_its_twins(twins, dataset, capsys):
 
 
 def test_luck_of_trainings_is_no_news_to_the_test_only_where_there_is_none():
-    by_luck = runpy.run_path(str(DOCS / "luck.py"))["by_luck"]
+    by_luck = runpy.run_path(str(EXPERIMENTS / "luck.py"))["by_luck"]
     by_luck.__globals__["REPEATS"] = 200
     assert by_luck(0.0, 0.0) < 0.1
     assert by_luck(0.0, 0.1) < 0.1
@@ -134,8 +135,8 @@ def tables(text):
 
 def test_tables_of_the_experiment_are_counts_of_its_attempts(tried, monkeypatch, capsys):
     path, table = tried
-    program = runpy.run_path(str(DOCS / "diversity.py"))
-    monkeypatch.setitem(program["main"].__globals__, "HERE", path.parent)
+    program = runpy.run_path(str(EXPERIMENTS / "diversity.py"))
+    monkeypatch.setitem(program["main"].__globals__, "DOCS", path.parent)
     program["main"](path)
     text = capsys.readouterr().out
     said = tables(text)
