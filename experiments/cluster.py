@@ -15,7 +15,7 @@ def main(folders: list[Path]) -> None:
     """Print the most that a job of each rule took, and what it asks for."""
     jobs = pd.concat([job(path) for folder in folders for path in folder.rglob("*.tsv")])
     most = jobs.groupby("rule")[["max_rss", "max_pss", "cpu_time"]].max()
-    print("| rule | memory, MB | shared counted once | CPU time, s | asks for MB | minutes |")
+    print("| rule | memory, MB | shared counted once | CPU time, s | requested MB | minutes |")
     print("| --- " * 6 + "|")
     for rule, (memory, of_thread, minutes) in NEEDS.items():
         took = [f"{most.at[rule, name]:.0f}" if rule in most.index else "-" for name in most]

@@ -38,15 +38,21 @@ def pose(name: str, meaning: str) -> list[pa.Field]:
     return [*position, *vector(name, f"{meaning}, quaternion", parts=POSE_PARTS[3:])]
 
 
-ID = column("id", STRING, "name of the object within its dataset, never reused for another shape")
-LABEL = column("label", STRING, "name for people and files: difficulty letter, complexity, index")
+ID = column("id", STRING, "name of the object in its dataset, never reused for another shape")
+LABEL = column(
+    "label",
+    STRING,
+    "readable name, used in file names: difficulty letter, complexity, index",
+)
 COMPLEXITY = column("complexity", FLOAT, "entropy of the angular deficits", "bit")
-DIFFICULTY = column("difficulty", FLOAT, "percentile of grasp quality: high is easy")
+DIFFICULTY = column("difficulty", FLOAT, "percentile of grasp quality, high for easy objects")
 CELLS = [
     column("complexity_cell", INT, "cell along complexity, 0 = simplest"),
     column("difficulty_cell", INT, "cell along difficulty, 0 = easiest"),
 ]
 QUALITY = column("quality", FLOAT, "Ferrari-Canny quality")
-ROBUST_QUALITY = column("robust_quality", FLOAT, "mean quality over disturbed copies")
-HELD = column("held", FLOAT, "fraction of the disturbed copies with positive quality")
+ROBUST_QUALITY = column("robust_quality", FLOAT, "mean quality over disturbed copies of the grasp")
+HELD = column(
+    "held", FLOAT, "robust success rate: fraction of disturbed copies with positive quality"
+)
 DIVERSITY = column("diversity", FLOAT, "mean distance to the nearest objects of the dataset")

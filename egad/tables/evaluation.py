@@ -29,7 +29,11 @@ EVAL49 = pa.schema(
         column("object_label", STRING, "label of the object in its dataset"),
         column("row", INT, "row of the coarse grid, 0 = easiest"),
         column("column", INT, "column of the coarse grid, 0 = simplest"),
-        column("borrowed", BOOL, "whether it lies in a cell beside this one, which had no object"),
+        column(
+            "borrowed",
+            BOOL,
+            "whether it comes from a neighbouring cell, as this one had no object",
+        ),
         COMPLEXITY,
         DIFFICULTY,
         *CELLS,
@@ -46,14 +50,14 @@ MANIFEST = pa.schema(
         *vector("place", "lowest corner on the plate", "mm", "xy"),
         *vector("extents", "sides of the axis-aligned box as printed", "mm"),
         column("volume", FLOAT, "volume of the solid", "mm3"),
-        column("filament", FLOAT, "mass of the filament, without supports, estimated", "g"),
+        column("filament", FLOAT, "estimated mass of the filament, without supports", "g"),
         column("pose", STRING, "how the pose was chosen: stable or overhang"),
-        column("pose_probability", FLOAT, "chance of coming to rest in this pose when dropped"),
+        column("pose_probability", FLOAT, "probability of resting in this pose when dropped"),
         column("overhang", FLOAT, "area that needs support", "mm2"),
         column("contact", FLOAT, "area of the first layer", "mm2"),
-        column("factor", FLOAT, "scaled size / size in meshes/"),
+        column("factor", FLOAT, "scaled size / size of the mesh in meshes/"),
         column("engraved", BOOL, "whether its label is cut into it"),
-        column("settings", STRING, "how to print it"),
+        column("settings", STRING, "recommended print settings"),
         column("note", STRING, "what to know before printing; empty if nothing"),
     ]
 )
@@ -63,19 +67,21 @@ BUNDLE = pa.schema(
         column("label", STRING, "name in the evaluation set, and of its folder"),
         ID,
         column("method", STRING, "how the convex parts were made: cut or coacd"),
-        column("parts", INT, "convex parts"),
-        column("volume_error", FLOAT, "volume of the parts together / volume of the object - 1"),
-        column("deviation", FLOAT, "how far the parts stick out of the object at most", "m"),
-        column("within", BOOL, "whether the volume error is within the bound of the settings"),
-        column("poses", INT, "poses at rest in poses.json"),
+        column("parts", INT, "number of convex parts"),
+        column("volume_error", FLOAT, "total volume of the parts / volume of the object - 1"),
+        column(
+            "deviation", FLOAT, "largest distance of a part beyond the surface of the object", "m"
+        ),
+        column("within", BOOL, "whether the volume error is within the limit of the settings"),
+        column("poses", INT, "number of stable poses in poses.json"),
         column("volume", FLOAT, "volume of the solid", "m3"),
-        column("density", FLOAT, "density that mass and inertia are for", "kg/m3"),
-        column("friction", FLOAT, "sliding friction in the descriptions"),
+        column("density", FLOAT, "density that mass and inertia are computed with", "kg/m3"),
+        column("friction", FLOAT, "sliding friction in URDF and MJCF"),
         column("mass", FLOAT, "mass", "kg"),
-        *vector("com", "centre of mass in the frame of the mesh", "m"),
+        *vector("com", "center of mass in the frame of the mesh", "m"),
         *vector(
             "inertia",
-            "moment of inertia about the centre of mass",
+            "moment of inertia about the center of mass",
             "kg m2",
             ("xx", "yy", "zz", "xy", "xz", "yz"),
         ),
@@ -85,14 +91,14 @@ BUNDLE = pa.schema(
 RESULTS = pa.schema(
     [
         PLACE,
-        column("id", STRING, "name of the object within its dataset; empty on a real robot"),
+        column("id", STRING, "name of the object in its dataset; empty on a real robot"),
         column("attempt", INT, "number of the attempt"),
         SUCCESS,
         column("outcome", STRING, "as in the table of simulated trials, slipped or other"),
-        column("quality", FLOAT, "quality that the detector gave; null if it gave none"),
+        column("quality", FLOAT, "quality that the detector predicted; null if it gave none"),
         column("detector", STRING, "name of the grasp detector"),
         column(
-            "start", STRING, "pose that the object fell from, in hexadecimal; empty on a real robot"
+            "start", STRING, "initial pose of the object, in hexadecimal; empty on a real robot"
         ),
     ]
 )
@@ -110,16 +116,20 @@ TRIALS = pa.schema(
             "success, collided, missed, slipped_closing, slipped_lifting, dropped, failed, "
             "crashed, no_grasp, not_finite, too_wide, below_table, error or timeout",
         ),
-        column("begun", STRING, "how the object came to lie there: dropped, from_hand or left"),
-        *pose("start", "where the object fell from: centre of mass and principal axes, world"),
-        *vector("grasp", "grasp centre chosen by the detector, world frame", "m"),
+        column(
+            "begun",
+            STRING,
+            "how the attempt began: dropped, released by the hand (from_hand) or left",
+        ),
+        *pose("start", "initial pose (center of mass, principal axes) in the world frame"),
+        *vector("grasp", "center of the grasp that was tried, world frame", "m"),
         column("angle", FLOAT, "angle of the closing axis about the vertical", "rad"),
         column("width", FLOAT, "opening that the detector asked for", "m"),
-        column("depth", FLOAT, "how far the fingertips were to reach below the centre", "m"),
-        column("quality", FLOAT, "quality that the detector gave"),
+        column("depth", FLOAT, "how far the fingertips should reach below the center", "m"),
+        column("quality", FLOAT, "quality that the detector predicted"),
         column("lifted", FLOAT, "height gained by the object at the end", "m"),
-        *pose("end", "where the object was at the end, as its start"),
-        column("parts", INT, "convex parts of the simulated object"),
+        *pose("end", "final pose in the same frames"),
+        column("parts", INT, "number of convex parts of the simulated object"),
         column("volume_error", FLOAT, "volume of the parts / volume of the object - 1"),
     ]
 )
@@ -140,7 +150,7 @@ AGREEMENT = pa.schema(
             "crashed",
         ),
         column("lifted", FLOAT, "height gained by the object at the end", "m"),
-        column("labelled", INT, "labelled grasps of the object"),
-        column("free", INT, "of these, free of collision: what the sample was drawn from"),
+        column("labelled", INT, "number of labelled grasps of the object"),
+        column("free", INT, "of these, the collision-free ones, from which the sample was drawn"),
     ]
 )

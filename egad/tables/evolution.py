@@ -37,9 +37,9 @@ ARCHIVE = pa.schema(
         DIFFICULTY,
         DIVERSITY,
         *CELLS,
-        column("slot", INT, "index within the cell, 0 = most diverse"),
-        column("parents", pa.list_(STRING), "ids of the parents; none for a random genome"),
-        column("epoch", INT, "epoch that the object was born in"),
+        column("slot", INT, "slot of the object in its cell, 0 = most diverse"),
+        column("parents", pa.list_(STRING), "ids of the parents; empty for a random genome"),
+        column("epoch", INT, "epoch in which the object was created"),
     ]
 )
 
@@ -50,14 +50,18 @@ HISTORY = pa.schema(
         column("epoch", INT, "number of the epoch"),
         column("island", INT, "number of the island"),
         column("step", INT, "number of the step in its epoch"),
-        column("offspring", INT, "offspring of this step"),
+        column("offspring", INT, "number of offspring of this step"),
         column("evaluated", INT, "of these, measured and offered to the archive"),
         column("empty", INT, "of these, without any solid voxel"),
-        column("known", INT, "of these, with the voxels of another"),
-        column("elites", INT, "objects in the archive of the island after the step"),
-        column("coverage", FLOAT, "part of the places that they fill"),
-        column("filled_cells", FLOAT, "part of the cells that hold at least one"),
-        column("qd_score", FLOAT, "sum of their diversities; of every tenth step"),
-        column("cells", BINARY, "how many each cell holds, one byte each, by rows of difficulty"),
+        column("known", INT, "of these, with the same voxels as another object"),
+        column("elites", INT, "number of objects in the archive of the island after the step"),
+        column("coverage", FLOAT, "archive coverage: fraction of the slots that are filled"),
+        column("filled_cells", FLOAT, "fraction of the cells that hold at least one object"),
+        column("qd_score", FLOAT, "sum of the diversities; computed every tenth step"),
+        column(
+            "cells",
+            BINARY,
+            "number of objects in each cell, one byte each, by rows of difficulty",
+        ),
     ]
 )

@@ -28,8 +28,8 @@ GRASPS = pa.schema(
         column(
             "needed_opening",
             FLOAT,
-            "least distance of the fingers, whole boxes, at which both stand beside the object; "
-            "may be more than the gripper has",
+            "smallest opening at which both finger boxes stand beside the object; may exceed that "
+            "of the gripper",
             "m",
         ),
         *vector("contact0", "first contact", "m"),
@@ -38,7 +38,11 @@ GRASPS = pa.schema(
         *vector("normal1", "outward unit normal at the second contact"),
         QUALITY,
         ROBUST_QUALITY,
-        column("robust_quality_std", FLOAT, "standard deviation over disturbed copies"),
+        column(
+            "robust_quality_std",
+            FLOAT,
+            "standard deviation over disturbed copies",
+        ),
         HELD,
         column(
             "fits",
@@ -52,8 +56,8 @@ GRASPS = pa.schema(
             "whether the open hand touches nothing at the grasp nor on its straight way in, at the "
             "best of the approach angles tried",
         ),
-        column("angles_fit", INT, "approaches around the axis, of those tried, that fit"),
-        column("angles_free", INT, "approaches around the axis, of those tried, free of collision"),
+        column("angles_fit", INT, "number of approach angles tried at which the hand fits"),
+        column("angles_free", INT, "number of approach angles tried that are collision-free"),
     ]
 )
 
@@ -61,17 +65,19 @@ TALLY = pa.schema(
     [
         ID,
         LABEL,
-        column("wanted", INT, "grasps wanted"),
-        column("tried", INT, "candidates tried"),
-        column("too_wide", INT, "of these, without opposite surface within the opening"),
-        column("not_antipodal", INT, "of these, whose second contact faces away from the axis"),
-        column("blocked", INT, "of these, with something in the way of the open fingers"),
-        column("too_close", INT, "of these, too much like a grasp found before"),
-        column("surplus", INT, "of these, found when there were enough"),
+        column("wanted", INT, "number of grasps requested"),
+        column("tried", INT, "number of candidates sampled"),
+        column("too_wide", INT, "of these, rejected: no opposite surface within the opening"),
+        column("not_antipodal", INT, "of these, rejected: second contact faces away from the axis"),
+        column("blocked", INT, "of these, rejected: something blocks the open fingers"),
+        column("too_close", INT, "of these, rejected: too similar to a grasp found before"),
+        column("surplus", INT, "of these, not needed: enough grasps had been found"),
         column("grasps", INT, "of these, kept: the rows in the table of grasps"),
-        column("slipped", INT, "of the grasps, without quality: the axis leaves a friction cone"),
-        column("without_room", INT, "of the grasps, that the hand fits at from no angle"),
-        column("without_way", INT, "of the grasps, that it fits at but cannot come to"),
+        column("slipped", INT, "of the grasps, with quality 0: the axis leaves a friction cone"),
+        column("without_room", INT, "of the grasps, in collision at every approach angle"),
+        column(
+            "without_way", INT, "of the grasps, those that fit but have no collision-free approach"
+        ),
     ]
 )
 
@@ -86,23 +92,27 @@ SCALES = pa.schema(
         column(
             "fit_before",
             FLOAT,
-            "part of the surface, before, with opposite surface straight along the normal within "
-            "the opening",
+            "graspable fraction before: fraction of the surface with opposite surface along the "
+            "normal within the opening",
         ),
-        column("fit_after", FLOAT, "the same after"),
-        column("file", STRING, "the scaled mesh"),
+        column("fit_after", FLOAT, "graspable fraction after"),
+        column("file", STRING, "file of the scaled mesh"),
     ]
 )
 
 SIZE_EFFECT = pa.schema(
     [
-        column("name", STRING, "name in the evaluation set, or of the mesh file"),
+        column("name", STRING, "name in the evaluation set, or name of the mesh file"),
         column("fraction", FLOAT, "smallest side of the minimum-volume box over the opening"),
-        column("repeat", INT, "number of the repetition with other random numbers"),
-        column("candidates", INT, "candidate axes drawn"),
-        column("possible", INT, "those that the open fingers reach and hold, alike or not"),
-        column("grasps", INT, "grasps that the percentiles were taken from"),
+        column("repeat", INT, "number of the repetition, each with other random numbers"),
+        column("candidates", INT, "number of candidate axes sampled"),
+        column(
+            "possible",
+            INT,
+            "of these, reached and held by the open fingers, similar ones included",
+        ),
+        column("grasps", INT, "number of grasps that the percentiles were computed from"),
         column("percentile", FLOAT, "percentile of the quality", "%"),
-        column("quality", FLOAT, "Ferrari-Canny quality there; null without any grasp"),
+        column("quality", FLOAT, "Ferrari-Canny quality at this percentile; null without grasps"),
     ]
 )

@@ -23,18 +23,22 @@ SOLIDS = pa.schema(
         ID,
         COMPLEXITY,
         DIFFICULTY,
-        column("grasps", INT, "grasps that the difficulty was computed from"),
-        column("archive_difficulty", FLOAT, "difficulty that evolution selected it by"),
-        column("volume", FLOAT, "volume", "m3"),
+        column("grasps", INT, "number of grasps that the difficulty was computed from"),
+        column(
+            "archive_difficulty",
+            FLOAT,
+            "difficulty measured during evolution, for selection",
+        ),
+        column("volume", FLOAT, "volume of the solid", "m3"),
         column("area", FLOAT, "surface area", "m2"),
         column("watertight", BOOL, "whether every edge has exactly two faces"),
         column("repaired", BOOL, "whether repair changed the mesh beyond merging vertices"),
         *vector("extents", "sides of the axis-aligned box", "m"),
-        *vector("com", "centre of mass", "m"),
+        *vector("com", "center of mass", "m"),
         column("mass", FLOAT, "mass at the configured density", "kg"),
         *vector(
             "inertia",
-            "moment of inertia about the centre of mass",
+            "moment of inertia about the center of mass",
             "kg m2",
             ("xx", "yy", "zz", "xy", "xz", "yz"),
         ),
@@ -57,9 +61,9 @@ OBJECTS = pa.schema(
 
 REJECTED = pa.schema(
     [
-        column("id", STRING, "object or file that was left out"),
-        column("stage", STRING, "stage that left it out"),
-        column("reason", STRING, "why"),
+        column("id", STRING, "object or file that was rejected"),
+        column("stage", STRING, "stage that rejected it"),
+        column("reason", STRING, "why it was rejected"),
     ]
 )
 
@@ -70,7 +74,7 @@ MEASURED = pa.schema(
         COMPLEXITY,
         DIFFICULTY,
         *CELLS,
-        column("grasps", INT, "grasps that the difficulty was computed from"),
+        column("grasps", INT, "number of grasps that the difficulty was computed from"),
         column("longest_side", FLOAT, "longest side of the axis-aligned box", "m"),
         column("repaired", BOOL, "whether repair changed the mesh beyond merging vertices"),
         _REASON,
@@ -83,10 +87,10 @@ LOCATED = pa.schema(
         COMPLEXITY,
         DIFFICULTY,
         *CELLS,
-        column("complexity_percentile", FLOAT, "part of the objects that are simpler", "%"),
-        column("difficulty_percentile", FLOAT, "part of the objects that are easier", "%"),
+        column("complexity_percentile", FLOAT, "percentage of the objects that are simpler", "%"),
+        column("difficulty_percentile", FLOAT, "percentage of the objects that are easier", "%"),
         column("diversity", FLOAT, "mean distance to the nearest objects"),
-        column("nearest", pa.list_(STRING), "the nearest objects, the nearest first"),
+        column("nearest", pa.list_(STRING), "nearest objects, nearest first"),
         column("distances", pa.list_(FLOAT), "distances to them"),
         _REASON,
     ]
@@ -95,9 +99,13 @@ LOCATED = pa.schema(
 COMPARISON = pa.schema(
     [
         column("dataset", STRING, "name of the dataset"),
-        column("objects", INT, "objects in it"),
-        column("coverage", FLOAT, "part of the places filled, as many a cell as it keeps elites"),
-        column("filled_cells", FLOAT, "part of the cells that hold at least one object"),
+        column("objects", INT, "number of objects"),
+        column(
+            "coverage",
+            FLOAT,
+            "archive coverage: fraction of the slots of all cells that are filled",
+        ),
+        column("filled_cells", FLOAT, "fraction of the cells that hold at least one object"),
         column("diversity_min", FLOAT, "diversity of the least diverse object"),
         column("diversity_max", FLOAT, "diversity of the most diverse object"),
         column("diversity_mean", FLOAT, "mean diversity"),

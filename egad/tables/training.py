@@ -8,38 +8,40 @@ from egad.tables.evaluation import RESULTS
 HISTORY = pa.schema(
     [
         column("epoch", INT, "number of the epoch, from 0"),
-        column("images", INT, "images learnt from so far"),
+        column("images", INT, "number of images trained on so far"),
         column("loss", FLOAT, "mean over the epoch of the summed squared errors of the maps"),
-        column("quality_loss", FLOAT, "part of it by the map of quality"),
-        column("cosine_loss", FLOAT, "part of it by the map of cos 2a"),
-        column("sine_loss", FLOAT, "part of it by the map of sin 2a"),
-        column("width_loss", FLOAT, "part of it by the map of width"),
-        column("validation_loss", FLOAT, "the loss on the validation set after the epoch"),
+        column("quality_loss", FLOAT, "share of the quality map in the loss"),
+        column("cosine_loss", FLOAT, "share of the cos 2a map in the loss"),
+        column("sine_loss", FLOAT, "share of the sin 2a map in the loss"),
+        column("width_loss", FLOAT, "share of the width map in the loss"),
+        column("validation_loss", FLOAT, "loss on the validation set after the epoch"),
         column(
             "validation_score",
             FLOAT,
-            "part of the validation images whose best grasp agrees with a positive one",
+            "fraction of the validation images whose best grasp agrees with a positive one",
         ),
-        column("taken", BOOL, "whether the weights are those after this epoch"),
+        column("taken", BOOL, "whether the weights of this epoch were kept"),
     ]
 )
 
 SCORE = pa.schema(
     [
-        column("right", INT, "test images whose best grasp agrees with a positive one"),
-        column("count", INT, "test images with a positive grasp"),
-        column("objects", INT, "objects in these"),
-        column("low", FLOAT, "lower end of the interval of right / count, 95 %"),
-        column("high", FLOAT, "upper end"),
-        column("loss", FLOAT, "mean over all test images"),
+        column("right", INT, "number of test images whose best grasp agrees with a positive one"),
+        column("count", INT, "number of test images with a positive grasp"),
+        column("objects", INT, "number of objects in these images"),
+        column(
+            "low", FLOAT, "lower end of the 95 % confidence interval of the fraction that agrees"
+        ),
+        column("high", FLOAT, "upper end of this interval"),
+        column("loss", FLOAT, "mean loss over all test images"),
     ]
 )
 
 COMPARED = pa.schema(
     [
-        column("test", STRING, "dataset whose evaluation set was tried"),
-        column("training_set", STRING, "what the network learnt from; empty for other detectors"),
-        column("seed", INT, "number of the training; 0 where nothing was trained"),
+        column("test", STRING, "dataset whose evaluation set was used"),
+        column("training_set", STRING, "training set of the network; empty for other detectors"),
+        column("seed", INT, "number of the training; 0 for detectors that were not trained"),
         *RESULTS,
     ]
 )

@@ -40,7 +40,7 @@ STEPS = {
     "complexity": (coordinates, "complexity"),
     "Reeb graph": (reeb, "extract"),
     "neighbours": (neighbours.Neighbourhood, "_look_up"),
-    "newcomers among the shapes": (neighbours.Neighbourhood, "add"),
+    "adding new shapes to the index": (neighbours.Neighbourhood, "add"),
     "rest of insertion": (archive.Archive, "add"),
     "history": (island, "snapshot"),
 }
