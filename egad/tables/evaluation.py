@@ -2,6 +2,7 @@
 
 import pyarrow as pa
 
+from egad.outcomes import DETECTOR_FAILURES, EXECUTION, NOTED_BY_HAND, SIMULATION_FAILURES, listed
 from egad.tables.columns import (
     BOOL,
     CELLS,
@@ -88,7 +89,7 @@ RESULTS = pa.schema(
         column("id", STRING, "name of the object within its dataset; empty on a real robot"),
         column("attempt", INT, "number of the attempt"),
         SUCCESS,
-        column("outcome", STRING, "as in the table of simulated trials, slipped or other"),
+        column("outcome", STRING, f"as in the table of simulated trials, {listed(NOTED_BY_HAND)}"),
         column("quality", FLOAT, "quality that the detector gave; null if it gave none"),
         column("detector", STRING, "name of the grasp detector"),
         column(
@@ -107,8 +108,7 @@ TRIALS = pa.schema(
         column(
             "outcome",
             STRING,
-            "success, collided, missed, slipped_closing, slipped_lifting, dropped, failed, "
-            "crashed, no_grasp, not_finite, too_wide, below_table, error or timeout",
+            listed((*EXECUTION, *SIMULATION_FAILURES, *DETECTOR_FAILURES)),
         ),
         column("begun", STRING, "how the object came to lie there: dropped, from_hand or left"),
         *pose("start", "where the object fell from: centre of mass and principal axes, world"),
@@ -133,12 +133,7 @@ AGREEMENT = pa.schema(
         ROBUST_QUALITY,
         HELD,
         SUCCESS,
-        column(
-            "outcome",
-            STRING,
-            "success, collided, missed, slipped_closing, slipped_lifting, dropped, failed or "
-            "crashed",
-        ),
+        column("outcome", STRING, listed((*EXECUTION, *SIMULATION_FAILURES))),
         column("lifted", FLOAT, "height gained by the object at the end", "m"),
         column("labelled", INT, "labelled grasps of the object"),
         column("free", INT, "of these, free of collision: what the sample was drawn from"),
