@@ -11,12 +11,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import trimesh
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
 from PIL import Image, ImageDraw
 
 from egad._util.files import replacing
 from egad.exchange.meshes import read_mesh
+from egad.geometry.rays import TriangleScene
 from egad.random import generator
 from egad.report.render import CAMERA, FILL, render
 from egad.tables import parquet
@@ -96,13 +95,12 @@ def seen(parts: list[trimesh.Trimesh]) -> np.ndarray:
     points = together.vertices @ CAMERA.T
     low, high = points.min(axis=0), points.max(axis=0)
     points = (points - (low + high) / 2) * (2 * FILL / (high - low)[:2].max())
-    scene = EmbreeScene()
-    TriangleMesh(scene, points.astype(np.float32), together.faces.astype(np.int32))
+    scene = TriangleScene(points, together.faces)
     centres = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1
     x, y = np.meshgrid(centres, -centres)
     origins = np.stack([x.ravel(), y.ravel(), np.full(x.size, points[:, 2].max() + 1)], axis=1)
     towards = np.tile(np.array([0, 0, -1], dtype=np.float32), (x.size, 1))
-    faces = scene.run(origins.astype(np.float32), towards)
+    faces = scene.intersections(origins, towards).faces
     owner = np.repeat(np.arange(len(parts)), [len(part.faces) for part in parts])
     return np.where(faces >= 0, owner[faces], -1).reshape(SIZE, SIZE)
 

@@ -12,6 +12,7 @@ import pandas as pd
 from PIL import Image, ImageDraw
 
 from egad._util.files import replacing
+from egad.outcomes import EXECUTION
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.replay import repeated
@@ -21,7 +22,6 @@ from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 
 DOCS = Path(__file__).parents[1] / "docs"
-OUTCOMES = ("success", "collided", "missed", "slipped_closing", "slipped_lifting", "dropped")
 FRAMES = 6
 WIDTH, HEIGHT, TEXT = 180, 200, 16
 HAND = (120, 205)  # its shades of grey; nothing else is as dark and without colour
@@ -32,7 +32,7 @@ def main(folder: Path, gripper: str, *policies: str) -> None:
     settings = select(Settings(), TrialParameters, gripper)
     tables = [folder / "trials" / gripper / f"{policy}.parquet" for policy in policies]
     trials = pd.concat(parquet.read(path, TRIALS) for path in tables)
-    shown = [trials[trials["outcome"] == outcome].head(1) for outcome in OUTCOMES]
+    shown = [trials[trials["outcome"] == outcome].head(1) for outcome in EXECUTION]
     rows = parquet.records(pd.concat(shown))
     sheet = Image.new("RGB", (FRAMES * WIDTH, len(rows) * (HEIGHT + TEXT)), "white")
     pen = ImageDraw.Draw(sheet)

@@ -5,8 +5,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import trimesh
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 from scipy import ndimage
 
@@ -14,6 +12,7 @@ from egad.cppn import voxels
 from egad.cppn.parameters import Limits, Region, Symmetry
 from egad.cppn.voxels import Solid
 from egad.errors import RejectedError, UserError
+from egad.geometry.rays import RayCaster
 
 Points = NDArray[np.float32]
 Voxels = NDArray[np.bool_]
@@ -86,7 +85,6 @@ def turned(voxels: Voxels, symmetry: Symmetry) -> Voxels:
 
 Floats = NDArray[np.float64]
 EDGE = 1 + 1e-9  # a voxel whose middle lies on the edge belongs to the region
-OBLIQUE = np.array([0.43951, 0.61760, 0.65223])  # along no face that people draw
 
 
 def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None = None) -> Voxels:
@@ -107,7 +105,7 @@ def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None 
     if region.kind == "mesh":
         if mesh is None:
             raise UserError(f"the mesh {region.mesh} of a region was not read")
-        inside = _within(_fitted(mesh, np.array(region.size)), points)
+        inside = RayCaster(_fitted(mesh, np.array(region.size))).contains(points)
     else:
         inside = _within_primitive(region, 2 * points / np.array(region.size))
     return inside.reshape((resolution,) * 3)
@@ -135,16 +133,6 @@ def _fitted(mesh: trimesh.Trimesh, size: Floats) -> trimesh.Trimesh:
     low, high = np.asarray(mesh.bounds)
     vertices = (np.asarray(mesh.vertices) - (low + high) / 2) * np.min(size / (high - low))
     return trimesh.Trimesh(vertices, mesh.faces, process=False)
-
-
-def _within(mesh: trimesh.Trimesh, points: Floats) -> Voxels:
-    """Which points lie in a mesh: a ray from there first leaves it."""
-    scene = EmbreeScene(robust=True)
-    TriangleMesh(scene, mesh.vertices.astype(np.float32), np.array(mesh.faces, dtype=np.int32))
-    directions = np.broadcast_to(OBLIQUE, points.shape).astype(np.float32)
-    face = scene.run(points.astype(np.float32), directions, output=1)["primID"].astype(np.int64)
-    leaving = mesh.face_normals @ OBLIQUE > 0
-    return np.asarray((face >= 0) & leaving[face])
 
 
 Reader = Callable[[str], trimesh.Trimesh]

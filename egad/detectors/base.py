@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.grasps.gripper import Gripper
+from egad.outcomes import Outcome
 from egad.perception.camera import View
 
 Floats = NDArray[np.float64]
@@ -39,18 +40,18 @@ class Grasp:
         """Height of the fingertips above the table, metres."""
         return self.center[2] - self.depth
 
-    def flaw(self, gripper: Gripper) -> str:
-        """Why the hand cannot do this: the outcome of an attempt; empty if it can.
+    def flaw(self, gripper: Gripper) -> Outcome | None:
+        """Why the hand cannot do this: the outcome of an attempt; None if it can.
 
         not_finite: a number is NaN or infinite; too_wide: it would have to open wider than it
         does, or less than not at all; below_table: the fingertips would be under the table.
         """
         numbers = (*self.center, self.angle, self.width, self.depth, self.quality)
         if not all(map(math.isfinite, numbers)):
-            return "not_finite"
+            return Outcome.NOT_FINITE
         if not 0 <= self.width <= gripper.opening:
-            return "too_wide"
-        return "below_table" if self.tip < 0 else ""
+            return Outcome.TOO_WIDE
+        return Outcome.BELOW_TABLE if self.tip < 0 else None
 
 
 def ranked(
@@ -71,17 +72,19 @@ def ranked(
     return [Grasp((x, y, z), *others) for x, y, z, *others in columns[order].tolist()]
 
 
-def best(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | str:
+def best(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | Outcome:
     """The grasp of the highest quality that the hand can do, the first of equals.
 
     Returns:
         The grasp; or why there is none: `no_grasp`, or the flaw of the most promising one.
     """
-    if len(grasps) == 0:
-        return "no_grasp"
-    hopeful = sorted(grasps, key=_promise)
-    possible = (grasp for grasp in hopeful if not grasp.flaw(gripper))
-    return next(possible, hopeful[0].flaw(gripper))
+    reason = None
+    for grasp in sorted(grasps, key=_promise):
+        flaw = grasp.flaw(gripper)
+        if flaw is None:
+            return grasp
+        reason = reason or flaw
+    return reason or Outcome.NO_GRASP
 
 
 def _promise(grasp: Grasp) -> float:

@@ -19,7 +19,6 @@ from egad.grasps.sampler import Grasps
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
-OBLIQUE = np.array([0.4359, 0.5931, 0.6769]) / np.linalg.norm([0.4359, 0.5931, 0.6769])
 
 
 class Approaches(NamedTuple):
@@ -91,12 +90,6 @@ def first_approaches(axes: Floats) -> Floats:
     return np.asarray(across / np.linalg.norm(across, axis=1, keepdims=True))
 
 
-def inside(caster: RayCaster, points: Floats) -> Flags:
-    """Whether each of n points lies in a closed mesh: a ray from there first leaves it."""
-    hits = caster.first_hits(points, np.broadcast_to(OBLIQUE, points.shape))
-    return np.asarray(np.isfinite(hits.distances) & ~hits.entering)
-
-
 def swallowed(
     caster: RayCaster, hand: list[Part], origins: Floats, frames: Floats, turns: Floats
 ) -> Flags:
@@ -110,7 +103,7 @@ def swallowed(
         along = np.sin(turns) * y + np.cos(turns) * z
         turned = np.stack([np.full_like(turns, x), across, along], axis=1)
         places = (origins[:, None] + turned @ frames).reshape(-1, 3)
-        result |= inside(caster, places).reshape(result.shape)
+        result |= caster.contains(places).reshape(result.shape)
     return result
 
 

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from egad.geometry.rays import RayCaster
 from egad.geometry.surface_samples import spread
-from egad.grasps.approach import inside
 from egad.grasps.collision import apart, clipped, local, spheres
 from egad.grasps.gripper import Gripper
 from egad.grasps.hand import finger_span
@@ -49,7 +48,7 @@ def needed_openings(
             triangles, *around, column, thickness, grasps.centers[left], frames[left], half[left]
         )
         aside = (starts + thickness / 2)[:, None] * grasps.axes[left]
-        buried = inside(caster, middles[left] - aside) | inside(caster, middles[left] + aside)
+        buried = caster.contains(middles[left] - aside) | caster.contains(middles[left] + aside)
         buried &= np.isfinite(ends)
         half[left] = np.where(buried, np.nextafter(ends, np.inf), starts)
         left = left[buried]

@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad.cppn.genome import Row
-from egad.measures.grid import complexity_cells, difficulty_cells
+from egad.measures.grid import complexity_cells, coverage_of, difficulty_cells
 from egad.measures.parameters import Space
 from egad.reeb import graph as reeb
 from egad.reeb.neighbours import Neighbourhood
@@ -74,7 +74,7 @@ class Archive:
     @property
     def coverage(self) -> float:
         """The part of all places that hold an elite (EGAD, Table III)."""
-        return len(self) / (self.space.cells**2 * self.space.elites_per_cell)
+        return coverage_of(self.counts(), self.space)
 
     @property
     def qd_score(self) -> float:
@@ -214,3 +214,28 @@ def merge(
     archive = Archive(space, similarity, threads)
     archive.add(elite for frame in frames for elite in elites_of(frame))
     return archive.to_frame()
+
+
+def ribs_frame(archive: pd.DataFrame, space: Space) -> pd.DataFrame:
+    """The elites with the columns of a pyribs `ArchiveDataFrame`, for its tools.
+
+    Args:
+        archive: Columns of `tables.evolution.ARCHIVE`.
+        space: Its cells.
+
+    Returns:
+        A row an elite: `index` (of its cell: along complexity, then difficulty, both from the low
+        end), `objective` (its diversity), `measures_0` (complexity), `measures_1` (difficulty,
+        high is easy), `id`. Unlike in pyribs, a cell may have several rows.
+    """
+    rows = space.cells - 1 - archive["difficulty_cell"].to_numpy()  # the low end is hard
+    shape = (space.cells, space.cells)
+    return pd.DataFrame(
+        {
+            "index": np.ravel_multi_index((archive["complexity_cell"].to_numpy(), rows), shape),
+            "objective": archive["diversity"].to_numpy(),
+            "measures_0": archive["complexity"].to_numpy(),
+            "measures_1": archive["difficulty"].to_numpy(),
+            "id": archive["id"].to_numpy(),
+        }
+    )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 
 from egad._util.progress import progress
@@ -18,9 +19,9 @@ from egad.cppn.genome import Row
 from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError
 from egad.map_elites.archive import Archive, Elite
-from egad.map_elites.history import EVALUATED, KNOWN, snapshot
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import Offspring, breed
+from egad.measures.grid import coverage_of, filled_part
 from egad.measures.measure import coordinates
 from egad.random import generator
 from egad.reeb import graph as reeb
@@ -81,6 +82,7 @@ def regrade(solid: Solid, settings: EvolutionParameters) -> float | str:
         return str(error)
 
 
+EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
 SCORED = 10  # the QD-score of every so many steps is computed
 LINE = "coverage {coverage:.3f}, {elites} elites"
 Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
@@ -134,6 +136,29 @@ def evolve(
         if watch:
             watch(archive, rows)
     return pd.DataFrame(rows, columns=HISTORY.names), total
+
+
+def snapshot(archive: Archive, outcomes: Counter[str], scored: bool) -> dict[str, Any]:
+    """What a step did: columns of `tables.evolution.HISTORY` except for the names of the step.
+
+    Args:
+        archive: After the step.
+        outcomes: How many offspring were evaluated, empty, known already, or rejected for which
+            reason.
+        scored: Whether to compute the QD-score, which asks for all diversities.
+    """
+    counts = archive.counts()
+    return {
+        "offspring": outcomes.total(),
+        "evaluated": outcomes[EVALUATED],
+        "empty": outcomes[EMPTY],
+        "known": outcomes[KNOWN],
+        "elites": len(archive),
+        "coverage": coverage_of(counts, archive.space),
+        "filled_cells": filled_part(counts),
+        "qd_score": archive.qd_score if scored else math.nan,
+        "cells": counts.astype(np.uint8).tobytes(),
+    }
 
 
 def _standing(rows: list[dict[str, Any]]) -> str:

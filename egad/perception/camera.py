@@ -6,9 +6,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 import trimesh
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
+
+from egad.geometry.rays import TriangleScene
 
 Floats = NDArray[np.float64]
 Depth = NDArray[np.float32]
@@ -17,7 +17,6 @@ Window = tuple[slice, slice]
 
 LOOKING_DOWN = np.diag([1.0, -1.0, -1.0])
 WHOLE = (slice(None), slice(None))
-MISS = 1e30  # the ray caster gives 1e37 where it meets nothing
 
 
 class Intrinsics(NamedTuple):
@@ -122,12 +121,7 @@ class Eye:
             mesh: The object, in metres.
         """
         self._vertices = np.asarray(mesh.vertices, dtype=np.float64)
-        self._scene = EmbreeScene()
-        TriangleMesh(
-            self._scene,
-            self._vertices.astype(np.float32),
-            np.ascontiguousarray(mesh.faces, dtype=np.int32),
-        )
+        self._scene = TriangleScene(self._vertices, mesh.faces)
 
     def look(self, matrix: Floats, intrinsics: Intrinsics, pose: Floats) -> View:
         """Take a depth image.
@@ -144,15 +138,10 @@ class Eye:
         directions = (seen.reshape(-1, 3) @ to_object[:3, :3].T).astype(np.float32)
         origins = np.broadcast_to(to_object[:3, 3].astype(np.float32), directions.shape)
         # Directions reach depth 1 each, so distances along them are depths.
-        distances = self._cast(np.ascontiguousarray(origins), directions)
-        depth[window] = np.fmin(depth[window], distances.reshape(seen.shape[:2]))
+        distances = self._scene.distances(origins, directions).reshape(seen.shape[:2])
+        distances[np.isinf(distances)] = np.nan
+        depth[window] = np.fmin(depth[window], distances)
         return View(depth, intrinsics, pose)
-
-    def _cast(self, origins: Depth, directions: Depth) -> Depth:
-        if len(directions) == 0:
-            return np.empty(0, dtype=np.float32)
-        distances: Depth = self._scene.run(origins, directions, query="DISTANCE")
-        return np.where(distances < MISS, distances, np.float32(np.nan))
 
     def _window(self, to_object: Floats, intrinsics: Intrinsics) -> Window:
         """The rows and columns that can see the object; all if some of it is beside the lens."""

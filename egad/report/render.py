@@ -5,13 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 from PIL import Image
 from scipy import ndimage
 
 from egad.errors import RejectedError
+from egad.geometry.rays import TriangleScene
 
 Floats = NDArray[np.float32]
 Pixels = NDArray[np.uint8]
@@ -73,8 +72,7 @@ def render(mesh: trimesh.Trimesh, size: int = 96) -> Pixels:
         raise RejectedError("coordinates are not finite")
     vertices = _to_view(np.asarray(mesh.vertices, dtype=np.float64))
     faces = np.ascontiguousarray(mesh.faces, dtype=np.int32)
-    scene = EmbreeScene()
-    TriangleMesh(scene, vertices, faces)
+    scene = TriangleScene(vertices, faces)
     side = size * SUBSAMPLES
     hits = _cast(scene, vertices, faces, side)
     return _average(hits.rays, _shade(scene, hits, side), size)
@@ -120,24 +118,24 @@ def _to_view(vertices: NDArray[np.float64]) -> Floats:
     return centred
 
 
-def _cast(scene: EmbreeScene, vertices: Floats, faces: NDArray[np.int32], side: int) -> _Hits:
+def _cast(scene: TriangleScene, vertices: Floats, faces: NDArray[np.int32], side: int) -> _Hits:
     """First hit of every ray of a grid of `side` x `side`, top row first."""
     centres = ((np.arange(side, dtype=np.float32) + 0.5) / side) * 2 - 1
     x, y = np.meshgrid(centres, -centres)
     front = vertices[:, 2].max() + 1
     origins = np.stack([x.ravel(), y.ravel(), np.full(side * side, front)], axis=1)
     towards = np.tile(np.array([0, 0, -1], dtype=np.float32), (side * side, 1))
-    found = scene.run(origins.astype(np.float32), towards, query="INTERSECT", output=1)
-    rays = np.flatnonzero(found["primID"] >= 0)
-    triangle, u, v = (found[key][rays] for key in ("primID", "u", "v"))
-    corners = _corner_normals(vertices, faces)[triangle]
+    found = scene.intersections(origins, towards)
+    rays = np.flatnonzero(found.faces >= 0)
+    corners = _corner_normals(vertices, faces)[found.faces[rays]]
+    u, v = found.coordinates[rays].T
     weights = np.stack([1 - u - v, u, v], axis=1)
     smooth = _unit(np.einsum("ij,ijk->ik", weights, corners))
-    flat = _unit(found["Ng"][rays])
+    flat = _unit(found.normals[rays])
     flat *= np.where(flat[:, 2:] < 0, np.float32(-1), np.float32(1))
     smooth *= np.sign(np.einsum("ij,ij->i", smooth, flat))[:, None]
     points = origins[rays]
-    points[:, 2] -= found["tfar"][rays]
+    points[:, 2] -= found.distances[rays]
     return _Hits(rays, points + flat * np.float32(2e-3), smooth)
 
 
@@ -158,7 +156,7 @@ def _corner_normals(vertices: Floats, faces: NDArray[np.int32]) -> Floats:
     return np.where(creased[..., None], flat[:, None], smooth).astype(np.float32)
 
 
-def _shade(scene: EmbreeScene, hits: _Hits, side: int) -> Floats:
+def _shade(scene: TriangleScene, hits: _Hits, side: int) -> Floats:
     """Brightness of each hit, 0 to 1."""
     openness = _softened(_openness(scene, hits, side), hits.rays, side)
     lambert = np.clip(hits.normals @ KEY_LIGHT, 0, 1)
@@ -169,7 +167,7 @@ def _shade(scene: EmbreeScene, hits: _Hits, side: int) -> Floats:
     return toned
 
 
-def _openness(scene: EmbreeScene, hits: _Hits, side: int) -> Floats:
+def _openness(scene: TriangleScene, hits: _Hits, side: int) -> Floats:
     """Cosine-weighted part of the sky that each hit sees.
 
     Pixels share one fixed set of directions, spread over their subsamples, so there is no noise.
@@ -181,7 +179,7 @@ def _openness(scene: EmbreeScene, hits: _Hits, side: int) -> Floats:
         ray = directions[place]
         cosine = np.einsum("ij,ij->i", ray, hits.normals)
         ray = ray - np.minimum(2 * cosine, 0)[:, None] * hits.normals
-        blocked = scene.run(hits.points, ray, query="OCCLUDED") == 0
+        blocked = scene.occluded(hits.points, ray)
         cosine = np.abs(cosine)
         seen, weight = seen + cosine * ~blocked, weight + cosine
     return (seen / np.maximum(weight, 1e-6)).astype(np.float32)

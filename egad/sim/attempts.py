@@ -8,6 +8,7 @@ import pandas as pd
 
 from egad.detectors.base import Detector, Grasp
 from egad.detectors.labels import Labels
+from egad.outcomes import Outcome
 from egad.random import entropy
 from egad.sim.initial_pose import Start
 from egad.sim.model import Model
@@ -45,7 +46,9 @@ def tried(
     return _table(label, object_id, seeds, attempts, known)
 
 
-def untried(label: str, object_id: str, settings: TrialParameters, outcome: str) -> pd.DataFrame:
+def untried(
+    label: str, object_id: str, settings: TrialParameters, outcome: Outcome
+) -> pd.DataFrame:
     """The table of an object that cannot be simulated: all attempts have the same outcome."""
     seeds = _seeds(object_id, settings)
     attempts = [Attempt(outcome)] * len(seeds)
@@ -93,8 +96,8 @@ def columns_of(attempt: Attempt) -> dict[str, Any]:
     """The columns of `tables.evaluation.TRIALS` that an attempt decides."""
     grasp, start = attempt.grasp, attempt.start
     return {
-        "success": attempt.outcome == "success",
-        "outcome": attempt.outcome,
+        "success": attempt.outcome == Outcome.SUCCESS,
+        "outcome": attempt.outcome.value if attempt.outcome else "",
         "begun": start.begun if start else "",
         **dict(zip(START, _numbers(start.pose if start else None), strict=True)),
         **dict(zip(CENTER, grasp.center if grasp else (np.nan,) * 3, strict=True)),

@@ -17,6 +17,7 @@ from egad.detectors.base import Grasp
 from egad.grasps.gripper import Gripper
 from egad.grasps.hand import finger_span
 from egad.grasps.poses import hand_poses
+from egad.outcomes import Outcome
 from egad.random import generator
 from egad.sim.model import Model
 from egad.sim.parameters import LabelTrialParameters
@@ -82,9 +83,11 @@ def carried_out(
     return _table(label, object_id, sample, found)
 
 
-def not_carried_out(label: str, object_id: str, sample: pd.DataFrame, why: str) -> pd.DataFrame:
+def not_carried_out(
+    label: str, object_id: str, sample: pd.DataFrame, outcome: Outcome
+) -> pd.DataFrame:
     """The same table of an object that cannot be simulated: all grasps have the same outcome."""
-    return _table(label, object_id, sample, [Execution(why, 0.0, None)] * len(sample))
+    return _table(label, object_id, sample, [Execution(outcome, 0.0, None)] * len(sample))
 
 
 def afloat(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[Pose, Grasp]:
@@ -118,13 +121,12 @@ def afloat(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[Pose, G
 def _table(
     label: str, object_id: str, sample: pd.DataFrame, found: list[Execution]
 ) -> pd.DataFrame:
-    outcomes = [each.outcome for each in found]
     known = sample[["grasp", *RATINGS, "labelled", "free"]].reset_index(drop=True)
     table = known.assign(
         label=label,
         id=object_id,
-        outcome=outcomes,
-        success=[outcome == "success" for outcome in outcomes],
+        outcome=[each.outcome.value for each in found],
+        success=[each.outcome == Outcome.SUCCESS for each in found],
         lifted=[each.lifted for each in found],
     )
     return table.loc[:, list(AGREEMENT.names)]

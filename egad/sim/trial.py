@@ -13,6 +13,7 @@ from egad.detectors.labels import Labels
 from egad.detectors.subprocess import DetectorTimeoutError
 from egad.errors import UserError
 from egad.grasps.gripper import Gripper
+from egad.outcomes import Outcome
 from egad.perception.camera import Eye, Intrinsics, View, above
 from egad.perception.noise import noisy
 from egad.sim.arms import CARRIERS, Stance, UnreachableError
@@ -31,16 +32,13 @@ class Execution(NamedTuple):
     """What came of a grasp.
 
     Attributes:
-        outcome: success: held up to the end; collided: stopped on the way, or out of the arm's
-            reach; missed: the fingers closed, but never pressed on the object both at once;
-            slipped_closing: they did, and lost it before it was lifted; slipped_lifting: lost
-            while lifting; dropped: lost while held up; failed: the simulation broke down.
+        outcome: One of `egad.outcomes.EXECUTION`, or failed.
         lifted: Height that the object's centre of mass gained, metres.
         end: Where the object is at last; None if the simulation broke down. Of an object that lay
             still in the hand before it was lifted all the way, where it would be then.
     """
 
-    outcome: str
+    outcome: Outcome
     lifted: float
     end: Pose | None
 
@@ -64,41 +62,42 @@ def execute(
         before = world.pose().position[2]
         outcome, end = _outcome(world, gripper, lifting, grasp, afloat)
     except UnstableError:
-        return Execution("failed", 0.0, None)
+        return Execution(Outcome.FAILED, 0.0, None)
     return Execution(outcome, float(end.position[2] - before), end)
 
 
 def _outcome(
     world: World, gripper: Gripper, lifting: Lifting, grasp: Grasp, afloat: bool
-) -> tuple[str, Pose]:
+) -> tuple[Outcome, Pose]:
     start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
     try:
         hand = hung(world, gripper, lifting.arm, grasp, start)
     except UnreachableError:
-        return "collided", world.pose()
+        return Outcome.COLLIDED, world.pose()
     world.pull(0.0 if afloat else GRAVITY)
     with world.pinned() if afloat else nullcontext():
         if not hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED):
-            return "collided", world.pose()
+            return Outcome.COLLIDED, world.pose()
     touched = hand.close()
     world.pull(GRAVITY)
     if not hand.pinches():
-        return "slipped_closing" if touched else "missed", world.pose()
+        return Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED, world.pose()
     return _carried(hand, lifting)
 
 
-def _carried(hand: Hand, lifting: Lifting) -> tuple[str, Pose]:
+def _carried(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
     """Lift and hold; what lies still in the hand stays there, and need not be simulated on."""
     height, seconds = lifting.lift_height, lifting.lift_height / LIFT_SPEED
     still = Stillness(hand, HEAVIEST * seconds, seconds + lifting.hold_time)
     arrived = hand.lift(height, seconds, still)
     if not hand.carries():
-        return "slipped_lifting", hand.world.pose()
+        return Outcome.SLIPPED_LIFTING, hand.world.pose()
     if not arrived:
-        return "collided", hand.world.pose()
+        return Outcome.COLLIDED, hand.world.pose()
     if not hand.path_left:
         hand.hold(lifting.hold_time, still)
-    outcome, pose = "success" if hand.carries() else "dropped", hand.world.pose()
+    outcome = Outcome.SUCCESS if hand.carries() else Outcome.DROPPED
+    pose = hand.world.pose()
     rise = hand.path_left[-1] - hand.height() if hand.path_left else 0.0
     if hand.world.watch is not None:
         hand.go_on(lifting.hold_time)
@@ -129,10 +128,8 @@ class Attempt:
     """What came of an attempt.
 
     Attributes:
-        outcome: As of `Execution`; or failed: no state to grasp from. If it did not come to a
-            grasp: no_grasp: none was proposed; not_finite, too_wide or below_table: none was that
-            the hand can do (`Grasp.flaw`); error: the detector broke down or gave no grasps;
-            timeout: it took too long.
+        outcome: As of `Execution`, or one of `egad.outcomes.DETECTOR_FAILURES`; None if it was
+            repeated without a grasp, for why there was none is not known.
         start: Where the object fell from; None if it never lay still.
         rest: Where it lay when the camera looked.
         grasp: What was tried, if it came to that.
@@ -140,7 +137,7 @@ class Attempt:
         end: Where it was at last; None if the simulation broke down.
     """
 
-    outcome: str
+    outcome: Outcome | None
     start: Start | None = None
     rest: Pose | None = None
     grasp: Grasp | None = None
@@ -191,12 +188,12 @@ class Bench:
         drop_rng, detector_rng, camera_rng = np.random.default_rng(seed).spawn(3)
         ready = self._begin(drop_rng, before)
         if ready is None:
-            return Attempt("failed")
+            return Attempt(Outcome.FAILED)
         view = self.look()
         if self.trials.depth_noise > 0:
             view = noisy(view, self.trials.depth_noise, camera_rng)
         grasp = self._plan(detect, view, detector_rng)
-        if isinstance(grasp, str):
+        if isinstance(grasp, Outcome):
             return Attempt(grasp, *ready, end=ready.rest)
         return self._carried_out(grasp, ready)
 
@@ -212,10 +209,10 @@ class Bench:
         """
         rest = self._settled(start)
         if rest is None:
-            return Attempt("failed")
+            return Attempt(Outcome.FAILED)
         ready = Ready(start, rest)
         if grasp is None:
-            return Attempt("", *ready, end=rest)
+            return Attempt(None, *ready, end=rest)
         return self._carried_out(grasp, ready)
 
     def look(self) -> View:
@@ -226,7 +223,9 @@ class Bench:
         result = execute(self.world, self.gripper, self.trials, grasp)
         return Attempt(result.outcome, *ready, grasp, result.lifted, result.end)
 
-    def _plan(self, detect: Detector | Labels, view: View, rng: np.random.Generator) -> Grasp | str:
+    def _plan(
+        self, detect: Detector | Labels, view: View, rng: np.random.Generator
+    ) -> Grasp | Outcome:
         """The grasp to try, or the outcome if there is none; a detector may fail as it likes."""
         place = self.world.pose().matrix @ self.world.model.to_principal
         try:
@@ -237,10 +236,10 @@ class Bench:
             raise
         except DetectorTimeoutError as error:
             log.warning("the detector was stopped: %s", error)
-            return "timeout"
+            return Outcome.TIMEOUT
         except Exception as error:
             log.warning("the detector failed: %s: %s", type(error).__name__, error)
-            return "error"
+            return Outcome.ERROR
 
     def _begin(self, rng: np.random.Generator, before: Attempt | None) -> Ready | None:
         """Drop the object, or leave it, until it lies still in the workspace."""
@@ -260,7 +259,7 @@ class Bench:
         """
         if before.end is None or before.rest is None:
             return None
-        if before.outcome == "success":
+        if before.outcome == Outcome.SUCCESS:
             return Start("from_hand", before.end)
         elsewhere = moved(self.world.model.mesh, before.rest, before.end)
         return Start("left", before.end) if elsewhere else None

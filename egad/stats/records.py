@@ -16,18 +16,13 @@ import pandas as pd
 
 from egad.errors import UserError
 from egad.evalset.selection import LABEL
+from egad.outcomes import Outcome
 from egad.tables import parquet
 from egad.tables.columns import START
 from egad.tables.evaluation import RESULTS, TRIALS
 
 NEEDED = ("label", "attempt", "success")
 COLUMNS = (*NEEDED, "outcome", "quality", "detector")
-OTHER = "other"
-OUTCOMES = (
-    *("success", "slipped", "slipped_closing", "slipped_lifting", "dropped", "missed"),
-    *("collided", "failed", "crashed", "no_grasp", "not_finite", "too_wide", "below_table"),
-    *("error", "timeout", OTHER),
-)
 WORDS = {
     **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
     **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
@@ -151,10 +146,12 @@ def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
         raise wrong("label", "a letter and a digit, such as C4")
     if not ATTEMPT.fullmatch(row["attempt"]):
         raise wrong("attempt", "a whole number of at most 9 digits")
-    outcome = row["outcome"].lower().replace(" ", "_") or ("success" if success else OTHER)
-    if outcome not in OUTCOMES:
-        raise wrong("outcome", ", ".join(OUTCOMES))
-    if (outcome == "success") != success:
+    outcome = row["outcome"].lower().replace(" ", "_") or (
+        Outcome.SUCCESS if success else Outcome.OTHER
+    )
+    if outcome not in list(Outcome):
+        raise wrong("outcome", ", ".join(Outcome))
+    if (outcome == Outcome.SUCCESS) != success:
         raise wrong("outcome", "success just where success is 1")
     try:
         quality = float(row["quality"]) if row["quality"] else np.nan
@@ -165,7 +162,7 @@ def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
         "id": "",
         "attempt": int(row["attempt"]),
         "success": success,
-        "outcome": outcome,
+        "outcome": Outcome(outcome).value,
         "quality": quality,
         "detector": row["detector"] or path.stem,
         "start": "",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import mannwhitneyu
+from scipy.stats import rankdata
 
 from egad.stats.rates import Interval, Rate, bootstrap
 
@@ -22,11 +22,10 @@ FEWEST = 5
 
 @dataclass(frozen=True)
 class Area:
-    """Area under the ROC curve: how often a success was rated higher than a failure.
+    """Area under the ROC curve of the grasps of several objects.
 
     Attributes:
-        value: 1 if the rating tells all, 0.5 if it tells nothing; ties count half. NaN if there
-            are no successes, or no failures.
+        value: See `roc_area`.
         interval: Of 95 %, for other objects of the same kind; NaN if fewer than `FEWEST` objects
             have a success, or a failure.
         within: The same of pairs of grasps of one object only.
@@ -37,8 +36,28 @@ class Area:
     within: float = np.nan
 
 
+def roc_area(rating: Floats, success: Bools) -> float:
+    """Area under the ROC curve: how often a success was rated higher than a failure.
+
+    Args:
+        rating: (n,) of each grasp.
+        success: (n,) whether it held.
+
+    Returns:
+        1 if the rating tells all, 0.5 if it tells nothing; ties count half. NaN if there are no
+        successes, or no failures.
+
+    Source: Mann and Whitney's U over the number of pairs.
+    """
+    good, bad = int(success.sum()), int((~success).sum())
+    if good == 0 or bad == 0:
+        return np.nan
+    higher = rankdata(rating)[success].sum() - good * (good + 1) / 2
+    return float(higher / (good * bad))
+
+
 def area(rating: Floats, success: Bools, objects: Names) -> Area:
-    """Area under the ROC curve of the grasps of several objects.
+    """Area under the ROC curve of the grasps of several objects, with its interval.
 
     Grasps of an object resemble each other, so it is the objects that are drawn (`bootstrap`); one
     drawn twice counts twice.
@@ -48,7 +67,8 @@ def area(rating: Floats, success: Bools, objects: Names) -> Area:
         success: (n,) whether it held.
         objects: (n,) name of its object.
     """
-    return _area(*_areas(rating, success, objects), success, objects)
+    areas, within = _areas(rating, success, objects)
+    return Area(roc_area(rating, success), _interval(areas, success, objects), within)
 
 
 def gain(rating: Floats, other: Floats, success: Bools, objects: Names) -> Area:
@@ -65,16 +85,15 @@ def gain(rating: Floats, other: Floats, success: Bools, objects: Names) -> Area:
     """
     first, within = _areas(rating, success, objects)
     second, others = _areas(other, success, objects)
-    return _area(lambda drawn: first(drawn) - second(drawn), within - others, success, objects)
+    interval = _interval(lambda drawn: first(drawn) - second(drawn), success, objects)
+    value = roc_area(rating, success) - roc_area(other, success)
+    return Area(value, interval, within - others)
 
 
-def _area(areas: Areas, within: float, success: Bools, objects: Names) -> Area:
-    """The area of all objects, each once, and its interval if enough of them are known."""
-    count = len(np.unique(objects))
-    value = float(areas(np.arange(count)[None])[0]) if count else np.nan
+def _interval(areas: Areas, success: Bools, objects: Names) -> Interval:
+    """The interval of an area over draws of objects, if enough of them are known."""
     fewest = min(len(np.unique(objects[each])) for each in (success, ~success))
-    interval = bootstrap(areas, count) if fewest >= FEWEST else (np.nan, np.nan)
-    return Area(value, interval, within)
+    return bootstrap(areas, len(np.unique(objects))) if fewest >= FEWEST else (np.nan, np.nan)
 
 
 def _areas(rating: Floats, success: Bools, objects: Names) -> tuple[Areas, float]:
@@ -141,20 +160,12 @@ def reliability(trials: pd.DataFrame, bins: int = BINS) -> list[Bin]:
 
 
 def discrimination(trials: pd.DataFrame) -> float:
-    """How often a success had a higher quality than a failure: area under the ROC curve.
+    """The area under the ROC curve of the quality that the detector gave; see `roc_area`.
 
     Args:
         trials: Columns quality and success; attempts without a quality are left out.
-
-    Returns:
-        1 if quality tells all, 0.5 if it tells nothing (ties count half); NaN if there are no
-        successes, or no failures.
     """
-    quality, success = _known(trials)
-    if success.all() or not success.any():
-        return float("nan")
-    better = mannwhitneyu(quality[success], quality[~success]).statistic
-    return float(better / (success.sum() * (~success).sum()))
+    return roc_area(*_known(trials))
 
 
 def _known(trials: pd.DataFrame) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

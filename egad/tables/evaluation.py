@@ -2,6 +2,7 @@
 
 import pyarrow as pa
 
+from egad.outcomes import DETECTOR_FAILURES, EXECUTION, NOTED_BY_HAND, SIMULATION_FAILURES, listed
 from egad.tables.columns import (
     BOOL,
     CELLS,
@@ -94,7 +95,7 @@ RESULTS = pa.schema(
         column("id", STRING, "name of the object in its dataset; empty on a real robot"),
         column("attempt", INT, "number of the attempt"),
         SUCCESS,
-        column("outcome", STRING, "as in the table of simulated trials, slipped or other"),
+        column("outcome", STRING, f"as in the table of simulated trials, {listed(NOTED_BY_HAND)}"),
         column("quality", FLOAT, "quality that the detector predicted; null if it gave none"),
         column("detector", STRING, "name of the grasp detector"),
         column(
@@ -113,8 +114,7 @@ TRIALS = pa.schema(
         column(
             "outcome",
             STRING,
-            "success, collided, missed, slipped_closing, slipped_lifting, dropped, failed, "
-            "crashed, no_grasp, not_finite, too_wide, below_table, error or timeout",
+            listed((*EXECUTION, *SIMULATION_FAILURES, *DETECTOR_FAILURES)),
         ),
         column(
             "begun",
@@ -143,12 +143,7 @@ AGREEMENT = pa.schema(
         ROBUST_QUALITY,
         HELD,
         SUCCESS,
-        column(
-            "outcome",
-            STRING,
-            "success, collided, missed, slipped_closing, slipped_lifting, dropped, failed or "
-            "crashed",
-        ),
+        column("outcome", STRING, listed((*EXECUTION, *SIMULATION_FAILURES))),
         column("lifted", FLOAT, "height gained by the object at the end", "m"),
         column("labelled", INT, "number of labelled grasps of the object"),
         column("free", INT, "of these, the collision-free ones, from which the sample was drawn"),

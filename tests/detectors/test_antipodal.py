@@ -49,7 +49,7 @@ def test_grasps_are_ranked_and_within_bounds() -> None:
     assert 0 < len(grasps) <= 50
     assert qualities == sorted(qualities, reverse=True)
     assert all(0 <= quality <= 1 for quality in qualities)
-    assert all(grasp.flaw(HAND) == "" for grasp in grasps)
+    assert all(grasp.flaw(HAND) is None for grasp in grasps)
 
 
 def test_the_closer_to_the_centroid_the_better() -> None:

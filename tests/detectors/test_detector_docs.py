@@ -32,7 +32,7 @@ def test_it_holds_a_box_across_its_short_side(look, example, turn):
     off = (grasp.angle - turn + np.pi / 2) % np.pi - np.pi / 2
     assert abs(off) < 0.05
     np.testing.assert_allclose(grasp.center[:2], (0.04, -0.03), atol=0.004)
-    assert grasp.flaw(HAND) == ""
+    assert grasp.flaw(HAND) is None
     assert grasp.width == pytest.approx(0.05, abs=0.006)
     assert grasp.tip == pytest.approx(0.02, abs=0.001)
 

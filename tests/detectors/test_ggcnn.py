@@ -72,7 +72,7 @@ def test_fingertips_go_below_the_surface_but_not_into_the_table(look):
     assert on_top.tip == pytest.approx(0.02, abs=1e-4)
     beside = answered(look(BAR), Stand(40, 40, 0.0, 0.2))[0]
     assert beside.tip == pytest.approx(0.003, abs=1e-4)
-    assert all(grasp.flaw(HAND) == "" for grasp in (on_top, beside))
+    assert all(grasp.flaw(HAND) is None for grasp in (on_top, beside))
 
 
 def test_the_hand_opens_no_wider_than_it_can(look):

@@ -14,10 +14,10 @@ NAN = float("nan")
 @pytest.mark.parametrize(
     ("change", "flaw"),
     [
-        ({}, ""),
-        ({"width": 0.075}, ""),
-        ({"width": 0.0}, ""),
-        ({"depth": 0.02}, ""),
+        ({}, None),
+        ({"width": 0.075}, None),
+        ({"width": 0.0}, None),
+        ({"depth": 0.02}, None),
         ({"width": 0.0751}, "too_wide"),
         ({"width": -0.001}, "too_wide"),
         ({"depth": 0.021}, "below_table"),

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.geometry.rays import RayCaster
+from egad.geometry.rays import RayCaster, TriangleScene
 
 
 def blob(seed=0):
@@ -83,3 +83,31 @@ def test_degenerate_triangles_do_no_harm():
     hits = spoiled.first_hits(origins, directions)
     np.testing.assert_array_equal(hits.distances, expected.distances)
     np.testing.assert_array_equal(hits.entering, expected.entering)
+
+
+def test_inside_is_that_of_a_ball():
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=1)
+    points = np.random.default_rng(3).uniform(-1, 1, (500, 3))
+    distances = np.linalg.norm(points, axis=1)
+    clear = np.abs(distances - 1) > 0.01
+    found = RayCaster(ball).contains(points)
+    np.testing.assert_array_equal(found[clear], distances[clear] < 1)
+
+
+def test_a_scene_meets_the_same_triangles_in_single_precision():
+    mesh = blob()
+    origins, directions = random_rays(500)
+    exact = RayCaster(mesh).first_hits(origins, directions)
+    scene = TriangleScene(mesh.vertices, mesh.faces)
+    found, hit = scene.intersections(origins, 2 * directions), np.isfinite(exact.distances)
+    np.testing.assert_allclose(2 * found.distances, exact.distances, rtol=1e-3, atol=1e-6)
+    np.testing.assert_array_equal(scene.distances(origins, 2 * directions), found.distances)
+    np.testing.assert_array_equal(scene.occluded(origins, directions), hit)
+    np.testing.assert_array_equal(found.faces >= 0, hit)
+    u, v = found.coordinates[hit].T
+    corners = mesh.triangles[found.faces[hit]]
+    weights = np.stack([1 - u - v, u, v], axis=1)
+    met = origins[hit] + exact.distances[hit, None] * directions[hit]
+    np.testing.assert_allclose(np.einsum("ij,ijk->ik", weights, corners), met, atol=1e-6)
+    across = np.cross(found.normals[hit], exact.normals[hit])
+    assert np.linalg.norm(across, axis=1).max() < 1e-4 * np.abs(found.normals).max()

@@ -4,7 +4,7 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
-from egad.grasps.approach import best_approaches, first_approaches, inside
+from egad.grasps.approach import best_approaches, first_approaches
 from egad.grasps.collision import blocked_turns, box_meets_triangle
 from egad.grasps.hand import Part, parts
 from egad.grasps.sampler import Grasps
@@ -184,15 +184,6 @@ def test_a_hand_all_inside_the_object_is_not_free():
     found = best_approaches(RayCaster(block), across_x([0, 0, 0]), HAND)
     assert not found.fits[0]
     assert (found.angles_fit[0], found.angles_free[0]) == (0, 0)
-
-
-def test_inside_is_that_of_a_ball():
-    ball = trimesh.creation.icosphere(subdivisions=4, radius=1)
-    points = np.random.default_rng(3).uniform(-1, 1, (500, 3))
-    distances = np.linalg.norm(points, axis=1)
-    clear = np.abs(distances - 1) > 0.01
-    found = inside(RayCaster(ball), points)
-    np.testing.assert_array_equal(found[clear], distances[clear] < 1)
 
 
 def test_a_box_as_a_mesh_is_the_palm_box():

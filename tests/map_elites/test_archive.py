@@ -5,7 +5,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.map_elites.archive import Archive, Elite, elites_of, merge
+from egad.map_elites.archive import Archive, Elite, elites_of, merge, ribs_frame
+from egad.measures.grid import complexity_cells, difficulty_cells
 from egad.pipeline.config import Similarity, Space
 from egad.reeb import graph as reeb
 from egad.reeb.similarity import similarity
@@ -140,3 +141,25 @@ def test_merging_keeps_the_survivors_of_all_islands_by_the_rule(elites):
     survivors = [each for frame in frames for each in elites_of(frame)]
     merged = merge(frames, SPACE, SIMILARITY)
     assert set(merged["id"]) == slow_archive([survivors], SPACE)
+
+
+def test_indices_are_those_of_a_grid_over_the_measures():
+    """The twin: pyribs' grid over two ranges, by searching the edges."""
+    space = Space(cells=5)
+    rng = np.random.default_rng(0)
+    complexity, difficulty = rng.uniform(1, 5, 50), rng.uniform(0.0005, 0.004, 50)
+    archive = pd.DataFrame(
+        {
+            "id": [str(number) for number in range(50)],
+            "complexity": complexity,
+            "difficulty": difficulty,
+            "diversity": rng.random(50),
+            "complexity_cell": complexity_cells(complexity, space),
+            "difficulty_cell": difficulty_cells(difficulty, space),
+        }
+    )
+    frame = ribs_frame(archive, space)
+    first = np.searchsorted(np.linspace(1, 5, 6), complexity) - 1
+    second = np.searchsorted(np.linspace(0.0005, 0.004, 6), difficulty) - 1
+    assert frame["index"].tolist() == (5 * first + second).tolist()
+    assert frame["objective"].tolist() == archive["diversity"].tolist()

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.outcomes import Outcome
 from egad.report import trial_figures as figures
 from egad.report.heat_map import trial_heat_map
-from egad.stats import records
 from egad.stats.rates import Trend, places, trial_grid
 from egad.stats.roc import reliability
 from egad.tables.evaluation import RESULTS, TRIALS
@@ -66,7 +66,7 @@ def test_outcome_bars_name_what_happened(trials):
 
 
 def test_every_outcome_of_the_schema_has_its_own_colour():
-    assert set(figures.OUTCOMES) == named(TRIALS) | ROBOT == set(records.OUTCOMES)
+    assert set(figures.OUTCOMES) == named(TRIALS) | ROBOT == set(Outcome)
     assert named(RESULTS) >= ROBOT
     assert len(set(figures.OUTCOMES.values())) == len(figures.OUTCOMES)
 

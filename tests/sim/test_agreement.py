@@ -7,6 +7,7 @@ import trimesh
 
 from egad.grasps.hand import finger_span
 from egad.grasps.poses import hand_poses
+from egad.outcomes import Outcome
 from egad.pipeline.config import Bundle, Settings
 from egad.pipeline.config.stage_settings import select
 from egad.sim.labelled_trials import afloat, carried_out, not_carried_out, sampled, shares
@@ -118,7 +119,7 @@ def test_grasps_are_split_evenly():
 
 def test_an_object_without_a_model_has_its_grasps_marked():
     table = not_carried_out(
-        "C4", "id", pd.DataFrame([grasp((0, 0, 0), (1, 0, 0), (0, 0, 1))]), "failed"
+        "C4", "id", pd.DataFrame([grasp((0, 0, 0), (1, 0, 0), (0, 0, 1))]), Outcome.FAILED
     )
     assert table["outcome"].tolist() == ["failed"]
     assert not table["success"].any()

@@ -6,6 +6,7 @@ import trimesh
 
 from egad.detectors.base import Detector, Grasp
 from egad.detectors.subprocess import DetectorTimeoutError
+from egad.outcomes import Outcome
 from egad.perception.camera import View
 from egad.pipeline.config import GRIPPERS, Bundle, Gripper, Trials
 from egad.sim.initial_pose import Start
@@ -127,7 +128,7 @@ def test_how_an_attempt_begins(
     upright = [0.0, 0.0, 0.0, 1.0]
     rest = Pose.of([0.0, 0.0, 0.02, *upright])
     last = Pose.of([*end, *upright]) if end else None
-    before = Attempt(outcome, Start("dropped", rest), rest, None, 0.0, last)
+    before = Attempt(Outcome(outcome), Start("dropped", rest), rest, None, 0.0, last)
     with World(build(CUBE, 400.0, BUNDLE)) as world:
         trials = Trials()
         bench = Bench(world, GRIPPERS["egad_75mm"], trials)

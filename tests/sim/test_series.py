@@ -7,6 +7,7 @@ import trimesh
 
 from egad.detectors.base import Detector, Grasp
 from egad.detectors.registry import QUICK
+from egad.outcomes import Outcome
 from egad.perception.camera import View
 from egad.pipeline.config import GRIPPERS, POLICIES, Bundle, Gripper, Trials
 from egad.sim.attempts import columns_of, recorded, tried, untried
@@ -169,7 +170,7 @@ def test_a_detector_that_raises_has_failed_and_the_next_attempt_goes_on() -> Non
 def test_what_cannot_be_tried_has_rows_all_the_same(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
-    trials = untried("C4", "object", SETTINGS, "crashed")
+    trials = untried("C4", "object", SETTINGS, Outcome.CRASHED)
     path = tmp_path_factory.mktemp("trials") / "trials.parquet"
     parquet.write(trials, TRIALS, path)
     pd.testing.assert_frame_equal(parquet.read(path, TRIALS), trials, check_dtype=False)

@@ -84,7 +84,10 @@ def test_a_robots_objects_are_known_by_their_label_only(written):
         ),
         ("label,attempt,success\nA0,first,1\n", "line 2: attempt is 'first'; allowed: a whole"),
         ("label,attempt,success\nA0,0,1\nA0,0,0\n", "attempt 0 at A0 is there twice"),
-        ("label,attempt,success,outcome\nA0,0,0,fell\n", "outcome is 'fell'; allowed: success, sl"),
+        (
+            "label,attempt,success,outcome\nA0,0,0,fell\n",
+            "outcome is 'fell'; allowed: success, coll",
+        ),
         ("label,attempt,success,outcome\nA0,0,0,success\n", "success just where success is 1"),
         ("label,attempt,success,quality\nA0,0,1,high\n", "quality is 'high'; allowed: a number"),
         ("label,attempt,Success,success\nA0,0,1,0\n", "the column success is there twice"),

@@ -10,6 +10,7 @@ import pandas as pd
 
 from egad.exchange.meshes import read_mesh
 from egad.geometry.mass import MassProperties
+from egad.outcomes import Outcome
 from egad.pipeline.stages.bundle import MOMENTS, VISUAL
 from egad.sim.model import Model, model_of
 from egad.tables import parquet
@@ -53,7 +54,7 @@ def outlived(
     row: Row,
     work: Callable[[Item], pd.DataFrame | None],
     item: Item | None,
-    otherwise: Callable[[str], pd.DataFrame],
+    otherwise: Callable[[Outcome], pd.DataFrame],
 ) -> pd.DataFrame:
     """What comes of an object of the evaluation set, whatever the engine does.
 
@@ -66,6 +67,6 @@ def outlived(
     table = None if item is None else work(item)
     if table is not None:
         return table
-    outcome = "failed" if item is None else "crashed"
+    outcome = Outcome.FAILED if item is None else Outcome.CRASHED
     log.warning("%s (%s): everything %s", row["label"], row["id"], outcome)
     return otherwise(outcome)

@@ -12,6 +12,7 @@ from PIL import Image
 from egad.errors import UserError
 from egad.evalset.bundle import bundled
 from egad.exchange.meshes import write_obj
+from egad.outcomes import Outcome
 from egad.pipeline.cli import main
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import SimulationBundle, select
@@ -101,7 +102,7 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
             return lambda row: (
                 None
                 if row["label"] == "A0"
-                else simulate.untried(row["label"], row["id"], SETTINGS, "missed")
+                else simulate.untried(row["label"], row["id"], SETTINGS, Outcome.MISSED)
             )
 
         def __exit__(self, *_):

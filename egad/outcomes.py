@@ -1,0 +1,77 @@
+"""Outcomes of grasp attempts, in simulation and on a real robot."""
+
+from collections.abc import Iterable
+from enum import StrEnum
+
+
+class Outcome(StrEnum):
+    """What came of an attempt; its value stands in the column `outcome` of tables.
+
+    Attributes:
+        SUCCESS: Held up to the end.
+        COLLIDED: The hand was stopped on its way, or the grasp is out of the arm's reach.
+        MISSED: The fingers closed, but never pressed on the object both at once.
+        SLIPPED_CLOSING: Lost between the fingers before it was lifted.
+        SLIPPED_LIFTING: Lost while it was lifted.
+        DROPPED: Lost while it was held up.
+        FAILED: The simulation became unstable, or the object never came to rest.
+        CRASHED: The physics engine crashed or hung, twice.
+        NO_GRASP: The detector proposed no grasp.
+        NOT_FINITE: A number of the proposed grasp is NaN or infinite.
+        TOO_WIDE: The hand cannot open as wide as the proposed grasp is.
+        BELOW_TABLE: The fingertips would be under the table.
+        ERROR: The detector raised an error or returned something else than grasps.
+        TIMEOUT: The detector took too long.
+        SLIPPED: Lost at any time; people note it of a robot.
+        OTHER: Any other failure; people note it of a robot.
+    """
+
+    SUCCESS = "success"
+    COLLIDED = "collided"
+    MISSED = "missed"
+    SLIPPED_CLOSING = "slipped_closing"
+    SLIPPED_LIFTING = "slipped_lifting"
+    DROPPED = "dropped"
+    FAILED = "failed"
+    CRASHED = "crashed"
+    NO_GRASP = "no_grasp"
+    NOT_FINITE = "not_finite"
+    TOO_WIDE = "too_wide"
+    BELOW_TABLE = "below_table"
+    ERROR = "error"
+    TIMEOUT = "timeout"
+    SLIPPED = "slipped"
+    OTHER = "other"
+
+
+EXECUTION = (
+    Outcome.SUCCESS,
+    Outcome.COLLIDED,
+    Outcome.MISSED,
+    Outcome.SLIPPED_CLOSING,
+    Outcome.SLIPPED_LIFTING,
+    Outcome.DROPPED,
+)
+"""A grasp was carried out."""
+
+SIMULATION_FAILURES = (Outcome.FAILED, Outcome.CRASHED)
+"""The physics engine could not tell."""
+
+DETECTOR_FAILURES = (
+    Outcome.NO_GRASP,
+    Outcome.NOT_FINITE,
+    Outcome.TOO_WIDE,
+    Outcome.BELOW_TABLE,
+    Outcome.ERROR,
+    Outcome.TIMEOUT,
+)
+"""The detector gave nothing that can be tried."""
+
+NOTED_BY_HAND = (Outcome.SLIPPED, Outcome.OTHER)
+"""Only in tables of a real robot."""
+
+
+def listed(outcomes: Iterable[Outcome]) -> str:
+    """Outcomes as a phrase: `failed, crashed or error`."""
+    *names, last = outcomes
+    return f"{', '.join(names)} or {last}" if names else str(last)
