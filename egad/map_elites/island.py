@@ -4,11 +4,13 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+import trimesh
+from numpy.typing import NDArray
 
 from egad._util.progress import progress
 from egad._util.workers import Mapper
@@ -16,6 +18,7 @@ from egad.cppn import constraints, voxels
 from egad.cppn import query as cppn
 from egad.cppn.constraints import UNBOUND, Rules
 from egad.cppn.genome import Row
+from egad.cppn.parameters import Shape
 from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError
 from egad.map_elites.archive import Archive, Elite
@@ -34,6 +37,30 @@ class Solid:
 
     id: str
     packed: bytes
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A new shape that is to be measured."""
+
+    offspring: Offspring
+    solid: Solid
+    shape: Shape
+
+    @property
+    def id(self) -> str:
+        """Hash of its voxels."""
+        return self.solid.id
+
+    @property
+    def voxels(self) -> NDArray[np.bool_]:
+        """Which cells of the cube are solid, (r, r, r)."""
+        return voxels.unpack(self.solid.packed, self.shape.resolution)
+
+    @cached_property
+    def mesh(self) -> trimesh.Trimesh:
+        """Its closed surface."""
+        return packed_surface(self.solid.packed, self.shape)
 
 
 @dataclass(frozen=True)
@@ -96,6 +123,82 @@ class Step(NamedTuple):
     step: int
 
 
+class Island:
+    """MAP-Elites on one archive, step by step: ask for candidates, measure them, tell."""
+
+    def __init__(
+        self,
+        archive: Archive,
+        settings: EvolutionParameters,
+        epoch: int,
+        island: int,
+        rules: Rules = UNBOUND,
+        mapper: Mapper = map,
+    ) -> None:
+        """Start an epoch.
+
+        Args:
+            archive: Changed in place.
+            settings: Everything about breeding and measuring.
+            epoch: Number of the epoch.
+            island: Number of the island.
+            rules: What every shape must obey.
+            mapper: An order-keeping `map`; where it runs does not change the result.
+        """
+        self.archive, self.outcomes = archive, Counter[str]()
+        self._settings, self._rules, self._mapper = settings, rules, mapper
+        self._step = Step(epoch, island, 0)
+
+    def ask(self) -> list[Candidate]:
+        """The offspring of the next step that are allowed and have voxels not seen before."""
+        settings = self._settings
+        offspring = breed(self.archive.elites, settings, *self._step)
+        work = partial(express, settings=settings, rules=self._rules)
+        solids = self._mapper(work, [each.genome for each in offspring])
+        self._step = self._step._replace(step=self._step.step + 1)
+        fresh: dict[str, Candidate] = {}
+        for each, solid in zip(offspring, solids, strict=True):
+            if isinstance(solid, str):
+                self.outcomes[_kind(solid)] += 1
+            elif solid.id in self.archive or solid.id in fresh:
+                self.outcomes[KNOWN] += 1
+            else:
+                fresh[solid.id] = Candidate(each, solid, settings.shape)
+        return list(fresh.values())
+
+    def tell(self, candidates: Sequence[Candidate], results: Sequence[Measured | str]) -> None:
+        """Add candidates to the archive.
+
+        Args:
+            candidates: From `ask`.
+            results: The measures of each, or the reason why it has none.
+        """
+        elites = []
+        for each, result in zip(candidates, results, strict=True):
+            if isinstance(result, Measured):
+                self.outcomes[EVALUATED] += 1
+                elites.append(_elite(each, result, self._step.epoch))
+            else:
+                self.outcomes[_kind(result)] += 1
+        self.archive.add(elites)
+
+    def advance(self) -> Counter[str]:
+        """One step with the measures of the settings.
+
+        Returns:
+            How many offspring of this step were evaluated, empty, known already, or rejected for
+            which reason.
+        """
+        before = self.outcomes.copy()
+        candidates = self.ask()
+        solids = [each.solid for each in candidates]
+        results = list(self._mapper(partial(measure, settings=self._settings), solids))
+        if self._settings.evolution.regrade:
+            results = _regraded(solids, results, self.archive, self._settings, self._mapper)
+        self.tell(candidates, results)
+        return self.outcomes - before
+
+
 def evolve(
     archive: Archive,
     settings: EvolutionParameters,
@@ -120,22 +223,18 @@ def evolve(
         The steps, with the columns of `tables.evolution.HISTORY`; and how many offspring were
         evaluated, empty, known already, or rejected for which reason.
     """
+    run = Island(archive, settings, epoch, island, rules, mapper)
     rows: list[dict[str, Any]] = []
-    total = Counter[str]()
-    steps = settings.evolution.steps_per_epoch
-    size = settings.evolution.population
+    steps, size = settings.evolution.steps_per_epoch, settings.evolution.population
     words = partial(_standing, rows)
     for number in progress(range(steps), "evaluations", steps, scale=size, state=words):
-        step = Step(epoch, island, number)
-        offspring = breed(archive.elites, settings, *step)
-        elites, outcomes = _evaluated(offspring, archive, settings, epoch, rules, mapper)
-        archive.add(elites)
-        total += outcomes
+        outcomes = run.advance()
         scored = number % SCORED == SCORED - 1 or number == steps - 1
-        rows.append({**step._asdict(), **snapshot(archive, outcomes, scored)})
+        row = Step(epoch, island, number)._asdict() | snapshot(archive, outcomes, scored)
+        rows.append(row)
         if watch:
             watch(archive, rows)
-    return pd.DataFrame(rows, columns=HISTORY.names), total
+    return pd.DataFrame(rows, columns=HISTORY.names), run.outcomes
 
 
 def snapshot(archive: Archive, outcomes: Counter[str], scored: bool) -> dict[str, Any]:
@@ -168,52 +267,6 @@ def _standing(rows: list[dict[str, Any]]) -> str:
     return LINE.format(**rows[-1]) + score if rows else ""
 
 
-def _evaluated(
-    offspring: list[Offspring],
-    archive: Archive,
-    settings: EvolutionParameters,
-    epoch: int,
-    rules: Rules,
-    mapper: Mapper,
-) -> tuple[list[Elite], Counter[str]]:
-    """The offspring that are new and can be measured, and what became of all."""
-    fresh, outcomes = _fresh(offspring, archive, settings, rules, mapper)
-    solids = [solid for _, solid in fresh]
-    results = list(mapper(partial(measure, settings=settings), solids))
-    if settings.evolution.regrade:
-        results = _regraded(solids, results, archive, settings, mapper)
-    elites = []
-    for (each, solid), result in zip(fresh, results, strict=True):
-        if isinstance(result, Measured):
-            outcomes[EVALUATED] += 1
-            elites.append(_elite(each, solid, result, epoch))
-        else:
-            outcomes[_kind(result)] += 1
-    return elites, outcomes
-
-
-def _fresh(
-    offspring: list[Offspring],
-    archive: Archive,
-    settings: EvolutionParameters,
-    rules: Rules,
-    mapper: Mapper,
-) -> tuple[list[tuple[Offspring, Solid]], Counter[str]]:
-    """The offspring whose voxels are not known yet, and how many others there are."""
-    outcomes: Counter[str] = Counter()
-    work = partial(express, settings=settings, rules=rules)
-    solids = mapper(work, [each.genome for each in offspring])
-    fresh: dict[str, tuple[Offspring, Solid]] = {}
-    for each, solid in zip(offspring, solids, strict=True):
-        if isinstance(solid, str):
-            outcomes[_kind(solid)] += 1
-        elif solid.id in archive or solid.id in fresh:
-            outcomes[KNOWN] += 1
-        else:
-            fresh[solid.id] = each, solid
-    return list(fresh.values()), outcomes
-
-
 def _regraded(
     solids: list[Solid],
     results: list[Measured | str],
@@ -242,14 +295,14 @@ def _kind(reason: str) -> str:
     return reason.partition(" (")[0]
 
 
-def _elite(offspring: Offspring, solid: Solid, measured: Measured, epoch: int) -> Elite:
+def _elite(candidate: Candidate, measured: Measured, epoch: int) -> Elite:
     return Elite(
-        id=solid.id,
-        genome=offspring.genome,
-        voxels=solid.packed,
+        id=candidate.id,
+        genome=candidate.offspring.genome,
+        voxels=candidate.solid.packed,
         complexity=measured.complexity,
         difficulty=measured.difficulty,
         graph=measured.graph,
-        parents=offspring.parents,
+        parents=candidate.offspring.parents,
         epoch=epoch,
     )

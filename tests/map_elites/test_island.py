@@ -5,9 +5,8 @@ import pandas as pd
 import pytest
 
 from egad._util.workers import workers
-from egad.cppn.constraints import UNBOUND
 from egad.map_elites.archive import Archive, elites_of, merge
-from egad.map_elites.island import Solid, _evaluated, evolve, measure, regrade
+from egad.map_elites.island import Island, Measured, Solid, evolve, measure, regrade
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import LEAST, breed, parent_odds
 from egad.pipeline.config import Difficulty, Evolution, Settings, Shape, Similarity
@@ -24,6 +23,10 @@ SETTINGS = select(
     ),
     EvolutionParameters,
 )
+
+
+def is_measured(result):
+    return isinstance(result, Measured)
 
 
 def evolved(worker_count, **names):
@@ -149,20 +152,23 @@ def test_restarts_have_no_parents(island):
     assert parents == [()] * 12
 
 
-def test_newcomers_to_full_cells_are_graded_again():
+def test_newcomers_to_full_cells_are_graded_again(monkeypatch):
     """Here all objects share one cell, which the first ones fill."""
     one_cell = SETTINGS.space.model_copy(update={"cells": 1, "elites_per_cell": 1})
     settings = with_search(regrade=20).model_copy(update={"space": one_cell})
     archive = Archive(one_cell, settings.similarity)
-    first, _ = _evaluated(breed([], settings, 0, 0, 0), archive, settings, 0, UNBOUND, map)
-    archive.add(first)
-    second, _ = _evaluated(breed([], settings, 0, 0, 1), archive, settings, 0, UNBOUND, map)
-    for elites, again in ((first, False), (second, True)):
-        for elite in elites:
-            solid = Solid(elite.id, elite.voxels)
+    told = []
+    tell = Island.tell
+    monkeypatch.setattr(Island, "tell", lambda *all: (told.append(all[1:]), tell(*all)))
+    run = Island(archive, settings, 0, 0)
+    run.advance()
+    run.advance()
+    for (candidates, results), again in zip(told, (False, True), strict=True):
+        found = [(c.solid, r) for c, r in zip(candidates, results, strict=True) if is_measured(r)]
+        assert len(found) > 3
+        for solid, result in found:
             grade = regrade(solid, settings) if again else measure(solid, settings).difficulty
-            assert elite.difficulty == grade
-    assert len(second) > 3
+            assert result.difficulty == grade
 
 
 def test_a_newcomer_is_graded_again_by_other_grasps(island):
