@@ -11,8 +11,12 @@ from .geometry.repair import repair as repair
 from .grasps.grasps import Grasps as Grasps
 from .grasps.gripper import Gripper as Gripper
 from .grasps.gripper import gripper as gripper
+from .map_elites.archive import Archive as Archive
+from .map_elites.evolver import Evolver as Evolver
+from .map_elites.evolver import evolve as evolve
 from .objects import Dataset as Dataset
 from .objects import EvolvedObject as EvolvedObject
 from .objects import load as load
+from .report.render import render as render
 
 __version__: str

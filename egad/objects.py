@@ -18,6 +18,7 @@ from egad.data import released
 from egad.errors import UserError
 from egad.exchange.meshes import read_mesh
 from egad.geometry.repair import repair
+from egad.map_elites.archive import Archive
 from egad.measures.grid import labels
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME
@@ -133,17 +134,19 @@ class Dataset:
         return EvolvedObject(row, self._meshes, elite, self._shape)
 
 
-def load(source: str | Path = RELEASED) -> Dataset:
+def load(source: str | Path | Archive = RELEASED) -> Dataset:
     """Load objects.
 
     Args:
         source: `released`: the archive that egad ships; the folder of a dataset, such as
-            `results/egad`; or a file `archive.parquet`.
+            `results/egad`; a file `archive.parquet`; or an archive that `egad.evolve` returned.
 
     Raises:
         UserError: There is no such file or folder.
         TableError: A table is damaged or of another version.
     """
+    if isinstance(source, Archive):
+        return _from_archive(source.to_frame(), Shape())
     path = released() if source == RELEASED else Path(source)
     if path.is_dir() and (path / "objects.parquet").is_file():
         archive = path / "archive.parquet"
@@ -156,12 +159,16 @@ def load(source: str | Path = RELEASED) -> Dataset:
         raise UserError(
             f"{source} is neither {RELEASED!r}, nor a folder with objects.parquet, nor an archive"
         )
-    elites = parquet.read(path, ARCHIVE)
+    return _from_archive(parquet.read(path, ARCHIVE), _shape(path))
+
+
+def _from_archive(elites: pd.DataFrame, shape: Shape) -> Dataset:
+    """The objects of an archive: columns of `tables.evolution.ARCHIVE`, others are left out."""
     order = ["difficulty_cell", "complexity_cell", "slot"]
-    elites = elites.sort_values(order, ignore_index=True)
+    elites = elites[ARCHIVE.names].sort_values(order, ignore_index=True)
     table = elites.drop(columns=[*GENOME.names, "voxels"])
     names = labels(table["complexity_cell"], table["difficulty_cell"])
-    return Dataset(table.assign(label=names), elites, _shape(path), None)
+    return Dataset(table.assign(label=names), elites, shape, None)
 
 
 def _shape(archive: Path) -> Shape:

@@ -112,6 +112,7 @@ def regrade(solid: Solid, settings: EvolutionParameters) -> float | str:
 EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
 SCORED = 10  # the QD-score of every so many steps is computed
 LINE = "coverage {coverage:.3f}, {elites} elites"
+Evaluate = Callable[[Solid], Measured | str]
 Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
 
 
@@ -134,6 +135,7 @@ class Island:
         island: int,
         rules: Rules = UNBOUND,
         mapper: Mapper = map,
+        evaluate: Evaluate | None = None,
     ) -> None:
         """Start an epoch.
 
@@ -144,7 +146,10 @@ class Island:
             island: Number of the island.
             rules: What every shape must obey.
             mapper: An order-keeping `map`; where it runs does not change the result.
+            evaluate: Gives the measures of a solid, or the reason why it has none; by default
+                `measure`.
         """
+        self._evaluate = evaluate or partial(measure, settings=settings)
         self.archive, self.outcomes = archive, Counter[str]()
         self._settings, self._rules, self._mapper = settings, rules, mapper
         self._step = Step(epoch, island, 0)
@@ -183,7 +188,7 @@ class Island:
         self.archive.add(elites)
 
     def advance(self) -> Counter[str]:
-        """One step with the measures of the settings.
+        """One step: ask, measure and tell.
 
         Returns:
             How many offspring of this step were evaluated, empty, known already, or rejected for
@@ -192,7 +197,7 @@ class Island:
         before = self.outcomes.copy()
         candidates = self.ask()
         solids = [each.solid for each in candidates]
-        results = list(self._mapper(partial(measure, settings=self._settings), solids))
+        results = list(self._mapper(self._evaluate, solids))
         if self._settings.evolution.regrade:
             results = _regraded(solids, results, self.archive, self._settings, self._mapper)
         self.tell(candidates, results)

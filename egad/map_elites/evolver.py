@@ -1,0 +1,198 @@
+"""Evolution from Python: in one call, or step by step with measures of your own."""
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+import trimesh
+from numpy.typing import ArrayLike
+
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Shape, Symmetry
+from egad.cppn.surface import packed_surface
+from egad.errors import RejectedError, UserError
+from egad.grasps.gripper import gripper
+from egad.grasps.parameters import Quality, Sampling
+from egad.map_elites.archive import Archive
+from egad.map_elites.island import Candidate, Island, Measured, Solid
+from egad.map_elites.parameters import Evolution, EvolutionParameters
+from egad.measures.parameters import Axes, Complexity, Difficulty, Space
+from egad.reeb import graph as reeb
+from egad.reeb.parameters import Similarity
+
+Range = tuple[float, float]
+Measure = Callable[[trimesh.Trimesh], tuple[float, float]]
+COMPLEXITY_RANGE, DIFFICULTY_RANGE = Space().complexity_range, Space().difficulty_range
+
+
+class Evolver:
+    """MAP-Elites over CPPN genomes, step by step, as `ask` and `tell` of pyribs.
+
+    ```python
+    evolver = egad.Evolver(seed=0, ranges=((0, 0.2), (0, 1)))
+    for _ in range(10):
+        evolver.tell([(each.mesh.volume, my_measure(each.mesh)) for each in evolver.ask()])
+    evolver.archive.coverage
+    ```
+    """
+
+    def __init__(
+        self,
+        *,
+        seed: int = 0,
+        population: int = 100,
+        ranges: tuple[Range, Range] = (COMPLEXITY_RANGE, DIFFICULTY_RANGE),
+        cells: int = 25,
+        elites_per_cell: int = 4,
+    ) -> None:
+        """Start with an empty archive.
+
+        Args:
+            seed: The same seed and measures give the same archive.
+            population: Offspring of a step.
+            ranges: Lowest and highest value of the first and of the second measure; what lies
+                outside goes to the nearest cell.
+            cells: Cells along each measure.
+            elites_per_cell: Most objects that a cell keeps: those that are least alike.
+
+        Raises:
+            ValueError: A number is out of bounds; the message says which.
+        """
+        settings = _parameters(seed, population, ranges, cells, elites_per_cell)
+        self.archive = Archive(settings.space, settings.similarity)
+        self._settings = settings
+        self._island = Island(self.archive, settings, 0, 0)
+        self._asked: list[Candidate] | None = None
+
+    def ask(self) -> list[Candidate]:
+        """The new shapes of the next step: `mesh`, `voxels` and `id` of each.
+
+        Offspring that are empty or known already are left out, so there may be less than
+        `population`, or none.
+
+        Raises:
+            UserError: The measures of the last step were not told.
+        """
+        if self._asked is not None:
+            raise UserError("tell the measures of the candidates before asking for more")
+        self._asked = self._island.ask()
+        return self._asked
+
+    def tell(self, measures: ArrayLike) -> None:
+        """Add the candidates that were asked for to the archive.
+
+        Args:
+            measures: (n, 2) both measures of each candidate; NaN: it is rejected.
+
+        Raises:
+            UserError: Nothing was asked for, or the array has another shape.
+        """
+        if self._asked is None:
+            raise UserError("ask for candidates before telling their measures")
+        values = np.asarray(measures, dtype=np.float64).reshape(-1, 2)
+        if len(values) != len(self._asked):
+            raise UserError(f"{len(self._asked)} candidates were asked for, {len(values)} told")
+        graphs = self._settings.similarity
+        pairs = zip(self._asked, values.tolist(), strict=True)
+        results = [_with_graph(each.mesh, pair, graphs) for each, pair in pairs]
+        self._island.tell(self._asked, results)
+        self._asked = None
+
+
+def evolve(
+    evaluations: int = 2000,
+    *,
+    seed: int = 0,
+    measures: Measure | None = None,
+    ranges: tuple[Range, Range] = (COMPLEXITY_RANGE, DIFFICULTY_RANGE),
+    population: int = 100,
+    jobs: int = 1,
+) -> Archive:
+    """Evolve objects that span two measures.
+
+    Args:
+        evaluations: Offspring in all, rounded up to whole steps of `population`.
+        seed: The same arguments give the same archive, for any number of jobs.
+        measures: From a closed mesh to two numbers; by default EGAD's complexity and difficulty.
+            With several jobs it must be a function that can be imported.
+        ranges: Lowest and highest value of each measure.
+        population: Offspring of a step.
+        jobs: Processes.
+
+    Returns:
+        The archive: `len`, `coverage`, `qd_score`, `to_frame()`; `egad.load(archive)` gives the
+        objects with their meshes.
+
+    Raises:
+        UserError: There are no evaluations.
+        ValueError: Another number is out of bounds; the message says which.
+
+    Source: EGAD (Morrison, Corke and Leitner 2020), section III.
+    """
+    if evaluations < 1:
+        raise UserError(f"evaluations is {evaluations}; at least 1 is needed")
+    settings = _parameters(seed, population, ranges, Space().cells, Space().elites_per_cell)
+    archive = Archive(settings.space, settings.similarity, jobs)
+    evaluate = None if measures is None else partial(_measure, measures=measures, settings=settings)
+    steps = -(-evaluations // population)
+    with workers(jobs) as mapper:
+        island = Island(archive, settings, 0, 0, mapper=mapper, evaluate=evaluate)
+        for _ in progress(range(steps), "evaluations", steps, scale=population):
+            island.advance()
+    return archive
+
+
+def _parameters(
+    seed: int, population: int, ranges: tuple[Range, Range], cells: int, elites_per_cell: int
+) -> EvolutionParameters:
+    """The default parameters of evolution, with those that were given."""
+    first, second = ranges
+    return EvolutionParameters(
+        seed=seed,
+        gripper=gripper(Difficulty().gripper),
+        axes=Axes(),
+        complexity=Complexity(),
+        difficulty=Difficulty(),
+        similarity=Similarity(),
+        sampling=Sampling(),
+        quality=Quality(),
+        robust=None,
+        evolution=Evolution(population=population),
+        neat=Neat(),
+        shape=Shape(),
+        envelope=Envelope(),
+        part=Part(),
+        hole=Hole(),
+        symmetry=Symmetry(),
+        limits=Limits(),
+        space=Space(
+            complexity_range=first,
+            difficulty_range=second,
+            cells=cells,
+            elites_per_cell=elites_per_cell,
+        ),
+    )
+
+
+def _measure(solid: Solid, measures: Measure, settings: EvolutionParameters) -> Measured | str:
+    """The measures of a solid by a function of the user, or the reason why it has none."""
+    mesh = packed_surface(solid.packed, settings.shape)
+    try:
+        return _with_graph(mesh, measures(mesh), settings.similarity)
+    except RejectedError as reason:
+        return str(reason)
+
+
+def _with_graph(
+    mesh: trimesh.Trimesh, values: Sequence[float], similarity: Similarity
+) -> Measured | str:
+    """Two measures with the Reeb graph that diversity needs, or why the shape is rejected."""
+    first, second = (float(value) for value in values)
+    if not math.isfinite(first + second):
+        return "not measured"
+    try:
+        return Measured(first, second, reeb.extract(mesh, similarity))
+    except RejectedError as reason:
+        return str(reason)
