@@ -8,7 +8,7 @@ import egad
 from egad.errors import RejectedError, UserError
 from egad.map_elites import island
 from egad.map_elites.archive import Archive
-from egad.map_elites.parameters import Evolution, EvolutionParameters
+from egad.map_elites.parameters import EvolutionParameters
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 
