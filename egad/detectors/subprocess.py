@@ -1,12 +1,13 @@
 """A detector in a process of its own: it can be stopped, and what it breaks is only its own."""
 
-from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
 from typing import Self
 
 import numpy as np
 
-from egad._util.workers import ANEW, ENDING_TIME, check_not_killed
+from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
 from egad.detectors.base import Detector, Grasp
 from egad.detectors.parameters import Policy
 from egad.detectors.registry import detector
@@ -17,6 +18,7 @@ from egad.perception.camera import View
 STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load
 
 Question = tuple[View, Gripper, np.random.Generator]
+Answer = list[Grasp] | MemoryError | str  # text: what went wrong
 
 
 class DetectorError(Exception):
@@ -37,17 +39,16 @@ class Child:
             policy: The detector.
             limit: Seconds that an answer may take.
         """
-        self._policy = policy
-        self._limit = limit
-        self._process: BaseProcess | None = None
+        name = f"the process of the detector {policy.detector}"
+        self._worker = Worker(partial(_answering, policy), limit, STARTING_TIME, name)
         self._was_ready = False
 
     def __enter__(self) -> Self:
         self._start()
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self._stop()
+    def __exit__(self, *error: object) -> None:
+        self._worker.__exit__(*error)
 
     def __call__(self, view: View, gripper: Gripper, rng: np.random.Generator) -> list[Grasp]:
         """Ask the detector.
@@ -58,95 +59,41 @@ class Child:
             MemoryError: It had not enough.
             UserError: It cannot be made the first time, or its process was killed.
         """
-        if self._process is None:
-            self._restart()
+        if not self._worker.running:
+            self._start()
         try:
-            self._pipe.send((view, gripper, rng))
-            if not self._pipe.poll(self._limit):
-                self._stop()
-                raise DetectorTimeoutError(f"no answer within {self._limit:g} s")
-            kind, answer = self._pipe.recv()
-        except (EOFError, OSError) as error:
-            raise DetectorError(self._end()) from error
-        if kind == "memory":
-            raise MemoryError(answer)
-        if kind == "error":
+            answer: Answer = self._worker((view, gripper, rng))
+        except WorkerTimeoutError as error:
+            raise DetectorTimeoutError(str(error)) from error
+        except WorkerDiedError as error:
+            raise DetectorError(str(error)) from error
+        if isinstance(answer, str):
             raise DetectorError(answer)
-        grasps: list[Grasp] = answer
-        return grasps
+        if isinstance(answer, MemoryError):
+            raise answer
+        return answer
 
-    def _restart(self) -> None:
+    def _start(self) -> None:
         """Start; if that has worked before, it is no mistake of the user that it fails now."""
         try:
-            self._start()
+            self._worker.start()
         except UserError as error:
             if self._was_ready:
                 raise DetectorError(f"it cannot be started anew: {error}") from error
             raise
-
-    def _start(self) -> None:
-        self._pipe, theirs = ANEW.Pipe()
-        self._process = ANEW.Process(target=_serve, args=(theirs, self._policy), daemon=True)
-        self._process.start()
-        theirs.close()
-        name = self._policy.detector
-        try:
-            if not self._pipe.poll(STARTING_TIME):
-                self._stop()
-                raise UserError(f"{name} was not ready within {STARTING_TIME:g} s")
-            kind, problem = self._pipe.recv()
-        except (EOFError, OSError) as error:
-            raise UserError(f"{name} cannot be made: {self._end()}") from error
-        if kind == "error":
-            self._stop()
-            raise UserError(problem)
         self._was_ready = True
 
-    def _end(self) -> str:
-        """How a process ended that does not answer any more, in words.
 
-        Raises:
-            UserError: It was killed.
-        """
-        status = self._stop()
-        check_not_killed(status, f"the process of the detector {self._policy.detector}")
-        ended = "hung up" if status is None else f"ended with status {status}"
-        return f"its process {ended}"
-
-    def _stop(self) -> int | None:
-        """End the process; its status if it had ended by itself."""
-        process, self._process = self._process, None
-        if process is None:
-            return None
-        self._pipe.close()  # it ends by itself when nobody can ask any more
-        process.join(0.2)
-        alone = not process.is_alive()
-        if not alone:
-            process.kill()
-        process.join(ENDING_TIME)
-        return process.exitcode if alone else None
+@contextmanager
+def _answering(policy: Policy) -> Iterator[Callable[[Question], Answer]]:
+    """Make the detector, in its own process."""
+    yield partial(_answer, detector(policy))
 
 
-def _serve(pipe: Connection, policy: Policy) -> None:
-    """Make the detector and answer until the other end of the pipe closes."""
+def _answer(detect: Detector, question: Question) -> Answer:
     try:
-        detect = detector(policy)
-    except UserError as error:
-        pipe.send(("error", str(error)))
-        return
-    pipe.send(("ready", ""))
-    while True:
-        try:
-            question = pipe.recv()
-        except EOFError:
-            return
-        pipe.send(_answer(detect, question))
-
-
-def _answer(detect: Detector, question: Question) -> tuple[str, list[Grasp] | str]:
-    try:
-        return "grasps", detect(*question)
+        return detect(*question)
     except MemoryError as error:
-        return "memory", str(error)
+        return MemoryError(str(error))
     except Exception as error:
-        return "error", f"{type(error).__name__}: {error}"
+        return f"{type(error).__name__}: {error}"

@@ -1,19 +1,22 @@
 """Convex parts by CoACD, the other choice beside our own cutting."""
 
 import importlib.util
-import io
-import subprocess
-import sys
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
-from egad._util.workers import check_not_killed
+from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
 from egad.errors import RejectedError, UserError
 from egad.geometry.hulls import hull_mesh, hull_of
 
 TIME_LIMIT = 1800  # seconds; it takes minutes at most
-CHILD = "egad.geometry.coacd_child"
+
+Floats = NDArray[np.float64]
+Task = tuple[Floats, NDArray[np.int64], float, int]
 
 
 def coacd_parts(mesh: trimesh.Trimesh, threshold: float, max_parts: int) -> list[trimesh.Trimesh]:
@@ -38,26 +41,37 @@ def coacd_parts(mesh: trimesh.Trimesh, threshold: float, max_parts: int) -> list
     """
     if importlib.util.find_spec("coacd") is None:
         raise UserError("bundle.method is coacd, which is not installed: pip install 'egad[coacd]'")
-    sent = _packed(vertices=mesh.vertices, faces=mesh.faces)
-    command = [sys.executable, "-m", CHILD, repr(float(threshold)), str(max_parts)]
+    task = (np.array(mesh.vertices), np.array(mesh.faces), threshold, max_parts)
     try:
-        done = subprocess.run(  # noqa: S603
-            command, input=sent, capture_output=True, timeout=TIME_LIMIT, check=True
-        )
-    except subprocess.CalledProcessError as error:
-        check_not_killed(error.returncode, "CoACD")
-        raise RejectedError(f"CoACD ended with status {error.returncode}") from error
-    except subprocess.TimeoutExpired as error:
-        raise RejectedError(f"CoACD took more than {TIME_LIMIT} s") from error
-    with np.load(io.BytesIO(done.stdout)) as parts:
-        hulls = [hull_of(parts[f"part{number}"]) for number in range(len(parts))]
+        with Worker(_coacd, TIME_LIMIT, name="CoACD") as run:
+            parts: list[Floats] = run(task)
+    except (WorkerDiedError, WorkerTimeoutError) as error:
+        raise RejectedError(str(error)) from error
+    hulls = [hull_of(vertices) for vertices in parts]
     solid = [hull_mesh(hull) for hull in hulls if hull.volume > 0]
     if not solid:
         raise RejectedError("CoACD found no part with a volume")
     return solid
 
 
-def _packed(**arrays: np.ndarray) -> bytes:
-    buffer = io.BytesIO()
-    np.savez(buffer, **arrays)  # type: ignore[arg-type]
-    return buffer.getvalue()
+@contextmanager
+def _coacd() -> Iterator[Callable[[Task], list[Floats]]]:
+    """CoACD in this process, whose output is dropped: it prints a lot."""
+    import coacd  # noqa: PLC0415 (an extra)
+
+    silence = os.open(os.devnull, os.O_WRONLY)
+    for stream in (1, 2):
+        os.dup2(silence, stream)
+    coacd.set_log_level("error")
+
+    def run(task: Task) -> list[Floats]:
+        vertices, faces, threshold, max_parts = task
+        mesh = coacd.Mesh(vertices, faces)
+        options = {"threshold": threshold, "max_convex_hull": max_parts}
+        try:
+            found = coacd.run_coacd(mesh, preprocess_mode="off", seed=0, **options)
+        except Exception as error:
+            raise RejectedError(f"CoACD failed: {error}") from error
+        return [np.asarray(vertices) for vertices, _ in found]
+
+    yield run

@@ -1,17 +1,26 @@
-"""How good a network is on labelled images: loss, rectangle score, and a simple baseline."""
+"""How good a network is on labelled images: loss, rectangle score, and a simple baseline.
+
+PyTorch, an extra, is only needed once a network is judged.
+"""
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import torch
+import pandas as pd
 from numpy.typing import NDArray
-from torch import nn
 
 from egad.learning.dataset import LearningSet, example
 from egad.learning.targets import best, read
 from egad.perception.rectangles import Rectangles, agrees, half_turn
+from egad.stats.rates import mean_rate
+from egad.tables.training import SCORE
+
+if TYPE_CHECKING:
+    import torch
+    from torch import nn
 
 
 def across(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -52,31 +61,77 @@ class Judged(NamedTuple):
     hit: bool | None
 
 
-@torch.inference_mode()
-def judged(network: nn.Module, depth: NDArray[np.float32], truth: Rectangles) -> Judged:
+def judged(network: "nn.Module", depth: NDArray[np.float32], truth: Rectangles) -> Judged:
     """Compare a network's answer to an image with the positive grasps (n, 5) in it.
 
     The grasp that counts is the one at the highest peak of the smoothed quality
     (`egad.perception.rectangles.agrees` says how).
     """
-    seen, wanted = (torch.from_numpy(part)[None] for part in example(depth, truth))
-    maps = network(seen)
-    losses = map_losses(maps, wanted).double().numpy()
+    import torch  # noqa: PLC0415 (an extra)
+
+    with torch.inference_mode():
+        seen, wanted = (torch.from_numpy(part)[None] for part in example(depth, truth))
+        maps = network(seen)
+        losses = map_losses(maps, wanted).double().numpy()
     if len(truth) == 0:
         return Judged(losses, None)
-    return Judged(losses, bool(np.isfinite(losses).all()) and agrees(_grasp(maps), truth))
+    if not np.isfinite(losses).all():
+        return Judged(losses, hit=False)
+    return Judged(losses, agrees(best(read(maps[0].numpy())), truth))
 
 
-def _grasp(maps: torch.Tensor) -> NDArray[np.float64]:
-    return best(read(maps[0].numpy()))
-
-
-def map_losses(maps: torch.Tensor, wanted: torch.Tensor) -> torch.Tensor:
+def map_losses(maps: "torch.Tensor", wanted: "torch.Tensor") -> "torch.Tensor":
     """Mean squared error of each of the four maps, (4,), of maps (n, 4, height, width)."""
-    return torch.square(maps - wanted).mean(dim=(0, 2, 3))
+    return (maps - wanted).square().mean(dim=(0, 2, 3))
 
 
 def score(judgements: Sequence[Judged]) -> float:
     """Part of the images with positive grasps in which the best one was right; NaN if none."""
     hits = [each.hit for each in judgements if each.hit is not None]
     return float(np.mean(hits)) if hits else math.nan
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a network reached on images of held-out objects.
+
+    Attributes:
+        right: Images in which its best grasp agrees with a positive one.
+        count: Images with a positive grasp.
+        objects: Objects in these.
+        interval: Of the part that is right, for other objects of the same kind, 95 %.
+        loss: Mean over all images.
+    """
+
+    right: int
+    count: int
+    objects: int
+    interval: tuple[float, float]
+    loss: float
+
+    @property
+    def rate(self) -> float:
+        """The part that is right; NaN if no image counts."""
+        return self.right / self.count if self.count else math.nan
+
+
+def scored(index: pd.DataFrame, judgements: Sequence[Judged]) -> Score:
+    """Put the judgements of some images together.
+
+    Args:
+        index: Rows of `LearningSet.index`,
+        judgements: and what was answered to each.
+    """
+    hits = [each.hit for each in judgements]
+    table = pd.DataFrame({"label": index["id"].to_numpy(), "success": hits})
+    table = table[[hit is not None for hit in hits]]
+    mean = mean_rate(table)
+    loss = float(np.mean([each.losses.sum() for each in judgements]))
+    return Score(mean.successes, mean.attempts, table["label"].nunique(), mean.interval, loss)
+
+
+def reached(score: Score) -> pd.DataFrame:
+    """The score as a table of one row, columns of `tables.training.SCORE`."""
+    low, high = score.interval
+    numbers = (score.right, score.count, score.objects, low, high, score.loss)
+    return pd.DataFrame([numbers], columns=SCORE.names)

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from egad import __version__
-from egad.learning.score import Score
+from egad.learning.evaluation import Score
 from egad.perception.splits import SPLITS
 
 PACKAGES = ("torch", "safetensors", "numpy", "scipy", "pillow")

@@ -2,8 +2,8 @@ import pandas as pd
 import pytest
 
 from egad.learning.dataset import LearningSet, Rule
+from egad.learning.evaluation import Score
 from egad.learning.model_card import Trained, card, counts, table
-from egad.learning.score import Score
 from egad.report.training_chart import training_chart
 
 

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from egad.errors import UserError
+from egad.learning import evaluation as scoring
 from egad.learning.dataset import LearningSet, Rule, example
 from egad.pipeline.config import Training
 from egad.tables.training import HISTORY
@@ -14,7 +15,6 @@ from egad.tables.training import HISTORY
 torch = pytest.importorskip("torch")
 networks = pytest.importorskip("egad.learning.networks")
 training = pytest.importorskip("egad.learning.training")
-scoring = pytest.importorskip("egad.learning.evaluation")
 checkpoint = pytest.importorskip("egad.learning.training")
 SHORT = Training(network="ggcnn", images=10, epoch=4, batch=3, validation=2)
 

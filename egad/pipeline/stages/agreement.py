@@ -9,8 +9,8 @@ from typing import Any
 
 import pandas as pd
 
+from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
-from egad._util.workers import Survivor
 from egad.pipeline.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.pipeline.stages.shards import rows_in_shard
 from egad.sim.labelled_trials import carried_out, not_carried_out, sampled, shares

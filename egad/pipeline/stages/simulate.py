@@ -9,8 +9,8 @@ from typing import Any
 
 import pandas as pd
 
+from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
-from egad._util.workers import Survivor
 from egad.detectors.base import Detector
 from egad.detectors.labels import Labels
 from egad.detectors.registry import QUICK

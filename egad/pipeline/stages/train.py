@@ -9,10 +9,9 @@ import pandas as pd
 from egad._util.files import write_text
 from egad.errors import UserError
 from egad.exchange.sums import sum_of
-from egad.learning import evaluation as plain
 from egad.learning.dataset import LearningSet, Rule
+from egad.learning.evaluation import Score, reached, right, scored
 from egad.learning.model_card import Trained, card
-from egad.learning.score import Score, reached, scored
 from egad.perception import image_shards as folder
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config.stage_settings import TrainNetwork
@@ -63,7 +62,7 @@ def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score
         shards.index,
         pd.DataFrame(rows),
         score,
-        plain.right(shards, held),
+        right(shards, held),
         {"seed": seed, **plan.model_dump(mode="json")},
     )
     tell(trained, out)

@@ -8,7 +8,7 @@ import pyarrow as pa
 import pytest
 
 from egad.errors import TableError, UserError
-from egad.learning.score import Score, reached
+from egad.learning.evaluation import Score, reached
 from egad.pipeline.cli import main
 from egad.pipeline.config.check import check
 from egad.pipeline.config.stage_settings import DiversityReport, select

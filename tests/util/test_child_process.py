@@ -1,0 +1,188 @@
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from functools import partial
+
+import pytest
+
+from egad._util.child_process import Survivor, Worker, WorkerDiedError, WorkerTimeoutError
+from egad.errors import UserError
+
+
+def killed(number):
+    """What the kernel does when memory runs out."""
+    if number == 5:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+WANT = "probably for want of memory; use fewer cores: --jobs"
+
+
+@contextmanager
+def halving(marks):
+    """Halves numbers; 0 ends the process the first time, 13 always, and text is an error."""
+
+    def half(number):
+        killed(number)
+        if number == 13 or (number == 0 and not marks.exists()):
+            marks.touch()
+            os.abort()
+        return number / 2
+
+    marks.with_suffix(".open").touch()
+    yield half
+    marks.with_suffix(".closed").touch()
+
+
+@contextmanager
+def refusing():
+    raise UserError("this cannot be made")
+    yield
+
+
+@contextmanager
+def dying():
+    os.abort()
+    yield
+
+
+def test_a_process_that_dies_is_started_anew_and_dying_twice_gives_none(tmp_path):
+    marks = tmp_path / "died"
+    with Survivor(partial(halving, marks)) as work:
+        assert [work(number) for number in (4, 0, 2, 13, 6)] == [2, 0, 1, None, 3]
+    assert marks.with_suffix(".closed").exists()
+
+
+def test_being_killed_for_memory_is_no_result_of_the_work(tmp_path):
+    with pytest.raises(UserError, match=WANT), Survivor(partial(halving, tmp_path / "a")) as work:
+        work(5)
+
+
+def test_errors_of_the_work_are_raised_and_the_next_item_goes_on(tmp_path):
+    with Survivor(partial(halving, tmp_path / "died")) as work:
+        with pytest.raises(TypeError):
+            work("text")
+        assert work(4) == 2
+
+
+def test_what_cannot_be_made_in_the_process_is_said():
+    with pytest.raises(UserError, match="this cannot be made"), Survivor(refusing):
+        pass
+    with pytest.raises(UserError, match="while it started"), Survivor(dying):
+        pass
+
+
+class PathError(UserError):
+    """One that is pickled, but cannot be unpickled: it is made from something else."""
+
+    def __init__(self, path, reason):
+        super().__init__(f"{path}: {reason}")
+
+
+class LocalError(Exception):
+    """One that cannot be pickled."""
+
+    def __reduce__(self):
+        raise TypeError("not this one")
+
+
+@contextmanager
+def raising():
+    def work(item):
+        if item == "user":
+            raise PathError("a.h5", "damaged")
+        if item == "local":
+            raise LocalError("what went wrong")
+        return (lambda: 0) if item == "result" else os.getpid()
+
+    yield work
+
+
+@contextmanager
+def not_starting():
+    raise LocalError("no such engine")
+    yield
+
+
+def test_what_cannot_be_pickled_is_told_as_text_and_is_no_crash():
+    with Survivor(raising) as work:
+        process = work("ask")
+        with pytest.raises(UserError, match=r"^a\.h5: damaged$"):
+            work("user")
+        with pytest.raises(RuntimeError, match=r"^LocalError: what went wrong$"):
+            work("local")
+        with pytest.raises((AttributeError, TypeError), match="pickle"):
+            work("result")
+        assert work("ask") == process
+    with pytest.raises(RuntimeError, match="no such engine"), Survivor(not_starting):
+        pass
+
+
+@contextmanager
+def sleeping(marks):
+    """Naps; 0 oversleeps the first time, 13 always."""
+
+    def nap(number):
+        if number == 13 or (number == 0 and not marks.exists()):
+            marks.touch()
+            time.sleep(600)
+        return number / 2
+
+    yield nap
+    if marks.with_suffix(".last").exists():
+        time.sleep(600)
+
+
+def test_a_process_that_takes_too_long_is_ended_and_counts_as_one_that_died(tmp_path, caplog):
+    marks = tmp_path / "overslept"
+    before = time.monotonic()
+    with Survivor(partial(sleeping, marks), limit=0.5) as work:
+        assert [work(number) for number in (4, 0, 13, 6)] == [2, 0, None, 3]
+        marks.with_suffix(".last").touch()
+    assert time.monotonic() - before < 200
+    assert caplog.text.count("no answer within 0.5 s") == 3
+
+
+def test_a_worker_says_how_it_ended_and_starts_anew(tmp_path):
+    with Worker(partial(halving, tmp_path / "died"), name="the divider") as work:
+        with pytest.raises(WorkerDiedError, match=r"^the divider ended with status -6$"):
+            work(13)
+        assert not work.running
+        assert work(4) == 2
+    with Worker(partial(sleeping, tmp_path / "slept"), limit=0.5) as work:
+        with pytest.raises(WorkerTimeoutError, match=r"no answer within 0\.5 s"):
+            work(13)
+        assert work(4) == 2
+
+
+def test_a_worker_that_takes_too_long_to_start_is_ended():
+    with pytest.raises(UserError, match=r"the sleeper was not ready within 0\.2 s"):
+        Worker(partial(time.sleep, 600), start_limit=0.2, name="the sleeper").start()
+
+
+MODULE = """
+from contextlib import contextmanager
+
+@contextmanager
+def halving():
+    yield lambda number: number / 2
+"""
+PROGRAM = """
+from egad._util.child_process import Survivor
+from divider import halving
+
+with Survivor(halving) as work:
+    print(work(4))
+"""
+
+
+def test_a_program_needs_no_guard_around_what_it_does(tmp_path):
+    (tmp_path / "divider.py").write_text(MODULE)
+    (tmp_path / "program.py").write_text(PROGRAM)
+    done = subprocess.run(
+        [sys.executable, tmp_path / "program.py"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "2.0\n"
