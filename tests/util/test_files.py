@@ -103,7 +103,7 @@ def test_a_lock_that_was_removed_while_it_was_taken_is_none(tmp_path, monkeypatc
     def late(*_arguments):
         lock.unlink()
 
-    monkeypatch.setattr("egad.files.fcntl.lockf", late)
+    monkeypatch.setattr("egad._util.files.fcntl.lockf", late)
     with pytest.raises(UserError, match="another process is writing it"):
         write_text(tmp_path / "file.txt", "words")
 
