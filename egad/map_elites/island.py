@@ -27,6 +27,11 @@ from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.tables.evolution import HISTORY
 
+EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
+SCORED = 10  # the QD-score of every so many steps is computed
+LINE = "coverage {coverage:.3f}, {elites} elites"
+Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
+
 
 @dataclass(frozen=True)
 class Solid:
@@ -80,12 +85,6 @@ def regrade(solid: Solid, settings: EvolutionParameters) -> float | str:
         return coordinates(mesh, settings, settings.evolution.regrade, rng).difficulty
     except RejectedError as error:
         return str(error)
-
-
-EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
-SCORED = 10  # the QD-score of every so many steps is computed
-LINE = "coverage {coverage:.3f}, {elites} elites"
-Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
 
 
 class Step(NamedTuple):
