@@ -1,6 +1,10 @@
 """Errors that are meant to be read by a person."""
 
+import difflib
+from collections.abc import Iterable
+
 LESS_MEMORY = "use fewer cores: --jobs of a command, --cores of the workflow"
+MOST_NAMES = 12
 
 
 class UserError(Exception):
@@ -13,3 +17,18 @@ class RejectedError(Exception):
 
 class TableError(ValueError):
     """A Parquet file is missing, damaged, or does not have the columns of its schema."""
+
+
+def known(what: str, name: str, names: Iterable[str], where: str = "") -> str:
+    """The name, if there is such a thing.
+
+    Raises:
+        UserError: There is none; the text has those that are spelled most alike, or a few.
+    """
+    allowed = sorted(names)
+    if name in allowed:
+        return name
+    near = difflib.get_close_matches(name, allowed, n=5, cutoff=0.5)
+    few = ", ".join(allowed[:MOST_NAMES]) + (", ..." if len(allowed) > MOST_NAMES else "")
+    hint = f"did you mean {' or '.join(near)}?" if near else f"known: {few or 'none'}"
+    raise UserError(f"{what} {name!r} is not known{where}; {hint}")

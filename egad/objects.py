@@ -9,13 +9,12 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
-from egad._util.names import known
 from egad.cppn.genome import Row
 from egad.cppn.parameters import Shape
 from egad.cppn.surface import packed_surface
 from egad.cppn.voxels import unpack
 from egad.data import released
-from egad.errors import UserError
+from egad.errors import UserError, known
 from egad.exchange.meshes import read_mesh
 from egad.geometry.repair import repair
 from egad.map_elites.archive import Archive

@@ -16,8 +16,8 @@ from egad.pipeline.stages.bundled import model_in, rows_by_id
 from egad.random import generator
 from egad.sim.arms import Axis, Stance
 from egad.sim.gripper import Hand
-from egad.sim.initial_pose import Start, starts
 from egad.sim.model import build
+from egad.sim.trial import Start, starts
 from egad.sim.world import TIME_STEP, Pose, World
 
 STANDING = np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # the thickness is that along x

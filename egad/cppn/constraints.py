@@ -17,6 +17,9 @@ from egad.geometry.rays import RayCaster
 Points = NDArray[np.float32]
 Voxels = NDArray[np.bool_]
 AXES = "xyz"
+Floats = NDArray[np.float64]
+EDGE = 1 + 1e-9  # a voxel whose middle lies on the edge belongs to the region
+Reader = Callable[[str], trimesh.Trimesh]
 
 
 def folded(points: Points, symmetry: Symmetry) -> Points:
@@ -83,10 +86,6 @@ def turned(voxels: Voxels, symmetry: Symmetry) -> Voxels:
     return image.reshape(voxels.shape)
 
 
-Floats = NDArray[np.float64]
-EDGE = 1 + 1e-9  # a voxel whose middle lies on the edge belongs to the region
-
-
 def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None = None) -> Voxels:
     """The voxels whose middles lie in a region.
 
@@ -133,9 +132,6 @@ def _fitted(mesh: trimesh.Trimesh, size: Floats) -> trimesh.Trimesh:
     low, high = np.asarray(mesh.bounds)
     vertices = (np.asarray(mesh.vertices) - (low + high) / 2) * np.min(size / (high - low))
     return trimesh.Trimesh(vertices, mesh.faces, process=False)
-
-
-Reader = Callable[[str], trimesh.Trimesh]
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from egad.perception.camera import View
 Floats = NDArray[np.float64]
 
 MOST_GRASPS = 50  # kept of the candidates of a detector
+WHERE = "policies"
 
 
 @dataclass(frozen=True)
@@ -105,6 +106,3 @@ class Detector(Protocol):
             gripper: The hand that will try.
             rng: The only source of chance.
         """
-
-
-WHERE = "policies"

@@ -27,6 +27,9 @@ GGCNN_WEIGHTS = (
     "dougsm/ggcnn, as files named "
     "ggcnn_epoch_23_cornell_statedict.pt (GG-CNN) and epoch_50_cornell_statedict.pt (GG-CNN2)"
 )
+Floats = NDArray[np.float64]
+Infer = Callable[[NDArray[np.float32]], NDArray[np.float32]]
+BITE = 0.02  # the fingertips go this far below the surface seen at the centre of the grasp
 
 
 def check_ggcnn(weights: str | None) -> str:
@@ -55,12 +58,6 @@ def _size(path: Path) -> int:
             return sum(entry.file_size for entry in archive.infolist())
     except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
         return size
-
-
-Floats = NDArray[np.float64]
-Infer = Callable[[NDArray[np.float32]], NDArray[np.float32]]
-
-BITE = 0.02  # the fingertips go this far below the surface seen at the centre of the grasp
 
 
 class Crop(NamedTuple):

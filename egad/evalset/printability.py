@@ -23,6 +23,7 @@ PARALLEL = np.cos(np.radians(30))  # of the angle between the sides of a wall, a
 GRAIN = 0.25  # radii between balls that are told apart
 LINK = 2.4  # radii between balls that may hang together
 SKIN = 1e-3  # of the diameter: rays begin this deep
+STUB = 0.5  # of the thinnest wall: thin parts that stand out less are no walls
 
 
 class Thinness(NamedTuple):
@@ -144,9 +145,6 @@ def _linked(pairs: Ints, count: int) -> Ints:
     """The connected component of each of n nodes."""
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     return np.asarray(csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
-
-
-STUB = 0.5  # of the thinnest wall: thin parts that stand out less are no walls
 
 
 def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:

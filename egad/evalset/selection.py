@@ -18,6 +18,10 @@ from egad.measures.parameters import Space
 from egad.tables.evaluation import EVAL49
 
 LABEL = re.compile(r"[A-Z][0-9]")
+Indices = NDArray[np.int64]
+Floats = NDArray[np.float64]
+Distances = NDArray[np.float64]
+Check = Callable[[int], list[str]]
 
 
 def label_at(row: int, column: int) -> str:
@@ -33,10 +37,6 @@ def labels_of(rows: int, columns: int) -> list[str]:
 def place(label: str) -> tuple[int, int]:
     """Row and column of a name."""
     return string.ascii_uppercase.index(label[0]), int(label[1:])
-
-
-Indices = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 
 def candidates_by_cell(
@@ -92,10 +92,6 @@ def _distances(places: Floats, cell: tuple[int, int]) -> Floats:
         np.maximum(np.maximum(low - places, places - low - 1), 0), axis=1
     )
     return distances
-
-
-Distances = NDArray[np.float64]
-Check = Callable[[int], list[str]]
 
 
 class Selection(NamedTuple):

@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 from egad.geometry.surface_samples import spread
 
 Floats = NDArray[np.float64]
+STEP = 0.02  # of the longest side: distance between the points that are looked at
+CELL = 0.5  # of that distance
+ROUNDING = 1e-9  # relative
+STEPS = 10  # binary digits of a distance within a cell: a thousandth
 
 
 def nearest(points: Floats, mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
@@ -27,11 +31,6 @@ def nearest(points: Floats, mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
     around = np.ascontiguousarray(points, dtype=np.float64)
     squared, _, found = igl.point_mesh_squared_distance(around, vertices, faces)
     return np.sqrt(squared).reshape(-1), found.reshape(-1, 3)
-
-
-STEP = 0.02  # of the longest side: distance between the points that are looked at
-CELL = 0.5  # of that distance
-ROUNDING = 1e-9  # relative
 
 
 def largest_deviation(surface: trimesh.Trimesh, mesh: trimesh.Trimesh) -> float:
@@ -63,9 +62,6 @@ def _furthest(points: Floats, mesh: trimesh.Trimesh, size: float) -> float:
     reach = (distances + np.sqrt(3) * size) * (1 + ROUNDING)
     others = points[(reach >= largest)[cell]]
     return max(largest, float(nearest(others, mesh)[0].max()))
-
-
-STEPS = 10  # binary digits of a distance within a cell: a thousandth
 
 
 class DistanceField(NamedTuple):

@@ -9,6 +9,10 @@ from egad.geometry.manifold import Solid, arrays, box, is_solid, union
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+DEPTH = 1e-6  # of the longest side: shallower crossings are rounding
+MARGIN = 1e-3  # of the longest side: left around the triangles that cross
+CRUMB = 0.05  # of the longest side: smaller pieces that still cross become their hull
+ROUNDS = 4
 
 
 def crossings(vertices: Floats, faces: Ints, depth: float) -> Ints:
@@ -124,12 +128,6 @@ def _turn(vertices: Floats, p: int, q: int, a: int, b: int) -> float:
         cross -= (vertices[a, n] - vertices[p, n]) * (vertices[b, m] - vertices[p, m])
         total += (vertices[q, k] - vertices[p, k]) * cross
     return total
-
-
-DEPTH = 1e-6  # of the longest side: shallower crossings are rounding
-MARGIN = 1e-3  # of the longest side: left around the triangles that cross
-CRUMB = 0.05  # of the longest side: smaller pieces that still cross become their hull
-ROUNDS = 4
 
 
 def untangle(solid: Solid) -> Solid:

@@ -13,6 +13,8 @@ from egad.grasps.hand import finger_span
 from egad.grasps.sampler import Grasps
 
 Floats = NDArray[np.float64]
+SPACING = 0.05  # of the longest side of the mesh: between the points, at most
+SKIN = 1e-6  # of it: how far below the surface rays start
 
 
 def needed_openings(
@@ -160,10 +162,6 @@ def _first_gap(taken: Floats, least: float) -> tuple[float, float]:
             return free, taken[i, 0]
         free = max(free, taken[i, 1])
     return free, np.inf
-
-
-SPACING = 0.05  # of the longest side of the mesh: between the points, at most
-SKIN = 1e-6  # of it: how far below the surface rays start
 
 
 def pinch_widths(mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:

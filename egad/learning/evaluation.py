@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     import torch
     from torch import nn
 
+MAPS = ("quality", "cosine", "sine", "width")
+
 
 def across(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
     """The middle of an object, across its narrower side, as wide as the object is there.
@@ -44,9 +46,6 @@ def right(shards: LearningSet, numbers: Iterable[int]) -> int:
     """In how many images, by their rows of the index, that grasp agrees with a positive one."""
     pairs = ((shards.mask(number), shards.image(number)[1]) for number in numbers)
     return sum(mask.sum() > 1 and agrees(across(mask), truth) for mask, truth in pairs)
-
-
-MAPS = ("quality", "cosine", "sine", "width")
 
 
 class Judged(NamedTuple):

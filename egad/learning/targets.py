@@ -20,6 +20,7 @@ SMOOTHING = 2.0  # pixels; of all four maps
 LEAST = 0.01  # quality; less is no grasp, and no width is read by it
 APART = 21  # pixels; the best of a window this wide is proposed
 MOST_PEAKS = 10
+MIDDLE = 1 / 3  # of the opening, where the quality is 1
 
 
 class Answer(NamedTuple):
@@ -68,9 +69,6 @@ def best(answer: Answer) -> Floats:
     row, column = peaks(answer.quality)[0]
     place = (row, column)
     return np.array([column, row, answer.angle[place], answer.opening[place]], dtype=np.float64)
-
-
-MIDDLE = 1 / 3  # of the opening, where the quality is 1
 
 
 def targets(rectangles: Rectangles, size: int = SIZE) -> NDArray[np.float32]:

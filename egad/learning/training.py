@@ -30,6 +30,8 @@ from egad.learning.parameters import Training
 
 log = logging.getLogger(__name__)
 Tensors = dict[str, torch.Tensor]
+Losses = NDArray[np.float64]
+Row = dict[str, Any]
 
 
 @dataclass
@@ -90,10 +92,6 @@ class Checkpoint:
         state.optimizer.load_state_dict(values["optimizer"])
         state.rows[:], state.best = values["rows"], values["best"]
         log.info("training goes on after epoch %d", len(state.rows))
-
-
-Losses = NDArray[np.float64]
-Row = dict[str, Any]
 
 
 def train(

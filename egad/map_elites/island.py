@@ -30,6 +30,11 @@ from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.tables.evolution import HISTORY
 
+EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
+SCORED = 10  # the QD-score of every so many steps is computed
+LINE = "coverage {coverage:.3f}, {elites} elites"
+Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
+
 
 @dataclass(frozen=True)
 class Solid:
@@ -72,6 +77,9 @@ class Measured:
     graph: reeb.ReebGraph
 
 
+Evaluate = Callable[[Solid], Measured | str]
+
+
 def express(row: Row, settings: EvolutionParameters, rules: constraints.Rules) -> Solid | str:
     """The solid of a genome, or the reason why it is none that is allowed."""
     shape = settings.shape
@@ -107,13 +115,6 @@ def regrade(solid: Solid, settings: EvolutionParameters) -> float | str:
         return coordinates(mesh, settings, settings.evolution.regrade, rng).difficulty
     except RejectedError as error:
         return str(error)
-
-
-EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
-SCORED = 10  # the QD-score of every so many steps is computed
-LINE = "coverage {coverage:.3f}, {elites} elites"
-Evaluate = Callable[[Solid], Measured | str]
-Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
 
 
 class Step(NamedTuple):

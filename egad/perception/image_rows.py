@@ -18,6 +18,7 @@ from egad.tables.images import LISTS
 
 UNIT = 1e-4  # metres; of the depths in the files
 LEVEL = 6  # of compression
+Floats = NDArray[np.float64]
 
 
 def coded(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
@@ -58,9 +59,6 @@ def pixels(row: Mapping[str, Any], name: str, mode: str) -> NDArray[np.integer]:
             return np.asarray(image)
     except (ValueError, OSError, SyntaxError, TypeError, Image.DecompressionBombError) as error:
         raise TableError(f"its {name} cannot be read: {error}") from error
-
-
-Floats = NDArray[np.float64]
 
 
 def encoded(picture: Picture) -> dict[str, Any]:

@@ -13,8 +13,7 @@ from typing import overload
 
 import pandas as pd
 
-from egad._util.names import known
-from egad.errors import UserError
+from egad.errors import UserError, known
 from egad.perception.image_rows import decoded
 from egad.perception.rendering import Picture
 from egad.perception.splits import SPLITS

@@ -8,6 +8,11 @@ from egad.perception.camera import View
 from egad.perception.parameters import ImageNoise
 
 Depth = NDArray[np.float32]
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+BASELINE = 0.05  # metres between the two imagers of a D435
+LEAST_DISPARITY = 1.0  # pixels; far beyond everything there is
+SPOT = 1.5  # pixels; how far lost pixels keep together
 
 
 def filled(depth: Depth) -> Depth:
@@ -22,14 +27,6 @@ def filled(depth: Depth) -> Depth:
     nearest = ndimage.distance_transform_edt(gaps, return_distances=False, return_indices=True)
     whole: Depth = depth[tuple(nearest)]
     return whole
-
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
-BASELINE = 0.05  # metres between the two imagers of a D435
-LEAST_DISPARITY = 1.0  # pixels; far beyond everything there is
-SPOT = 1.5  # pixels; how far lost pixels keep together
 
 
 def spoilt(view: View, noise: ImageNoise, rng: np.random.Generator) -> View:

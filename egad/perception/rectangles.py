@@ -19,6 +19,9 @@ from egad.perception.scenes import Scene
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.int64]
+Rectangles = NDArray[np.float64]
+LEAST_OVERLAP = 0.25
+MOST_TURN = np.pi / 6
 
 
 class ImageGrasps(NamedTuple):
@@ -85,11 +88,6 @@ def projected(scene: Scene, grasps: Grasped, free: Flags, gripper: Gripper) -> I
         np.abs(v - (camera.height - 1) / 2) <= camera.height / 2
     )
     return found.chosen(inside)
-
-
-Rectangles = NDArray[np.float64]
-LEAST_OVERLAP = 0.25
-MOST_TURN = np.pi / 6
 
 
 def half_turn(angle: Any) -> Any:  # noqa: ANN401 (a number or an array)

@@ -21,6 +21,9 @@ from egad.reeb.ranges import Parts, cut, distinct, labels, outer_shell, unite
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+_HEADER = struct.Struct("<4sHHII")  # magic, version, ranges, nodes, links
+_CHECKSUM = struct.Struct("<I")
+_MAGIC, _VERSION = b"REEB", 1
 
 
 @numba.njit(cache=True)
@@ -106,11 +109,6 @@ def _rows(owners: Ints, items: Ints, count: int) -> tuple[Ints, Ints]:
         result[place[owner]] = items[i]
         place[owner] += 1
     return starts, result
-
-
-_HEADER = struct.Struct("<4sHHII")  # magic, version, ranges, nodes, links
-_CHECKSUM = struct.Struct("<I")
-_MAGIC, _VERSION = b"REEB", 1
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from egad.geometry.refinement import Triangulation, lexicographic
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+_SPECK = 1e-6  # of the volume of a body: what is smaller inside it is a cavity, however wound
 
 
 class Parts(NamedTuple):
@@ -169,9 +170,6 @@ def distinct(low: Ints, high: Ints, bound: int) -> Ints:
             result[count, 0], result[count, 1] = low[i], high[i]
             count += 1
     return result[:count].copy()
-
-
-_SPECK = 1e-6  # of the volume of a body: what is smaller inside it is a cavity, however wound
 
 
 def outer_shell(vertices: Floats, faces: Ints) -> Ints:

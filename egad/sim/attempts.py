@@ -10,10 +10,9 @@ from egad.detectors.base import Detector, Grasp
 from egad.detectors.labels import Labels
 from egad.outcomes import Outcome
 from egad.random import entropy
-from egad.sim.initial_pose import Start
 from egad.sim.model import Model
 from egad.sim.parameters import TrialParameters
-from egad.sim.trial import Attempt, Bench
+from egad.sim.trial import Attempt, Bench, Start
 from egad.sim.world import Pose, World
 from egad.tables.columns import POSE_PARTS, START
 from egad.tables.evaluation import TRIALS

@@ -19,9 +19,9 @@ from egad.grasps.hand import finger_span
 from egad.grasps.poses import hand_poses
 from egad.outcomes import Outcome
 from egad.random import generator
+from egad.sim.execution import Execution, execute
 from egad.sim.model import Model
 from egad.sim.parameters import LabelTrialParameters
-from egad.sim.trial import Execution, execute
 from egad.sim.world import Pose, World
 from egad.tables import parquet
 from egad.tables.columns import vector_names

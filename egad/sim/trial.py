@@ -1,12 +1,14 @@
-"""One grasp trial: drop the object, take an image, plan, approach, close, lift, hold."""
+"""One grasp trial: drop the object, take an image, plan, and carry out the grasp."""
 
 import logging
-from contextlib import nullcontext
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from egad.detectors.base import Detector, Grasp, best
 from egad.detectors.labels import Labels
@@ -16,111 +18,85 @@ from egad.grasps.gripper import Gripper
 from egad.outcomes import Outcome
 from egad.perception.camera import Eye, Intrinsics, View, above
 from egad.perception.noise import noisy
-from egad.sim.arms import CARRIERS, Stance, UnreachableError
-from egad.sim.gripper import HEAVIEST, Hand
-from egad.sim.initial_pose import Start, moved, starts
-from egad.sim.parameters import Lifting, Trials
-from egad.sim.settling import Stillness
-from egad.sim.world import GRAVITY, TIME_STEP, Pose, UnstableError, World
-
-START_ABOVE = 0.02  # fingertips start this far above the object
-DESCENT_SPEED = 0.25  # mean, m/s
-LIFT_SPEED = 0.35  # mean, m/s
-
-
-class Execution(NamedTuple):
-    """What came of a grasp.
-
-    Attributes:
-        outcome: One of `egad.outcomes.EXECUTION`, or failed.
-        lifted: Height that the object's centre of mass gained, metres.
-        end: Where the object is at last; None if the simulation broke down. Of an object that lay
-            still in the hand before it was lifted all the way, where it would be then.
-    """
-
-    outcome: Outcome
-    lifted: float
-    end: Pose | None
-
-
-def execute(
-    world: World, gripper: Gripper, lifting: Lifting, grasp: Grasp, *, afloat: bool = False
-) -> Execution:
-    """Approach from above, close, lift and hold.
-
-    It depends on the arguments alone, if the world was reset before the object was placed.
-
-    Args:
-        world: With the object where it is to be grasped.
-        gripper: The hand; it is added to the world.
-        lifting: Arm, lift and hold.
-        grasp: One that the hand can do (`Grasp.flaw`).
-        afloat: Whether the object floats in the air: held there until the hand has come, free but
-            without weight until the fingers have closed.
-    """
-    try:
-        before = world.pose().position[2]
-        outcome, end = _outcome(world, gripper, lifting, grasp, afloat)
-    except UnstableError:
-        return Execution(Outcome.FAILED, 0.0, None)
-    return Execution(outcome, float(end.position[2] - before), end)
-
-
-def _outcome(
-    world: World, gripper: Gripper, lifting: Lifting, grasp: Grasp, afloat: bool
-) -> tuple[Outcome, Pose]:
-    start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
-    try:
-        hand = hung(world, gripper, lifting.arm, grasp, start)
-    except UnreachableError:
-        return Outcome.COLLIDED, world.pose()
-    world.pull(0.0 if afloat else GRAVITY)
-    with world.pinned() if afloat else nullcontext():
-        if not hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED):
-            return Outcome.COLLIDED, world.pose()
-    touched = hand.close()
-    world.pull(GRAVITY)
-    if not hand.pinches():
-        return Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED, world.pose()
-    return _carried(hand, lifting)
-
-
-def _carried(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
-    """Lift and hold; what lies still in the hand stays there, and need not be simulated on."""
-    height, seconds = lifting.lift_height, lifting.lift_height / LIFT_SPEED
-    still = Stillness(hand, HEAVIEST * seconds, seconds + lifting.hold_time)
-    arrived = hand.lift(height, seconds, still)
-    if not hand.carries():
-        return Outcome.SLIPPED_LIFTING, hand.world.pose()
-    if not arrived:
-        return Outcome.COLLIDED, hand.world.pose()
-    if not hand.path_left:
-        hand.hold(lifting.hold_time, still)
-    outcome = Outcome.SUCCESS if hand.carries() else Outcome.DROPPED
-    pose = hand.world.pose()
-    rise = hand.path_left[-1] - hand.height() if hand.path_left else 0.0
-    if hand.world.watch is not None:
-        hand.go_on(lifting.hold_time)
-    return outcome, Pose(pose.position + np.array([0.0, 0.0, rise]), pose.quaternion)
-
-
-def hung(world: World, gripper: Gripper, arm: str, grasp: Grasp, height: float) -> Hand:
-    """The open hand, its fingertips at some height above a grasp.
-
-    Raises:
-        UnreachableError: The arm cannot bring it there.
-    """
-    stance = Stance(grasp.center[0], grasp.center[1], height, grasp.angle)
-    return Hand(world, gripper, CARRIERS[arm](world, gripper, stance), grasp.width)
-
+from egad.sim.execution import execute
+from egad.sim.parameters import Trials
+from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 
 log = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
 
-SETTLING_TIME = 4.0
+SETTLING_TIME = 4.0  # seconds, at most
 REST_SPEED = 0.003  # m/s
 REST_TURNING = 0.05  # rad/s
-REST_TIME = 0.1
+REST_TIME = 0.1  # seconds that it must be slower than that
+DROP_SPREAD = 0.03  # the centre of mass is dropped at most this far from the middle, both ways
+DROPS = 5
+# Let go upright, six of seven objects lie as before, and the same grasp works 20 times.
+TILT = np.pi / 2
+MOVED = 0.01  # metres; if no point moved further, a detector would try the same again
+
+
+class Start(NamedTuple):
+    """The object at rest in some pose, from which it falls.
+
+    Attributes:
+        begun: dropped: put above the middle in a random orientation; from_hand: let go by the
+            hand that held it, there too; left: where the attempt before left it.
+        pose: Of the object.
+    """
+
+    begun: str
+    pose: Pose
+
+
+def starts(
+    mesh: trimesh.Trimesh, height: float, left: Start | None, rng: np.random.Generator
+) -> Iterator[Start]:
+    """What to try, one after the other, until the object lies still in the workspace.
+
+    Args:
+        mesh: The object, in the frame of its poses.
+        height: Of its lowest point when it is dropped, metres.
+        left: Where the attempt before left it: lying, or in the hand, which tilts and turns it by
+            chance above the middle; None if it is put back.
+        rng: Source of chance.
+    """
+    if left is not None and left.begun == "from_hand":
+        turned = _tilted(left.pose.quaternion, rng)
+        yield Start("from_hand", _above(mesh, height, turned, rng))
+    elif left is not None:
+        yield left
+    for _ in range(DROPS):
+        quaternion = rng.normal(size=4)
+        quaternion /= np.linalg.norm(quaternion)
+        yield Start("dropped", _above(mesh, height, quaternion, rng))
+
+
+def moved(mesh: trimesh.Trimesh, before: Pose, after: Pose) -> bool:
+    """Whether any point of an object moved by more than `MOVED`."""
+    change = after.matrix - before.matrix
+    shifts = mesh.vertices @ change[:3, :3].T + change[:3, 3]
+    return bool((np.linalg.norm(shifts, axis=1) > MOVED).any())
+
+
+def _above(
+    mesh: trimesh.Trimesh, height: float, quaternion: Floats, rng: np.random.Generator
+) -> Pose:
+    """Above the middle of the table, give or take `DROP_SPREAD`."""
+    x, y = rng.uniform(-DROP_SPREAD, DROP_SPREAD, size=2)
+    turned = mesh.vertices @ Pose(np.zeros(3), quaternion).matrix[2, :3]
+    return Pose(np.array([x, y, height - turned.min()]), quaternion)
+
+
+def _tilted(quaternion: Floats, rng: np.random.Generator) -> Floats:
+    """A quaternion (x, y, z, w), tilted any way by at most `TILT` and turned about the vertical."""
+    turn, way = rng.uniform(-np.pi, np.pi, size=2)
+    axis = np.array([np.cos(way), np.sin(way), 0.0])
+    tilt = Rotation.from_rotvec(axis * rng.uniform(0, TILT))
+    tilted: Floats = (
+        Rotation.from_euler("z", turn) * tilt * Rotation.from_quat(quaternion)
+    ).as_quat()
+    return tilted
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ Areas = Callable[[NDArray[np.int64]], Floats]
 # A bootstrap cannot know of failures of other objects than those that it has seen. With fewer than
 # these, its intervals are too narrow, most of all where one object has them all.
 FEWEST = 5
+BINS = 10
 
 
 @dataclass(frozen=True)
@@ -118,9 +119,6 @@ def _areas(rating: Floats, success: Bools, objects: Names) -> tuple[Areas, float
 
     pairs = float(counts[0] @ counts[1])
     return areas, float(np.trace(won) / pairs) if pairs else np.nan
-
-
-BINS = 10
 
 
 @dataclass(frozen=True)

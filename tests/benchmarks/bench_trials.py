@@ -17,7 +17,7 @@ from egad.geometry.repair import repair
 from egad.geometry.scaling import rescale
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
-from egad.sim import trial as execution
+from egad.sim import execution
 from egad.sim.attempts import tried
 from egad.sim.gripper import Hand
 from egad.sim.model import build

@@ -1,6 +1,7 @@
 """What goes into GG-CNN and what is made of its answer; a stand-in takes the network's place."""
 
 import sys
+import zipfile
 
 import numpy as np
 import pytest
@@ -128,3 +129,22 @@ def test_weights_that_are_far_too_large_are_not_read(tmp_path):
         file.truncate(1 << 30)
     with pytest.raises(UserError, match="too large to be weights of GG-CNN"):
         check_ggcnn(str(tmp_path / "weights.pt"))
+
+
+@pytest.mark.parametrize("size", [1 << 20, 1 << 25])
+def test_weights_are_not_larger_unpacked(tmp_path, size):
+    path = tmp_path / "weights.pt"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("archive/data/0", bytes(size))
+    assert path.stat().st_size < 100_000
+    if size < 1 << 24:
+        assert check_ggcnn(str(path)) == str(path)
+        return
+    with pytest.raises(UserError, match="too large"):
+        check_ggcnn(str(path))
+
+
+def test_a_damaged_zip_is_left_to_its_reader(tmp_path):
+    path = tmp_path / "weights.pt"
+    path.write_bytes(b"PK\x01\x02" + bytes(100) + b"PK\x05\x06" + b"\xff" * 18)
+    assert check_ggcnn(str(path)) == str(path)

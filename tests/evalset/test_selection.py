@@ -5,12 +5,17 @@ import pandas as pd
 import pytest
 
 from egad.evalset.selection import (
+    LABEL,
     best_of_random,
     bound,
     candidates_by_cell,
+    coarse_cells,
     empty_cells,
     improve,
+    label_at,
+    labels_of,
     mean_distance,
+    place,
     random_choice,
     select,
     total,
@@ -67,10 +72,10 @@ def test_no_single_exchange_improves_the_set():
     _, distances = dataset(200, 3)
     cells = [np.flatnonzero(np.arange(200) % 4 == cell) for cell in range(4)]
     found = improve(random_choice(cells, np.random.default_rng(0)), cells, distances)
-    for place, cell in enumerate(cells):
+    for slot, cell in enumerate(cells):
         for other in cell:
             exchanged = found.copy()
-            exchanged[place] = other
+            exchanged[slot] = other
             assert total(exchanged, distances) <= total(found, distances) + 1e-9
 
 
@@ -153,8 +158,8 @@ def improved_singly(chosen, cells, distances):
     best = None
     while best is None or total(best, distances) < total(chosen, distances) - 1e-12:
         best = chosen.copy()
-        for place, cell in enumerate(cells):
-            sets = [np.array([*chosen[:place], each, *chosen[place + 1 :]]) for each in cell]
+        for slot, cell in enumerate(cells):
+            sets = [np.array([*chosen[:slot], each, *chosen[slot + 1 :]]) for each in cell]
             chosen = max(sets, key=lambda each: total(each, distances))
     return chosen
 
@@ -209,3 +214,70 @@ def test_a_dataset_without_any_printable_object_gives_an_empty_set():
     found = selected(*dataset(12), lambda _: ["too thin"])
     assert len(found.table) == 0
     assert len(found.left_out) == 12
+
+
+BORROWING = SelectEval(rows=2, columns=2, borrow=0.1)
+ROW, COLUMN = 0.00175, 2.0  # height and width of a cell
+
+
+def objects(*places):
+    """Objects at rows and columns: (0.5, 1.5) is the middle of the second cell."""
+    rows, columns = np.array(places, dtype=float).reshape(-1, 2).T
+    return pd.DataFrame({"difficulty": 0.004 - rows * ROW, "complexity": 1 + columns * COLUMN})
+
+
+def found(table, left_out=()):
+    cells = candidates_by_cell(table, BORROWING, SPACE, left_out)
+    return {cell: members.tolist() for cell, members in cells.items()}
+
+
+def test_every_object_stands_for_its_own_cell():
+    table = objects(*np.random.default_rng(0).random((100, 2)) * 2)
+    cells = found(table)
+    assert sorted(itertools.chain(*cells.values())) == list(range(100))
+    own = coarse_cells(table, BORROWING, SPACE)
+    assert all((own[members] == cell).all() for cell, members in cells.items())
+
+
+def test_an_empty_cell_borrows_the_nearest_object_beside_it():
+    table = objects((0.5, 0.5), (1.05, 0.5), (1.02, 0.5), (1.5, 0.5), (1.5, 1.5))
+    assert found(table) == {0: [0], 2: [1, 2, 3], 3: [4]}  # nothing is near the second
+    lonely = objects((1.05, 0.5), (1.02, 0.5), (1.5, 0.5), (1.5, 1.5))
+    assert found(lonely) == {0: [1], 2: [0, 2], 3: [3]}
+    assert found(lonely, left_out=[1]) == {0: [0], 2: [2], 3: [3]}
+    assert found(lonely, left_out=[0, 1]) == {2: [2], 3: [3]}
+
+
+def test_the_last_object_of_a_cell_is_not_borrowed():
+    assert found(objects((1.02, 0.5), (1.5, 1.5))) == {2: [0], 3: [1]}
+
+
+def test_an_object_is_borrowed_once():
+    table = objects((1.01, 1.01), (1.5, 1.5))  # near three empty cells
+    assert sorted(found(table).values()) == [[0], [1]]
+
+
+def test_objects_outside_the_space_lie_at_its_edge():
+    assert found(objects((-3, 0.5), (-1, 0.5), (0.2, 5), (0.5, 1.5))) == {0: [0, 1], 1: [2, 3]}
+
+
+@pytest.mark.parametrize("far", [0.1, 0.3])
+def test_how_far_is_a_setting(far):
+    table = objects((1.2, 0.5), (1.5, 0.5))
+    cells = candidates_by_cell(table, SelectEval(rows=2, columns=2, borrow=far), SPACE)
+    assert (0 in cells) == (far > 0.2)
+
+
+def test_every_place_has_a_name_that_tells_it():
+    names = labels_of(26, 10)
+    assert len(set(names)) == 260
+    assert [label_at(*place(name)) for name in names] == names
+    assert [place(name) for name in labels_of(2, 2)] == [(0, 0), (0, 1), (1, 0), (1, 1)]
+    assert all(LABEL.fullmatch(name) for name in names)
+
+
+@pytest.mark.parametrize(
+    "name", ["", "A", "4", "a0", "A00", "A10", "AA", "\N{GREEK CAPITAL LETTER ALPHA}0"]
+)
+def test_what_is_no_name(name):
+    assert not LABEL.fullmatch(name)

@@ -3,8 +3,8 @@ import pytest
 import scipy.sparse
 import trimesh
 
-from egad.geometry.refinement import refine, triangulation
-from egad.reeb.geodesics import edge_graph, spread
+from egad.geometry.refinement import face_areas, refine, triangulation
+from egad.reeb.geodesics import edge_graph, even_integral, scan_integral, spread
 
 
 @pytest.fixture
@@ -81,3 +81,54 @@ def test_shortcuts_bring_distances_nearer_to_the_true_ones(triangulate):
     along, across = (search(edge_graph(sphere, s), 0)[1:] / true - 1 for s in (False, True))
     assert across.min() > -0.001  # chords are a little shorter than arcs
     assert 0 < across.mean() < along.mean() / 2
+
+
+@pytest.fixture
+def coarse(lumpy, triangulate):
+    return refine(triangulate(lumpy), 300)
+
+
+@pytest.fixture
+def distances(coarse):
+    corners = coarse.vertices[coarse.edges]
+    lengths = np.linalg.norm(corners[:, 0] - corners[:, 1], axis=1)
+    graph = scipy.sparse.coo_array((lengths, coarse.edges.T), shape=(300, 300)).tocsr()
+    return scipy.sparse.csgraph.dijkstra(graph, directed=False)
+
+
+def even(coarse, count):
+    graph = edge_graph(coarse, shortcuts=False)
+    return even_integral(graph, coarse.vertices, coarse.faces, face_areas(coarse), count)
+
+
+def shares(coarse):
+    return np.bincount(coarse.faces.ravel(), np.repeat(face_areas(coarse) / 3, 3))
+
+
+@pytest.mark.parametrize("count", [300, 1000])
+def test_even_bases_at_every_vertex_give_the_integral_as_defined(coarse, distances, count):
+    assert even(coarse, count) == pytest.approx(distances @ shares(coarse))
+
+
+@pytest.mark.parametrize("count", [1, 2, 20])
+def test_even_bases_are_the_farthest_points(coarse, distances, count):
+    share = shares(coarse)
+    centre = share @ coarse.vertices / share.sum()
+    bases = [np.linalg.norm(coarse.vertices - centre, axis=1).argmax()]
+    while len(bases) < count:
+        bases.append(distances[bases].min(axis=0).argmax())
+    owner = distances[bases].argmin(axis=0)
+    weights = np.bincount(owner, share, count)
+    assert even(coarse, count) == pytest.approx(weights @ distances[bases])
+
+
+def test_scan_bases_walk_the_vertices_in_order(coarse, distances):
+    areas, radius = face_areas(coarse), 0.7
+    covered, expected = np.zeros(300, bool), np.zeros(300)
+    for base in range(300):
+        if not covered[base]:
+            fresh = ~covered & (distances[base] <= radius)
+            covered |= fresh
+            expected += areas[fresh[coarse.faces].any(axis=1)].sum() * distances[base]
+    found = scan_integral(edge_graph(coarse, shortcuts=False), coarse.faces, areas, radius)
+    assert found == pytest.approx(expected)

@@ -8,12 +8,14 @@ import pytest
 
 from egad.errors import UserError
 from egad.stats.paired import sign_flip
-from egad.stats.rates import mean_rate
+from egad.stats.rates import Mean, Rate, mean_rate
 from egad.stats.training_study import (
+    SetRate,
     by_set,
     by_test,
     check_starts,
     holm,
+    luck,
     references,
     set_pairs,
     set_rate,
@@ -200,3 +202,43 @@ def test_holm_of_few():
     assert holm(np.array([])).tolist() == []
     assert holm(np.array([0.04, 0.01, 0.03])) == pytest.approx([0.06, 0.03, 0.06])
     assert holm(np.array([0.9, 0.8])).tolist() == [1.0, 1.0]
+
+
+ATTEMPTS = 1000
+
+
+def set_rates(**successes):
+    return {
+        name: SetRate(Mean(0, 0, 0, 0), {seed: Rate(n, ATTEMPTS) for seed, n in enumerate(counts)})
+        for name, counts in successes.items()
+    }
+
+
+def test_the_spread_is_that_within_sets_and_f_its_share_by_the_definition():
+    found = luck(set_rates(few=[500, 560], many=[600, 640], given=[900]))
+    means, squares = [0.53, 0.62], 2 * 0.03**2 + 2 * 0.02**2
+    assert found.spread == pytest.approx(np.sqrt(squares / 2))
+    assert (found.sets, found.networks) == (2, 4)
+    between = 2 * sum((mean - np.mean(means)) ** 2 for mean in means)
+    assert found.f == pytest.approx(between / (squares / 2))
+
+
+def test_p_is_that_of_shuffled_networks():
+    """The twin: networks dealt to the sets at random, and how often they differ as much."""
+    rng = np.random.default_rng(1)
+    counts = np.sort(rng.integers(400, 700, 12))[[0, 3, 1, 2, 5, 8, 4, 6, 7, 9, 10, 11]]
+
+    def of(values):
+        return luck(set_rates(**{str(k): row for k, row in enumerate(values.reshape(3, 4))}))
+
+    first = of(counts)
+    dealt = [of(rng.permutation(counts)).f >= first.f for _ in range(4000)]
+    assert first.p == pytest.approx(np.mean(dealt), abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "rates",
+    [set_rates(a=[1], b=[2]), set_rates(a=[1, 2], b=[3]), set_rates(a=[5, 5], b=[7, 7]), {}],
+)
+def test_nothing_is_said_where_no_luck_was_seen(rates):
+    assert luck(rates) is None

@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from egad._util.names import known
-from egad.errors import UserError
+from egad.errors import UserError, known
 from egad.pipeline.cli.common import (
     CORES,
     TOOL,

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from egad._util.names import known
-from egad.errors import UserError
+from egad.errors import UserError, known
 from egad.pipeline.cli.common import TOOL, Config, GripperName, app, settings_in
 from egad.pipeline.config import Settings
 

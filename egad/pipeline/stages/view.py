@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from egad._util.names import known
-from egad.errors import RejectedError, UserError
+from egad.errors import RejectedError, UserError, known
 from egad.exchange.grasps import check_opening
 from egad.exchange.grippers import palm_mesh
 from egad.exchange.meshes import read_mesh

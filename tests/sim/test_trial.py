@@ -9,10 +9,9 @@ from egad.detectors.subprocess import DetectorTimeoutError
 from egad.outcomes import Outcome
 from egad.perception.camera import View
 from egad.pipeline.config import GRIPPERS, Bundle, Gripper, Trials
-from egad.sim.initial_pose import Start
+from egad.sim.execution import Execution, Stillness, execute
 from egad.sim.model import build
-from egad.sim.settling import Stillness
-from egad.sim.trial import Attempt, Bench, Execution, execute
+from egad.sim.trial import Attempt, Bench, Start
 from egad.sim.world import Pose, World
 
 BUNDLE = Bundle()

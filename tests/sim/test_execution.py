@@ -10,9 +10,9 @@ import trimesh
 from egad.detectors.base import Grasp
 from egad.detectors.registry import QUICK
 from egad.pipeline.config import GRIPPERS, Bundle, Trials
+from egad.sim.execution import Execution, Stillness, execute
 from egad.sim.model import build
-from egad.sim.settling import Stillness
-from egad.sim.trial import Attempt, Bench, Execution, execute
+from egad.sim.trial import Attempt, Bench
 from egad.sim.world import TIME_STEP, Pose, World
 
 BUNDLE = Bundle()

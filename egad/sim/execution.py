@@ -1,0 +1,169 @@
+"""One grasp carried out: approach, close, lift, and hold until the object has come to rest."""
+
+from contextlib import nullcontext
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.detectors.base import Grasp
+from egad.grasps.gripper import Gripper
+from egad.outcomes import Outcome
+from egad.sim.arms import CARRIERS, Stance, UnreachableError
+from egad.sim.gripper import HEAVIEST, Hand
+from egad.sim.parameters import Lifting
+from egad.sim.world import GRAVITY, TIME_STEP, Pose, UnstableError, World
+
+Floats = NDArray[np.float64]
+
+START_ABOVE = 0.02  # fingertips start this far above the object
+DESCENT_SPEED = 0.25  # mean, m/s
+LIFT_SPEED = 0.35  # mean, m/s
+# The motion is that over some time, not that of an instant: a swinging object stands still at its
+# turning points. Around such a point, a pendulum of 5 cm still moves by a quarter of its amplitude.
+WINDOW = 0.1  # seconds
+STRIDE = 6  # steps from one look to the next
+CREEP = 0.001  # metres that it may still move until the end, at the rate of the window
+
+
+class Execution(NamedTuple):
+    """What came of a grasp.
+
+    Attributes:
+        outcome: One of `egad.outcomes.EXECUTION`, or failed.
+        lifted: Height that the object's centre of mass gained, metres.
+        end: Where the object is at last; None if the simulation broke down. Of an object that lay
+            still in the hand before it was lifted all the way, where it would be then.
+    """
+
+    outcome: Outcome
+    lifted: float
+    end: Pose | None
+
+
+def execute(
+    world: World, gripper: Gripper, lifting: Lifting, grasp: Grasp, *, afloat: bool = False
+) -> Execution:
+    """Approach from above, close, lift and hold.
+
+    It depends on the arguments alone, if the world was reset before the object was placed.
+
+    Args:
+        world: With the object where it is to be grasped.
+        gripper: The hand; it is added to the world.
+        lifting: Arm, lift and hold.
+        grasp: One that the hand can do (`Grasp.flaw`).
+        afloat: Whether the object floats in the air: held there until the hand has come, free but
+            without weight until the fingers have closed.
+    """
+    try:
+        before = world.pose().position[2]
+        outcome, end = _outcome(world, gripper, lifting, grasp, afloat)
+    except UnstableError:
+        return Execution(Outcome.FAILED, 0.0, None)
+    return Execution(outcome, float(end.position[2] - before), end)
+
+
+def _outcome(
+    world: World, gripper: Gripper, lifting: Lifting, grasp: Grasp, afloat: bool
+) -> tuple[Outcome, Pose]:
+    start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
+    try:
+        hand = hung(world, gripper, lifting.arm, grasp, start)
+    except UnreachableError:
+        return Outcome.COLLIDED, world.pose()
+    world.pull(0.0 if afloat else GRAVITY)
+    with world.pinned() if afloat else nullcontext():
+        if not hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED):
+            return Outcome.COLLIDED, world.pose()
+    touched = hand.close()
+    world.pull(GRAVITY)
+    if not hand.pinches():
+        return Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED, world.pose()
+    return _carried(hand, lifting)
+
+
+def _carried(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
+    """Lift and hold; what lies still in the hand stays there, and need not be simulated on."""
+    height, seconds = lifting.lift_height, lifting.lift_height / LIFT_SPEED
+    still = Stillness(hand, HEAVIEST * seconds, seconds + lifting.hold_time)
+    arrived = hand.lift(height, seconds, still)
+    if not hand.carries():
+        return Outcome.SLIPPED_LIFTING, hand.world.pose()
+    if not arrived:
+        return Outcome.COLLIDED, hand.world.pose()
+    if not hand.path_left:
+        hand.hold(lifting.hold_time, still)
+    outcome = Outcome.SUCCESS if hand.carries() else Outcome.DROPPED
+    pose = hand.world.pose()
+    rise = hand.path_left[-1] - hand.height() if hand.path_left else 0.0
+    if hand.world.watch is not None:
+        hand.go_on(lifting.hold_time)
+    return outcome, Pose(pose.position + np.array([0.0, 0.0, rise]), pose.quaternion)
+
+
+def hung(world: World, gripper: Gripper, arm: str, grasp: Grasp, height: float) -> Hand:
+    """The open hand, its fingertips at some height above a grasp.
+
+    Raises:
+        UnreachableError: The arm cannot bring it there.
+    """
+    stance = Stance(grasp.center[0], grasp.center[1], height, grasp.angle)
+    return Hand(world, gripper, CARRIERS[arm](world, gripper, stance), grasp.width)
+
+
+class _Held(NamedTuple):
+    """Position and quaternion of the object, seen from the hand, and how far the hand is open."""
+
+    position: Floats
+    quaternion: Floats
+    opening: float
+
+
+class Stillness:
+    """Tells from when on an object lies still in a hand that is level and does not turn."""
+
+    def __init__(self, hand: Hand, start: float, end: float) -> None:
+        """Begin to watch.
+
+        Args:
+            hand: What holds the object.
+            start: Seconds from now in which the object cannot be at rest yet.
+            end: Seconds from now until which it must stay in the hand.
+        """
+        self._hand = hand
+        points = hand.world.model.mesh.vertices  # the origin is the centre of mass
+        self._reach = float(np.linalg.norm(points, axis=1).max())
+        self._early, self._left = round(start / TIME_STEP), round(end / TIME_STEP)
+        self._window = round(WINDOW / TIME_STEP)
+        self._before, self._steps = self._held(), 0
+
+    def __call__(self) -> bool:
+        """Whether the object lies still; to be asked once after every step.
+
+        It does if no point of it moved so far within the last 0.1 s that, at this rate, it would
+        move by more than 1 mm until the end.
+        """
+        self._early, self._left, self._steps = self._early - 1, self._left - 1, self._steps + 1
+        if self._early == 0:
+            self._before, self._steps = self._held(), 0
+        if self._early >= 0 or self._steps % STRIDE:
+            return False
+        allowed = CREEP * self._window / max(self._left, self._window)
+        if self._motion() > allowed:
+            self._before, self._steps = self._held(), 0
+        return self._steps >= self._window
+
+    def _held(self) -> _Held:
+        pose = self._hand.world.pose()
+        below = np.array([0.0, 0.0, self._hand.height()])
+        return _Held(pose.position - below, pose.quaternion, self._hand.opening())
+
+    def _motion(self) -> float:
+        """How far any point of the object moved against the hand, at most, metres."""
+        now, before = self._held(), self._before
+        shift = float(np.linalg.norm(now.position - before.position))
+        # Small rotations: the distance of two unit quaternions is half the angle between them.
+        ways = (now.quaternion - before.quaternion, now.quaternion + before.quaternion)
+        angle = 2 * min(float(np.linalg.norm(way)) for way in ways)
+        return shift + angle * self._reach + abs(now.opening - before.opening)

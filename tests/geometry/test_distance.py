@@ -1,0 +1,148 @@
+import numpy as np
+import pytest
+import trimesh
+
+from egad.geometry.distance import STEPS, distance_field, grid_nodes, largest_deviation, nearest
+from egad.geometry.surface_samples import spread
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(5)
+
+
+def test_distances_are_those_to_all_triangles(rng):
+    mesh = trimesh.creation.torus(0.03, 0.01, major_sections=24, minor_sections=12)
+    points = rng.uniform(-0.05, 0.05, (200, 3))
+    found, where = nearest(points, mesh)
+    places, expected, _ = trimesh.proximity.closest_point_naive(mesh, points)
+    assert found == pytest.approx(expected, abs=1e-12)
+    assert where == pytest.approx(places, abs=1e-9)
+
+
+def test_a_finely_meshed_side_does_not_hide_a_coarse_one():
+    low = [[[0, 0, 0], [1, 0, 0], [0, 1, 0]]]
+    along = np.linspace(0, 0.3, 40)
+    high = [[[x, 0.3, 0.1], [x + 0.01, 0.3, 0.1], [x, 0.31, 0.1]] for x in along]
+    both = np.reshape(low + high, (-1, 3))
+    mesh = trimesh.Trimesh(both, np.arange(len(both)).reshape(-1, 3), process=False)
+    assert nearest(np.array([[0.1, 0.3, 0.04]]), mesh)[0] == pytest.approx(0.04)
+
+
+def test_triangles_without_area_are_left_out():
+    mesh = trimesh.creation.box((1, 1, 1))
+    faces = np.vstack([mesh.faces, [[0, 0, 1], [2, 2, 2]]])
+    broken = trimesh.Trimesh(mesh.vertices, faces, process=False)
+    assert nearest(np.array([[0.0, 0.0, 0.9]]), broken)[0] == pytest.approx(0.4)
+
+
+def test_no_points_have_no_distances():
+    assert nearest(np.empty((0, 3)), trimesh.creation.box((1, 1, 1)))[0].shape == (0,)
+
+
+def test_a_surface_does_not_stray_from_itself_however_it_is_meshed():
+    coarse = trimesh.creation.box((0.1, 0.1, 0.1))
+    fine = coarse
+    for step in range(6):  # finely near one corner only
+        near = np.linalg.norm(fine.triangles_center - 0.05, axis=1) < 0.02 + 0.1 * 0.5**step
+        vertices, faces = trimesh.remesh.subdivide(fine.vertices, fine.faces, np.flatnonzero(near))
+        fine = trimesh.Trimesh(vertices, faces, process=False)
+    assert largest_deviation(coarse, fine) == pytest.approx(0, abs=1e-9)
+    assert largest_deviation(fine, coarse) == pytest.approx(0, abs=1e-9)
+
+
+def test_what_sticks_out_is_measured_at_its_corners_and_between_them():
+    inner = trimesh.creation.icosphere(subdivisions=3, radius=1.0)
+    assert largest_deviation(trimesh.creation.box((2, 2, 2)), inner) == pytest.approx(
+        np.sqrt(3) - 1, abs=0.01
+    )
+    # a flat triangle under a tent: farthest below its top, not at a corner
+    flat = trimesh.Trimesh([[-1, 0, 0], [1, 0, 0], [0, 2, 0]], [[0, 1, 2]])
+    top = [0, 0.7, 1]
+    tent = trimesh.Trimesh([*flat.vertices, top], [[0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    inside = np.random.default_rng(0).dirichlet((1, 1, 1), 5000) @ flat.vertices
+    _, away, _ = trimesh.proximity.closest_point_naive(tent, inside)
+    assert largest_deviation(flat, tent) == pytest.approx(away.max(), abs=0.02)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_point_that_is_furthest_is_left_out(seed):
+    """As if all points were looked at."""
+    rng = np.random.default_rng(seed)
+    inner = trimesh.creation.icosphere(subdivisions=2)
+    outer = inner.copy()
+    outer.vertices *= 1 + 0.2 * rng.random((len(outer.vertices), 1))
+    outer.vertices *= [1, 1, 8]  # thin triangles
+    inner.vertices *= [1, 1, 8]
+    step = 0.02 * np.ptp(inner.vertices, axis=0).max()
+    points = np.concatenate([outer.vertices, spread(outer, step).points])
+    assert largest_deviation(outer, inner) == nearest(points, inner)[0].max()
+
+
+def slow_distance(point, triangles):
+    """The least distance to many triangles: to their corners, edges and inner points in turn."""
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    heights = np.einsum("nk,nk->n", point - triangles[:, 0], normals)
+    feet = point - heights[:, None] * normals
+    best, over = np.inf, np.full(len(triangles), True)
+    for start, end in ((0, 1), (1, 2), (2, 0)):
+        starts = triangles[:, start]
+        along = triangles[:, end] - starts
+        part = np.einsum("nk,nk->n", point - starts, along) / (along**2).sum(axis=1)
+        nearest = starts + np.clip(part, 0, 1)[:, None] * along
+        best = min(best, np.linalg.norm(point - nearest, axis=1).min())
+        over &= np.einsum("nk,nk->n", np.cross(along, feet - starts), normals) >= 0
+    return min(best, np.abs(heights[over]).min(initial=np.inf))
+
+
+def slow_winding(point, triangles):
+    """How often the surface goes around a point: the sum of the solid angles of its triangles."""
+    a, b, c = (triangles[:, i] - point for i in range(3))
+    la, lb, lc = (np.linalg.norm(each, axis=1) for each in (a, b, c))
+    dots = [np.einsum("ij,ij->i", *pair) for pair in ((a, b), (b, c), (c, a))]
+    below = la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb
+    above = np.einsum("ij,ij->i", a, np.cross(b, c))
+    return np.arctan2(above, below).sum() / (2 * np.pi)
+
+
+def test_distances_are_those_of_a_slow_search(spiky_box):
+    mesh = spiky_box(1)
+    mesh.apply_scale(0.07)
+    field = distance_field(mesh, 9, 1)
+    nodes = grid_nodes(9, field.origin, field.resolution)
+    triangles = np.asarray(mesh.triangles)
+    truth = [
+        slow_distance(node, triangles) * (-1 if slow_winding(node, triangles) > 0.5 else 1)
+        for node in nodes
+    ]
+    assert min(truth) < 0
+    error = np.abs(field.values.ravel() - truth)
+    assert error.max() <= field.resolution / 2**STEPS
+
+
+def test_the_field_of_a_ball_is_negative_within():
+    ball = trimesh.creation.icosphere(subdivisions=5, radius=0.03)
+    field = distance_field(ball, 32, 2)
+    nodes = grid_nodes(32, field.origin, field.resolution)
+    truth = np.linalg.norm(nodes, axis=1) - 0.03
+    assert field.values.ravel() == pytest.approx(truth, abs=5e-5)
+
+
+def test_the_grid_is_that_of_the_original():
+    bar = trimesh.creation.box((0.03, 0.05, 0.09))
+    bar.apply_translation((1.0, 2.0, 3.0))
+    field = distance_field(bar, 100, 5)
+    assert field.resolution == pytest.approx(0.09 / 90)
+    assert field.origin == pytest.approx(np.array([1, 2, 3]) - 50 * field.resolution)
+    assert field.values.shape == (100, 100, 100)
+    assert field.values.dtype == np.float32
+    # the first index is x: along it, the surface is 15 cells from the middle
+    assert field.values[65, 50, 50] == pytest.approx(0, abs=1e-6)
+    assert field.values[50, 75, 50] == pytest.approx(0, abs=1e-6)
+
+
+def test_some_node_lies_on_every_surface(spiky_box):
+    for number in range(3):
+        field = distance_field(spiky_box(number), 32, 2)
+        assert np.abs(field.values).min() < field.resolution * np.sqrt(2) / 2
