@@ -44,12 +44,12 @@ def coordinates(
     """
     axes = settings.axes
     quality, found = (
-        (own_value(axes.difficulty, mesh), 0)
+        (own_value(axes.difficulty, mesh, axes), 0)
         if axes.difficulty
         else difficulty(mesh, settings, grasps, rng)
     )
     across = (
-        own_value(axes.complexity, mesh)
+        own_value(axes.complexity, mesh, axes)
         if axes.complexity
         else complexity(mesh, settings.complexity.bins)
     )

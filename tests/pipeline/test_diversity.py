@@ -7,8 +7,9 @@ from egad.perception.parameters import RenderParameters
 from egad.pipeline.code_version import imported
 from egad.pipeline.config import Settings
 from egad.pipeline.config.check import check
-from egad.pipeline.config.stage_settings import DiversityReport, TrainNetwork, select
+from egad.pipeline.config.stage_settings import DiversityReport, select
 from egad.pipeline.config.training_study import Network, networks_of, settings_for, with_networks
+from egad.pipeline.stages.train import TrainNetwork
 from egad.sim.parameters import TrialParameters
 
 ASKED = {

@@ -3,20 +3,22 @@
 import json
 import logging
 from pathlib import Path
+from typing import Annotated
 
 import pandas as pd
 
 from egad._util.files import write_text
 from egad.errors import UserError
 from egad.exchange.sums import sum_of
-from egad.learning import evaluation as plain
 from egad.learning.dataset import LearningSet, Rule
 from egad.learning.model_card import Trained, card
 from egad.learning.score import Score, reached, scored
 from egad.perception import image_shards as folder
 from egad.pipeline.code_version import code_version
-from egad.pipeline.config.stage_settings import TrainNetwork
+from egad.pipeline.config import Training
+from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.config.training_study import WEIGHTS
+from egad.pipeline.parameters import Input, Jobs, Output
 from egad.report.training_chart import training_chart
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
@@ -28,13 +30,32 @@ CHECKPOINT = "checkpoint.pt"
 NEEDED = "training needs PyTorch and safetensors: install egad with its extra, egad[vision]"
 
 
-def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score:
+class TrainNetwork(StageSettings):
+    """Training of a grasp network."""
+
+    seed: int
+    training: Training
+
+
+def run(
+    settings: TrainNetwork,
+    images: Annotated[Path, Input()],
+    out: Annotated[
+        Path,
+        Output("diversity/networks/SET/SEED/", files=(WEIGHTS, CHART, CARD)),
+        Output("diversity/networks/SET/SEED/history.parquet", HISTORY),
+        Output("diversity/networks/SET/SEED/score.parquet", SCORE),
+    ],
+    jobs: Jobs = 1,
+) -> Score:
     """Train a network; an interrupted training goes on after its last epoch.
 
     Args:
         settings: What this stage reads.
         images: Folder of images in the compact layout.
-        out: Folder for weights, history, score, chart and model card.
+        out: A network that learnt from a training set: `weights.safetensors`, its model card
+            `README.md`, and `history.svg`; how it learnt, an epoch a row; and what it reached on
+            images of objects that it has not learnt from. See `docs/vision.md`.
         jobs: Cores; no result depends on it.
 
     Returns:
@@ -45,7 +66,7 @@ def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score
         TableError: A shard cannot be read.
     """
     try:
-        from egad.learning import networks, training, weights  # noqa: PLC0415 (an extra)
+        from egad.learning import evaluation, networks, training, weights  # noqa: PLC0415 (an extra)
     except ModuleNotFoundError as error:
         raise UserError(NEEDED) from error
     plan, seed = settings.training, settings.seed
@@ -63,7 +84,7 @@ def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score
         shards.index,
         pd.DataFrame(rows),
         score,
-        plain.right(shards, held),
+        evaluation.right(shards, held),
         {"seed": seed, **plan.model_dump(mode="json")},
     )
     tell(trained, out)
@@ -109,8 +130,3 @@ def tell(trained: Trained, out: Path) -> None:
     parquet.write(reached(trained.score), SCORE, out / REACHED)
     write_text(out / CHART, training_chart(trained.history))
     write_text(out / CARD, card(trained))
-
-
-def files(out: Path) -> list[Path]:
-    """What a training leaves in its folder besides tables."""
-    return [out / name for name in (WEIGHTS, CHART, CARD)]

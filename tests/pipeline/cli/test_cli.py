@@ -10,7 +10,9 @@ from commands import egad
 
 from egad.pipeline.cli.common import parse
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import Merge, PostprocessSolids, select
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.stages.merge import Merge
+from egad.pipeline.stages.postprocess import PostprocessSolids
 from egad.tables import parquet
 from egad.tables.grasping import SCALES, SIZE_EFFECT
 from egad.tables.objects import MEASURED, OBJECTS, REJECTED

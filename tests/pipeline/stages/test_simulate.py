@@ -14,8 +14,9 @@ from egad.evalset.bundle import bundled
 from egad.exchange.meshes import write_obj
 from egad.pipeline.cli import main
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import SimulationBundle, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import bundle, replay, simulate
+from egad.pipeline.stages.bundle import SimulationBundle
 from egad.pipeline.stages.bundled import model_in
 from egad.sim.film import write_film
 from egad.sim.model import model_of
@@ -54,7 +55,7 @@ def dataset(tmp_path_factory):
 
 def tried(dataset, out, shard=(0, 1), settings=SETTINGS):
     made = dataset / "bundle" / "egad_75mm"
-    simulate.run(settings, dataset / "eval49.parquet", made, None, shard, out)
+    simulate.run(settings, dataset / "eval49.parquet", made, shard, out)
     return out
 
 
