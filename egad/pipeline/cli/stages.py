@@ -77,7 +77,8 @@ def loaded_command(stage: StageCommand) -> Any:  # noqa: ANN401 (of typer)
     parameters, texts = declared(function), described(function)
 
     def call(**words: Any) -> None:  # noqa: ANN401 (words of the command line)
-        given = {each.name: _value(each, words) for each in parameters}
+        ordered = sorted(parameters, key=lambda each: each.is_settings)  # these are checked last
+        given = {each.name: _value(each, words, texts) for each in ordered}
         if isinstance(told := run_recorded(function, **given), str):
             typer.echo(told)
 
@@ -136,7 +137,7 @@ def _option(name: str, kind: Any, default: Any = Option.empty) -> inspect.Parame
     return Option(name, Option.KEYWORD_ONLY, default=default, annotation=kind)
 
 
-def _value(parameter: Declared, words: Mapping[str, Any]) -> Any:  # noqa: ANN401
+def _value(parameter: Declared, words: Mapping[str, Any], texts: Mapping[str, str]) -> Any:  # noqa: ANN401
     """The value of a parameter, from the words of the command line."""
     from egad.pipeline.cli.common import parse
 
@@ -145,7 +146,7 @@ def _value(parameter: Declared, words: Mapping[str, Any]) -> Any:  # noqa: ANN40
     if parameter.mark(ShardOf):
         return tuple(words[name] for name in NUMBERS)
     value = words[parameter.name]
-    return files_by_name(value) if _by_name(parameter) else value
+    return files_by_name(value, texts[parameter.name]) if _by_name(parameter) else value
 
 
 def _by_name(parameter: Declared) -> bool:
@@ -153,13 +154,17 @@ def _by_name(parameter: Declared) -> bool:
     return bool(parameter.kind == dict[str, Path])
 
 
-def files_by_name(words: list[str]) -> dict[str, Path]:
+def files_by_name(words: list[str], needed: str) -> dict[str, Path]:
     """Files by the names before their equals signs.
+
+    Args:
+        words: Such as `NAME=objects.parquet`.
+        needed: What they should be, for error messages.
 
     Raises:
         UserError: One has no name.
     """
     named = [word.partition("=") for word in words]
     if wrong := [name for name, _, path in named if not path]:
-        raise UserError(f"{wrong[0]!r} does not say which table; write NAME=FILE.parquet")
+        raise UserError(f"{wrong[0]!r} does not say which table; needed: {needed}")
     return {name: Path(path) for name, _, path in named}

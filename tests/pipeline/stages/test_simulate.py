@@ -18,6 +18,7 @@ from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import bundle, replay, simulate
 from egad.pipeline.stages.bundle import SimulationBundle
 from egad.pipeline.stages.bundled import model_in
+from egad.sim.attempts import untried
 from egad.sim.film import write_film
 from egad.sim.model import model_of
 from egad.sim.parameters import TrialParameters
@@ -102,7 +103,7 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
             return lambda row: (
                 None
                 if row["label"] == "A0"
-                else simulate.untried(row["label"], row["id"], SETTINGS, "missed")
+                else untried(row["label"], row["id"], SETTINGS, "missed")
             )
 
         def __exit__(self, *_):
