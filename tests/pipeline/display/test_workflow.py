@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 SNAKEFILE = """
-from egad.display import lines, start_display
+from egad.pipeline.display import lines, start_display
 
 lines.FIRST = lines.NEXT = 0.2
 lines.TICK = 0.1
