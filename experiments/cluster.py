@@ -1,6 +1,6 @@
 """Table of docs/cluster.md: `python experiments/cluster.py FOLDERS` of finished runs."""
 
-import runpy
+import re
 import sys
 from pathlib import Path
 
@@ -8,7 +8,24 @@ import pandas as pd
 
 ROOT = Path(__file__).parents[1]
 INHERITED = {"render_set": "render", "set_card": "image_card"}  # rules of diversity.smk
-NEEDS = runpy.run_path(str(ROOT / "workflow/rules/resources.smk"))["NEEDS"]
+RULE = re.compile(r"^(?:use rule (\w+) as|rule) (\w+)(.*?)(?=^\S|\Z)", re.DOTALL | re.MULTILINE)
+ASKED = re.compile(r"needs\(mb=(\d+)(?:, mb_per_thread=(\d+))?, minutes=(\d+)\)")
+
+
+def needs() -> dict[str, tuple[str, ...]]:
+    """Megabytes, as many more for each thread if any, and minutes, by rule."""
+    found: dict[str, tuple[str, ...]] = {}
+    files = sorted(
+        (ROOT / "workflow/rules").glob("*.smk"), key=lambda path: path.name != "join.smk"
+    )
+    for base, name, text in (rule for path in files for rule in RULE.findall(path.read_text())):
+        asked = ASKED.search(text)
+        if asked or base in found:
+            found[name] = asked.groups("") if asked else found[base]
+    return {name: each for name, each in found.items() if name not in INHERITED}
+
+
+NEEDS = needs()
 
 
 def main(folders: list[Path]) -> None:

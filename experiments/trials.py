@@ -16,8 +16,8 @@ from egad.outcomes import EXECUTION
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.replay import repeated
+from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.sim.film import Pixels
-from egad.sim.parameters import TrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 
@@ -29,7 +29,7 @@ HAND = (120, 205)  # its shades of grey; nothing else is as dark and without col
 
 def main(folder: Path, gripper: str, *policies: str) -> None:
     """Write the picture beside this file."""
-    settings = select(Settings(), TrialParameters, gripper)
+    settings = select(Settings(), SimulatedTrials, gripper)
     tables = [folder / "trials" / gripper / f"{policy}.parquet" for policy in policies]
     trials = pd.concat(parquet.read(path, TRIALS) for path in tables)
     shown = [trials[trials["outcome"] == outcome].head(1) for outcome in EXECUTION]

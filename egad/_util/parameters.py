@@ -1,5 +1,6 @@
 """What all sections are made of: closed, immutable models and bounded numbers."""
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
@@ -25,6 +26,23 @@ class Parameters(BaseModel):
 
 class ParameterGroup(Parameters):
     """The groups of settings that one function or stage reads together."""
+
+
+@dataclass(frozen=True)
+class Archived:
+    """What an archive of elites depends on in a section: all of it without this mark.
+
+    Attributes:
+        keys: Those that count; all if None.
+        difficulty: Whether the difficulties depend on the section, too.
+    """
+
+    keys: frozenset[str] | None = None
+    difficulty: bool = True
+
+
+# decides which objects are found, not how they are measured
+SEARCH_ONLY = Archived(keys=frozenset())
 
 
 def ascending(section: Parameters, *names: str) -> None:

@@ -4,8 +4,8 @@ from typing import Literal, NamedTuple
 
 from pydantic import Field
 
-from egad._util.names import known
 from egad._util.parameters import Length, Parameters
+from egad.errors import known
 
 
 class Pad(NamedTuple):

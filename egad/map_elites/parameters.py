@@ -1,10 +1,10 @@
 """How objects are evolved."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from egad._util.parameters import Fraction, Parameters
+from egad._util.parameters import SEARCH_ONLY, Archived, Fraction, Parameters
 from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Shape, Symmetry
 from egad.measures.parameters import MeasureParameters, Space
 
@@ -35,12 +35,12 @@ class Evolution(Parameters):
 class EvolutionParameters(MeasureParameters):
     """What one epoch of an island depends on."""
 
-    evolution: Evolution
-    neat: Neat
+    evolution: Annotated[Evolution, Archived(keys=frozenset({"regrade"}))]
+    neat: Annotated[Neat, SEARCH_ONLY]
     shape: Shape
-    envelope: Envelope
-    part: Part
-    hole: Hole
-    symmetry: Symmetry
-    limits: Limits
+    envelope: Annotated[Envelope, SEARCH_ONLY]
+    part: Annotated[Part, SEARCH_ONLY]
+    hole: Annotated[Hole, SEARCH_ONLY]
+    symmetry: Annotated[Symmetry, SEARCH_ONLY]
+    limits: Annotated[Limits, SEARCH_ONLY]
     space: Space

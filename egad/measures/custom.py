@@ -1,5 +1,6 @@
 """Measures that a user brings: functions in files of their own, named `FILE.py:FUNCTION`."""
 
+import inspect
 import math
 from collections.abc import Callable
 from typing import Any
@@ -10,16 +11,17 @@ from egad import plugins as own_code
 from egad.errors import RejectedError
 from egad.measures.parameters import Axes
 
-Measure = Callable[[trimesh.Trimesh], Any]
+Measure = Callable[..., Any]  # of a trimesh.Trimesh, and of parameters by name
 WHERE = "axes"
 
 
-def own_value(measure: str, mesh: trimesh.Trimesh) -> float:
+def own_value(measure: str, mesh: trimesh.Trimesh, axes: Axes | None = None) -> float:
     """The value of a user's measure.
 
     Args:
         measure: `FILE.py:FUNCTION` or `package.module:FUNCTION`.
         mesh: Closed, in metres; the function gets a copy.
+        axes: Has the parameters of the function, as far as they are arguments of it.
 
     Raises:
         RejectedError: The function fails, or gives no finite number.
@@ -27,7 +29,7 @@ def own_value(measure: str, mesh: trimesh.Trimesh) -> float:
     """
     function, name = _function(measure), own_name(measure)
     try:
-        given = function(mesh.copy())
+        given = function(mesh.copy(), **_parameters(function, axes or Axes()))
         value = float(given)
     except MemoryError:
         raise  # says nothing of the object
@@ -49,9 +51,8 @@ def check_measures(axes: Axes) -> None:
     Raises:
         UserError: One is not.
     """
-    for _, measure in axes:
-        if measure:
-            _function(measure)
+    for measure in axes.functions().values():
+        _function(measure)
 
 
 def source_hash(measure: str) -> str:
@@ -66,3 +67,10 @@ def source_hash(measure: str) -> str:
 def _function(measure: str) -> Measure:
     found: Measure = own_code.find(measure, WHERE, "function")
     return found
+
+
+def _parameters(function: Measure, axes: Axes) -> dict[str, Any]:
+    """The parameters of the axes that are arguments of a function."""
+    parameters = axes.parameters()
+    names = inspect.signature(function).parameters if parameters else {}
+    return {name: value for name, value in parameters.items() if name in names}

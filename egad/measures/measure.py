@@ -47,12 +47,12 @@ def coordinates(
     """
     axes = settings.axes
     along = (
-        GraspDifficulty(own_value(axes.difficulty, mesh), math.nan, 0)
+        GraspDifficulty(own_value(axes.difficulty, mesh, axes), math.nan, 0)
         if axes.difficulty
         else difficulty(mesh, settings, grasps, rng)
     )
     across = (
-        own_value(axes.complexity, mesh)
+        own_value(axes.complexity, mesh, axes)
         if axes.complexity
         else complexity(mesh, settings.complexity.bins)
     )

@@ -1,11 +1,12 @@
 """The space that objects are spread over, and its measures."""
 
 from itertools import pairwise
-from typing import Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from egad._util.parameters import (
+    Archived,
     Name,
     ParameterGroup,
     Parameters,
@@ -39,12 +40,17 @@ class Space(Parameters):
         return self
 
 
+AXES = ("complexity", "difficulty")
+
+
 class Axes(Parameters):
     """Measures of your own as the axes of the space, in the place of complexity or difficulty.
 
     `FILE.py:FUNCTION` or `package.module:FUNCTION` names a function from a closed
     `trimesh.Trimesh` in metres to a number.
     """
+
+    # Another key is a parameter of the measures whose function has an argument of that name.
 
     complexity: str = Field("", description="in the place of complexity; empty: none")
     difficulty: str = Field(
@@ -53,13 +59,21 @@ class Axes(Parameters):
 
     @model_validator(mode="after")
     def _functions_are_named(self) -> Self:
-        for key, text in self:
+        for key, text in self.functions().items():
             module, _, function = text.rpartition(":")
-            if text and not (module and function.isidentifier()):
+            if not (module and function.isidentifier()):
                 raise ValueError(
                     f"{key} is {text!r}; allowed: FILE.py:FUNCTION or package.module:FUNCTION"
                 )
         return self
+
+    def functions(self) -> dict[str, str]:
+        """The names of the functions that are axes, by axis."""
+        return {axis: name for axis in AXES if (name := getattr(self, axis))}
+
+    def parameters(self) -> dict[str, Any]:
+        """The parameters of these functions."""
+        return {key: value for key, value in self if key not in AXES}
 
 
 class Complexity(Parameters):
@@ -110,12 +124,12 @@ class SizeEffect(Parameters):
 class MeasureParameters(ParameterGroup):
     """What the measures of an object depend on."""
 
-    seed: int
-    gripper: Gripper
+    seed: Annotated[int, Archived(difficulty=False)]
+    gripper: Annotated[Gripper, Archived(keys=frozenset({"opening"}))]  # the rest is for the hand
     axes: Axes
-    complexity: Complexity
+    complexity: Annotated[Complexity, Archived(difficulty=False)]
     difficulty: Difficulty
-    similarity: Similarity
+    similarity: Annotated[Similarity, Archived(difficulty=False)]
     sampling: Sampling
     quality: Quality
     robust: Robust | None  # none if the metric is plain: then its settings do not matter

@@ -4,37 +4,37 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from egad._util.parameters import Parameters
+from egad._util.parameters import Archived, Parameters
 from egad.errors import UserError
-from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.custom import source_hash
 from egad.measures.parameters import MeasureParameters
 from egad.tables import parquet
 
-SECTIONS = (
-    "seed",
-    "gripper",
-    "axes",
-    "complexity",
-    "difficulty",
-    "similarity",
-    "sampling",
-    "quality",
-    "robust",
-    "shape",
-    "space",
-)
-MEASURING = ("gripper", "axes", "source", "difficulty", "sampling", "quality", "robust")
+
+def _marks(group: type[Parameters]) -> dict[str, Archived]:
+    """How an archive depends on each section of a group of settings."""
+    return {
+        name: next((mark for mark in field.metadata if isinstance(mark, Archived)), Archived())
+        for name, field in group.model_fields.items()
+    }
+
+
+# what the difficulties in an archive depend on
+MEASURING = {
+    "source",
+    *(name for name, mark in _marks(MeasureParameters).items() if mark.difficulty),
+}
 
 
 def provenance(settings: Parameters) -> dict[str, Any]:
     """What the measures in an archive depend on: settings, and the user's own measures."""
-    counts = dict.fromkeys(SECTIONS, True) | {"gripper": {"opening"}}  # the rest is for the hand
-    notes: dict[str, Any] = settings.model_dump(mode="json", include=counts)
+    marks = _marks(type(settings))
+    counts = {name: True if mark.keys is None else set(mark.keys) for name, mark in marks.items()}
+    included = {name: keys for name, keys in counts.items() if keys}
+    notes: dict[str, Any] = settings.model_dump(mode="json", include=included)
     if isinstance(settings, MeasureParameters):
-        notes["source"] = {axis: source_hash(name) for axis, name in settings.axes if name}
-    if isinstance(settings, EvolutionParameters):
-        notes["evolution"] = {"regrade": settings.evolution.regrade}
+        functions = settings.axes.functions()
+        notes["source"] = {axis: source_hash(name) for axis, name in functions.items()}
     return notes
 
 

@@ -56,8 +56,7 @@ USUAL = AxisPair(COMPLEXITY, DIFFICULTY)
 
 def axis_pair(axes: Axes) -> AxisPair:
     """The axes that a configuration asks for; high values of difficulty come first."""
-    own = {key: own_name(measure) for key, measure in axes}
-    across, upwards = own["complexity"], own["difficulty"]
+    across, upwards = own_name(axes.complexity), own_name(axes.difficulty)
     return AxisPair(
         Axis(across, across, "low", "high", across) if across else COMPLEXITY,
         Axis(upwards, upwards, "high", "low", upwards) if upwards else DIFFICULTY,

@@ -5,7 +5,6 @@ from typing import Literal
 from pydantic import Field
 
 from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels
-from egad.detectors.parameters import Policy
 from egad.grasps.gripper import Gripper
 from egad.grasps.parameters import Quality
 
@@ -69,7 +68,6 @@ class TrialParameters(ParameterGroup):
 
     seed: int
     gripper: Gripper
-    policy: Policy
     trials: Trials
 
 

@@ -75,10 +75,22 @@ def gather(paths: Sequence[Path]) -> dict[str, pd.DataFrame]:
 def _parquet(path: Path) -> pd.DataFrame:
     if "detector" in parquet.columns(path):
         return parquet.read(path, RESULTS)
-    trials = parquet.read(path, TRIALS)
+    return results(parquet.read(path, TRIALS), path.stem)
+
+
+def results(trials: pd.DataFrame, detector: str) -> pd.DataFrame:
+    """Simulated trials as results, which those of other origin can be compared with.
+
+    Args:
+        trials: Columns of `tables.evaluation.TRIALS`.
+        detector: Name of the detector.
+
+    Returns:
+        Columns of `tables.evaluation.RESULTS`.
+    """
     poses = trials[list(START)].to_numpy(np.float64)
     starts = ["" if np.isnan(pose).any() else pose.tobytes().hex() for pose in poses]
-    return trials.assign(detector=path.stem, start=starts).loc[:, list(RESULTS.names)]
+    return trials.assign(detector=detector, start=starts).loc[:, list(RESULTS.names)]
 
 
 def _csv(path: Path) -> pd.DataFrame:

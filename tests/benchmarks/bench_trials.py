@@ -17,11 +17,11 @@ from egad.geometry.repair import repair
 from egad.geometry.scaling import rescale
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
+from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.sim import execution
 from egad.sim.attempts import tried
 from egad.sim.gripper import Hand
 from egad.sim.model import build
-from egad.sim.parameters import TrialParameters
 from egad.sim.trial import Bench
 from egad.sim.world import World
 from egad.tables import parquet
@@ -56,7 +56,7 @@ def models():
 
 @pytest.mark.parametrize("arm", ["axis", "panda"])
 def test_an_attempt(models, arm, monkeypatch):
-    settings = select(SETTINGS, TrialParameters, GRIPPER, "antipodal-depth")
+    settings = select(SETTINGS, SimulatedTrials, GRIPPER, "antipodal-depth")
     changed = settings.trials.model_copy(update={"arm": arm})
     settings = settings.model_copy(update={"trials": changed})
     spent, running = Counter(), []

@@ -9,8 +9,9 @@ from egad.exchange.meshes import write_obj
 from egad.geometry.mass import mass_properties
 from egad.grasps.parameters import LabelParameters
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import RescaleMeshes, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import grasp_label, rescale
+from egad.pipeline.stages.rescale import RescaleMeshes
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 

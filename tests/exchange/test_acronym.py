@@ -12,8 +12,9 @@ from egad.exchange.grasps import load_grasps
 from egad.geometry.mass import mass_properties
 from egad.grasps.grasps import vectors
 from egad.grasps.poses import PANDA_REACH
-from egad.pipeline.config.stage_settings import AcronymFiles, select
-from egad.pipeline.stages import acronym
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.exports import acronym
+from egad.pipeline.exports.acronym import AcronymFiles
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 

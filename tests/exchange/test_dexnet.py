@@ -15,8 +15,11 @@ from egad.errors import RejectedError, TableError, UserError
 from egad.exchange.dexnet import add_dataset, add_grasps
 from egad.exchange.hdf5 import writing
 from egad.exchange.meshes import read_mesh
-from egad.pipeline.config.stage_settings import DexNetDatabase, DexNetObjects, select
-from egad.pipeline.stages import dexnet, dexnet_objects
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.exports import dexnet
+from egad.pipeline.exports.dexnet import DexNetDatabase
+from egad.pipeline.stages import dexnet_objects
+from egad.pipeline.stages.dexnet_objects import DexNetObjects
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 

@@ -11,8 +11,9 @@ from egad.detectors.ggcnn import GGCNN, MapDetector
 from egad.errors import TableError, UserError
 from egad.pipeline.cli.common import app
 from egad.pipeline.config import GRIPPERS, Settings, Training
-from egad.pipeline.config.stage_settings import TrainNetwork, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import train as stage
+from egad.pipeline.stages.train import TrainNetwork
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
 

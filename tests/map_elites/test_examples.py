@@ -19,9 +19,9 @@ from egad.measures.custom import own_value
 from egad.measures.measure import coordinates
 from egad.pipeline.config.check import check
 from egad.pipeline.config.schema import schema
-from egad.pipeline.config.stage_settings import PostprocessSolids, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.evolve import rules_of
-from egad.pipeline.stages.postprocess import solid_row
+from egad.pipeline.stages.postprocess import PostprocessSolids, solid_row
 from egad.random import generator
 
 ROOT = Path(__file__).parents[2]

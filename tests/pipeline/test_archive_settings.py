@@ -5,9 +5,10 @@ from egad.errors import UserError
 from egad.map_elites.parameters import EvolutionParameters
 from egad.pipeline.archive_settings import check_provenance, provenance
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import LocateMeshes, Merge, PostprocessSolids, select
+from egad.pipeline.config.stage_settings import LocateMeshes, select
 from egad.pipeline.stages import evolve, merge
-from egad.pipeline.stages.postprocess import from_archive
+from egad.pipeline.stages.merge import Merge
+from egad.pipeline.stages.postprocess import PostprocessSolids, from_archive
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, EPOCH
 
@@ -94,7 +95,7 @@ def test_notes_travel_from_epoch_to_archive(archive, tmp_path):
 def test_evolution_refuses_to_go_on_from_a_foreign_archive(archive, tmp_path):
     out = tmp_path / "out.parquet"
     with pytest.raises(UserError, match="made with other settings"):
-        evolve.run(settings(quality={"friction": 0.8}), 1, 0, archive, out, tmp_path / "h", 1)
+        evolve.run(settings(quality={"friction": 0.8}), 1, 0, out, tmp_path / "h", archive)
     assert not out.exists()
 
 
@@ -118,7 +119,7 @@ def test_an_evolution_that_keeps_nothing_says_why(tmp_path):
         difficulty={"grasps": 5},
     )
     with pytest.raises(UserError, match=r"20 offspring could be kept: .*area failed: AttributeErr"):
-        evolve.run(nothing, 0, 0, None, tmp_path / "out", tmp_path / "history", 1)
+        evolve.run(nothing, 0, 0, tmp_path / "out", tmp_path / "history")
 
 
 def test_a_region_is_one_body(tmp_path):

@@ -7,9 +7,10 @@ from egad.perception.parameters import RenderParameters
 from egad.pipeline.code_version import imported
 from egad.pipeline.config import Settings
 from egad.pipeline.config.check import check
-from egad.pipeline.config.stage_settings import DiversityReport, TrainNetwork, select
+from egad.pipeline.config.stage_settings import DiversityReport, select
 from egad.pipeline.config.training_study import Network, networks_of, settings_for, with_networks
-from egad.sim.parameters import TrialParameters
+from egad.pipeline.stages.simulate import SimulatedTrials
+from egad.pipeline.stages.train import TrainNetwork
 
 ASKED = {
     "diversity": {"sets": ["complex", "given"], "seeds": 2, "tests": ["egad"]},
@@ -43,7 +44,7 @@ def test_a_set_has_a_network_a_seed_and_given_weights_one(asked):
 def test_networks_are_detectors_like_any_other(asked):
     tried = with_networks(asked)
     assert set(tried.policies) == {*asked.policies, "complex-0", "complex-1", "given-0"}
-    policy = select(tried, TrialParameters, policy="complex-1").policy
+    policy = select(tried, SimulatedTrials, policy="complex-1").policy
     assert policy.detector == "ggcnn"
     assert policy.weights == "results/diversity/networks/complex/1/weights.safetensors"
     assert tried.policies["given-0"].weights == "given.pt"
@@ -53,7 +54,7 @@ def test_the_trials_of_all_networks_have_the_same_seed(asked):
     """And so the same drops: they follow from the seed, the object and the attempt."""
     tried = with_networks(asked)
     parts = [
-        select(tried, TrialParameters, policy=network.name).model_dump(exclude={"policy"})
+        select(tried, SimulatedTrials, policy=network.name).model_dump(exclude={"policy"})
         for network in networks_of(asked)
     ]
     assert all(part == parts[0] for part in parts)

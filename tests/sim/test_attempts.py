@@ -9,7 +9,7 @@ from egad.detectors.base import Detector, Grasp
 from egad.detectors.registry import QUICK
 from egad.outcomes import Outcome
 from egad.perception.camera import View
-from egad.pipeline.config import GRIPPERS, POLICIES, Bundle, Gripper, Trials
+from egad.pipeline.config import GRIPPERS, Bundle, Gripper, Trials
 from egad.sim.attempts import columns_of, recorded, tried, untried
 from egad.sim.model import Model, build
 from egad.sim.parameters import TrialParameters
@@ -23,7 +23,6 @@ BUNDLE = Bundle()
 SETTINGS = TrialParameters(
     seed=1,
     gripper=GRIPPERS["egad_75mm"],
-    policy=POLICIES["antipodal-depth"],
     trials=Trials(attempts=6),
 )
 BALL, CUBE, CYLINDER = (

@@ -21,9 +21,6 @@ HUNGRY = """
 include: "workflow/rules/resources.smk"
 
 
-NEEDS["hungry"] = {needs}
-
-
 rule all:
     input:
         expand("{{guest}}.fed", guest={guests}),
@@ -33,7 +30,7 @@ rule hungry:
     output:
         "{{guest}}.fed",
     resources:
-        **needs("hungry"),
+        **needs(*{needs}),
     shell:
         {command!r}
 """

@@ -21,6 +21,7 @@ import egad.exchange.sums
 import egad.perception.splits  # noqa: F401
 
 # what the workflow imports
+from egad.pipeline.cli.stages import stage_commands, stage_function
 from egad.pipeline.code_version import code_version
 
 ROOT = Path(__file__).parents[2]
@@ -31,6 +32,8 @@ def serve():
     get_argument_parser()  # finds all plugins
     for path in (ROOT / "egad/pipeline/stages").glob("[!_]*.py"):
         code_version(f"egad.pipeline.stages.{path.stem}")
+    for stage in stage_commands().values():
+        stage_function(stage.module, stage.function)
     gc.freeze()
     for line in sys.stdin:
         run = os.fork()

@@ -238,7 +238,7 @@ def test_exports_are_made_if_they_are_asked_for(copy):
     wanted = copy.overlay("exports.yaml", {"targets": {"exports": ["dexnet", "acronym"]}})
     configs = ["config/test.yaml", wanted]
     planned = copy.planned(configs=configs)
-    assert planned == {"dexnet_objects": 2, "dexnet": 1, "acronym": 1, "report": 1, "all": 1}
+    assert planned == {"dexnet_objects": 2, "dexnet": 1, "export": 1, "report": 1, "all": 1}
     copy.make("--cores", 2, configs=configs)
     assert copy.planned(configs=configs) == {}
     assert (copy.results / "egad/exchange/egad_75mm.hdf5").stat().st_size > 10_000
@@ -248,7 +248,7 @@ def test_exports_are_made_if_they_are_asked_for(copy):
     assert labels
     for setting, rules in (
         ({"dexnet": {"field_size": 24}}, {"dexnet_objects", "dexnet"}),
-        ({"acronym": {"held": 0.9}}, {"acronym"}),
+        ({"acronym": {"held": 0.9}}, {"export"}),
     ):
         changed = copy.overlay("changed.yaml", setting)
         assert set(copy.planned(configs=[*configs, changed])) == rules | {"report", "all"}

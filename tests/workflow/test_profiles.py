@@ -35,25 +35,23 @@ def test_every_rule_asks_for_its_own_needs():
     text = "".join(path.read_text() for path in RULES.glob("*.smk"))
     _, *parts = re.split(r"^rule (\w+):", text, flags=re.MULTILINE)
     rules = dict(zip(parts[::2], parts[1::2], strict=True))
-    assert set(RESOURCES["NEEDS"]) == set(rules)
-    for name, rule in rules.items():
-        assert f'**needs("{name}"),' in rule
+    for rule in rules.values():
+        assert "**needs(mb=" in rule
         assert "    threads: " in rule
 
 
 def test_needs_grow_with_threads_and_attempts():
-    memory, of_thread, minutes = RESOURCES["NEEDS"]["evolve"]
-    needs = RESOURCES["needs"]("evolve")
-    assert needs["mem_mb"](None, threads=1, attempt=1) == memory + of_thread
-    assert needs["mem_mb"](None, threads=8, attempt=3) == 3 * (memory + 8 * of_thread)
-    assert needs["runtime"](None, attempt=2) == 2 * minutes
+    needs = RESOURCES["needs"](mb=1000, mb_per_thread=600, minutes=60)
+    assert needs["mem_mb"](None, threads=1, attempt=1) == 1600
+    assert needs["mem_mb"](None, threads=8, attempt=3) == 3 * (1000 + 8 * 600)
+    assert needs["runtime"](None, attempt=2) == 120
 
 
 def test_memory_holds_back_no_job_of_a_machine_of_ones_own(clean):
     """Each of two jobs that ask for more than there is waits until the other has started."""
     both = "touch {wildcards.guest}; until [ -e one ] && [ -e two ]; do sleep 0.1; done"
     command = f"{both}; touch {{output}}"
-    clean.feed("--cores", 2, needs=(10**9, 0, 1), command=command, guests=("one", "two"))
+    clean.feed("--cores", 2, needs=(10**9, 1), command=command, guests=("one", "two"))
 
 
 def test_a_scheduler_makes_the_same_bytes(copy, finished):
@@ -68,5 +66,5 @@ def test_a_scheduler_makes_the_same_bytes(copy, finished):
 
 def test_a_job_that_fails_is_submitted_again_with_more(clean):
     enough = "[ {resources.mem_mb} -ge 1400 ] && touch {output}"
-    clean.feed(*LOCAL_TEST, needs=(600, 100, 2), command=enough)
+    clean.feed(*LOCAL_TEST, needs=(600, 2, 100), command=enough)
     assert submitted(clean) == [("hungry", "1", "700", "2"), ("hungry", "1", "1400", "4")]

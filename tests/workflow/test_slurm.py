@@ -44,7 +44,7 @@ def test_slurm_makes_the_same_bytes(clean, finished):
 def test_a_job_that_was_killed_for_memory_gets_more(clean):
     hold = "python -c 'import time; held = bytearray(900 << 20); time.sleep(4)'"
     before = len(queued("%i"))
-    clean.feed(*PROFILE, *HERE, needs=(600, 0, 2), command=f"{hold} && touch {{output}}")
+    clean.feed(*PROFILE, *HERE, needs=(600, 2), command=f"{hold} && touch {{output}}")
     assert queued("%T %m %l")[before:] == [
         ["FAILED", "600M", "2:00"],
         ["COMPLETED", "1200M", "4:00"],

@@ -29,12 +29,12 @@ rule agreement:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("agreement"),
+        **needs(mb=2000, minutes=60),
     params:
-        settings=settings_of("LabelTrialParameters"),
+        settings=settings_of("agreement"),
         bundle=subpath(input.bundle, parent=True),
         shards=len(EVALUATION_SHARDS),
-        code=code_version("egad.pipeline.stages.agreement"),
+        code=code_of("agreement"),
     message:
         "Carrying out grasps for {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
@@ -43,8 +43,7 @@ rule agreement:
         " --bundle {params.bundle:q} --grasps {input.grasps:q} --out {output:q} > {log:q} 2>&1"
 
 
-rule join_agreement:
-    """All labelled grasps that were carried out for a gripper."""
+use rule join as join_agreement with:
     input:
         parts("results/{dataset}/parts/agreement-{gripper}-{shard}.parquet", EVALUATION_SHARDS),
     output:
@@ -53,14 +52,8 @@ rule join_agreement:
         "logs/{dataset}/join_agreement/{gripper}.log",
     benchmark:
         "benchmarks/{dataset}/join_agreement/{gripper}.tsv"
-    conda:
-        ENVIRONMENT
-    threads: 1
-    resources:
-        **needs("join_agreement"),
     params:
-        code=code_version("egad.pipeline.stages.join"),
+        by=["--by", "label", "--by", "grasp"],
+        code=code_of("join"),
     message:
         "Joining the grasps for {wildcards.gripper} on {wildcards.dataset}"
-    shell:
-        "egad join --by label --by grasp --out {output:q} {input:q} > {log:q} 2>&1"

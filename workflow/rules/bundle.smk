@@ -22,12 +22,12 @@ rule bundle:
         ENVIRONMENT
     threads: SIDE_BY_SIDE
     resources:
-        **needs("bundle"),
+        **needs(mb=1500, mb_per_thread=500, minutes=60),
     params:
-        settings=settings_of("SimulationBundle"),
+        settings=settings_of("bundle"),
         meshes=subpath(input.scales, parent=True),
         folder=subpath(output.table, parent=True),
-        code=code_version("egad.pipeline.stages.bundle"),
+        code=code_of("bundle"),
     message:
         "Making {wildcards.dataset} ready for simulators, for {wildcards.gripper}"
     shell:

@@ -10,9 +10,14 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-from egad.pipeline.config import training_study as diversity, stage_settings
+from egad.pipeline.cli.stages import stage_function
+from egad.pipeline.config import training_study as diversity
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config.check import check
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.config.formats import formats
+from egad.pipeline.exports import export_function, sources
+from egad.pipeline.parameters import settings_type
 from egad.data import released
 from egad.pipeline.display import start_display
 from egad.errors import UserError
@@ -27,7 +32,7 @@ try:
     # The same, with the networks of the experiment among the detectors.
     TRIED = diversity.with_networks(SETTINGS)
     # The user's own measures by their code, so that editing it re-runs what they measure.
-    MEASURES = [source_hash(measure) for _, measure in SETTINGS.axes if measure]
+    MEASURES = [source_hash(measure) for measure in SETTINGS.axes.functions().values()]
     # Files of detectors that are targets have to be there before anything runs.
     for name in SETTINGS.targets.policies:
         fingerprint(SETTINGS.policies[name])
@@ -78,13 +83,37 @@ def settings_of(stage):
     A stage that reads a gripper gets the one in the file name, else the one of its own settings;
     the detector of the trials is also in the file name.
     """
+    return lambda wildcards: _chosen(stage_function(stage), wildcards)
 
-    def chosen(wildcards):
-        model = getattr(stage_settings, stage)
-        names = wildcards.get("gripper"), wildcards.get("policy")
-        return _as_json(stage_settings.select(TRIED, model, *names))
 
-    return chosen
+def settings_of_export(name=None):
+    """The same for the format of an export, else for the one in the file name."""
+    return lambda wildcards: _chosen(export_function(name or wildcards.format), wildcards)
+
+
+def _chosen(function, wildcards):
+    names = wildcards.get("gripper"), wildcards.get("policy")
+    return _as_json(select(TRIED, settings_type(function), *names))
+
+
+def code_of(stage):
+    """The fingerprint of the code of a stage, which its rule re-runs for."""
+    return code_version(f"egad.pipeline.stages.{stage}")
+
+
+def code_of_export(wildcards):
+    """The same for the format in the file name."""
+    return code_version(f"egad.pipeline.exports.{wildcards.format}")
+
+
+def exported_from(wildcards):
+    """What the format in the file name reads; of a folder, the file that is written last."""
+    last = {"meshes": "scales.parquet", "images": "card.md"}
+    folder = Path("results", wildcards.dataset)
+    return [
+        str(folder / path / last.get(name, ""))
+        for name, path in sources(wildcards.format, wildcards.gripper).items()
+    ]
 
 
 def _as_json(part):

@@ -24,11 +24,11 @@ rule compare:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("compare"),
+        **needs(mb=1000, minutes=10),
     params:
-        settings=settings_of("Compare"),
+        settings=settings_of("compare"),
         named=lambda wildcards, input: [f"{Path(file).parent.name}={file}" for file in input],
-        code=code_version("egad.pipeline.stages.compare"),
+        code=code_of("compare"),
     message:
         "Comparing the datasets"
     shell:

@@ -31,13 +31,13 @@ rule datasheet:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("datasheet"),
+        **needs(mb=1000, minutes=10),
     params:
-        settings=settings_of("DataSheets"),
+        settings=settings_of("datasheet"),
         manifests=lambda wildcards, input: named_grippers("--manifest", input.manifests),
         grasps=lambda wildcards, input: named_grippers("--grasps", input.grasps),
         folder=subpath(output.page, parent=True),
-        code=code_version("egad.pipeline.stages.datasheet"),
+        code=code_of("datasheet"),
     message:
         "Writing the datasheet of {wildcards.dataset}"
     shell:

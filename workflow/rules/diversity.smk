@@ -32,11 +32,11 @@ use rule render as render_set with:
     benchmark:
         "benchmarks/diversity/render_set/{training_set}-{shard}.tsv"
     params:
-        settings=settings_of_set("RenderParameters"),
+        settings=settings_of_set("render"),
         meshes=subpath(input.scales, parent=True),
         shards=len(IMAGE_SHARDS),
         evaluation=each("--eval", "evaluation"),
-        code=code_version("egad.pipeline.stages.render"),
+        code=code_of("render"),
     message:
         "Rendering the training set {wildcards.training_set}, shard {wildcards.shard}"
 
@@ -55,13 +55,13 @@ use rule image_card as set_card with:
     benchmark:
         "benchmarks/diversity/set_card/{training_set}.tsv"
     params:
-        settings=settings_of_set("RenderParameters"),
+        settings=settings_of_set("image_card"),
         dataset=lambda wildcards: SETTINGS.training_sets[wildcards.training_set].dataset,
         gripper=GRIPPER,
         folder=subpath(output.card, parent=True),
         shards=len(IMAGE_SHARDS),
         rejects=each("--rejects", "rejects"),
-        code=code_version("egad.pipeline.stages.image_card"),
+        code=code_of("image_card"),
     message:
         "Describing the images of the training set {wildcards.training_set}"
 
@@ -86,13 +86,13 @@ rule train_network:
         ENVIRONMENT
     threads: 2
     resources:
-        **needs("train_network"),
+        **needs(mb=2000, mb_per_thread=500, minutes=120),
     params:
-        settings=settings_of_set("TrainNetwork"),
+        settings=settings_of_set("train"),
         images=subpath(input.card, parent=True),
         folder=subpath(output.weights, parent=True),
         # The chart and the card of a network decide nothing about it.
-        code=[code_version(f"egad.learning.{name}") for name in ("training", "weights", "score")],
+        code=[code_version(f"egad.learning.{name}") for name in ("training", "weights", "evaluation")],
     message:
         "Training network {wildcards.seed} on the training set {wildcards.training_set}"
     shell:
@@ -115,12 +115,12 @@ rule diversity:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("diversity"),
+        **needs(mb=2000, minutes=30),
     params:
-        settings=settings_of("DiversityReport"),
+        settings=settings_of("diversity"),
         gripper=GRIPPER,
         results=subpath(output.page, ancestor=2),
-        code=code_version("egad.pipeline.stages.diversity"),
+        code=code_of("diversity"),
     message:
         "Comparing the networks of all training sets"
     shell:

@@ -37,15 +37,15 @@ rule evolve:
         ENVIRONMENT
     threads: SIDE_BY_SIDE
     resources:
-        **needs("evolve"),
+        **needs(mb=1000, mb_per_thread=600, minutes=60),
     params:
-        settings=settings_of("EvolutionParameters"),
+        settings=settings_of("evolve"),
         base=each("--base", "base"),
         measures=MEASURES,
         contents=contents_of(region_meshes),
         page="logs/{dataset}/map.html",
         islands=island_count,
-        code=code_version("egad.pipeline.stages.evolve"),
+        code=code_of("evolve"),
     message:
         "Evolving {wildcards.dataset}, epoch {wildcards.epoch}, island {wildcards.island}"
         " (the map as it fills: {params.page})"
@@ -74,10 +74,10 @@ rule merge:
         ENVIRONMENT
     threads: SIDE_BY_SIDE
     resources:
-        **needs("merge"),
+        **needs(mb=1000, mb_per_thread=100, minutes=10),
     params:
-        settings=settings_of("Merge"),
-        code=code_version("egad.pipeline.stages.merge"),
+        settings=settings_of("merge"),
+        code=code_of("merge"),
     message:
         "Merging the islands of epoch {wildcards.epoch}"
     shell:
@@ -101,18 +101,17 @@ rule archive:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("archive"),
+        **needs(mb=1000, minutes=10),
     params:
         contents=contents_of(final_archive),
-        code=code_version("egad.pipeline.stages.merge"),
+        code=code_of("merge"),
     message:
         "Publishing the archive"
     shell:
         "egad archive {input:q} --out {output:q} > {log:q} 2>&1"
 
 
-rule history:
-    """All steps of all epochs and islands."""
+use rule join as history with:
     input:
         expand(
             "results/{{dataset}}/epochs/epoch-{epoch}/history-{island}.parquet",
@@ -127,14 +126,8 @@ rule history:
         "benchmarks/{dataset}/history.tsv"
     wildcard_constraints:
         dataset=EVOLVED_DATASET,
-    conda:
-        ENVIRONMENT
-    threads: 1
-    resources:
-        **needs("history"),
     params:
-        code=code_version("egad.pipeline.stages.join"),
+        by=["--by", "epoch", "--by", "island", "--by", "step"],
+        code=code_of("join"),
     message:
         "Joining the steps of {wildcards.dataset}"
-    shell:
-        "egad join --by epoch --by island --by step --out {output:q} {input:q} > {log:q} 2>&1"

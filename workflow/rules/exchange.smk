@@ -2,8 +2,7 @@
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet.
 For images results/D/images/G, which results/D/images/G/card.md is the last file of.
-Outputs: results/D/exchange/G.hdf5 (Dex-Net), results/D/exchange/G-acronym/LABEL.h5 (ACRONYM),
-results/D/exchange/G-LAYOUT (images as Jacquard, Cornell or GQ-CNN have them).
+Outputs: results/D/exchange/G.hdf5 (Dex-Net), results/D/exchange/G-FORMAT (the others).
 Steps: for Dex-Net, shards of objects get distance fields and poses; then one file takes them all.
 """
 
@@ -23,12 +22,12 @@ rule dexnet_objects:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("dexnet_objects"),
+        **needs(mb=1000, minutes=30),
     params:
-        settings=settings_of("DexNetObjects"),
+        settings=settings_of("dexnet_objects"),
         meshes=subpath(input.scales, parent=True),
         shards=len(SHARDS),
-        code=code_version("egad.pipeline.stages.dexnet_objects"),
+        code=code_of("dexnet_objects"),
     message:
         "Distance fields of {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
     shell:
@@ -54,12 +53,12 @@ rule dexnet:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("dexnet"),
+        **needs(mb=1000, minutes=30),
     params:
-        settings=settings_of("DexNetDatabase"),
+        settings=settings_of_export("dexnet"),
         dataset=subpath(input.objects, parent=True),
         parts=each("--part", "parts"),
-        code=code_version("egad.pipeline.stages.dexnet"),
+        code=code_version("egad.pipeline.exports.dexnet"),
     message:
         "Writing the Dex-Net database of {wildcards.gripper} on {wildcards.dataset}"
     shell:
@@ -67,57 +66,29 @@ rule dexnet:
         " {params.parts:q} --out {output:q} {params.dataset:q} > {log:q} 2>&1"
 
 
-rule acronym:
-    """The ACRONYM files of a gripper."""
+rule export:
+    """The grasps or images of a gripper in the format of another program."""
     input:
-        objects="results/{dataset}/objects.parquet",
-        scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
-        grasps="results/{dataset}/grasps/{gripper}.parquet",
+        exported_from,
     output:
-        directory("results/{dataset}/exchange/{gripper}-acronym"),
+        directory("results/{dataset}/exchange/{gripper}-{format}"),
     log:
-        "logs/{dataset}/acronym/{gripper}.log",
+        "logs/{dataset}/export/{gripper}-{format}.log",
     benchmark:
-        "benchmarks/{dataset}/acronym/{gripper}.tsv"
-    conda:
-        ENVIRONMENT
-    threads: 1
-    resources:
-        **needs("acronym"),
-    params:
-        settings=settings_of("AcronymFiles"),
-        dataset=subpath(input.objects, parent=True),
-        code=code_version("egad.pipeline.stages.acronym"),
-    message:
-        "Writing the ACRONYM files of {wildcards.gripper} on {wildcards.dataset}"
-    shell:
-        "egad export --format acronym --settings {params.settings:q} --gripper {wildcards.gripper:q}"
-        " --out {output:q} {params.dataset:q} > {log:q} 2>&1"
-
-
-rule image_layout:
-    """The rendered images of a gripper in the layout of another dataset."""
-    input:
-        card="results/{dataset}/images/{gripper}/card.md",
-    output:
-        directory("results/{dataset}/exchange/{gripper}-{layout}"),
-    log:
-        "logs/{dataset}/image_layout/{gripper}-{layout}.log",
-    benchmark:
-        "benchmarks/{dataset}/image_layout/{gripper}-{layout}.tsv"
+        "benchmarks/{dataset}/export/{gripper}-{format}.tsv"
     wildcard_constraints:
-        layout="jacquard|cornell|gqcnn",
+        format="|".join(name for name in formats() if name != "dexnet"),
     conda:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("image_layout"),
+        **needs(mb=1500, minutes=30),
     params:
-        settings=settings_of("ImageLayouts"),
-        dataset=subpath(input.card, ancestor=3),
-        code=code_version("egad.pipeline.stages.image_layout"),
+        settings=settings_of_export(),
+        dataset="results/{dataset}",
+        code=code_of_export,
     message:
-        "Writing the images of {wildcards.dataset} for {wildcards.gripper} as {wildcards.layout}"
+        "Writing {wildcards.dataset} for {wildcards.gripper} as {wildcards.format}"
     shell:
-        "egad export --format {wildcards.layout} --settings {params.settings:q}"
+        "egad export --format {wildcards.format} --settings {params.settings:q}"
         " --gripper {wildcards.gripper:q} --out {output:q} {params.dataset:q} > {log:q} 2>&1"

@@ -33,13 +33,13 @@ rule grasp_label:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("grasp_label"),
+        **needs(mb=1000, minutes=30),
     params:
-        settings=settings_of("LabelParameters"),
+        settings=settings_of("grasp_label"),
         meshes=subpath(input.scales, parent=True),
         shards=len(SHARDS),
         contents=contents_of(gripper_mesh),
-        code=code_version("egad.pipeline.stages.grasp_label"),
+        code=code_of("grasp_label"),
     message:
         "Labelling grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
@@ -49,8 +49,7 @@ rule grasp_label:
         " > {log:q} 2>&1"
 
 
-rule join_grasps:
-    """All labelled grasps of a gripper."""
+use rule join as join_grasps with:
     input:
         parts("results/{dataset}/parts/grasps-{gripper}-{shard}.parquet"),
     output:
@@ -59,21 +58,16 @@ rule join_grasps:
         "logs/{dataset}/join_grasps/{gripper}.log",
     benchmark:
         "benchmarks/{dataset}/join_grasps/{gripper}.tsv"
-    conda:
-        ENVIRONMENT
-    threads: 1
     resources:
-        **needs("join_grasps"),
+        **needs(mb=2000, minutes=10),
     params:
-        code=code_version("egad.pipeline.stages.join"),
+        by=["--by", "label", "--by", "grasp"],
+        code=code_of("join"),
     message:
         "Joining the grasps of {wildcards.gripper} on {wildcards.dataset}"
-    shell:
-        "egad join --by label --by grasp --out {output:q} {input:q} > {log:q} 2>&1"
 
 
-rule join_tallies:
-    """What became of the candidates of every object."""
+use rule join as join_tallies with:
     input:
         parts("results/{dataset}/parts/tally-{gripper}-{shard}.parquet"),
     output:
@@ -82,21 +76,14 @@ rule join_tallies:
         "logs/{dataset}/join_tallies/{gripper}.log",
     benchmark:
         "benchmarks/{dataset}/join_tallies/{gripper}.tsv"
-    conda:
-        ENVIRONMENT
-    threads: 1
-    resources:
-        **needs("join_tallies"),
     params:
-        code=code_version("egad.pipeline.stages.join"),
+        by=["--by", "label"],
+        code=code_of("join"),
     message:
         "Joining the tallies of {wildcards.gripper} on {wildcards.dataset}"
-    shell:
-        "egad join --by label --out {output:q} {input:q} > {log:q} 2>&1"
 
 
-rule join_ungraspable:
-    """The objects that a gripper has no grasp for."""
+use rule join as join_ungraspable with:
     input:
         parts("results/{dataset}/parts/ungraspable-{gripper}-{shard}.parquet"),
     output:
@@ -105,14 +92,8 @@ rule join_ungraspable:
         "logs/{dataset}/join_ungraspable/{gripper}.log",
     benchmark:
         "benchmarks/{dataset}/join_ungraspable/{gripper}.tsv"
-    conda:
-        ENVIRONMENT
-    threads: 1
-    resources:
-        **needs("join_ungraspable"),
     params:
-        code=code_version("egad.pipeline.stages.join"),
+        by=["--by", "id", "--by", "stage"],
+        code=code_of("join"),
     message:
         "Joining the objects of {wildcards.dataset} without grasps of {wildcards.gripper}"
-    shell:
-        "egad join --by id --by stage --out {output:q} {input:q} > {log:q} 2>&1"

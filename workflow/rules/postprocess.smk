@@ -21,14 +21,14 @@ rule postprocess:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("postprocess"),
+        **needs(mb=1500, minutes=30),
     params:
-        settings=settings_of("PostprocessSolids"),
+        settings=settings_of("postprocess"),
         objects=raw_options,
         state=raw_state,
         measures=MEASURES,
         shards=len(SHARDS),
-        code=code_version("egad.pipeline.stages.postprocess"),
+        code=code_of("postprocess"),
     message:
         "Repairing and measuring {wildcards.dataset}, shard {wildcards.shard}"
     shell:
@@ -54,13 +54,13 @@ rule collect:
         ENVIRONMENT
     threads: SIDE_BY_SIDE
     resources:
-        **needs("collect"),
+        **needs(mb=2000, mb_per_thread=1000, minutes=30),
     params:
-        settings=settings_of("Collect"),
+        settings=settings_of("collect"),
         source=lambda wildcards: SETTINGS.datasets[wildcards.dataset].source,
         solids=each("--solids", "solids"),
         rejects=each("--rejects", "rejects"),
-        code=code_version("egad.pipeline.stages.collect"),
+        code=code_of("collect"),
     message:
         "Collecting the objects of {wildcards.dataset}"
     shell:

@@ -23,13 +23,13 @@ rule print_export:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("print_export"),
+        **needs(mb=1500, minutes=10),
     params:
-        settings=settings_of("PrintFiles"),
+        settings=settings_of("print_export"),
         meshes=subpath(input.scales, parent=True),
         grasps=each("--grasps", "grasps"),
         folder=subpath(output.manifest, parent=True),
-        code=code_version("egad.pipeline.stages.print_export"),
+        code=code_of("print_export"),
     message:
         "Writing print files of {wildcards.dataset} for {wildcards.gripper}"
     shell:

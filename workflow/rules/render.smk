@@ -34,13 +34,13 @@ rule render:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("render"),
+        **needs(mb=1500, minutes=30),
     params:
-        settings=settings_of("RenderParameters"),
+        settings=settings_of("render"),
         meshes=subpath(input.scales, parent=True),
         shards=len(IMAGE_SHARDS),
         evaluation=each("--eval", "evaluation"),
-        code=code_version("egad.pipeline.stages.render"),
+        code=code_of("render"),
     message:
         "Rendering {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
     shell:
@@ -66,15 +66,15 @@ rule image_card:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("image_card"),
+        **needs(mb=1000, minutes=10),
     params:
-        settings=settings_of("RenderParameters"),
+        settings=settings_of("image_card"),
         dataset="{dataset}",
         gripper="{gripper}",
         folder=subpath(output.card, parent=True),
         shards=len(IMAGE_SHARDS),
         rejects=each("--rejects", "rejects"),
-        code=code_version("egad.pipeline.stages.image_card"),
+        code=code_of("image_card"),
     message:
         "Describing the images of {wildcards.dataset} for {wildcards.gripper}"
     shell:

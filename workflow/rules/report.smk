@@ -19,11 +19,11 @@ rule report:
         ENVIRONMENT
     threads: SIDE_BY_SIDE
     resources:
-        **needs("report"),
+        **needs(mb=1000, mb_per_thread=300, minutes=30),
     params:
         settings=SETTINGS.model_dump_json(),
         results=subpath(output[0], parent=True),
-        code=code_version("egad.pipeline.stages.report"),
+        code=code_of("report"),
     message:
         "Writing the report"
     shell:

@@ -20,11 +20,11 @@ rule rescale:
         ENVIRONMENT
     threads: SIDE_BY_SIDE
     resources:
-        **needs("rescale"),
+        **needs(mb=1000, mb_per_thread=300, minutes=30),
     params:
-        settings=settings_of("RescaleMeshes"),
+        settings=settings_of("rescale"),
         folder=subpath(output.scales, parent=True),
-        code=code_version("egad.pipeline.stages.rescale"),
+        code=code_of("rescale"),
     message:
         "Scaling {wildcards.dataset} to {wildcards.gripper}"
     shell:

@@ -21,11 +21,11 @@ rule select_eval:
         ENVIRONMENT
     threads: SIDE_BY_SIDE
     resources:
-        **needs("select_eval"),
+        **needs(mb=2000, mb_per_thread=250, minutes=30),
     params:
-        settings=settings_of("EvalSelection"),
+        settings=settings_of("select_eval"),
         solids=each("--solids", "solids"),
-        code=code_version("egad.pipeline.stages.select_eval"),
+        code=code_of("select_eval"),
     message:
         "Choosing the evaluation set of {wildcards.dataset}"
     shell:

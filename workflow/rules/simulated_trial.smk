@@ -33,13 +33,13 @@ rule simulated_trial:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("simulated_trial"),
+        **needs(mb=2000, minutes=120),
     params:
-        settings=settings_of("TrialParameters"),
+        settings=settings_of("simulate"),
         bundle=subpath(input.bundle, parent=True),
         shards=len(EVALUATION_SHARDS),
         grasps=each("--grasps", "grasps"),
-        code=code_version("egad.pipeline.stages.simulate"),
+        code=code_of("simulate"),
         detector=detector_code,
     message:
         "Trying {wildcards.policy} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
@@ -49,8 +49,7 @@ rule simulated_trial:
         " --bundle {params.bundle:q} {params.grasps:q} --out {output:q} > {log:q} 2>&1"
 
 
-rule join_trials:
-    """All attempts of a detector with a gripper."""
+use rule join as join_trials with:
     input:
         parts(
             "results/{dataset}/parts/trials-{gripper}-{policy}-{shard}.parquet", EVALUATION_SHARDS
@@ -61,14 +60,8 @@ rule join_trials:
         "logs/{dataset}/join_trials/{gripper}-{policy}.log",
     benchmark:
         "benchmarks/{dataset}/join_trials/{gripper}-{policy}.tsv"
-    conda:
-        ENVIRONMENT
-    threads: 1
-    resources:
-        **needs("join_trials"),
     params:
-        code=code_version("egad.pipeline.stages.join"),
+        by=["--by", "label", "--by", "attempt"],
+        code=code_of("join"),
     message:
         "Joining the trials of {wildcards.policy} with {wildcards.gripper} on {wildcards.dataset}"
-    shell:
-        "egad join --by label --by attempt --out {output:q} {input:q} > {log:q} 2>&1"

@@ -20,10 +20,10 @@ rule size_effect:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs("size_effect"),
+        **needs(mb=1000, minutes=10),
     params:
-        settings=settings_of("SizeEffectParameters"),
-        code=code_version("egad.pipeline.stages.size_effect"),
+        settings=settings_of("size_effect"),
+        code=code_of("size_effect"),
     message:
         "Rating {wildcards.dataset} at several sizes for {wildcards.gripper}"
     shell:

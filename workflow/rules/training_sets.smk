@@ -7,7 +7,7 @@ def settings_of_set(stage):
     def chosen(wildcards):
         network = diversity.Network(wildcards.training_set, int(wildcards.get("seed", 0)))
         whole = diversity.settings_for(SETTINGS, network)
-        return _as_json(stage_settings.select(whole, getattr(stage_settings, stage), GRIPPER))
+        return _as_json(select(whole, settings_type(stage_function(stage)), GRIPPER))
 
     return chosen
 

@@ -7,10 +7,8 @@ from egad.errors import LESS_MEMORY, RejectedError, TableError, UserError
 from egad.pipeline.cli import (
     exchange,
     grasping,
-    images,
     measuring,
     origins,
-    stages,
     tools,
     training,
     trials,
@@ -20,11 +18,9 @@ from egad.pipeline.cli.common import app
 __all__ = [
     "exchange",
     "grasping",
-    "images",
     "main",
     "measuring",
     "origins",
-    "stages",
     "tools",
     "training",
     "trials",

@@ -9,15 +9,16 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from egad.errors import UserError
+from egad.pipeline.cli.stages import StageGroup
 from egad.pipeline.config import Settings
 
 app = typer.Typer(
+    cls=StageGroup,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     help="Evolved objects for robot grasping. Commands take metres unless they say otherwise.",
 )
-STAGE = "Stages of the pipeline"
 TOOL = "Tools"
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 

@@ -1,36 +1,19 @@
 """Exports of labelled grasps and of images with them in the formats of other programs."""
 
-from enum import StrEnum
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, Any
 
 import typer
 
 from egad.errors import UserError
 from egad.pipeline.cli.common import TOOL, Config, Out, app, parse, settings_in
-from egad.pipeline.cli.recorded import recorded
-from egad.pipeline.config.stage_settings import (
-    AcronymFiles,
-    DexNetDatabase,
-    DexNetObjects,
-    ImageLayouts,
-    StageSettings,
-    select,
-)
+from egad.pipeline.config.formats import Format
+from egad.pipeline.exports import export_function, sources
 
-S = TypeVar("S", bound=StageSettings)
 Dataset = Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")]
 Parts = Annotated[list[Path], typer.Option("--part", help="objects of a shard (dexnet)")]
-
-
-class Format(StrEnum):
-    """The formats."""
-
-    DEXNET = "dexnet"
-    ACRONYM = "acronym"
-    JACQUARD = "jacquard"
-    CORNELL = "cornell"
-    GQCNN = "gqcnn"
 
 
 @app.command(rich_help_panel=TOOL)
@@ -45,90 +28,60 @@ def export(
 ) -> None:
     """Write labelled grasps for Dex-Net or ACRONYM, or rendered images in other layouts."""
     from egad.exchange.grasps import check_opening, grasp_table
+    from egad.pipeline.parameters import declared, settings_type
+    from egad.pipeline.provenance.record import run_recorded
 
-    if ending in (Format.JACQUARD, Format.CORNELL, Format.GQCNN):
-        layouts = _chosen(ImageLayouts, settings, config, gripper)
-        check_opening(dataset, gripper, layouts.gripper.opening)
-        _images(layouts, ending.value, dataset / "images" / gripper, out)
-        return
-    grasps = grasp_table(dataset, gripper)
-    if ending is Format.DEXNET:
-        database = _chosen(DexNetDatabase, settings, config, gripper)
-        check_opening(dataset, gripper, database.gripper.opening)
-        _dexnet(database, dataset, gripper, part, config, grasps, out)
+    run = export_function(ending)
+    reads = {name: dataset / file for name, file in sources(ending, gripper).items()}
+    if "grasps" in reads:
+        reads["grasps"] = grasp_table(dataset, gripper)
+    parsed: Any = _chosen(settings_type(run), settings, config, gripper)
+    check_opening(dataset, gripper, parsed.gripper.opening)
+    known = {"settings": parsed, "dataset": dataset, "gripper": gripper, "out": out, **reads}
+    given = {each.name: known[each.name] for each in declared(run) if each.name in known}
+    if ending == "dexnet":
+        with _dexnet_parts(given, part, config) as parts:
+            run_recorded(run, **given, parts=parts)
     else:
-        files = _chosen(AcronymFiles, settings, config, gripper)
-        check_opening(dataset, gripper, files.gripper.opening)
-        _acronym(files, dataset, gripper, grasps, out)
+        run_recorded(run, **given)
 
 
-def _dexnet(
-    settings: DexNetDatabase,
-    dataset: Path,
-    gripper: str,
-    parts: list[Path],
-    config: Path | None,
-    grasps: Path,
-    out: Path,
-) -> None:
-    """Join the parts that are given; without any, make one first."""
-    from egad.pipeline.stages import dexnet as stage
+@contextmanager
+def _dexnet_parts(
+    given: dict[str, Any], parts: list[Path], config: Path | None
+) -> Iterator[list[Path]]:
+    """The parts of a Dex-Net database that are given; without any, one that is made here."""
+    from egad.pipeline.exports.dexnet import check
     from egad.pipeline.stages import dexnet_objects
 
-    objects, meshes = dataset / "objects.parquet", dataset / "rescaled" / gripper
+    dataset, gripper, out = given["dataset"], given["gripper"], given["out"]
     if out.is_dir():
         raise UserError(f"--out {out} is a folder; name a file")
     if out.suffix != ".hdf5":
         raise UserError(f"--out {out}: the name must end in .hdf5, else Dex-Net does not open it")
-    reads = [objects, meshes, grasps]
     if parts:
-        with recorded("dexnet", settings, [*reads, *parts], [out], gripper=gripper):
-            stage.run(settings, dataset, gripper, parts, grasps, out)
+        yield parts
         return
-    stage.check(dataset, gripper, grasps)
+    check(dataset, gripper, given["grasps"])
+    settings = _chosen(dexnet_objects.DexNetObjects, None, config)
     whole = out.with_name(f".{out.name}.objects")
     try:
-        dexnet_objects.run(_chosen(DexNetObjects, None, config), objects, meshes, (0, 1), whole)
-        with recorded("dexnet", settings, reads, [out], gripper=gripper):
-            stage.run(settings, dataset, gripper, [whole], grasps, out)
+        meshes = dataset / "rescaled" / gripper
+        dexnet_objects.run(settings, dataset / "objects.parquet", meshes, (0, 1), whole)
+        yield [whole]
     finally:
         whole.unlink(missing_ok=True)
 
 
-def _acronym(settings: AcronymFiles, dataset: Path, gripper: str, grasps: Path, out: Path) -> None:
-    from egad.exchange.acronym import is_ours
-    from egad.pipeline.stages import acronym as stage
-
-    _check_folder(out)
-    if foreign := [path.name for path in sorted(out.glob("*")) if not is_ours(path)]:
-        raise UserError(
-            f"--out {out}: {foreign[0]} is no earlier export and would be lost; "
-            "name a folder of its own"
-        )
-    scales = dataset / "rescaled" / gripper / "scales.parquet"
-    objects = dataset / "objects.parquet"
-    with recorded("acronym", settings, [objects, scales, grasps], [out], gripper=gripper):
-        stage.run(settings, gripper, objects, scales, grasps, out)
-
-
-def _images(settings: ImageLayouts, layout: str, images: Path, out: Path) -> None:
-    from egad.perception.image_shards import files
-    from egad.pipeline.stages import image_layout as stage
-
-    _check_folder(out)
-    if out.is_dir() and any(out.iterdir()):
-        raise UserError(f"--out {out} is not empty, and what is in it would be lost")
-    with recorded("image_layout", settings, files(images), [out], layout=layout):
-        stage.run(settings, layout, images, out)
-
-
-def _check_folder(out: Path) -> None:
-    if out.is_file():
-        raise UserError(f"--out {out} is a file; name a folder")
-
-
-def _chosen(stage: type[S], text: str | None, config: Path | None, gripper: str | None = None) -> S:
+def _chosen(
+    stage: Any,  # noqa: ANN401 (the class of the settings of a format)
+    text: str | None,
+    config: Path | None,
+    gripper: str | None = None,
+) -> Any:  # noqa: ANN401 (of that class)
     """The settings of a stage: those handed over, or the part of a configuration."""
+    from egad.pipeline.config.stage_settings import select
+
     if text is not None:
         return parse(stage, text)
     whole = settings_in(config)

@@ -1,338 +1,170 @@
-"""The commands of the stages: what the rules of the workflow call."""
+"""The commands of the stages, made from the functions of the modules in `egad/pipeline/stages/`.
 
+Their names and summaries are read from the source, so that `egad --help` imports no stage.
+"""
+
+import ast
+import importlib
+import inspect
+import re
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, NamedTuple
 
 import typer
+from typer.core import TyperCommand, TyperGroup
 
 from egad.errors import UserError
-from egad.pipeline.cli.common import STAGE, Jobs, Out, OutFolder, app, parse
-from egad.pipeline.cli.recorded import recorded, settings_hash
-from egad.pipeline.config import Settings
+from egad.pipeline.parameters import Declared, ShardOf, declared
 
-SettingsText = Annotated[str, typer.Option("--settings", help="settings of this stage, as JSON")]
-Shard = Annotated[int, typer.Option(help="number of this shard")]
-Shards = Annotated[int, typer.Option(help="number of all shards")]
-Evaluation = Annotated[Path, typer.Option("--eval", help="evaluation set")]
-BundleFolder = Annotated[Path, typer.Option("--bundle", help="folder of the simulation bundle")]
-Rejected = Annotated[Path, typer.Option(help="table of the objects left out, with reasons")]
+PANEL = "Stages of the pipeline"
+STAGES = Path(__file__).parents[1] / "stages"
+SETTINGS = "settings of this stage, as JSON"
+NUMBERS = {"shard": "number of this shard", "shards": "number of all shards"}
+Option = inspect.Parameter
 
 
-@app.command(rich_help_panel=STAGE)
-def evolve(
-    settings: SettingsText,
-    epoch: Annotated[int, typer.Option(help="number of the epoch")],
-    island: Annotated[int, typer.Option(help="number of the island")],
-    out: Out,
-    history: Annotated[Path, typer.Option(help="table of the steps to write")],
-    base: Annotated[Path | None, typer.Option(help="archive of the epoch before")] = None,
-    page: Annotated[
-        Path | None, typer.Option(help="HTML page that shows the map as it fills, to write")
-    ] = None,
-    islands: Annotated[int | None, typer.Option(help="number of all islands, for the page")] = None,
-    jobs: Jobs = 1,
-) -> None:
-    """Evolve one island for one epoch."""
-    from egad.map_elites.parameters import EvolutionParameters
-    from egad.pipeline.stages import evolve as stage
+class StageCommand(NamedTuple):
+    """A command of a stage: where its function is, and what it does in a sentence."""
 
-    parsed, bases = parse(EvolutionParameters, settings), [base] if base else []
-    with recorded("evolve", parsed, bases, epoch=epoch, island=island):
-        watch = None
-        if page:
-            from egad.report.live_map import LiveMap
-
-            watch = LiveMap(page, settings_hash(parsed), parsed, epoch, island, islands)
-        stage.run(parsed, epoch, island, base, out, history, jobs, watch)
+    module: str
+    function: str
+    summary: str
 
 
-@app.command(rich_help_panel=STAGE)
-def merge(settings: SettingsText, islands: list[Path], out: Out, jobs: Jobs = 1) -> None:
-    """Merge the islands of an epoch into one archive."""
-    from egad.pipeline.config.stage_settings import Merge
-    from egad.pipeline.stages import merge as stage
+class StageGroup(TyperGroup):
+    """Commands of which those of the stages are imported when they are called."""
 
-    parsed = parse(Merge, settings)
-    with recorded("merge", parsed, islands):
-        stage.run(parsed, islands, out, jobs)
+    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ANN401 (of typer)
+        """All names, those of the stages first."""
+        return [*stage_commands(), *super().list_commands(ctx)]
 
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ANN401 (of typer)
+        """A command; that of a stage without its options, for the list of commands."""
+        stage = stage_commands().get(cmd_name)
+        if stage is None:
+            return super().get_command(ctx, cmd_name)
+        return TyperCommand(cmd_name, help=stage.summary, rich_help_panel=PANEL)
 
-@app.command(rich_help_panel=STAGE)
-def archive(epoch_archive: Path, out: Out) -> None:
-    """Publish the archive of the last epoch."""
-    from egad.pipeline.stages import merge as stage
-
-    with recorded("merge", None, [epoch_archive]):
-        stage.publish(epoch_archive, out)
-
-
-@app.command(rich_help_panel=STAGE)
-def postprocess(
-    settings: SettingsText,
-    shard: Shard,
-    shards: Shards,
-    out: Out,
-    rejected: Rejected,
-    archive: Annotated[Path | None, typer.Option(help="archive of evolved objects")] = None,
-    folder: Annotated[Path | None, typer.Option(help="folder of meshes")] = None,
-    units: Annotated[str | None, typer.Option(help="unit of these meshes: m, mm, cm, inch")] = None,
-    pattern: Annotated[str, typer.Option(help="glob of these meshes in the folder")] = "*",
-    primitives: Annotated[
-        int | None, typer.Option(min=1, help="number of objects of primitives joined at random")
-    ] = None,
-) -> None:
-    """Repair and measure the objects of a shard: of an archive, a folder of meshes, or random."""
-    from egad.pipeline.config.stage_settings import PostprocessSolids
-    from egad.pipeline.stages import postprocess as stage
-
-    parsed = parse(PostprocessSolids, settings)
-    if archive is not None:
-        sources, known = stage.from_archive(archive, parsed, shard, shards)
-        reads = [archive]
-    elif folder is not None and units is not None:
-        sources, known = stage.from_folder(folder, units, shard, shards, pattern)
-        reads = list(stage.files_of_shard(folder, shard, shards, pattern).values())
-    elif primitives is not None:
-        sources, known = stage.from_primitives(primitives, parsed, shard, shards)
-        reads = []
-    else:
-        raise UserError("postprocess needs --archive, --folder and --units, or --primitives")
-    with recorded(
-        "postprocess",
-        parsed,
-        reads,
-        shard=shard,
-        shards=shards,
-        units=units,
-        primitives=primitives,
-    ):
-        stage.run(parsed, sources, known, out, rejected)
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:  # noqa: ANN401 (of typer)
+        """The command that is called, and its arguments."""
+        name, command, rest = super().resolve_command(ctx, args)
+        stage = stage_commands().get(name or "")
+        return (name, loaded_command(stage), rest) if stage else (name, command, rest)
 
 
-@app.command(rich_help_panel=STAGE)
-def collect(
-    settings: SettingsText,
-    source: Annotated[str, typer.Option(help="evolved, archive, meshes or primitives")],
-    solids: Annotated[list[Path], typer.Option(help="shards of postprocess")],
-    rejects: Annotated[list[Path], typer.Option(help="rejected objects of the shards")],
-    out: Out,
-    rejected: Rejected,
-    meshes: OutFolder,
-    jobs: Jobs = 1,
-) -> None:
-    """Bring the shards of a dataset together: cells, labels, diversities, meshes."""
-    from egad.pipeline.config.stage_settings import Collect
-    from egad.pipeline.stages import collect as stage
-
-    parsed = parse(Collect, settings)
-    with recorded("collect", parsed, [*solids, *rejects], [meshes], source=source):
-        evolved = source in ("evolved", "archive")
-        stage.run(parsed, evolved, solids, rejects, out, rejected, meshes, jobs)
+@cache
+def stage_commands() -> Mapping[str, StageCommand]:
+    """The commands of all stages, by name."""
+    found = dict(pair for path in sorted(STAGES.glob("[!_]*.py")) for pair in _commands_in(path))
+    return dict(sorted(found.items()))
 
 
-@app.command(name="grasp-label", rich_help_panel=STAGE)
-def grasp_label(
-    settings: SettingsText,
-    shard: Shard,
-    shards: Shards,
-    objects: Annotated[Path, typer.Option(help="objects of the dataset")],
-    meshes: Annotated[Path, typer.Option(help="folder of the scaled meshes")],
-    out: Out,
-    tally: Annotated[Path, typer.Option(help="table of what became of candidates, to write")],
-    rejected: Rejected,
-) -> None:
-    """Label the grasps of the objects of a shard."""
-    from egad.grasps.parameters import LabelParameters
-    from egad.pipeline.stages import grasp_label as stage
-
-    parsed = parse(LabelParameters, settings)
-    with recorded("grasp_label", parsed, [objects, meshes], shard=shard, shards=shards):
-        stage.run(parsed, objects, meshes, (shard, shards), out, tally, rejected)
+def stage_function(module: str, function: str = "run") -> Callable[..., Any]:
+    """The function of a stage, by the name of its module in `egad.pipeline.stages`."""
+    found: Callable[..., Any] = getattr(
+        importlib.import_module(f"egad.pipeline.stages.{module}"), function
+    )
+    return found
 
 
-@app.command(rich_help_panel=STAGE)
-def join(
-    parts: list[Path],
-    by: Annotated[list[str], typer.Option(help="column to sort by; may be repeated")],
-    out: Out,
-) -> None:
-    """Join the tables of all shards into one."""
-    from egad.pipeline.stages import join as stage
+def loaded_command(stage: StageCommand) -> Any:  # noqa: ANN401 (of typer)
+    """The command of a stage with its options, which run the stage and note what it did."""
+    from egad.pipeline.provenance.record import run_recorded
 
-    with recorded("join", None, parts, by=by):
-        stage.run(parts, by, out)
+    function = stage_function(stage.module, stage.function)
+    parameters, texts = declared(function), described(function)
 
+    def call(**words: Any) -> None:  # noqa: ANN401 (words of the command line)
+        ordered = sorted(parameters, key=lambda each: each.is_settings)  # these are checked last
+        given = {each.name: _value(each, words, texts) for each in ordered}
+        if isinstance(told := run_recorded(function, **given), str):
+            typer.echo(told)
 
-@app.command(name="select-eval", rich_help_panel=STAGE)
-def select_eval(
-    settings: SettingsText,
-    objects: Annotated[Path, typer.Option(help="objects of the dataset")],
-    solids: Annotated[list[Path], typer.Option(help="shards of postprocess")],
-    out: Out,
-    rejected: Rejected,
-    jobs: Jobs = 1,
-) -> None:
-    """Choose the evaluation set."""
-    from egad.pipeline.config.stage_settings import EvalSelection
-    from egad.pipeline.stages import select_eval as stage
-
-    parsed = parse(EvalSelection, settings)
-    with recorded("select_eval", parsed, [objects, *solids]):
-        stage.run(parsed, objects, solids, out, rejected, jobs)
+    options = [option for each in parameters for option in _options(each, texts)]
+    call.__signature__ = inspect.Signature(options)  # type: ignore[attr-defined]
+    app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    app.command(help=introduction(function))(call)
+    return typer.main.get_command(app)
 
 
-@app.command(name="size-effect-eval", rich_help_panel=STAGE)
-def size_effect_eval(
-    settings: SettingsText,
-    evaluation: Evaluation,
-    meshes: Annotated[Path, typer.Option(help="folder of the meshes of the dataset")],
-    out: Out,
-) -> None:
-    """Rate an easy, a middling and a hard object of the evaluation set at several sizes."""
-    from egad.measures.parameters import SizeEffectParameters
-    from egad.pipeline.stages import size_effect as stage
-
-    parsed = parse(SizeEffectParameters, settings)
-    with recorded("size_effect", parsed, [evaluation, meshes]):
-        stage.run(parsed, evaluation, meshes, out)
+def introduction(function: Callable[..., Any]) -> str:
+    """The docstring of a function up to its sections."""
+    return re.split(r"\n\n[A-Z]\w+:\n", inspect.getdoc(function) or "")[0]
 
 
-@app.command(name="print-export", rich_help_panel=STAGE)
-def print_export(
-    settings: SettingsText,
-    evaluation: Evaluation,
-    meshes: Annotated[Path, typer.Option(help="folder of the scaled meshes")],
-    scales: Annotated[Path, typer.Option(help="table of the scales")],
-    gripper: Annotated[str, typer.Option(help="name of the gripper, for the plates")],
-    out: OutFolder,
-    grasps: Annotated[Path | None, typer.Option(help="labelled grasps, for an engraving")] = None,
-) -> None:
-    """Write STL and 3MF files of the evaluation set, in millimetres."""
-    from egad.pipeline.config.stage_settings import PrintFiles
-    from egad.pipeline.stages import print_export as stage
-
-    parsed = parse(PrintFiles, settings)
-    reads = [evaluation, meshes, *([grasps] if grasps else [])]
-    with recorded("print_export", parsed, reads, [out], gripper=gripper):
-        stage.run(parsed, gripper, evaluation, meshes, scales, out, grasps)
+def described(function: Callable[..., Any]) -> dict[str, str]:
+    """What the docstring of a function says of each argument, on one line."""
+    text = (inspect.getdoc(function) or "").partition("\nArgs:\n")[2]
+    section = re.split(r"\n(?=\S)", text)[0]
+    entries = re.findall(r"^    (\w+): (.*(?:\n {8}.*)*)", section, re.MULTILINE)
+    return {name: " ".join(text.split()).removesuffix(".") for name, text in entries}
 
 
-@app.command(rich_help_panel=STAGE)
-def datasheet(
-    settings: SettingsText,
-    dataset: Annotated[str, typer.Option(help="name of the dataset")],
-    evaluation: Evaluation,
-    manifest: Annotated[list[str], typer.Option(help="GRIPPER=manifest.parquet")],
-    grasps: Annotated[list[str], typer.Option(help="GRIPPER=grasps.parquet")],
-    out: OutFolder,
-) -> None:
-    """Write what there is to know about an evaluation set, for people."""
-    from egad.pipeline.config.stage_settings import DataSheets
-    from egad.pipeline.stages import datasheet as stage
-
-    manifests, labelled = _by_name(manifest, "manifest"), _by_name(grasps, "grasps")
-    parsed = parse(DataSheets, settings)
-    reads = [evaluation, *manifests.values(), *labelled.values()]
-    with recorded("datasheet", parsed, reads, [out], dataset=dataset, grippers=list(manifests)):
-        stage.run(parsed, dataset, evaluation, manifests, labelled, out)
+def _commands_in(path: Path) -> Iterator[tuple[str, StageCommand]]:
+    """The functions of a module that are commands."""
+    source = path.read_text(encoding="utf-8")
+    if "@command" not in source:
+        return
+    for node in ast.parse(source).body:
+        if not isinstance(node, ast.FunctionDef):
+            continue
+        for mark in node.decorator_list:
+            if isinstance(mark, ast.Call) and ast.unparse(mark.func) == "command":
+                names = [ast.literal_eval(word) for word in mark.args]
+                name = names[0] if names else path.stem.replace("_", "-")
+                summary = (ast.get_docstring(node) or "").partition("\n")[0]
+                yield name, StageCommand(path.stem, node.name, summary)
 
 
-@app.command(name="dexnet-objects", rich_help_panel=STAGE)
-def dexnet_objects(
-    settings: SettingsText,
-    shard: Shard,
-    shards: Shards,
-    objects: Annotated[Path, typer.Option(help="objects of the dataset")],
-    meshes: Annotated[Path, typer.Option(help="folder of the scaled meshes")],
-    out: Out,
-) -> None:
-    """Write the objects of a shard for a Dex-Net database: distance fields, stable poses."""
-    from egad.pipeline.config.stage_settings import DexNetObjects
-    from egad.pipeline.stages import dexnet_objects as stage
-
-    parsed = parse(DexNetObjects, settings)
-    with recorded("dexnet_objects", parsed, [objects, meshes], [out], shard=shard, shards=shards):
-        stage.run(parsed, objects, meshes, (shard, shards), out)
+def _options(parameter: Declared, texts: Mapping[str, str]) -> list[inspect.Parameter]:
+    """The options of a parameter: one, but two for a shard."""
+    if parameter.is_settings:
+        return [_option("settings", Annotated[str, typer.Option(help=SETTINGS)])]
+    if parameter.mark(ShardOf):
+        return [
+            _option(name, Annotated[int, typer.Option(help=text)]) for name, text in NUMBERS.items()
+        ]
+    kind = list[str] if _by_name(parameter) else parameter.kind
+    marks = (typer.models.OptionInfo, typer.models.ArgumentInfo)
+    info = next((mark for mark in parameter.marks if isinstance(mark, marks)), typer.Option())
+    info.help = info.help or texts.get(parameter.name)
+    return [_option(parameter.name, Annotated[kind, info], parameter.default)]
 
 
-@app.command(rich_help_panel=STAGE)
-def simulate(
-    settings: SettingsText,
-    shard: Shard,
-    shards: Shards,
-    evaluation: Evaluation,
-    bundle: BundleFolder,
-    out: Out,
-    grasps: Annotated[Path | None, typer.Option(help="labelled grasps, for `labels`")] = None,
-) -> None:
-    """Try to grasp the evaluation objects of a shard in simulation."""
-    from egad.pipeline.stages import simulate as stage
-    from egad.sim.parameters import TrialParameters
-
-    parsed = parse(TrialParameters, settings)
-    reads = [evaluation, bundle, *([grasps] if grasps else [])]
-    with recorded("simulate", parsed, reads, shard=shard, shards=shards):
-        stage.run(parsed, evaluation, bundle, grasps, (shard, shards), out)
+def _option(name: str, kind: Any, default: Any = Option.empty) -> inspect.Parameter:  # noqa: ANN401
+    return Option(name, Option.KEYWORD_ONLY, default=default, annotation=kind)
 
 
-@app.command(rich_help_panel=STAGE)
-def agreement(
-    settings: SettingsText,
-    shard: Shard,
-    shards: Shards,
-    evaluation: Evaluation,
-    bundle: BundleFolder,
-    grasps: Annotated[Path, typer.Option(help="labelled grasps")],
-    out: Out,
-) -> None:
-    """Carry out labelled grasps of the evaluation objects of a shard in simulation."""
-    from egad.pipeline.stages import agreement as stage
-    from egad.sim.parameters import LabelTrialParameters
+def _value(parameter: Declared, words: Mapping[str, Any], texts: Mapping[str, str]) -> Any:  # noqa: ANN401
+    """The value of a parameter, from the words of the command line."""
+    from egad.pipeline.cli.common import parse
 
-    parsed = parse(LabelTrialParameters, settings)
-    reads = [evaluation, bundle, grasps]
-    with recorded("agreement", parsed, reads, shard=shard, shards=shards):
-        stage.run(parsed, evaluation, bundle, grasps, (shard, shards), out)
+    if parameter.is_settings:
+        return parse(parameter.kind, words["settings"])
+    if parameter.mark(ShardOf):
+        return tuple(words[name] for name in NUMBERS)
+    value = words[parameter.name]
+    return files_by_name(value, texts[parameter.name]) if _by_name(parameter) else value
 
 
-@app.command(rich_help_panel=STAGE)
-def compare(
-    settings: SettingsText,
-    datasets: Annotated[list[str], typer.Argument(help="NAME=objects.parquet")],
-    out: Out,
-    figure: Annotated[Path, typer.Option(help="SVG file to write, with a map of each dataset")],
-) -> None:
-    """Put datasets side by side."""
-    from egad.pipeline.config.stage_settings import Compare
-    from egad.pipeline.stages import compare as stage
-
-    paths = _by_name(datasets, "objects")
-    parsed = parse(Compare, settings)
-    with recorded("compare", parsed, paths.values(), [figure], datasets=list(paths)):
-        typer.echo(stage.run(parsed, paths, out, figure))
+def _by_name(parameter: Declared) -> bool:
+    """Whether a parameter is files by name."""
+    return bool(parameter.kind == dict[str, Path])
 
 
-@app.command(rich_help_panel=STAGE)
-def report(
-    settings: SettingsText,
-    results: Annotated[Path, typer.Option(help="folder of all results")],
-    out: Out,
-    reads: Annotated[
-        list[Path] | None, typer.Argument(help="what it shows, for the record")
-    ] = None,
-    jobs: Jobs = 1,
-) -> None:
-    """Write the report: one HTML file that opens offline."""
-    from egad.pipeline.stages import report as stage
+def files_by_name(words: list[str], needed: str) -> dict[str, Path]:
+    """Files by the names before their equals signs.
 
-    parsed = parse(Settings, settings)
-    with recorded("report", parsed, reads or [], [out]):
-        stage.run(parsed, results, out, jobs)
+    Args:
+        words: Such as `NAME=objects.parquet`.
+        needed: What they should be, for error messages.
 
-
-def _by_name(words: list[str], table: str) -> dict[str, Path]:
-    """Files by the names before their equals signs."""
+    Raises:
+        UserError: One has no name.
+    """
     named = [word.partition("=") for word in words]
     if wrong := [name for name, _, path in named if not path]:
-        raise UserError(f"{wrong[0]!r} does not say which table; write NAME={table}.parquet")
+        raise UserError(f"{wrong[0]!r} does not say which table; needed: {needed}")
     return {name: Path(path) for name, _, path in named}

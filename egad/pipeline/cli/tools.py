@@ -21,7 +21,6 @@ from egad.pipeline.cli.common import (
     parse,
     settings_in,
 )
-from egad.pipeline.cli.recorded import recorded
 from egad.pipeline.config import Settings
 
 ArchiveFile = Annotated[Path, typer.Argument(help="archive.parquet, or: released")]
@@ -41,8 +40,9 @@ def rescale(
     """Scale any meshes to a gripper."""
     from egad.geometry.scaling import scale_suffix
     from egad.pipeline.config.check import check
-    from egad.pipeline.config.stage_settings import RescaleMeshes, select
-    from egad.pipeline.stages import rescale as stage
+    from egad.pipeline.config.stage_settings import select
+    from egad.pipeline.provenance.record import run_recorded
+    from egad.pipeline.stages.rescale import WRITERS, RescaleMeshes, run
 
     if settings is not None:
         parsed = parse(RescaleMeshes, settings)
@@ -52,18 +52,23 @@ def rescale(
         parsed = select(check(config), RescaleMeshes, "yours")
     else:
         raise UserError("rescale needs --opening, the widest opening of the gripper in metres")
-    if f".{ending}" not in stage.WRITERS:
-        allowed = ", ".join(each[1:] for each in stage.WRITERS)
+    if f".{ending}" not in WRITERS:
+        allowed = ", ".join(each[1:] for each in WRITERS)
         raise UserError(f"--format is {ending!r}; allowed: {allowed}")
-    if settings is None:
-        files = reads = files_in(meshes)
-        suffix = scale_suffix(rule, parsed.gripper.opening)
-        _spare(out, files)
-    else:  # of the pipeline's own folder, which may be empty
-        files, reads = [each for path in meshes for each in sorted(path.glob("*.obj"))], meshes
-        suffix = ""
-    with recorded("rescale", parsed, reads, [out], units=units, format=ending):
-        rejected = stage.run(parsed, files, units, out, ending, suffix, jobs)
+    suffix = ""
+    if settings is None:  # else of the pipeline's own folder, which may be empty
+        meshes, suffix = files_in(meshes), scale_suffix(rule, parsed.gripper.opening)
+        _spare(out, meshes)
+    rejected = run_recorded(
+        run,
+        settings=parsed,
+        meshes=meshes,
+        units=units,
+        out=out,
+        ending=ending,
+        suffix=suffix,
+        jobs=jobs,
+    )
     if rejected:
         typer.echo(f"{rejected} files could not be used: see {out / 'rejected.parquet'}")
 
@@ -81,24 +86,31 @@ def bundle(
     jobs: Jobs = CORES,
 ) -> None:
     """Make any meshes ready for simulators: convex parts, URDF, MJCF, poses at rest."""
-    from egad.pipeline.config.stage_settings import SimulationBundle, select
+    from egad.pipeline.config.stage_settings import select
+    from egad.pipeline.provenance.record import run_recorded
     from egad.pipeline.stages import bundle as stage
 
     if settings is not None:
-        parsed = parse(SimulationBundle, settings)
+        parsed = parse(stage.SimulationBundle, settings)
     else:
-        parsed = select(settings_in(config), SimulationBundle)
+        parsed = select(settings_in(config), stage.SimulationBundle)
     if evaluation is not None:
         if len(meshes) != 1 or not meshes[0].is_dir():
             raise UserError("bundle --eval takes one folder of meshes, those of the evaluation set")
-        objects = stage.evaluation_objects(evaluation, meshes[0])
     else:
-        objects = stage.any_objects(files_in(meshes))
+        meshes = files_in(meshes)
     if settings is None:
-        _spare(out, [item.path for item in objects], "bundle.parquet")
-    reads = [evaluation, *meshes] if evaluation else [item.path for item in objects]
-    with recorded("bundle", parsed, reads, units=units):
-        rejected = stage.run(parsed, objects, units, out, jobs)
+        folder = sorted(meshes[0].iterdir()) if evaluation else meshes
+        _spare(out, folder, "bundle.parquet")
+    rejected = run_recorded(
+        stage.bundle,
+        settings=parsed,
+        evaluation=evaluation,
+        meshes=meshes,
+        units=units,
+        out=out,
+        jobs=jobs,
+    )
     if rejected:
         typer.echo(f"{rejected} objects could not be used: see {out / 'rejected.parquet'}")
 

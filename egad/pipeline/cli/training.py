@@ -1,4 +1,4 @@
-"""The commands that train grasp networks, and compare what they learnt from."""
+"""The command that trains grasp networks."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,21 +8,18 @@ import typer
 from egad.errors import UserError
 from egad.pipeline.cli.common import (
     CORES,
-    STAGE,
     Config,
     Jobs,
-    Out,
     OutFolder,
     app,
     changed,
     parse,
     settings_in,
 )
-from egad.pipeline.cli.recorded import recorded
-from egad.pipeline.cli.stages import SettingsText
+from egad.pipeline.cli.stages import PANEL
 
 
-@app.command(rich_help_panel=STAGE)
+@app.command(rich_help_panel=PANEL)
 def train(
     images: Annotated[Path, typer.Argument(help="folder of rendered images")],
     out: OutFolder,
@@ -42,8 +39,9 @@ def train(
     If it is interrupted, the same command goes on after the last epoch, with the same result.
     """
     from egad.pipeline.config.check import check
-    from egad.pipeline.config.stage_settings import TrainNetwork, select
-    from egad.pipeline.stages import train as stage
+    from egad.pipeline.config.stage_settings import select
+    from egad.pipeline.provenance.record import run_recorded
+    from egad.pipeline.stages.train import TrainNetwork, run
 
     if settings is not None:
         if config or network or seed is not None or budget:
@@ -54,29 +52,8 @@ def train(
         if seed is not None:
             whole = check({**whole.model_dump(mode="json"), "seed": seed})
         parsed = select(whole, TrainNetwork)
-    with recorded("train", parsed, [images], stage.files(out)):
-        score = stage.run(parsed, images, out, jobs)
+    score = run_recorded(run, settings=parsed, images=images, out=out, jobs=jobs)
     typer.echo(
         f"{out}: right in {score.right} of {score.count} images of held-out objects, "
         f"{score.rate:.0%} ({score.interval[0]:.0%} to {score.interval[1]:.0%})"
     )
-
-
-@app.command(rich_help_panel=STAGE)
-def diversity(
-    settings: SettingsText,
-    gripper: Annotated[str, typer.Option(help="name of the gripper of the trials")],
-    results: Annotated[Path, typer.Option(help="folder of all results")],
-    out: Out,
-    table: Annotated[Path, typer.Option(help="table of all attempts to write")],
-    reads: Annotated[
-        list[Path] | None, typer.Argument(help="what it shows, for the record")
-    ] = None,
-) -> None:
-    """Put networks side by side that learnt from different objects."""
-    from egad.pipeline.config.stage_settings import DiversityReport
-    from egad.pipeline.stages import diversity as stage
-
-    parsed = parse(DiversityReport, settings)
-    with recorded("diversity", parsed, reads or [], [out], gripper=gripper):
-        stage.run(parsed, gripper, results, out, table)

@@ -91,8 +91,8 @@ def replay(
     from egad.pipeline.config.stage_settings import select
     from egad.pipeline.config.training_study import with_networks
     from egad.pipeline.stages import replay as stage
+    from egad.pipeline.stages.simulate import SimulatedTrials
     from egad.sim.film import ENDINGS
-    from egad.sim.parameters import TrialParameters
 
     film = out or Path(f"{label}-{attempt}.gif")
     check_ending(film, ENDINGS)
@@ -100,7 +100,7 @@ def replay(
     hand = known("gripper", gripper or settings.targets.grippers[0], settings.grippers)
     detector = known("policy", policy or settings.targets.policies[0], settings.policies)
     outcome = stage.run(
-        select(settings, TrialParameters, hand, detector),
+        select(settings, SimulatedTrials, hand, detector),
         dataset / "trials" / hand / f"{detector}.parquet",
         dataset / "bundle" / hand,
         label,

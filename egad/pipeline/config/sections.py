@@ -12,6 +12,7 @@ from egad._util.parameters import (
     ScaleRule,
     ascending,
 )
+from egad.pipeline.config.formats import Format
 
 
 class Schedule(Parameters):
@@ -105,7 +106,7 @@ class Targets(Parameters):
         min_length=1,
         description="grasp detectors of the table below to try in simulation",
     )
-    exports: list[Literal["dexnet", "acronym", "jacquard", "cornell", "gqcnn"]] = Field(
+    exports: list[Format] = Field(
         [],
         description="formats of other programs to write, too: the labelled grasps as dexnet or "
         "acronym, rendered images with them as jacquard, cornell or gqcnn",

@@ -1,59 +1,34 @@
-"""Which settings each stage reads.
+"""Which settings a stage reads, and how they are taken from a configuration.
 
-The workflow passes a stage just these, as JSON, and lists them as parameters of its rule: so a
-changed setting re-runs the stages that read it and no other.
+The class of a stage stands in its module, or is one of the library. The workflow passes a stage
+just these settings, as JSON, and lists them as parameters of its rule: so a changed setting re-runs
+the stages that read it and no other. Here are those that several modules read.
 """
 
 from typing import TypeVar
 
 from egad._util.parameters import ParameterGroup
 from egad.grasps.parameters import LabelParameters
-from egad.map_elites.parameters import EvolutionParameters  # noqa: F401 (found by its name)
-from egad.measures.parameters import (
-    MeasureParameters,
-    SizeEffectParameters,  # noqa: F401 (found by its name)
-)
-from egad.perception.parameters import RenderParameters  # noqa: F401 (found by its name)
+from egad.measures.parameters import MeasureParameters
 from egad.pipeline.config import (
-    Acronym,
     Axes,
-    Bundle,
-    DexNet,
     Diversity,
-    Engraving,
-    Gripper,
     Material,
     Postprocess,
-    PrintCheck,
-    PrintExport,
-    Quality,
     Render,
     Rescale,
-    Robust,
     SelectEval,
     Settings,
     Shape,
-    Similarity,
     Space,
     Training,
     TrainingSet,
     Trials,
 )
-from egad.sim.parameters import (
-    LabelTrialParameters,  # noqa: F401 (found by its name)
-    TrialParameters,  # noqa: F401 (found by its name)
-)
 
 
 class StageSettings(ParameterGroup):
     """The sections that one stage reads; `gripper`, `camera`, `policy` are entries of tables."""
-
-
-class Merge(StageSettings):
-    """The islands of an epoch become one archive."""
-
-    space: Space
-    similarity: Similarity
 
 
 class MeasureMeshes(MeasureParameters):
@@ -70,104 +45,10 @@ class LocateMeshes(MeasureMeshes):
     shape: Shape
 
 
-class PostprocessSolids(MeasureParameters):
-    """Repair, mass properties and measures of the objects of a shard."""
-
-    postprocess: Postprocess
-    material: Material
-    shape: Shape
-
-
-class Collect(StageSettings):
-    """Cells, labels and diversities of a whole dataset."""
-
-    space: Space
-    similarity: Similarity
-
-
-class RescaleMeshes(StageSettings):
-    """Scaling to a gripper."""
-
-    gripper: Gripper
-    rescale: Rescale
-
-
 class ViewMesh(LabelParameters):
     """Labelled grasps of any mesh, scaled first."""
 
     rescale: Rescale
-
-
-class EvalSelection(StageSettings):
-    """The evaluation set."""
-
-    seed: int
-    space: Space
-    similarity: Similarity
-    select_eval: SelectEval
-    gripper: Gripper
-    rescale: Rescale
-    print_check: PrintCheck
-
-
-class PrintFiles(StageSettings):
-    """Files for printers."""
-
-    gripper: Gripper
-    rescale: Rescale
-    print_check: PrintCheck
-    print_export: PrintExport
-    engraving: Engraving
-
-
-class DataSheets(StageSettings):
-    """The datasheet of an evaluation set."""
-
-    select_eval: SelectEval
-    print_export: PrintExport
-
-
-class SimulationBundle(StageSettings):
-    """Files for simulators."""
-
-    material: Material
-    bundle: Bundle
-
-
-class DexNetObjects(StageSettings):
-    """Objects of a Dex-Net database: distance fields, stable poses, masses."""
-
-    material: Material
-    dexnet: DexNet
-
-
-class DexNetDatabase(StageSettings):
-    """A Dex-Net database: the grasps, and how they were rated."""
-
-    gripper: Gripper
-    quality: Quality
-    robust: Robust
-
-
-class AcronymFiles(StageSettings):
-    """ACRONYM files."""
-
-    gripper: Gripper
-    quality: Quality
-    acronym: Acronym
-
-
-class TrainNetwork(StageSettings):
-    """Training of a grasp network."""
-
-    seed: int
-    training: Training
-
-
-class ImageLayouts(StageSettings):
-    """The same laid out as other datasets."""
-
-    gripper: Gripper
 
 
 class DiversityReport(StageSettings):
@@ -182,13 +63,6 @@ class DiversityReport(StageSettings):
     axes: Axes
 
 
-class Compare(StageSettings):
-    """Datasets side by side."""
-
-    space: Space
-    axes: Axes
-
-
 S = TypeVar("S", bound=ParameterGroup)
 
 
@@ -199,7 +73,7 @@ def select(
 
     Args:
         settings: The whole configuration.
-        stage: One of the classes above.
+        stage: The class of the settings that the stage reads.
         gripper: Name of the gripper, for stages that read one.
         policy: Name of the grasp detector, for the stage that tries one.
     """
@@ -212,7 +86,8 @@ def select(
             name: settings.training_sets[name] for name in settings.diversity.sets
         }
     if "gripper" in stage.model_fields:
-        own = _narrowest(settings) if stage is EvalSelection else settings.difficulty.gripper
+        chooses = "select_eval" in values
+        own = _narrowest(settings) if chooses else settings.difficulty.gripper
         values["gripper"] = settings.grippers[gripper or own]
     if "camera" in stage.model_fields:
         values["camera"] = settings.cameras[settings.render.camera]

@@ -4,7 +4,7 @@ import json
 import logging
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,9 @@ from egad.exchange.folders import object_names
 from egad.exchange.meshes import read_mesh, write_obj
 from egad.exchange.simulators import mjcf, urdf
 from egad.exchange.sums import write_sums
-from egad.pipeline.config.stage_settings import SimulationBundle
+from egad.pipeline.config import Bundle, Material
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.parameters import Input, Jobs, Output
 from egad.pipeline.stages.shards import rejection
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49
@@ -36,6 +38,45 @@ class Item(NamedTuple):
     label: str
     id: str
     path: Path
+
+
+class SimulationBundle(StageSettings):
+    """Files for simulators."""
+
+    material: Material
+    bundle: Bundle
+
+
+def bundle(
+    settings: SimulationBundle,
+    evaluation: Annotated[Path | None, Input()],
+    meshes: Annotated[list[Path], Input()],
+    units: str,
+    out: Annotated[
+        Path,
+        Output("D/bundle/G/LABEL/"),
+        Output("D/bundle/G/bundle.parquet", BUNDLE),
+    ],
+    jobs: Jobs = 1,
+) -> int:
+    """Make any meshes ready for simulators: convex parts, URDF, MJCF, poses at rest.
+
+    Args:
+        settings: Material, and how the parts are made.
+        evaluation: Evaluation set, of one folder of scaled meshes.
+        meshes: Mesh files, or that folder.
+        units: Unit of the meshes.
+        out: Folder with the evaluation set for simulators, scaled to gripper G: meshes, URDF,
+            MJCF, poses at rest; and a table of the objects in it, their parts and masses.
+            `rejected.parquet` beside it names those that could not be made ready. The trials use
+            the folder. `docs/bundle.md` says what is in it.
+        jobs: Processes; the result does not depend on it.
+
+    Returns:
+        How many objects could not be used; `rejected.parquet` names them.
+    """
+    found = evaluation_objects(evaluation, meshes[0]) if evaluation else any_objects(meshes)
+    return run(settings, found, units, out, jobs)
 
 
 def evaluation_objects(evaluation: Path, meshes: Path) -> list[Item]:

@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
@@ -16,7 +17,9 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.exchange.meshes import write_obj
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
-from egad.pipeline.config.stage_settings import Collect
+from egad.pipeline.config import Similarity, Space
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.parameters import Input, Jobs, Output, command
 from egad.pipeline.stages.shards import join
 from egad.reeb import graph as reeb
 from egad.reeb.neighbours import diversities
@@ -26,36 +29,46 @@ from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
 log = logging.getLogger(__name__)
 
 
+class Collect(StageSettings):
+    """Cells, labels and diversities of a whole dataset."""
+
+    space: Space
+    similarity: Similarity
+
+
+@command()
 def run(
     settings: Collect,
-    evolved: bool,
-    solids: list[Path],
-    rejects: list[Path],
-    objects: Path,
-    rejected: Path,
-    meshes: Path,
-    worker_count: int,
+    source: str,
+    solids: Annotated[list[Path], Input()],
+    rejects: Annotated[list[Path], Input()],
+    out: Annotated[Path, Output("D/objects.parquet", OBJECTS)],
+    rejected: Annotated[Path, Output("D/rejected.parquet", REJECTED)],
+    meshes: Annotated[Path, Output("D/meshes/LABEL.obj")],
+    jobs: Jobs = 1,
 ) -> None:
-    """Bring a dataset together.
+    """Bring the shards of a dataset together: cells, labels, diversities, meshes.
 
     Args:
         settings: What this stage reads.
-        evolved: Whether labels are built from cells, or are the names that the meshes had.
-        solids: The shards, with the columns of `tables.objects.SOLIDS`.
-        rejects: The rejected objects of the shards.
-        objects: The table of the dataset, with the columns of `tables.objects.OBJECTS`.
-        rejected: The table of all rejected objects.
-        meshes: Folder of `LABEL.obj`, in metres.
-        worker_count: Processes that write, threads that compare; the result does not depend on it.
+        source: Evolved, archive, meshes or primitives. Labels are built from cells for the first
+            two, else they are the names that the meshes had.
+        solids: Shards of postprocess.
+        rejects: Rejected objects of the shards.
+        out: The repaired and measured objects.
+        rejected: What was left out, and why.
+        meshes: The meshes of these objects, in metres.
+        jobs: Processes that write, threads that compare; the result does not depend on it.
     """
-    frame = arrange(join(solids, SOLIDS, ["id"]), settings, evolved, worker_count)
-    with workers(worker_count) as mapper, replacing(meshes) as folder:
+    evolved = source in ("evolved", "archive")
+    frame = arrange(join(solids, SOLIDS, ["id"]), settings, evolved, jobs)
+    with workers(jobs) as mapper, replacing(meshes) as folder:
         folder.mkdir()
         columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
         written = mapper(partial(_write, folder), columns)
         deque(progress(written, "writing meshes", len(frame)), maxlen=0)
     parquet.write(join(rejects, REJECTED, ["id", "stage"]), REJECTED, rejected)
-    parquet.write(frame, OBJECTS, objects)
+    parquet.write(frame, OBJECTS, out)
     log.info("%d objects", len(frame))
 
 

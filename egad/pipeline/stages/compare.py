@@ -1,13 +1,16 @@
 """compare: datasets side by side, as in EGAD's Table III, with a map of each."""
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import pandas as pd
+import typer
 
 from egad._util.files import write_text
 from egad.measures.grid import coverage, filled_cells
-from egad.pipeline.config.stage_settings import Compare
+from egad.pipeline.config import Axes, Space
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.parameters import Input, Output, command
 from egad.report.axes import axis_pair
 from egad.report.dataset_maps import dataset_maps
 from egad.report.summary import comparison_text
@@ -15,14 +18,27 @@ from egad.tables import parquet
 from egad.tables.objects import COMPARISON, OBJECTS
 
 
-def run(settings: Compare, datasets: dict[str, Path], out: Path, figure: Path) -> str:
-    """Coverage and diversity of each dataset, and where its objects lie.
+class Compare(StageSettings):
+    """Datasets side by side."""
+
+    space: Space
+    axes: Axes
+
+
+@command()
+def run(
+    settings: Compare,
+    datasets: Annotated[dict[str, Path], typer.Argument(), Input(names="datasets")],
+    out: Annotated[Path, Output("comparison.parquet", COMPARISON)],
+    figure: Annotated[Path, Output("comparison.svg")],
+) -> str:
+    """Put datasets side by side: coverage and diversity of each, and where its objects lie.
 
     Args:
         settings: What this stage reads.
-        datasets: Tables with the columns of `tables.objects.OBJECTS`, by name.
-        out: Table with the columns of `tables.objects.COMPARISON`.
-        figure: SVG file with a map of each dataset.
+        datasets: Objects of each dataset as NAME=objects.parquet.
+        out: The datasets side by side.
+        figure: A small map of each dataset: objects a cell, all on one scale.
 
     Returns:
         The table for a terminal, with the published numbers beneath.

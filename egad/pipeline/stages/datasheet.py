@@ -1,38 +1,57 @@
 """datasheet: what there is to know about an evaluation set, for people."""
 
 from pathlib import Path
+from typing import Annotated
 
 import pandas as pd
+import typer
 
 from egad._util.files import replacing, write_text
 from egad._util.progress import phase
 from egad.evalset.datasheet import ATTEMPTS, ForGripper, page
 from egad.evalset.selection import empty_cells
 from egad.exchange.meshes import read_mesh
-from egad.pipeline.config.stage_settings import DataSheets
+from egad.pipeline.config import PrintExport, SelectEval
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.parameters import Evaluation, Input, Output, command
 from egad.report.contact_sheet import contact_sheet
 from egad.stats.records import template
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 
 
+class DataSheets(StageSettings):
+    """The datasheet of an evaluation set."""
+
+    select_eval: SelectEval
+    print_export: PrintExport
+
+
+@command()
 def run(
     settings: DataSheets,
     dataset: str,
-    evaluation: Path,
-    manifests: dict[str, Path],
-    grasps: dict[str, Path],
-    out: Path,
+    evaluation: Evaluation,
+    manifests: Annotated[dict[str, Path], typer.Option("--manifest"), Input(names="grippers")],
+    grasps: Annotated[dict[str, Path], Input()],
+    out: Annotated[
+        Path,
+        Output("D/eval49/README.md"),
+        Output("D/eval49/contact-sheet.pdf"),
+        Output("D/eval49/trials.csv"),
+    ],
 ) -> None:
-    """Write `README.md`, `contact-sheet.pdf` and `trials.csv`.
+    """Write what there is to know about an evaluation set, for people.
 
     Args:
         settings: Grid and printing.
-        dataset: Its name.
-        evaluation: Table with the columns of `tables.evaluation.EVAL49`.
-        manifests: By gripper; print files lie beside each. Pictures are of the first.
-        grasps: Tables with the columns of `tables.grasping.GRASPS` by gripper, as far as known.
-        out: Folder.
+        dataset: Name of the dataset.
+        evaluation: Evaluation set.
+        manifests: Tables of print files as GRIPPER=manifest.parquet; pictures are of the first.
+        grasps: Labelled grasps as GRIPPER=grasps.parquet, as far as there are any.
+        out: Folder with the datasheet of the evaluation set (objects, sizes, how to report
+            results), its objects on one page with names and sizes, and a table to fill in with
+            attempts on a real robot.
     """
     chosen = parquet.read(evaluation, EVAL49)
     known = {

@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import trimesh
@@ -17,7 +17,9 @@ from egad.exchange.meshes import read_mesh
 from egad.geometry.distance import distance_field
 from egad.geometry.mass import mass_properties
 from egad.geometry.stable_poses import StablePose, stable_poses
-from egad.pipeline.config.stage_settings import DexNetObjects
+from egad.pipeline.config import DexNet, Material
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.parameters import Input, Output, Shard, command
 from egad.pipeline.stages.shards import rows_in_shard
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
@@ -26,16 +28,28 @@ Floats = NDArray[np.float64]
 log = logging.getLogger(__name__)
 
 
+class DexNetObjects(StageSettings):
+    """Objects of a Dex-Net database: distance fields, stable poses, masses."""
+
+    material: Material
+    dexnet: DexNet
+
+
+@command()
 def run(
-    settings: DexNetObjects, objects: Path, meshes: Path, shard: tuple[int, int], out: Path
+    settings: DexNetObjects,
+    objects: Annotated[Path, Input()],
+    meshes: Annotated[Path, Input()],
+    shard: Shard,
+    out: Annotated[Path, Output()],
 ) -> None:
-    """Write the objects of a shard: meshes, distance fields, stable poses, masses and measures.
+    """Write the objects of a shard for a Dex-Net database: distance fields, stable poses.
 
     An object whose stable poses cannot be found has none; the log says so.
 
     Args:
         settings: What this stage reads.
-        objects: Table with the columns of `tables.objects.OBJECTS`.
+        objects: Objects of the dataset.
         meshes: Folder of the scaled meshes.
         shard: Number of the shard, and of how many.
         out: HDF5 file with a group an object in its group `objects`.

@@ -2,13 +2,16 @@
 
 import logging
 from pathlib import Path
+from typing import Annotated
 
 import pandas as pd
+import typer
 
 from egad._util.files import write_text
 from egad.perception.image_shards import files
 from egad.pipeline.config.stage_settings import DiversityReport
 from egad.pipeline.config.training_study import Network, networks
+from egad.pipeline.parameters import Input, NotNoted, Output, command
 from egad.pipeline.report.training_study import Experiment, Images, Training, page
 from egad.report.axes import axis_pair
 from egad.report.trial_views import Set
@@ -21,19 +24,31 @@ from egad.tables.training import COMPARED, HISTORY, SCORE
 log = logging.getLogger(__name__)
 
 
-def run(settings: DiversityReport, gripper: str, results: Path, out: Path, table: Path) -> None:
-    """Write the page about the experiment, and the table of all attempts.
+@command()
+def run(
+    settings: DiversityReport,
+    gripper: str,
+    results: Annotated[Path, NotNoted()],
+    out: Annotated[Path, Output("diversity/report.html")],
+    table: Annotated[Path, Output("diversity/results.parquet", COMPARED)],
+    reads: Annotated[list[Path] | None, typer.Argument(), Input()] = None,
+) -> None:
+    """Put networks side by side that learnt from different objects.
 
     Args:
         settings: What this stage reads.
         gripper: Name of the gripper of the trials.
         results: Folder of all results.
-        out: The HTML file.
-        table: Table with the columns of `tables.training.COMPARED`.
+        out: The same network taught by different objects, if it is asked for. See
+            `docs/diversity.md`. `diversity/images/SET/` beside it has what a training set consists
+            of, as `D/images/G/`.
+        table: All attempts of all networks, and of the detectors beside them.
+        reads: What it shows, for the record.
 
     Raises:
         UserError: Attempts that should have begun with the same drop did not.
     """
+    del reads
     asked = settings.diversity
     found = networks(settings.training_sets, asked.sets, asked.seeds)
     trials = pd.concat(

@@ -1,7 +1,9 @@
 """evolve: one epoch of one island."""
 
+import importlib
 import logging
 from pathlib import Path
+from typing import Annotated
 
 import trimesh
 
@@ -16,38 +18,43 @@ from egad.map_elites.island import Watch, evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.custom import check_measures
 from egad.pipeline.archive_settings import check_provenance, provenance
+from egad.pipeline.parameters import Input, Jobs, NotNoted, Output, command
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, HISTORY
 
 log = logging.getLogger(__name__)
 
 
+@command()
 def run(
     settings: EvolutionParameters,
     epoch: int,
     island: int,
-    base: Path | None,
-    out: Path,
-    history: Path,
-    worker_count: int,
-    watch: Watch | None = None,
+    out: Annotated[Path, Output(schema=EPOCH)],
+    history: Annotated[Path, Output("D/history.parquet", HISTORY)],
+    base: Annotated[Path | None, Input()] = None,
+    page: Annotated[Path | None, NotNoted()] = None,
+    islands: Annotated[int | None, NotNoted()] = None,
+    jobs: Jobs = 1,
 ) -> None:
-    """Evolve an archive for the steps of an epoch.
+    """Evolve one island for one epoch.
 
     Args:
         settings: What evolution reads.
         epoch: Number of the epoch.
         island: Number of the island.
-        base: Merged archive of the epoch before; None to start from random genomes.
-        out: The island's archive, with the columns of `tables.evolution.EPOCH`.
-        history: Its steps, with the columns of `tables.evolution.HISTORY`.
-        worker_count: Processes, and threads; the result does not depend on it.
-        watch: Is told of the archive and its steps after each of them.
+        out: Archive of the island.
+        history: How the archive filled, a row a step.
+        base: Merged archive of the epoch before; none to start from random genomes.
+        page: HTML page to write that shows the map as it fills.
+        islands: Number of all islands, for the page.
+        jobs: Processes, and threads; the result does not depend on it.
     """
     check_measures(settings.axes)
     rules = rules_of(settings)
-    with workers(worker_count) as mapper:
-        archive = Archive(settings.space, settings.similarity, worker_count)
+    watch = watch_of(settings, epoch, island, page, islands) if page else None
+    with workers(jobs) as mapper:
+        archive = Archive(settings.space, settings.similarity, jobs)
         if base is not None:
             phase("reading the archive of the epoch before")
             check_provenance(base, settings)
@@ -61,6 +68,20 @@ def run(
     log.info("%d elites, coverage %.3f", len(archive), archive.coverage)
     for outcome, count in sorted(counts.items()):
         log.info("%6d offspring: %s", count, outcome)
+
+
+def watch_of(
+    settings: EvolutionParameters, epoch: int, island: int, page: Path, islands: int | None
+) -> Watch:
+    """What shows the archive as it fills.
+
+    It is imported by its name: the page decides nothing, and a change of it runs nothing again.
+    """
+    live_map = importlib.import_module("egad.report.live_map")
+    record = importlib.import_module("egad.pipeline.provenance.record")
+    mark = record.settings_hash(settings)
+    watch: Watch = live_map.LiveMap(page, mark, settings, epoch, island, islands)
+    return watch
 
 
 def rules_of(settings: EvolutionParameters) -> Rules:

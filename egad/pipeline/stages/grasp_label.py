@@ -2,6 +2,7 @@
 
 import logging
 from pathlib import Path
+from typing import Annotated
 
 import pandas as pd
 
@@ -13,6 +14,7 @@ from egad.geometry.rays import RayCaster
 from egad.grasps.labels import found, rated, tally_row
 from egad.grasps.parameters import LabelParameters
 from egad.measures.difficulty import center_of_mass
+from egad.pipeline.parameters import Input, Output, Shard, command
 from egad.pipeline.stages.shards import rejection, rows_in_shard
 from egad.random import generator
 from egad.tables import parquet
@@ -22,25 +24,27 @@ from egad.tables.objects import OBJECTS, REJECTED
 log = logging.getLogger(__name__)
 
 
+@command()
 def run(
     settings: LabelParameters,
-    objects: Path,
-    meshes: Path,
-    shard: tuple[int, int],
-    out: Path,
-    tally_out: Path,
-    rejected: Path,
+    objects: Annotated[Path, Input()],
+    meshes: Annotated[Path, Input()],
+    shard: Shard,
+    out: Annotated[Path, Output("D/grasps/G.parquet", GRASPS)],
+    tally: Annotated[Path, Output("D/grasps/G.tally.parquet", TALLY)],
+    rejected: Annotated[Path, Output("D/grasps/G.rejected.parquet", REJECTED)],
 ) -> None:
     """Label the grasps of the objects of a shard.
 
     Args:
         settings: What this stage reads.
-        objects: Table with the columns of `tables.objects.OBJECTS`.
-        meshes: Folder of the scaled meshes; grasps are in the frame of these.
+        objects: Objects of the dataset.
+        meshes: Folder of the scaled meshes.
         shard: Number of the shard, and of how many.
-        out: Table with the columns of `tables.grasping.GRASPS`.
-        tally_out: Table with the columns of `tables.grasping.TALLY`.
-        rejected: Table of the objects that have no grasp.
+        out: Labelled grasps for gripper G, in the frame of `D/rescaled/G/LABEL.obj`.
+        tally: Of each object, how many candidates were tried for these grasps and what became of
+            them.
+        rejected: The objects without any grasp.
     """
     frame = parquet.read(objects, OBJECTS)
     frame = rows_in_shard(frame, *shard)
@@ -56,16 +60,16 @@ def run(
             continue
         rng = generator(settings.seed, "grasps", object_id)
         caster = RayCaster(mesh)
-        grasps, tally = found(caster, settings, rng)
+        grasps, counts = found(caster, settings, rng)
         if len(grasps):
             rows = rated(caster, center_of_mass(mesh), grasps, settings, rng, palm)
             labelled.append(rows.assign(**named))
         else:
             rows = parquet.empty(GRASPS)
-            left_out.append(rejection(object_id, "grasp-label", f"no grasp ({tally})"))
-        tallies.append(named | tally_row(settings.grasp_label.grasps, tally, rows))
+            left_out.append(rejection(object_id, "grasp-label", f"no grasp ({counts})"))
+        tallies.append(named | tally_row(settings.grasp_label.grasps, counts, rows))
     table = pd.concat(labelled) if labelled else parquet.empty(GRASPS)
     parquet.write(table, GRASPS, out)
-    parquet.write(pd.DataFrame(tallies), TALLY, tally_out)
+    parquet.write(pd.DataFrame(tallies), TALLY, tally)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
     log.info("%d grasps, %d objects without any", len(table), len(left_out))

@@ -2,6 +2,7 @@
 
 import logging
 from pathlib import Path
+from typing import Annotated
 
 import pandas as pd
 
@@ -10,6 +11,7 @@ from egad.errors import UserError
 from egad.perception.dataset_card import card, summary
 from egad.perception.image_shards import files
 from egad.perception.parameters import RenderParameters
+from egad.pipeline.parameters import Input, NotNoted, Output, command
 from egad.pipeline.stages.shards import join
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
@@ -37,29 +39,32 @@ def tidy(images: Path, shards: int) -> list[Path]:
     return files(images)
 
 
+@command()
 def run(
     settings: RenderParameters,
     dataset: str,
     gripper: str,
-    images: list[Path],
-    parts: list[Path],
-    out: Path,
-    rejected: Path,
+    images: Annotated[Path, Input(files=lambda given: tidy(given["images"], given["shards"]))],
+    shards: Annotated[int, NotNoted()],
+    rejects: Annotated[list[Path], Input()],
+    out: Annotated[Path, Output("D/images/G/card.md")],
+    rejected: Annotated[Path, Output("D/images/G/rejected.parquet", REJECTED)],
 ) -> None:
-    """Write the card of a set of images, and the table of the objects that have none.
+    """Write the card of a set of images: counts, splits, camera, noise.
 
     Args:
         settings: What the images were rendered with.
         dataset: Name of the dataset.
         gripper: Name of the gripper.
-        images: All shards of the images.
-        parts: Rejected objects of the shards.
-        out: Markdown file.
-        rejected: Table with the columns of `tables.objects.REJECTED`.
+        images: Folder of the images; what a larger set before left there is removed.
+        shards: Number of all shards.
+        rejects: Rejected objects of the shards.
+        out: What is in the images for gripper G.
+        rejected: Which objects have no images, and why.
     """
-    batches = [rows for path in images for rows in parquet.batches(path, COLUMNS)]
+    batches = [rows for path in tidy(images, shards) for rows in parquet.batches(path, COLUMNS)]
     rows = pd.concat(batches) if batches else pd.DataFrame(columns=COLUMNS)
-    left_out = join(parts, REJECTED, ["id", "stage"])
+    left_out = join(rejects, REJECTED, ["id", "stage"])
     write_text(out, card(settings, dataset, gripper, summary(rows), left_out))
     parquet.write(left_out, REJECTED, rejected)
     log.info("%d images, %d objects without any", len(rows), len(left_out))

@@ -1,20 +1,29 @@
 """join: the tables of all shards become one."""
 
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from egad._util.progress import phase
+from egad.pipeline.parameters import Input, Output, command
 from egad.pipeline.stages.shards import join
 from egad.tables import parquet
 
 
-def run(parts: list[Path], order: list[str], out: Path) -> None:
-    """Join tables that have the same columns.
+@command()
+def run(
+    parts: Annotated[list[Path], typer.Argument(), Input()],
+    by: list[str],
+    out: Annotated[Path, Output()],
+) -> None:
+    """Join the tables of all shards into one.
 
     Args:
-        parts: At least one table.
-        order: Columns to sort by, so that the number of shards leaves no trace.
+        parts: Tables that have the same columns.
+        by: Column to sort by, so that the number of shards leaves no trace; may be repeated.
         out: The joined table.
     """
     phase(f"joining {len(parts)} tables")
     schema = parquet.schema_of(parts[0]).remove_metadata()
-    parquet.write(join(parts, schema, order), schema, out)
+    parquet.write(join(parts, schema, by), schema, out)

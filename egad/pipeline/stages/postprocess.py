@@ -1,25 +1,28 @@
 """postprocess: repaired meshes, mass properties and measures of the objects of a shard."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
 import trimesh
+import typer
 
 from egad._util.progress import progress
 from egad.cppn.surface import packed_surface
-from egad.errors import RejectedError
+from egad.errors import RejectedError, UserError
 from egad.exchange.folders import EVERY_FILE, objects_in
 from egad.exchange.meshes import read_mesh
 from egad.geometry.mass import body
 from egad.geometry.primitives import joined_primitives
 from egad.measures.measure import graded
+from egad.measures.parameters import MeasureParameters
 from egad.pipeline.archive_settings import MEASURING, check_provenance, differences
-from egad.pipeline.config.stage_settings import PostprocessSolids
+from egad.pipeline.config import Material, Postprocess, Shape
+from egad.pipeline.parameters import Input, NotNoted, Output, Shard, command
 from egad.pipeline.stages.shards import in_shard, rejection
 from egad.random import generator
 from egad.reeb import graph as reeb
@@ -31,7 +34,63 @@ log = logging.getLogger(__name__)
 Sources = dict[str, Callable[[], trimesh.Trimesh]]
 
 
+class PostprocessSolids(MeasureParameters):
+    """Repair, mass properties and measures of the objects of a shard."""
+
+    postprocess: Postprocess
+    material: Material
+    shape: Shape
+
+
+def _folder_files(given: Mapping[str, Any]) -> Iterable[Path]:
+    """The mesh files of the shard in the folder, if there is one."""
+    folder, units = given["folder"], given["units"]
+    if given["archive"] or folder is None or units is None:
+        return []
+    shard, shards = given["shard"]
+    return files_of_shard(folder, shard, shards, given["pattern"]).values()
+
+
+@command()
 def run(
+    settings: PostprocessSolids,
+    shard: Shard,
+    out: Annotated[Path, Output(schema=SOLIDS)],
+    rejected: Annotated[Path, Output(schema=REJECTED)],
+    archive: Annotated[Path | None, Input()] = None,
+    folder: Annotated[Path | None, Input(files=_folder_files)] = None,
+    units: str | None = None,
+    pattern: Annotated[str, NotNoted()] = EVERY_FILE,
+    primitives: Annotated[int | None, typer.Option(min=1)] = None,
+) -> None:
+    """Repair and measure the objects of a shard: of an archive, a folder of meshes, or random.
+
+    Args:
+        settings: What this stage reads.
+        shard: Number of the shard, and of how many.
+        out: Repaired objects with mass properties, measures and Reeb graphs.
+        rejected: Table of the objects left out, with reasons.
+        archive: Archive of evolved objects.
+        folder: Folder of meshes.
+        units: Unit of these meshes: m, mm, cm, inch.
+        pattern: Glob of these meshes in the folder.
+        primitives: Number of objects of primitives joined at random.
+
+    Raises:
+        UserError: It is not said what the objects are made from, or they cannot be used.
+    """
+    if archive is not None:
+        sources, known = from_archive(archive, settings, *shard)
+    elif folder is not None and units is not None:
+        sources, known = from_folder(folder, units, *shard, pattern)
+    elif primitives is not None:
+        sources, known = from_primitives(primitives, settings, *shard)
+    else:
+        raise UserError("postprocess needs --archive, --folder and --units, or --primitives")
+    measure_objects(settings, sources, known, out, rejected)
+
+
+def measure_objects(
     settings: PostprocessSolids, sources: Sources, known: pd.Series, out: Path, rejected: Path
 ) -> None:
     """Repair and measure objects.

@@ -3,7 +3,7 @@
 import logging
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
@@ -20,8 +20,9 @@ from egad.evalset.printability import print_problems
 from egad.exchange.meshes import read_mesh, write_stl_mm
 from egad.exchange.threemf import Placed, write_3mf
 from egad.geometry.scaling import scale_suffix
-from egad.pipeline.config import PrintExport
-from egad.pipeline.config.stage_settings import PrintFiles
+from egad.pipeline.config import Engraving, Gripper, PrintCheck, PrintExport, Rescale
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.parameters import Evaluation, Input, NotNoted, Output, command
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import SCALES
@@ -31,29 +32,45 @@ Row = dict[str, Any]
 Floats = NDArray[np.float64]
 
 
+class PrintFiles(StageSettings):
+    """Files for printers."""
+
+    gripper: Gripper
+    rescale: Rescale
+    print_check: PrintCheck
+    print_export: PrintExport
+    engraving: Engraving
+
+
+@command()
 def run(
     settings: PrintFiles,
     gripper: str,
-    evaluation: Path,
-    meshes: Path,
-    scales: Path,
-    out: Path,
-    grasps: Path | None = None,
+    evaluation: Evaluation,
+    meshes: Annotated[Path, Input()],
+    scales: Annotated[Path, NotNoted()],
+    out: Annotated[
+        Path,
+        Output("D/print/G/LABEL_RULE_OPENING.stl"),
+        Output("D/print/G/plate-N.3mf"),
+        Output("D/print/G/manifest.parquet", MANIFEST),
+    ],
+    grasps: Annotated[Path | None, Input()] = None,
 ) -> None:
-    """Write everything that a printer needs.
+    """Write STL and 3MF files of the evaluation set, in millimetres.
 
     An object without a mesh, too thin or too large for the bed is a row with a note; the rest is
     made.
 
     Args:
         settings: Gripper, bed, pose, what can be printed.
-        gripper: Its name.
-        evaluation: Table with the columns of `tables.evaluation.EVAL49`.
-        meshes: Folder of the meshes, scaled to the gripper.
-        scales: Table with the columns of `tables.grasping.SCALES`.
-        out: Folder for `LABEL_RULE_OPENING.stl`, `plate-N.3mf` and `manifest.parquet`.
-        grasps: Table with the columns of `tables.grasping.GRASPS`, from whose contacts engraved
-            labels keep away.
+        gripper: Name of the gripper, for the plates.
+        evaluation: Evaluation set.
+        meshes: Folder of the scaled meshes.
+        scales: Table of the scales, in that folder.
+        out: Folder with the evaluation set for gripper G, in millimetres: STL files, plates with
+            one named object each, and a table of what is on which plate.
+        grasps: Labelled grasps, from whose contacts engraved labels keep away.
     """
     chosen = parquet.records(parquet.read(evaluation, EVAL49))
     solids, missing = _read(chosen, meshes)

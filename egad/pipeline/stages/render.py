@@ -2,9 +2,11 @@
 
 import logging
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
+import typer
 
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError
@@ -16,6 +18,7 @@ from egad.perception.parameters import RenderParameters
 from egad.perception.reachability import Grasped, Hand
 from egad.perception.rendering import pictures
 from egad.perception.splits import Share, shares
+from egad.pipeline.parameters import Input, Output, Shard, command
 from egad.pipeline.stages.shards import rejection
 from egad.tables import parquet
 from egad.tables.columns import vector_names
@@ -34,27 +37,31 @@ GRASP_COLUMNS = [
 ]
 
 
+@command()
 def run(
     settings: RenderParameters,
-    objects: Path,
-    meshes: Path,
-    grasps: Path,
-    evaluation: Path | None,
-    shard: tuple[int, int],
-    out: Path,
-    rejected: Path,
+    objects: Annotated[Path, Input()],
+    meshes: Annotated[Path, Input()],
+    grasps: Annotated[Path, Input()],
+    shard: Shard,
+    out: Annotated[Path, Output("D/images/G/images-N.parquet", IMAGES)],
+    rejected: Annotated[Path, Output(schema=REJECTED)],
+    evaluation: Annotated[Path | None, typer.Option("--eval"), Input()] = None,
 ) -> None:
-    """Render the images of a shard: all those of the objects whose first image is in it.
+    """Render the depth images of a shard, with the grasps that can be reached in them.
+
+    A shard has all images of the objects whose first image is in it.
 
     Args:
         settings: What this stage reads.
-        objects: Table with the columns of `tables.objects.OBJECTS`.
-        meshes: Folder of the scaled meshes, with `scales.parquet`.
-        grasps: Their grasps, columns of `tables.grasping.GRASPS`.
-        evaluation: Table with the columns of `tables.evaluation.EVAL49`, if there is one.
+        objects: Objects of the dataset.
+        meshes: Folder of the scaled meshes.
+        grasps: Labelled grasps.
         shard: Number of the shard, and of how many.
-        out: Table with the columns of `tables.images.IMAGES`.
-        rejected: Table of the objects that have no images.
+        out: Depth images with grasps for gripper G, if `targets.render` asks for them;
+            `egad.perception.image_shards.read` opens the folder. See `docs/images.md`.
+        rejected: Objects that have no images, and why.
+        evaluation: Evaluation set, to hold out.
     """
     number, total = shard
     chosen = [

@@ -8,9 +8,9 @@ import numpy as np
 
 from egad.errors import UserError
 from egad.pipeline.stages.bundled import model_in, rows_by_id
+from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.sim.attempts import END, columns_of, recorded
 from egad.sim.film import Film, Pixels, write_film
-from egad.sim.parameters import TrialParameters
 from egad.sim.trial import Attempt, Bench
 from egad.sim.world import World
 from egad.tables import parquet
@@ -18,7 +18,7 @@ from egad.tables.evaluation import TRIALS
 
 
 def run(
-    settings: TrialParameters, trials: Path, bundle: Path, label: str, attempt: int, out: Path
+    settings: SimulatedTrials, trials: Path, bundle: Path, label: str, attempt: int, out: Path
 ) -> str:
     """Repeat an attempt and film it.
 
@@ -48,7 +48,7 @@ def run(
 
 
 def repeated(
-    settings: TrialParameters, row: Mapping[str, Any], bundle: Path
+    settings: SimulatedTrials, row: Mapping[str, Any], bundle: Path
 ) -> tuple[Attempt, list[Pixels]]:
     """An attempt again, and the frames of its film.
 

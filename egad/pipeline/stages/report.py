@@ -4,15 +4,18 @@ import platform
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
+from typing import Annotated
 
 import pandas as pd
 import pyarrow as pa
+import typer
 
 from egad._util.files import write_text
 from egad._util.progress import phase, progress
 from egad._util.workers import Mapper, workers
 from egad.exchange.meshes import read_mesh
 from egad.pipeline.config import Settings
+from egad.pipeline.parameters import Input, Jobs, NotNoted, Output, command
 from egad.pipeline.report.page import ReportData, build
 from egad.pipeline.stages.scenes import scenes
 from egad.report.data import DatasetReport
@@ -41,16 +44,25 @@ PACKAGES = [
 THUMBNAIL, PORTRAIT = 96, 192
 
 
-def run(settings: Settings, results: Path, out: Path, worker_count: int) -> None:
-    """Write the report of a run.
+@command()
+def run(
+    settings: Settings,
+    results: Annotated[Path, NotNoted()],
+    out: Annotated[Path, Output("report.html")],
+    reads: Annotated[list[Path] | None, typer.Argument(), Input()] = None,
+    jobs: Jobs = 1,
+) -> None:
+    """Write the report: one HTML file that opens offline.
 
     Args:
         settings: The whole configuration.
         results: Folder of all results.
-        out: The HTML file.
-        worker_count: Processes that draw; the result does not depend on it.
+        out: Everything at a glance, in one file that opens offline.
+        reads: What it shows, for the record.
+        jobs: Processes that draw; the result does not depend on it.
     """
-    with workers(worker_count) as mapper:
+    del reads
+    with workers(jobs) as mapper:
         datasets = {
             name: _dataset(settings, name, results / name, mapper) for name in settings.datasets
         }

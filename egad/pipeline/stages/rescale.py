@@ -3,7 +3,7 @@
 import logging
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
@@ -16,7 +16,9 @@ from egad.exchange.folders import object_names
 from egad.exchange.meshes import read_mesh, write_obj, write_stl_mm
 from egad.geometry.scaling import rescale
 from egad.grasps.opening import fitting_part, pinch_widths
-from egad.pipeline.config.stage_settings import RescaleMeshes
+from egad.pipeline.config import Gripper, Rescale
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.parameters import Input, Jobs, NotNoted, Output, Renamed
 from egad.pipeline.stages.shards import rejection
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
@@ -27,33 +29,46 @@ BOTH = ("before", "after")
 WRITERS = {".obj": write_obj, ".stl": write_stl_mm}
 
 
+class RescaleMeshes(StageSettings):
+    """Scaling to a gripper."""
+
+    gripper: Gripper
+    rescale: Rescale
+
+
 def run(
     settings: RescaleMeshes,
-    files: list[Path],
+    meshes: Annotated[list[Path], Input()],
     units: str,
-    out: Path,
-    ending: str = "obj",
-    suffix: str = "",
-    worker_count: int = 1,
+    out: Annotated[
+        Path,
+        Output("D/rescaled/G/LABEL.obj"),
+        Output("D/rescaled/G/scales.parquet", SCALES),
+        Output("D/rescaled/G/rejected.parquet", REJECTED),
+    ],
+    ending: Annotated[str, Renamed("format")] = "obj",
+    suffix: Annotated[str, NotNoted()] = "",
+    jobs: Jobs = 1,
 ) -> int:
     """Scale every mesh by the rule and write it, with a table of what was done.
 
     Args:
         settings: Gripper and rule.
-        files: Meshes in any format that can be read.
+        meshes: Files in any format that can be read; a folder stands for its OBJ files.
         units: Unit of their coordinates.
-        out: Folder for `NAME.obj` (metres) or `NAME.stl` (millimetres), `scales.parquet` and
-            `rejected.parquet`.
+        out: Folder with the meshes scaled to gripper G (`.obj` in metres, `.stl` in millimetres),
+            how each was scaled, and what was left out.
         ending: `obj` or `stl`.
         suffix: Put behind the names of the files.
-        worker_count: Processes; the result does not depend on it.
+        jobs: Processes; the result does not depend on it.
 
     Returns:
         How many files could not be used; `rejected.parquet` names them.
     """
-    named = object_names(files)
+    found = [sorted(path.glob("*.obj")) if path.is_dir() else [path] for path in meshes]
+    named = object_names([file for files in found for file in files])
     scales, left_out = [], []
-    with workers(worker_count) as mapper, replacing(out) as folder:
+    with workers(jobs) as mapper, replacing(out) as folder:
         folder.mkdir()
         work = partial(
             _scaled, units=units, settings=settings, folder=folder, tail=f"{suffix}.{ending}"

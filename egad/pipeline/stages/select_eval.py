@@ -3,6 +3,7 @@
 import logging
 from functools import partial
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
@@ -21,7 +22,9 @@ from egad.evalset.selection import (
     select,
 )
 from egad.geometry.scaling import rescale
-from egad.pipeline.config.stage_settings import EvalSelection
+from egad.pipeline.config import Gripper, PrintCheck, Rescale, SelectEval, Similarity, Space
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.parameters import Input, Jobs, Output, command
 from egad.pipeline.stages.shards import join, rejection
 from egad.random import generator
 from egad.reeb import graph as reeb
@@ -33,29 +36,44 @@ from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
 log = logging.getLogger(__name__)
 
 
+class EvalSelection(StageSettings):
+    """The evaluation set."""
+
+    seed: int
+    space: Space
+    similarity: Similarity
+    select_eval: SelectEval
+    gripper: Gripper
+    rescale: Rescale
+    print_check: PrintCheck
+
+
+@command()
 def run(
     settings: EvalSelection,
-    objects: Path,
-    solids: list[Path],
-    out: Path,
-    rejected: Path,
-    threads: int,
+    objects: Annotated[Path, Input()],
+    solids: Annotated[list[Path], Input()],
+    out: Annotated[Path, Output("D/eval49.parquet", EVAL49)],
+    rejected: Annotated[Path, Output("D/eval49.rejected.parquet", REJECTED)],
+    jobs: Jobs = 1,
 ) -> None:
-    """Choose one printable object a cell so that the set looks least alike.
+    """Choose the evaluation set.
+
+    It has one printable object a cell, chosen so that the set looks least alike.
 
     Args:
         settings: What this stage reads.
-        objects: Table with the columns of `tables.objects.OBJECTS`.
-        solids: The shards of the dataset, for the Reeb graphs and the meshes.
-        out: Table with the columns of `tables.evaluation.EVAL49`.
-        rejected: Table of the candidates that cannot be printed, with the reasons.
-        threads: Objects compared at once; the result does not depend on it.
+        objects: Objects of the dataset.
+        solids: Shards of postprocess, for the Reeb graphs and the meshes.
+        out: The evaluation set.
+        rejected: Candidates for it that cannot be printed, and why.
+        jobs: Objects compared at once; the result does not depend on it.
     """
     frame = parquet.read(objects, OBJECTS)
     rows = join(solids, SOLIDS, ["id"]).set_index("id").loc[frame["id"]]
     graphs = [reeb.unpack(packed) for packed in rows["graph"]]
     watch = partial(progress, what="comparing objects", total=len(graphs))
-    distances = 1 - similarity_matrix(graphs, settings.similarity.weight, threads, watch)
+    distances = 1 - similarity_matrix(graphs, settings.similarity.weight, jobs, watch)
     phase("choosing objects and checking whether they can be printed")
     found = select(
         frame,

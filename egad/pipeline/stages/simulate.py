@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import pandas as pd
 
@@ -13,12 +13,13 @@ from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
 from egad.detectors.base import Detector
 from egad.detectors.labels import Labels
+from egad.detectors.parameters import Policy
 from egad.detectors.registry import QUICK
 from egad.detectors.subprocess import Child
 from egad.errors import UserError
+from egad.pipeline.parameters import Evaluation, Input, Output, Shard, command
 from egad.pipeline.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.pipeline.stages.shards import rows_in_shard
-from egad.sim.attempts import tried, untried
 from egad.sim.parameters import TrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
@@ -27,28 +28,37 @@ from egad.tables.grasping import GRASPS
 log = logging.getLogger(__name__)
 
 
+class SimulatedTrials(TrialParameters):
+    """Simulated trials of a grasp detector."""
+
+    policy: Policy
+
+
+@command()
 def run(
-    settings: TrialParameters,
-    evaluation: Path,
-    bundle: Path,
-    grasps: Path | None,
-    shard: tuple[int, int],
-    out: Path,
+    settings: SimulatedTrials,
+    evaluation: Evaluation,
+    bundle: Annotated[Path, Input()],
+    shard: Shard,
+    out: Annotated[Path, Output("D/trials/G/P.parquet", TRIALS)],
+    grasps: Annotated[Path | None, Input()] = None,
 ) -> None:
-    """Try to grasp each object of a shard.
+    """Try to grasp the evaluation objects of a shard in simulation.
 
     All is done in one process, apart from this one: if the engine ends it or hangs, it is started
     anew, and an object with which that happens twice is marked as crashed.
 
     Args:
         settings: What this stage reads.
-        evaluation: Table with the columns of `tables.evaluation.EVAL49`.
+        evaluation: Evaluation set.
         bundle: Folder of the simulation bundle, scaled to the gripper. An object that is not in it
             has failed attempts only.
-        grasps: Labelled grasps of the objects, for the detector `labels`.
         shard: Number of the shard, and of how many.
-        out: Table with the columns of `tables.evaluation.TRIALS`.
+        out: Simulated trials of detector P with gripper G, one attempt a row.
+        grasps: Labelled grasps of the objects, for the detector `labels`.
     """
+    from egad.sim.attempts import untried  # noqa: PLC0415 (PyBullet greets on stderr)
+
     chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
     known = rows_by_id(bundle)
     parts = []
@@ -65,9 +75,11 @@ def run(
 
 @contextmanager
 def trier(
-    settings: TrialParameters, bundle: Path, grasps: Path | None
+    settings: SimulatedTrials, bundle: Path, grasps: Path | None
 ) -> Iterator[Callable[[Mapping[str, Any]], pd.DataFrame]]:
     """What makes all attempts at an object of the bundle, by its row there."""
+    from egad.sim.attempts import tried  # noqa: PLC0415
+
     with opened(settings, grasps) as detector_of:
 
         def attempts(row: Mapping[str, Any]) -> pd.DataFrame:
@@ -79,7 +91,7 @@ def trier(
 
 @contextmanager
 def opened(
-    settings: TrialParameters, grasps: Path | None
+    settings: SimulatedTrials, grasps: Path | None
 ) -> Iterator[Callable[[str], Detector | Labels]]:
     """The detector for each object, by its id; for as long as the block lasts.
 

@@ -4,6 +4,7 @@ import logging
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
+from typing import Annotated
 
 import pandas as pd
 
@@ -14,6 +15,7 @@ from egad.exchange.meshes import read_mesh
 from egad.geometry.repair import repair
 from egad.measures.parameters import SizeEffectParameters
 from egad.measures.size_effect import size_effect
+from egad.pipeline.parameters import Evaluation, Input, Output, command
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import SIZE_EFFECT
@@ -21,14 +23,21 @@ from egad.tables.grasping import SIZE_EFFECT
 log = logging.getLogger(__name__)
 
 
-def run(settings: SizeEffectParameters, evaluation: Path, meshes: Path, out: Path) -> None:
-    """Measure an easy, a middling and a hard object of an evaluation set.
+@command("size-effect-eval")
+def run(
+    settings: SizeEffectParameters,
+    evaluation: Evaluation,
+    meshes: Annotated[Path, Input()],
+    out: Annotated[Path, Output("D/size_effect/G.parquet", SIZE_EFFECT)],
+) -> None:
+    """Rate an easy, a middling and a hard object of the evaluation set at several sizes.
 
     Args:
         settings: What this stage reads.
-        evaluation: Table with the columns of `tables.evaluation.EVAL49`.
-        meshes: Folder of the meshes of the dataset, metres.
-        out: Table with the columns of `tables.grasping.SIZE_EFFECT`.
+        evaluation: Evaluation set.
+        meshes: Folder of the meshes of the dataset, in metres.
+        out: Grasp quality over size for gripper G, of the easiest, the middle and the hardest
+            object of the evaluation set.
     """
     shown = spread(parquet.read(evaluation, EVAL49))
     files = {

@@ -3,6 +3,7 @@
 import json
 import logging
 from pathlib import Path
+from typing import Annotated
 
 import pandas as pd
 
@@ -14,8 +15,10 @@ from egad.learning.evaluation import Score, reached, right, scored
 from egad.learning.model_card import Trained, card
 from egad.perception import image_shards as folder
 from egad.pipeline.code_version import code_version
-from egad.pipeline.config.stage_settings import TrainNetwork
+from egad.pipeline.config import Training
+from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.config.training_study import WEIGHTS
+from egad.pipeline.parameters import Input, Jobs, Output
 from egad.report.training_chart import training_chart
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
@@ -27,13 +30,32 @@ CHECKPOINT = "checkpoint.pt"
 NEEDED = "training needs PyTorch and safetensors: install egad with its extra, egad[vision]"
 
 
-def run(settings: TrainNetwork, images: Path, out: Path, jobs: int = 1) -> Score:
+class TrainNetwork(StageSettings):
+    """Training of a grasp network."""
+
+    seed: int
+    training: Training
+
+
+def run(
+    settings: TrainNetwork,
+    images: Annotated[Path, Input()],
+    out: Annotated[
+        Path,
+        Output("diversity/networks/SET/SEED/", files=(WEIGHTS, CHART, CARD)),
+        Output("diversity/networks/SET/SEED/history.parquet", HISTORY),
+        Output("diversity/networks/SET/SEED/score.parquet", SCORE),
+    ],
+    jobs: Jobs = 1,
+) -> Score:
     """Train a network; an interrupted training goes on after its last epoch.
 
     Args:
         settings: What this stage reads.
         images: Folder of images in the compact layout.
-        out: Folder for weights, history, score, chart and model card.
+        out: A network that learnt from a training set: `weights.safetensors`, its model card
+            `README.md`, and `history.svg`; how it learnt, an epoch a row; and what it reached on
+            images of objects that it has not learnt from. See `docs/vision.md`.
         jobs: Cores; no result depends on it.
 
     Returns:
@@ -108,8 +130,3 @@ def tell(trained: Trained, out: Path) -> None:
     parquet.write(reached(trained.score), SCORE, out / REACHED)
     write_text(out / CHART, training_chart(trained.history))
     write_text(out / CARD, card(trained))
-
-
-def files(out: Path) -> list[Path]:
-    """What a training leaves in its folder besides tables."""
-    return [out / name for name in (WEIGHTS, CHART, CARD)]

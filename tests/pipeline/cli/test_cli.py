@@ -10,7 +10,9 @@ from commands import egad
 
 from egad.pipeline.cli.common import parse
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import Merge, PostprocessSolids, select
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.stages.merge import Merge
+from egad.pipeline.stages.postprocess import PostprocessSolids
 from egad.tables import parquet
 from egad.tables.grasping import SCALES, SIZE_EFFECT
 from egad.tables.objects import MEASURED, OBJECTS, REJECTED
@@ -143,7 +145,8 @@ def test_check_config_accepts_the_files_that_come_along():
 def test_tables_are_given_by_name(tmp_path, command, table, arguments):
     result = egad(command, *arguments, "--settings", "{}", "--out", tmp_path / "out")
     assert result.returncode == 1
-    assert f"'mine' does not say which table; write NAME={table}.parquet" in result.stderr
+    assert "'mine' does not say which table; needed: " in result.stderr
+    assert f"={table}.parquet" in result.stderr
 
 
 def test_settings_of_another_stage_are_refused(tmp_path):

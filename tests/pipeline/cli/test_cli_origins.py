@@ -3,11 +3,12 @@ from typer.testing import CliRunner
 
 from egad.data import released
 from egad.map_elites.parameters import EvolutionParameters
-from egad.pipeline.cli import origins, recorded, stages  # noqa: F401 (they add their commands)
+from egad.pipeline.cli import origins  # noqa: F401 (it adds its commands)
 from egad.pipeline.cli.common import app
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
-from egad.sim.parameters import TrialParameters
+from egad.pipeline.provenance import record
+from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
 
@@ -74,14 +75,14 @@ def test_files_that_settings_name_are_inputs(tmp_path):
         "targets": {"policies": ["net"]},
     }
     whole = Settings.model_validate(own)
-    assert set(recorded.named_files(select(whole, EvolutionParameters))) == {mesh, code}
-    tried = select(whole, TrialParameters, "egad_75mm", "net")
-    assert recorded.named_files(tried) == [weights]
+    assert set(record.named_files(select(whole, EvolutionParameters))) == {mesh, code}
+    tried = select(whole, SimulatedTrials, "egad_75mm", "net")
+    assert record.named_files(tried) == [weights]
     code.unlink()
-    assert recorded.named_files(select(whole, EvolutionParameters)) == [mesh]
+    assert record.named_files(select(whole, EvolutionParameters)) == [mesh]
 
 
 def test_the_hash_of_settings_follows_their_values():
     one, same, other = (select(Settings(seed=seed), EvolutionParameters) for seed in (1, 1, 2))
-    assert recorded.settings_hash(one) == recorded.settings_hash(same)
-    assert recorded.settings_hash(one) != recorded.settings_hash(other)
+    assert record.settings_hash(one) == record.settings_hash(same)
+    assert record.settings_hash(one) != record.settings_hash(other)

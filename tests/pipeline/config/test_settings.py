@@ -1,12 +1,16 @@
+import importlib
 import json
+import pkgutil
 
 import pytest
 from pydantic import BaseModel, ValidationError
 
 from egad._util.parameters import ParameterGroup
 from egad.map_elites.parameters import EvolutionParameters
+from egad.pipeline import exports, stages
 from egad.pipeline.config import Dataset, Gripper, Parameters, Settings, stage_settings
-from egad.pipeline.config.stage_settings import RescaleMeshes, select
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.stages.rescale import RescaleMeshes
 
 
 def sections():
@@ -89,6 +93,9 @@ def test_the_grippers_of_the_literature_are_there():
 
 def test_every_section_is_read_by_some_stage():
     """A setting that no stage gets would change nothing, in silence."""
+    for package in (stages, exports):
+        for module in pkgutil.iter_modules(package.__path__):
+            importlib.import_module(f"{package.__name__}.{module.name}")
     read = {name for stage in stage_models(ParameterGroup) for name in stage.model_fields}
     of_the_workflow = {"shards", "datasets", "targets", "schedule"}
     tables, entries = {"grippers", "cameras", "policies"}, {"gripper", "camera", "policy"}

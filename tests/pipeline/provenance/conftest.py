@@ -2,20 +2,45 @@
 
 import json
 import signal
+from contextlib import contextmanager
 
 import pandas as pd
 import pytest
 
+from egad import __version__
+from egad.exchange.sums import sum_of, write_sums
 from egad.map_elites.parameters import EvolutionParameters
-from egad.pipeline.cli.recorded import recorded
+from egad.pipeline.code_version import code_version
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import Collect, PostprocessSolids, select
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.provenance.record import settings_hash
+from egad.pipeline.stages.collect import Collect
+from egad.pipeline.stages.postprocess import PostprocessSolids
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
+from egad.tables.origin import Origin, made_by
 
 
 def table(path, text):
     parquet.write(pd.DataFrame([{"id": text, "stage": "", "reason": ""}]), REJECTED, path)
+
+
+@contextmanager
+def recorded(stage, settings, reads, writes=(), **arguments):
+    """What is written in the block was made by a stage, from files and folders."""
+    origin = Origin(
+        program=__version__,
+        stage=stage,
+        code=code_version(f"egad.pipeline.stages.{stage}"),
+        settings=settings_hash(settings) if settings else None,
+        seed=getattr(settings, "seed", None),
+        arguments=arguments,
+        inputs=tuple((path, sum_of(path)) for path in reads),
+    )
+    with made_by(origin):
+        yield
+        for path in writes:
+            write_sums(path)
 
 
 @pytest.fixture

@@ -2,10 +2,10 @@ import shutil
 
 import pandas as pd
 import pytest
+from conftest import recorded
 
 from egad.errors import UserError
 from egad.exchange.sums import NAME, write_sums
-from egad.pipeline.cli.recorded import recorded
 from egad.pipeline.provenance.verify import verify
 from egad.tables import parquet
 from egad.tables.objects import REJECTED

@@ -10,8 +10,9 @@ from egad.exchange.meshes import write_obj
 from egad.grasps.parameters import LabelParameters
 from egad.pipeline.cli import main
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import SimulationBundle, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import agreement, bundle, grasp_label
+from egad.pipeline.stages.bundle import SimulationBundle
 from egad.sim.parameters import LabelTrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49

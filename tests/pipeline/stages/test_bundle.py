@@ -20,8 +20,8 @@ from egad.exchange.meshes import read_mesh, write_obj
 from egad.geometry.mass import mass_properties
 from egad.pipeline.cli import main
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import SimulationBundle, select
-from egad.pipeline.stages.bundle import Item, any_objects, evaluation_objects, run
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.stages.bundle import Item, SimulationBundle, any_objects, evaluation_objects, run
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49
 from egad.tables.objects import REJECTED

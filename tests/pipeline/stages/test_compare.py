@@ -3,8 +3,9 @@ import pandas as pd
 import pytest
 
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import Compare, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import compare
+from egad.pipeline.stages.compare import Compare
 from egad.tables import parquet
 from egad.tables.objects import COMPARISON, OBJECTS
 

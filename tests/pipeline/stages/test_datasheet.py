@@ -8,8 +8,9 @@ import trimesh
 from egad.errors import UserError
 from egad.exchange.meshes import write_stl_mm
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import DataSheets, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import datasheet
+from egad.pipeline.stages.datasheet import DataSheets
 from egad.stats.records import read
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST

@@ -36,7 +36,7 @@ def home(tmp_path_factory):
     """A small archive and its meshes."""
     folder = tmp_path_factory.mktemp("located")
     archive, history = folder / "archive.parquet", folder / "history.parquet"
-    evolve.run(select(SETTINGS, EvolutionParameters), 0, 0, None, archive, history, 1)
+    evolve.run(select(SETTINGS, EvolutionParameters), 0, 0, archive, history)
     materialise.run(archive, folder / "meshes", SETTINGS.shape)
     return folder
 

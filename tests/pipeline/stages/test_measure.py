@@ -6,9 +6,9 @@ import trimesh
 from egad.cppn.surface import surface
 from egad.exchange.meshes import read_mesh, write_obj
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import MeasureMeshes, PostprocessSolids, select
+from egad.pipeline.config.stage_settings import MeasureMeshes, select
 from egad.pipeline.stages import measure
-from egad.pipeline.stages.postprocess import solid_row
+from egad.pipeline.stages.postprocess import PostprocessSolids, solid_row
 from egad.tables.objects import MEASURED
 
 DEFAULTS = Settings()

@@ -4,8 +4,14 @@ import pytest
 import trimesh
 
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import PostprocessSolids, select
-from egad.pipeline.stages.postprocess import from_folder, from_primitives, run, solid_row
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.stages.postprocess import (
+    PostprocessSolids,
+    from_folder,
+    from_primitives,
+    measure_objects,
+    solid_row,
+)
 from egad.tables import parquet
 from egad.tables.objects import REJECTED, SOLIDS
 
@@ -48,7 +54,7 @@ def postprocessed(folder, count, shards):
         sources, known = from_primitives(count, settings, shard, shards)
         assert known.empty
         out, left_out = folder / f"solids-{shard}.parquet", folder / f"rejected-{shard}.parquet"
-        run(settings, sources, known, out, left_out)
+        measure_objects(settings, sources, known, out, left_out)
         solids.append(parquet.read(out, SOLIDS))
         rejected.append(parquet.read(left_out, REJECTED))
     return pd.concat(solids).sort_values("id", ignore_index=True), pd.concat(rejected)

@@ -6,8 +6,9 @@ import trimesh
 
 from egad.exchange.meshes import read_mesh, write_obj
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import PrintFiles, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import print_export
+from egad.pipeline.stages.print_export import PrintFiles
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import GRASPS, SCALES

@@ -64,7 +64,7 @@ def made(dataset, out, shards=1, settings=SETTINGS, held_out=True):
     evaluation = dataset / "eval49.parquet" if held_out else None
     for number in range(shards):
         files = (out / f"images-{number}.parquet", out / f"rejected-{number}")
-        render.run(settings, *paths(dataset), evaluation, (number, shards), *files)
+        render.run(settings, *paths(dataset), (number, shards), *files, evaluation)
     return read(out)
 
 
@@ -124,10 +124,10 @@ def test_holding_out_needs_the_evaluation_set_and_nothing_else_does(dataset, tmp
 
 
 def test_the_card_counts_what_is_there(dataset, images, tmp_path):
-    found = [dataset / "images" / "images-0.parquet"]
     rejected = [dataset / "images" / "rejected-0"]
     out = tmp_path / "card.md"
-    image_card.run(SETTINGS, "mine", "egad_75mm", found, rejected, out, tmp_path / "r.parquet")
+    given = (dataset / "images", 1, rejected, out, tmp_path / "r.parquet")
+    image_card.run(SETTINGS, "mine", "egad_75mm", *given)
     text = out.read_text()
     grasps = [picture.grasps for picture in images]
     free = sum(int(each.free.sum()) for each in grasps)
@@ -158,7 +158,7 @@ def test_leftovers_of_a_larger_set_are_removed(dataset, tmp_path):
         image_card.tidy(tmp_path, 1)
     assert len(list(tmp_path.glob("images-*"))) == 3
     evaluation = dataset / "eval49.parquet"
-    render.run(SETTINGS, *paths(dataset), evaluation, (0, 1), made_again, tmp_path / "r")
+    render.run(SETTINGS, *paths(dataset), (0, 1), made_again, tmp_path / "r", evaluation)
     assert image_card.tidy(tmp_path, 1) == [made_again]
     assert sorted(path.name for path in tmp_path.glob("images-*")) == ["images-0.parquet"]
 

@@ -4,8 +4,9 @@ import pytest
 import trimesh
 
 from egad.pipeline.config import GRIPPERS, Settings
-from egad.pipeline.config.stage_settings import RescaleMeshes, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import rescale
+from egad.pipeline.stages.rescale import RescaleMeshes
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
 

@@ -15,17 +15,19 @@ from egad.exchange.meshes import write_obj
 from egad.outcomes import Outcome
 from egad.pipeline.cli import main
 from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import SimulationBundle, select
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import bundle, replay, simulate
+from egad.pipeline.stages.bundle import SimulationBundle
 from egad.pipeline.stages.bundled import model_in
+from egad.pipeline.stages.simulate import SimulatedTrials
+from egad.sim.attempts import untried
 from egad.sim.film import write_film
 from egad.sim.model import model_of
-from egad.sim.parameters import TrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, TRIALS
 
 WHOLE = Settings.model_validate({"trials": {"attempts": 3}})
-SETTINGS = select(WHOLE, TrialParameters, "egad_75mm", "antipodal-depth")
+SETTINGS = select(WHOLE, SimulatedTrials, "egad_75mm", "antipodal-depth")
 BOX = trimesh.creation.box((0.04, 0.04, 0.04))
 OPEN = BOX.vertices, BOX.faces[1:]
 MESHES = {
@@ -55,7 +57,7 @@ def dataset(tmp_path_factory):
 
 def tried(dataset, out, shard=(0, 1), settings=SETTINGS):
     made = dataset / "bundle" / "egad_75mm"
-    simulate.run(settings, dataset / "eval49.parquet", made, None, shard, out)
+    simulate.run(settings, dataset / "eval49.parquet", made, shard, out)
     return out
 
 
@@ -102,7 +104,7 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
             return lambda row: (
                 None
                 if row["label"] == "A0"
-                else simulate.untried(row["label"], row["id"], SETTINGS, Outcome.MISSED)
+                else untried(row["label"], row["id"], SETTINGS, Outcome.MISSED)
             )
 
         def __exit__(self, *_):

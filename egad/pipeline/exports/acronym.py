@@ -2,18 +2,21 @@
 
 import logging
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from egad._util.files import replacing
 from egad._util.progress import progress
 from egad.errors import UserError
-from egad.exchange.acronym import COLUMNS, Body, Jaws, write_acronym
+from egad.exchange.acronym import COLUMNS, Body, Jaws, is_ours, write_acronym
 from egad.exchange.grasps import by_object
 from egad.exchange.hdf5 import check_key
 from egad.grasps.hand import finger_span
-from egad.pipeline.config.stage_settings import AcronymFiles
+from egad.pipeline.config import Acronym, Gripper, Quality
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.exports._images import check_folder
+from egad.pipeline.parameters import Input, Output
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS
@@ -21,8 +24,21 @@ from egad.tables.objects import OBJECTS
 log = logging.getLogger(__name__)
 
 
+class AcronymFiles(StageSettings):
+    """ACRONYM files."""
+
+    gripper: Gripper
+    quality: Quality
+    acronym: Acronym
+
+
 def run(
-    settings: AcronymFiles, gripper: str, objects: Path, scales: Path, grasps: Path, out: Path
+    settings: AcronymFiles,
+    gripper: str,
+    objects: Annotated[Path, Input()],
+    scales: Annotated[Path, Input()],
+    grasps: Annotated[Path, Input()],
+    out: Annotated[Path, Output("D/exchange/G-acronym/LABEL.h5")],
 ) -> None:
     """Write a file for each object that has grasps.
 
@@ -32,8 +48,18 @@ def run(
         objects: Table with the columns of `tables.objects.OBJECTS`.
         scales: Table with the columns of `tables.grasping.SCALES`.
         grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
-        out: Folder for `LABEL.h5`; the root of their meshes is the folder of the dataset.
+        out: The labelled grasps for gripper G as ACRONYM files, if `targets.exports` asks for
+            `acronym`; the root of their meshes is `D`. See `docs/exchange.md`.
+
+    Raises:
+        UserError: A name cannot be used, tables do not match, or the folder has other files.
     """
+    check_folder(out)
+    if foreign := [path.name for path in sorted(out.glob("*")) if not is_ours(path)]:
+        raise UserError(
+            f"--out {out}: {foreign[0]} is no earlier export and would be lost; "
+            "name a folder of its own"
+        )
     check_key(gripper, "gripper")
     table = parquet.read(objects, OBJECTS)
     factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()

@@ -1,7 +1,9 @@
 """dexnet: the Dex-Net database of a dataset, with the labelled grasps of a gripper."""
 
 import logging
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Annotated, Any
 
 import h5py
 import numpy as np
@@ -15,7 +17,9 @@ from egad.exchange.grasps import by_object
 from egad.exchange.hdf5 import DamagedError, check_key, copy_group, sound_keys, writing
 from egad.grasps.grasps import vectors
 from egad.grasps.poses import dexnet_configurations
-from egad.pipeline.config.stage_settings import DexNetDatabase
+from egad.pipeline.config import Gripper, Quality, Robust
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.parameters import Input, NotNoted, Output
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
@@ -37,13 +41,33 @@ COLUMNS = [
 ]
 
 
+class DexNetDatabase(StageSettings):
+    """A Dex-Net database: the grasps, and how they were rated."""
+
+    gripper: Gripper
+    quality: Quality
+    robust: Robust
+
+
+def _reads(given: Mapping[str, Any]) -> list[Path]:
+    """What a database is made from; parts that are made on the way are hidden files."""
+    dataset, parts = given["dataset"], given["parts"]
+    known = [part for part in parts if not part.name.startswith(".")]
+    return [
+        dataset / "objects.parquet",
+        dataset / "rescaled" / given["gripper"],
+        given["grasps"],
+        *known,
+    ]
+
+
 def run(
     settings: DexNetDatabase,
-    dataset: Path,
+    dataset: Annotated[Path, NotNoted()],
     gripper: str,
-    parts: list[Path],
-    grasps: Path,
-    out: Path,
+    parts: Annotated[list[Path], Input(files=_reads)],
+    grasps: Annotated[Path, NotNoted()],
+    out: Annotated[Path, Output("D/exchange/G.hdf5")],
 ) -> None:
     """Bring the objects of all shards together and add their grasps.
 
@@ -55,7 +79,8 @@ def run(
         gripper: Name of the gripper.
         parts: The objects, as `stages.dexnet_objects` writes them.
         grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
-        out: The database. Objects without grasps are in it, too.
+        out: The objects and the labelled grasps for gripper G as a Dex-Net database, if
+            `targets.exports` asks for `dexnet`. See `docs/exchange.md`.
 
     Raises:
         UserError: A name cannot be used, parts or grasps do not match, or a part is damaged.

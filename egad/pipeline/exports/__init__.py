@@ -1,0 +1,32 @@
+"""Exports in the formats of other programs: each module here is a format, called as it is.
+
+Its function `run` reads what its parameters name (`SOURCES`) and writes the folder `out`. `egad
+export`, `targets.exports` and the rule `export` then know the format.
+"""
+
+import importlib
+from collections.abc import Callable
+from typing import Any
+
+from egad.pipeline.parameters import declared
+
+# what a format can read, by the name of its parameter: files of the folder of a dataset
+SOURCES = {
+    "objects": "objects.parquet",
+    "meshes": "rescaled/{gripper}",
+    "scales": "rescaled/{gripper}/scales.parquet",
+    "grasps": "grasps/{gripper}.parquet",
+    "images": "images/{gripper}",
+}
+
+
+def export_function(name: str) -> Callable[..., Any]:
+    """What writes a format."""
+    found: Callable[..., Any] = importlib.import_module(f"egad.pipeline.exports.{name}").run
+    return found
+
+
+def sources(name: str, gripper: str) -> dict[str, str]:
+    """What a format reads, by the names of its parameters, in the folder of a dataset."""
+    names = [each.name for each in declared(export_function(name))]
+    return {each: SOURCES[each].format(gripper=gripper) for each in names if each in SOURCES}

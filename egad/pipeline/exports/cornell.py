@@ -1,0 +1,29 @@
+"""cornell: rendered images with grasps, laid out as in Cornell."""
+
+from pathlib import Path
+from typing import Annotated
+
+from egad.exchange.cornell import write_cornell
+from egad.pipeline.exports._images import IMAGES, ImageLayouts, write_by_split
+from egad.pipeline.parameters import Output
+
+
+def run(
+    settings: ImageLayouts,
+    images: Annotated[Path, IMAGES],
+    out: Annotated[Path, Output("D/exchange/G-cornell/")],
+) -> None:
+    """Write a set of images as Cornell has them.
+
+    Args:
+        settings: What this format reads.
+        images: Folder with `images-N.parquet`.
+        out: Rendered images with grasps for gripper G laid out as in Cornell, if `targets.exports`
+            asks for `cornell`. See `docs/images.md`.
+
+    Raises:
+        UserError: Shards are missing, or the images do not fit the layout.
+    """
+    write_by_split(
+        images, out, lambda picture, folder: write_cornell(picture, settings.gripper, folder)
+    )

@@ -1,0 +1,35 @@
+"""gqcnn: rendered images with grasps, laid out as in the training sets of GQ-CNN."""
+
+import logging
+from pathlib import Path
+from typing import Annotated
+
+from egad._util.files import replacing
+from egad.exchange.gqcnn import write_gqcnn
+from egad.pipeline.exports._images import IMAGES, ImageLayouts, check_empty, pictures
+from egad.pipeline.parameters import Output
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: ImageLayouts,
+    images: Annotated[Path, IMAGES],
+    out: Annotated[Path, Output("D/exchange/G-gqcnn/")],
+) -> None:
+    """Write a set of images as GQ-CNN has them.
+
+    Args:
+        settings: What this format reads.
+        images: Folder with `images-N.parquet`.
+        out: Rendered images with grasps for gripper G laid out as in GQ-CNN, if `targets.exports`
+            asks for `gqcnn`. See `docs/images.md`.
+
+    Raises:
+        UserError: Shards are missing, or the images do not fit the layout.
+    """
+    del settings
+    check_empty(out)
+    with replacing(out, keep=False) as folder:
+        folder.mkdir()
+        log.info("%d rows", write_gqcnn(pictures(images), folder))

@@ -1,0 +1,144 @@
+"""Simulated grasping trials of a detector, from Python."""
+
+import logging
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Literal
+
+import pandas as pd
+import trimesh
+
+from egad._util.progress import progress
+from egad.detectors.base import Detector
+from egad.detectors.parameters import Policy
+from egad.detectors.registry import checked, detector
+from egad.errors import RejectedError, UserError, known
+from egad.evalset.parameters import Bundle
+from egad.geometry.parameters import Material
+from egad.geometry.scaling import rescale
+from egad.grasps.gripper import Gripper, as_gripper
+from egad.objects import Dataset
+from egad.outcomes import Outcome
+from egad.sim.attempts import tried, untried
+from egad.sim.model import build
+from egad.sim.parameters import TrialParameters
+from egad.sim.parameters import Trials as Protocol
+from egad.stats.paired import Comparison, compare
+from egad.stats.rates import Mean, by_object, mean_rate
+from egad.stats.records import results
+
+log = logging.getLogger(__name__)
+SIDE_FRACTION = 0.8  # of the opening, that scaled objects have as their smallest side
+UNSCALED = "none"
+RESETS: dict[str, Literal["hand", "anew"]] = {"continue": "hand", "redrop": "anew"}
+
+
+@dataclass(frozen=True)
+class _Target:
+    """An object to try; its mesh is made when its turn comes."""
+
+    label: str
+    id: str
+    mesh: Callable[[], trimesh.Trimesh]
+
+
+class Trials:
+    """Attempts of a detector at objects.
+
+    Attributes:
+        table: A row an attempt; columns as in `results/README.md`, "trials".
+    """
+
+    def __init__(self, table: pd.DataFrame) -> None:
+        """Wrap a table with the columns of `tables.evaluation.TRIALS`."""
+        self.table = table.reset_index(drop=True)
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    def __repr__(self) -> str:
+        rate = self.success_rate()
+        return f"Trials({rate.successes} of {rate.attempts} attempts succeeded)"
+
+    def success_rate(self) -> Mean:
+        """Successes over attempts: `value`, and `interval`: 95 % for other objects of this kind."""
+        return mean_rate(self.table)
+
+    def by_object(self) -> pd.DataFrame:
+        """Successes and attempts of each object, by its label."""
+        return by_object(self.table)
+
+    def compare(self, other: "Trials") -> Comparison:
+        """The difference to another detector over the attempts that both made.
+
+        Raises:
+            UserError: They have no attempt in common, or a label stands for two objects.
+        """
+        return compare(results(self.table, "first"), results(other.table, "second"))
+
+
+def run_trials(
+    detect: Detector | Callable[..., Any] | str,
+    objects: Dataset | Mapping[str, trimesh.Trimesh],
+    gripper: Gripper | str,
+    attempts: int = 20,
+    *,
+    seed: int = 0,
+    rule: str = "paper",
+    reset: str = "continue",
+    depth_noise: float = 0.0,
+) -> Trials:
+    """Let a detector grasp objects in simulation, as in EGAD, section V.
+
+    Each object is scaled to the gripper and dropped onto a table. A depth camera looks down on it,
+    the detector proposes grasps, and the best one is carried out: approach, close, lift, hold.
+    An object that cannot be simulated has failed attempts only.
+
+    Args:
+        detect: A function or object that is called with `(view, gripper, rng)` and returns grasps
+            (`egad.detectors.Detector`); or the name of one without weights: `antipodal-depth`,
+            `random`.
+        objects: A dataset, or meshes in metres by name.
+        gripper: The gripper, or its name.
+        attempts: Attempts at each object.
+        seed: The same seed gives the same drops, for all detectors.
+        rule: How objects are scaled: see `egad.rescale`; `none`: not.
+        reset: `continue`: after a success the hand drops the object from where it is, after a
+            failure it stays where it lies; `redrop`: every attempt begins with a new drop.
+        depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
+
+    Raises:
+        UserError: There is no such gripper, detector or rule, or there are no objects.
+    """
+    hand = as_gripper(gripper)
+    between = RESETS[known("reset", reset, RESETS)]
+    trials = Protocol(attempts=attempts, between=between, depth_noise=depth_noise)
+    parameters = TrialParameters(seed=seed, gripper=hand, trials=trials)
+    targets = _targets(objects)
+    if not targets:
+        raise UserError("there are no objects to try")
+    ask = detector(Policy(detector=detect)) if isinstance(detect, str) else checked(detect)
+    shown = progress(targets, "trying", len(targets))
+    return Trials(pd.concat([_attempts(target, ask, rule, parameters) for target in shown]))
+
+
+def _targets(objects: Dataset | Mapping[str, trimesh.Trimesh]) -> list[_Target]:
+    if isinstance(objects, Dataset):
+        return [_Target(each.label, each.id, partial(getattr, each, "mesh")) for each in objects]
+    return [_Target(name, name, partial(objects.__getitem__, name)) for name in objects]
+
+
+def _attempts(
+    target: _Target, detect: Detector, rule: str, parameters: TrialParameters
+) -> pd.DataFrame:
+    """All attempts at an object, columns of `tables.evaluation.TRIALS`."""
+    try:
+        mesh = target.mesh()
+        if rule != UNSCALED:
+            mesh, _ = rescale(mesh, rule, parameters.gripper.opening, SIDE_FRACTION)
+        model = build(mesh, Material().density, Bundle())
+    except RejectedError as reason:
+        log.warning("%s cannot be simulated: %s", target.label, reason)
+        return untried(target.label, target.id, parameters, Outcome.FAILED)
+    return tried(model, target.label, target.id, detect, parameters)

@@ -1,0 +1,184 @@
+"""A copy of the package to which a measure, a format and a stage are added as CONTRIBUTING says."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from egad.pipeline.config import Settings
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.objects import OBJECTS
+
+ROOT = Path(__file__).parents[2]
+BLOCK = re.compile(r"^```python\n# (\S+?)(?:, class (\w+))?\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+ADDED = {
+    "egad/measures/compactness.py",
+    "egad/measures/parameters.py",
+    "egad/pipeline/exports/plain.py",
+    "egad/pipeline/stages/weigh.py",
+    "egad/tables/weights.py",
+    "workflow/Snakefile",
+    "workflow/rules/weigh.smk",
+}
+
+
+def blocks():
+    """The code of the section of CONTRIBUTING: file, class if it is added to one, text."""
+    return BLOCK.findall((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The sources with all of these."""
+    folder = tmp_path_factory.mktemp("copy")
+    skipped = shutil.ignore_patterns("__pycache__")
+    for name in ("egad", "workflow", "config", "profiles", "envs", "docs"):
+        shutil.copytree(ROOT / name, folder / name, ignore=skipped)
+    shutil.copy(ROOT / "Snakefile", folder)
+    for file, group, text in blocks():
+        path = folder / file
+        if group:
+            whole = path.read_text(encoding="utf-8")
+            place = re.search(
+                rf"^class {group}\(.*?^    (?=@|def )", whole, re.DOTALL | re.MULTILINE
+            )
+            cut = place.end() - len("    ")
+            path.write_text(f"{whole[:cut]}{text}\n{whole[cut:]}", encoding="utf-8")
+        else:
+            before = path.read_text(encoding="utf-8") if path.exists() else ""
+            path.write_text(f"{before}\n{text}" if before else text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def dataset(copy):
+    """A folder with the tables that an export and the stage read: two objects, three grasps."""
+    folder = copy / "results/tiny"
+    (folder / "meshes").mkdir(parents=True)
+    for path, schema, columns in (
+        ("objects", OBJECTS, {"label": ["A00_0", "B00_0"], "volume": [1e-6, 3e-6]}),
+        ("grasps/panda", GRASPS, {"label": ["A00_0"] * 3, "quality": [0.1, 0.2, 0.3]}),
+        ("rescaled/panda/scales", SCALES, {"opening": [0.08]}),
+    ):
+        count = len(next(iter(columns.values())))
+        blank = {field.name: [_blank(str(field.type))] * count for field in schema}
+        parquet.write(pd.DataFrame(blank | columns), schema, folder / f"{path}.parquet")
+    return folder
+
+
+def _blank(kind):
+    return {"string": "", "double": 0.0, "int32": 0, "bool": False}.get(kind)
+
+
+def run(copy, *words, module="egad.pipeline.cli"):
+    """What a command in the copy prints."""
+    code = f"import sys; from {module} import main; sys.exit(main())"
+    done = subprocess.run(
+        [sys.executable, "-c", code, *map(str, words)],
+        cwd=copy,
+        env=os.environ | {"PYTHONPATH": str(copy), "COLUMNS": "200"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+def test_the_guide_names_the_files_and_no_other():
+    assert {file for file, *_ in blocks()} == ADDED
+
+
+def test_the_command_of_a_stage_is_there_with_its_options(copy):
+    assert re.search(r"weigh +Weigh the objects of a dataset\.", run(copy, "--help"))
+    told = run(copy, "weigh", "--help")
+    for option, text in (("objects", "Objects of the dataset"), ("gravity", "Acceleration, m/s2")):
+        assert re.search(rf"--{option} .*{text}", told)
+
+
+def test_a_stage_notes_what_it_was_made_from(copy, dataset):
+    density = Settings().material.density
+    settings = json.dumps({"material": {"density": density}})
+    words = ["--objects", dataset / "objects.parquet", "--out", dataset / "weights.parquet"]
+    run(copy, "weigh", "--settings", settings, *words, "--gravity", 2)
+    table = pd.read_parquet(dataset / "weights.parquet")
+    np.testing.assert_allclose(table["weight"], [2e-6 * density, 6e-6 * density])
+    noted = parquet.origin_of(dataset / "weights.parquet")
+    assert (noted["stage"], noted["arguments"]) == ("weigh", {"gravity": 2.0})
+    assert [name for name, _ in noted["inputs"]] == ["objects.parquet"]
+    assert noted["settings"]
+    assert "weigh (gravity 2.0)" in run(copy, "provenance", dataset / "weights.parquet")
+
+
+def test_the_manuals_have_the_stage_and_the_format(copy):
+    (copy / "results").mkdir(exist_ok=True)
+    run(copy, module="egad.pipeline.results_page")
+    manual = (copy / "results/README.md").read_text(encoding="utf-8")
+    assert "## `D/weights.parquet`\n\nWhat the objects weigh.\n" in manual
+    assert "| `weight` | double | N | weight on the moon |" in manual
+    assert "## `D/exchange/G-plain/grasps.csv`\n\nThe labelled grasps" in manual
+    row = "| weigh | `egad weigh` | D/objects.parquet | D/weights.parquet |"
+    assert row in (copy / "docs/pipeline.md").read_text(encoding="utf-8")
+
+
+def test_the_workflow_plans_the_stage_and_the_format(copy):
+    (copy / "own.yaml").write_text(yaml.safe_dump({"targets": {"exports": ["plain"]}}))
+    files = ["results/egad/weights.parquet", "results/egad/exchange/egad_75mm-plain"]
+    words = ["--dry-run", "--cores", 1, "--configfile", "own.yaml", "--", *files]
+    planned = run(copy, *words, module="snakemake.cli")
+    assert re.search(r"^weigh +1$", planned, re.MULTILINE)
+    assert re.search(r"^export +1$", planned, re.MULTILINE)
+    assert re.search(r"^join_grasps +1$", planned, re.MULTILINE)
+
+
+def test_a_format_is_written_and_notes_what_it_was_made_from(copy, dataset):
+    out = dataset / "exchange/panda-plain"
+    run(copy, "export", dataset, "--gripper", "panda", "--format", "plain", "--out", out)
+    table = pd.read_csv(out / "grasps.csv")
+    assert table["quality"].tolist() == [0.1, 0.2, 0.3]
+    assert table["opening"].tolist() == [0.08] * 3
+    head = (out / "SHA256SUMS").read_text().splitlines()[0]
+    noted = json.loads(head.partition("egad-origin ")[2])
+    assert (noted["stage"], noted["arguments"]) == ("plain", {"gripper": "panda"})
+    assert [name for name, _ in noted["inputs"]] == ["../../grasps/panda.parquet"]
+
+
+def test_a_measure_has_its_setting_and_takes_it(copy):
+    code = """
+import sys, trimesh
+from egad.measures.custom import own_value
+from egad.measures.parameters import Axes
+from egad.pipeline.archive_settings import provenance
+from egad.pipeline.config.check import check
+from egad.pipeline.config.schema import node_at
+from egad.pipeline.config.stage_settings import select
+from egad.map_elites.parameters import EvolutionParameters
+name = "egad.measures.compactness:compactness"
+axes = Axes(complexity=name, compactness_power=2)
+print(node_at(("axes", "compactness_power"))["description"])
+print(own_value(name, trimesh.creation.box(), axes))
+whole = check({"axes": {"complexity": name, "compactness_power": 3.0}})
+notes = provenance(select(whole, EvolutionParameters))
+print(notes["axes"]["compactness_power"], len(notes["source"]["complexity"]))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=copy,
+        env=os.environ | {"PYTHONPATH": str(copy)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    description, value, noted = done.stdout.splitlines()
+    assert description == "exponent of compactness"
+    assert float(value) == pytest.approx((np.pi / 6) ** (2 / 3))  # of a cube
+    assert noted == "3.0 16"
