@@ -1,7 +1,7 @@
 """The commands of the stages: what the rules of the workflow call."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -9,6 +9,10 @@ from egad.errors import UserError
 from egad.pipeline.cli.common import STAGE, Jobs, Out, OutFolder, app, parse
 from egad.pipeline.cli.recorded import recorded, settings_hash
 from egad.pipeline.config import Settings
+
+if TYPE_CHECKING:
+    from egad.map_elites.parameters import EvolutionParameters
+    from egad.report.live_map import LiveMap
 
 SettingsText = Annotated[str, typer.Option("--settings", help="settings of this stage, as JSON")]
 Shard = Annotated[int, typer.Option(help="number of this shard")]
@@ -38,12 +42,21 @@ def evolve(
 
     parsed, bases = parse(EvolutionParameters, settings), [base] if base else []
     with recorded("evolve", parsed, bases, epoch=epoch, island=island):
-        watch = None
-        if page:
-            from egad.report.live_map import LiveMap
-
-            watch = LiveMap(page, settings_hash(parsed), parsed, epoch, island, islands)
+        watch = _live_map(page, parsed, epoch, island, islands) if page else None
         stage.run(parsed, epoch, island, base, out, history, jobs, watch)
+
+
+def _live_map(
+    page: Path, settings: "EvolutionParameters", epoch: int, island: int, islands: int | None
+) -> "LiveMap":
+    """The page that shows the map while an island evolves."""
+    from egad.report.axes import axis_pair
+    from egad.report.live_map import EpochOfIsland, LiveMap
+
+    evaluations = settings.evolution.steps_per_epoch * settings.evolution.population
+    about = EpochOfIsland(settings_hash(settings), epoch, island, evaluations, islands)
+    axes = axis_pair(settings.axes)
+    return LiveMap(page, about, settings.space, settings.shape.resolution, axes)
 
 
 @app.command(rich_help_panel=STAGE)

@@ -9,8 +9,7 @@ from egad._util.files import write_text
 from egad.measures.grid import coverage, filled_cells
 from egad.pipeline.config.stage_settings import Compare
 from egad.report.axes import axis_pair
-from egad.report.dataset_maps import dataset_maps
-from egad.report.summary import comparison_text
+from egad.report.comparison import comparison_text, dataset_maps
 from egad.tables import parquet
 from egad.tables.objects import COMPARISON, OBJECTS
 

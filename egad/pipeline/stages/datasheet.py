@@ -10,7 +10,7 @@ from egad.evalset.datasheet import ATTEMPTS, ForGripper, page
 from egad.evalset.selection import empty_cells
 from egad.exchange.meshes import read_mesh
 from egad.pipeline.config.stage_settings import DataSheets
-from egad.report.contact_sheet import contact_sheet
+from egad.report.evaluation import contact_sheet
 from egad.stats.records import template
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST

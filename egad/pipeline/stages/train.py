@@ -17,7 +17,7 @@ from egad.perception import image_shards as folder
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config.stage_settings import TrainNetwork
 from egad.pipeline.config.training_study import WEIGHTS
-from egad.report.training_chart import training_chart
+from egad.report.training import training_chart
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
 
