@@ -17,7 +17,7 @@ from .map_elites.evolver import evolve as evolve
 from .objects import Dataset as Dataset
 from .objects import EvolvedObject as EvolvedObject
 from .objects import load as load
-from .report.render import render as render
+from .report.pictures import render as render
 from .trials import Trials as Trials
 from .trials import run_trials as run_trials
 

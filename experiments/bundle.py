@@ -17,7 +17,7 @@ from egad._util.files import replacing
 from egad.exchange.meshes import read_mesh
 from egad.geometry.rays import TriangleScene
 from egad.random import generator
-from egad.report.render import CAMERA, FILL, render
+from egad.report.pictures import CAMERA, FILL, render
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE
 

@@ -14,7 +14,7 @@ from PIL import Image
 
 from egad._util.files import replacing
 from egad.exchange.meshes import read_mesh
-from egad.report.render import png_bytes, render
+from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 

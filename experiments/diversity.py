@@ -12,12 +12,10 @@ from matplotlib.patches import Rectangle
 
 from egad._util.files import write_text
 from egad.evalset.selection import place
-from egad.pipeline.report.training_study import success_chart
-from egad.report.environment import p_value
-from egad.report.heat_map import rate_colour
-from egad.report.style import drawn, ink_on
-from egad.report.summary import outcome_counts
-from egad.report.trial_figures import OUTCOMES
+from egad.report.drawing import ink_on, new_figure
+from egad.report.page import p_value
+from egad.report.training import success_chart
+from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_colour
 from egad.stats.rates import Mean, Rate, TrialGrid, trial_grid
 from egad.stats.training_study import Tried, by_set, by_test, luck, references, set_pairs
 from egad.tables import parquet
@@ -61,7 +59,7 @@ def grids_of(tried: Tried) -> dict[str, TrialGrid]:
 def maps(grids: Mapping[str, TrialGrid]) -> str:
     """Success of each object, a panel a set, as SVG."""
     down = -(-len(grids) // ACROSS)
-    with drawn(2.4 * ACROSS, 2.6 * down) as drawing:
+    with new_figure(2.4 * ACROSS, 2.6 * down) as drawing:
         panels = list(drawing.figure.subplots(down, ACROSS, squeeze=False).flat)
         for axes, (name, grid) in zip(panels, grids.items(), strict=False):
             panel(axes, grid)

@@ -12,7 +12,7 @@ import trimesh
 from egad._util.files import replacing
 from egad.evalset.engraving import Patch, cut_text
 from egad.pipeline.config import Engraving
-from egad.report.render import CAMERA, Pixels, png_bytes, render
+from egad.report.pictures import CAMERA, Pixels, png_bytes, render
 
 DOCS = Path(__file__).parents[1] / "docs"
 THICK = 0.005  # metres

@@ -31,7 +31,7 @@ from egad.pipeline.config.stage_settings import select
 from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.reeb.similarity import similarity_matrix
-from egad.report.style import LINES, SOFT, drawn
+from egad.report.drawing import LINES, SOFT, new_figure
 
 Floats = NDArray[np.float64]
 DOCS = Path(__file__).parents[1] / "docs"
@@ -153,7 +153,7 @@ def label_figure(labelled: pd.DataFrame) -> str:
         ("letter", _variant(("plain", 1000)), "plain quality, 1000 grasps, thousandths", 1000),
         ("letter", _variant(("robust", 1000)), "robust quality, 1000 grasps, thousandths", 1000),
     ]
-    with drawn(11, 3.6) as drawing:
+    with new_figure(11, 3.6) as drawing:
         for axes, (axis, column, name, factor) in zip(
             drawing.figure.subplots(1, 3), panels, strict=True
         ):
@@ -167,7 +167,7 @@ def label_figure(labelled: pd.DataFrame) -> str:
 
 def program_figure(ours: Floats, theirs: Floats, scan: Floats, program: Floats) -> str:
     """Grasp quality and similarity against the programs of others."""
-    with drawn(7.6, 3.7) as drawing:
+    with new_figure(7.6, 3.7) as drawing:
         left, right = drawing.figure.subplots(1, 2)
         _scatter(left, 1000 * theirs, 1000 * ours)
         left.set(xlabel="quality by Dex-Net, thousandths", ylabel="quality by egad, thousandths")

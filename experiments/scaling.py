@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from egad._util.files import write_text
-from egad.report.style import LINES, SOFT, drawn
+from egad.report.drawing import LINES, SOFT, new_figure
 
 DOCS = Path(__file__).parents[1] / "docs"
 CORES = (1, 2, 4, 8, 16, 32, 64, 128, 256)
@@ -68,7 +68,7 @@ def row(cells: list[str]) -> str:
 
 def figure() -> str:
     """Time over cores, beside what it were if all could be shared."""
-    with drawn(5.6, 3.2) as drawing:
+    with new_figure(5.6, 3.2) as drawing:
         axes = drawing.figure.subplots()
         for colour, (name, stages) in zip(LINES, RUNS.items(), strict=False):
             minutes = [seconds(stages, cores) / 60 for cores in CORES]

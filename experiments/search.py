@@ -8,7 +8,7 @@ import pandas as pd
 
 from egad._util.files import write_text
 from egad.pipeline.config import Space
-from egad.report.filling import evaluations, filling_curves
+from egad.report.evolution import coverage_curves, coverage_history
 from egad.tables import parquet
 from egad.tables.evolution import HISTORY
 
@@ -24,10 +24,10 @@ def main(runs: dict[str, Path]) -> None:
     starts = {
         name: history[history["offspring"].cumsum() <= DRAWN] for name, history in histories.items()
     }
-    write_text(DOCS / "search.svg", filling_curves(starts))
+    write_text(DOCS / "search.svg", coverage_curves(starts))
     print("| evaluations | " + " | ".join(histories) + " |")
     print("| --- " * (len(histories) + 1) + "|")
-    steps = {name: evaluations(history) for name, history in histories.items()}
+    steps = {name: coverage_history(history) for name, history in histories.items()}
     for count in SHOWN:
         row = [after(each, count) for each in steps.values()]
         if any(row):

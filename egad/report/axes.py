@@ -1,4 +1,4 @@
-"""What the axes of the space are called."""
+"""What the axes of the space are called, in figures, pages and tables."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -7,6 +7,7 @@ from egad.measures.custom import own_name
 from egad.measures.parameters import Axes
 
 ARROW = "\N{RIGHTWARDS ARROW}"
+COMPARATIVES = {"simple": "simpler", "easy": "easier", "low": "lower", "high": "higher"}
 
 
 @dataclass(frozen=True)
@@ -15,12 +16,12 @@ class Axis:
 
     Attributes:
         name: What it is called in full.
-        short: The same among others.
-        start: What the first cell holds.
-        end: What the last cell holds.
+        short: The same where space is short.
+        start: What objects of the first cell are.
+        end: What objects of the last cell are.
         value: What its number is called.
         unit: Unit of the number with a space before it, or empty.
-        factor: Where space is short, the number is shown times this.
+        factor: Short numbers are multiplied by this.
     """
 
     name: str
@@ -40,6 +41,11 @@ class Axis:
     def long_label(self) -> str:
         """The same in full."""
         return f"{self.name}: {self.start} {ARROW} {self.end}"
+
+    @property
+    def before(self) -> str:
+        """What an object is that lies closer to the start than another, such as `simpler`."""
+        return COMPARATIVES[self.start]
 
 
 class AxisPair(NamedTuple):

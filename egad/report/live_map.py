@@ -1,37 +1,56 @@
-"""A page with the map while evolution fills it: HTML that opens offline and loads itself again.
+"""A page with the map while evolution fills it: HTML that opens offline and reloads by itself.
 
-Each island keeps what it has found in a file of its own beside the page, and puts the page together
-from the files of all islands of the same run. No result depends on any of them.
+Each island keeps its state in a file of its own beside the page, and writes the page from the files
+of all islands of the same run. No result depends on any of them.
 """
 
 import json
 import logging
 import os
 import time
-from base64 import b64encode
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from egad._util.progress import duration, rate_text
 from egad.cppn.voxels import unpack
 from egad.map_elites.archive import Archive, Elite
-from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
 from egad.measures.parameters import Space
-from egad.report.axes import axis_pair
-from egad.report.environment import environment
-from egad.report.voxel_picture import png, voxel_picture
+from egad.report.axes import USUAL, AxisPair
+from egad.report.drawing import data_uri
+from egad.report.page import render_template
+from egad.report.pictures import voxel_picture, voxel_png
 
 log = logging.getLogger(__name__)
 
 INTERVAL = 10.0  # seconds between two versions of the page, at least
-SHARE = 0.01  # of the time that may go into the page
+SHARE = 0.01  # part of the time that may be spent on the page
 PICTURE = 36  # pixels a side
 POINTS = 200  # of a curve, at most
 State = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class EpochOfIsland:
+    """What a page is about.
+
+    Attributes:
+        run: Islands with the same text here, and the same epoch, are on the page together.
+        epoch: Number of the epoch.
+        island: Number of the island.
+        evaluations: How many the island makes in an epoch.
+        islands: Number of all islands, if known. An earlier run may have had more.
+    """
+
+    run: str
+    epoch: int
+    island: int
+    evaluations: int
+    islands: int | None = None
 
 
 class LiveMap:
@@ -40,25 +59,22 @@ class LiveMap:
     def __init__(
         self,
         page: Path,
-        run: str,
-        settings: EvolutionParameters,
-        epoch: int,
-        island: int,
-        islands: int | None = None,
+        epoch: EpochOfIsland,
+        space: Space,
+        resolution: int,
+        axes: AxisPair = USUAL,
     ) -> None:
         """Write the page, without any object of this island.
 
         Args:
             page: HTML file; the files of the islands are in the folder of the same name.
-            run: Islands that have the same text here, and the same epoch, are on the page together.
-            settings: Those of evolution.
-            epoch: Number of the epoch.
-            island: Number of the island.
-            islands: Number of all islands, if known. An earlier run may have had more.
+            epoch: What the page is about.
+            space: The cells.
+            resolution: Voxels a side of an object.
+            axes: What the axes of the space are called.
         """
-        self._page, self._settings, self._islands = page, settings, islands
-        total = settings.evolution.steps_per_epoch * settings.evolution.population
-        self._state: State = {"run": run, "island": island, "epoch": epoch, "total": total}
+        self._page, self._epoch = page, epoch
+        self._space, self._resolution, self._axes = space, resolution, axes
         self._pictures: dict[str, str] = {}
         self._start, self._next = time.monotonic(), 0.0
         self._write((), ())
@@ -66,43 +82,42 @@ class LiveMap:
     def __call__(self, archive: Archive, steps: Sequence[Mapping[str, Any]]) -> None:
         """Write the page again after a step, unless that was done a short while ago.
 
-        A page that cannot be written does not keep evolution from going on.
+        A page that cannot be written does not stop evolution.
 
         Args:
             archive: The elites.
             steps: All steps of the epoch so far: rows of `tables.evolution.HISTORY`.
         """
-        last = len(steps) == self._settings.evolution.steps_per_epoch
+        last = sum(step["offspring"] for step in steps) >= self._epoch.evaluations
         if last or time.monotonic() >= self._next:
-            if not self._pictures:  # those of the epoch before, once: no part of the share
+            if not self._pictures:  # those of the epoch before, once: not part of the share
                 self._cells(archive.elites)
             begin = time.monotonic()
-            self._write(archive.elites, steps, last)
+            self._write(archive.elites, steps)
             self._next = begin + max(INTERVAL, (time.monotonic() - begin) / SHARE)
 
-    def _write(
-        self, elites: Sequence[Elite], steps: Sequence[Mapping[str, Any]], last: bool = False
-    ) -> None:
-        seconds = time.monotonic() - self._start
-        self._state |= progress_of(steps, self._state["total"], seconds)
-        self._state |= {"cells": self._cells(elites), "over": last}
+    def _write(self, elites: Sequence[Elite], steps: Sequence[Mapping[str, Any]]) -> None:
+        epoch, seconds = self._epoch, time.monotonic() - self._start
+        state: State = {"run": epoch.run, "epoch": epoch.epoch, "island": epoch.island}
+        state |= progress_of(steps, epoch.evaluations, seconds)
+        state |= {"cells": self._cells(elites)}
         folder = self._page.with_suffix("")
         try:
-            _write(folder / f"island-{self._state['island']}.json", json.dumps(self._state))
-            states = states_in(folder, self._state, self._islands)
-            _write(self._page, page_of(states, self._settings))
+            _write(folder / f"island-{epoch.island}.json", json.dumps(state))
+            states = read_states(folder, state, epoch.islands)
+            _write(self._page, page_of(states, self._space, self._axes))
         except OSError as error:
             log.warning("%s is not up to date: %s", self._page, error)
 
     def _cells(self, elites: Sequence[Elite]) -> dict[str, tuple[int, str]]:
         """How many elites each cell holds, and the picture of the oldest, by name of the cell."""
-        names = _names_of_cells(elites, self._settings.space)
+        names = _names_of_cells(elites, self._space)
         counts, first = Counter(names), dict[str, Elite]()
         for name, elite in zip(names, elites, strict=True):
             first.setdefault(name, elite)
         kept = {elite.id: self._pictures.get(elite.id) for elite in first.values()}
         self._pictures = {
-            elite.id: kept[elite.id] or picture_of(elite.voxels, self._settings.shape.resolution)
+            elite.id: kept[elite.id] or picture_of(elite.voxels, self._resolution)
             for elite in first.values()
         }
         return {name: (counts[name], self._pictures[elite.id]) for name, elite in first.items()}
@@ -116,8 +131,7 @@ def _names_of_cells(elites: Sequence[Elite], space: Space) -> list[str]:
 
 def picture_of(packed: bytes, resolution: int) -> str:
     """A picture of voxels as archives keep them, for the attribute `href` of an image."""
-    data = png(voxel_picture(unpack(packed, resolution), PICTURE))
-    return f"data:image/png;base64,{b64encode(data).decode()}"
+    return data_uri(voxel_png(voxel_picture(unpack(packed, resolution), PICTURE)))
 
 
 def progress_of(steps: Sequence[Mapping[str, Any]], total: int, seconds: float) -> State:
@@ -129,6 +143,8 @@ def progress_of(steps: Sequence[Mapping[str, Any]], total: int, seconds: float) 
     rate = done / seconds if seconds > 0 else 0.0
     return {
         "done": done,
+        "total": total,
+        "over": done >= total,
         "coverage": curve[-1][1] if curve else 0.0,
         "elites": steps[-1]["elites"] if steps else 0,
         "curve": curve[:: len(curve) // POINTS + 1],
@@ -138,7 +154,7 @@ def progress_of(steps: Sequence[Mapping[str, Any]], total: int, seconds: float) 
     }
 
 
-def states_in(folder: Path, own: State, islands: int | None = None) -> list[State]:
+def read_states(folder: Path, own: State, islands: int | None = None) -> list[State]:
     """What the islands have written, in the order of their numbers.
 
     Args:
@@ -156,29 +172,28 @@ def states_in(folder: Path, own: State, islands: int | None = None) -> list[Stat
     return sorted(found, key=lambda state: int(state["island"]))
 
 
-def page_of(states: Sequence[State], settings: EvolutionParameters) -> str:
+def page_of(states: Sequence[State], space: Space, axes: AxisPair = USUAL) -> str:
     """The page.
 
     Args:
         states: Of each island.
-        settings: Those of evolution.
+        space: The cells.
+        axes: What the axes of the space are called.
     """
     cells: dict[str, tuple[int, str]] = {}
     for state in states:
         for name, (count, picture) in state["cells"].items():
             cells[name] = max(cells.get(name, (0, "")), (count, picture), key=lambda cell: cell[0])
-    template = environment().get_template("live_map.html.j2")
-    return template.render(
+    size = range(space.cells)
+    return render_template(
+        "live_map",
         states=states,
         cells=cells,
-        size=settings.space.cells,
-        full=settings.space.elites_per_cell,
-        axes=axis_pair(settings.axes),
+        size=space.cells,
+        capacity=space.elites_per_cell,
+        axes=axes,
         over=all(state["over"] for state in states),
-        names=[
-            [cell_name(column, row) for column in range(settings.space.cells)]
-            for row in range(settings.space.cells)
-        ],
+        names=[[cell_name(column, row) for column in size] for row in size],
         now=time.strftime("%H:%M:%S"),
     )
 

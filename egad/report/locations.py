@@ -1,4 +1,4 @@
-"""A page that shows where objects lie in the space, and what is most like each of them."""
+"""A page that shows where objects lie in the space of a dataset, and their nearest neighbours."""
 
 import string
 from collections.abc import Mapping, Sequence
@@ -11,12 +11,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from egad.measures.grid import cell_name
-from egad.measures.parameters import Axes as Own
 from egad.measures.parameters import Space
-from egad.report.axes import USUAL, AxisPair, axis_pair
-from egad.report.environment import environment
-from egad.report.maps import data_uri
-from egad.report.style import INK, drawn
+from egad.report.axes import USUAL, AxisPair
+from egad.report.drawing import INK, data_uri, new_figure, svg_uri
+from egad.report.page import render_template
 
 MARK = "#d55e00"
 FEW = 3
@@ -24,7 +22,7 @@ FEW = 3
 
 @dataclass(frozen=True)
 class Neighbour:
-    """An object of the dataset that is like the one shown.
+    """An object of the dataset that is similar to the one shown.
 
     Attributes:
         label: Its label.
@@ -39,12 +37,12 @@ class Neighbour:
 
 @dataclass(frozen=True)
 class Located:
-    """An object and its place.
+    """An object and its cell.
 
     Attributes:
         row: Columns of `tables.objects.LOCATED`.
         picture: PNG.
-        neighbours: The objects most like it, the nearest first.
+        neighbours: The most similar objects, the nearest first.
     """
 
     row: Mapping[str, Any]
@@ -58,7 +56,7 @@ def page(
     located: Sequence[Located],
     reasons: Mapping[str, str],
     space: Space,
-    own: Own,
+    axes: AxisPair = USUAL,
 ) -> str:
     """Show objects in the space of a dataset.
 
@@ -68,27 +66,21 @@ def page(
         located: What to show.
         reasons: Names of meshes that could not be used, and why.
         space: The cells.
-        own: The user's own measures that span them.
+        axes: What the axes of the space are called.
 
     Returns:
         An HTML page that needs no other file.
     """
-    marks = [(each.row["complexity_cell"], each.row["difficulty_cell"]) for each in located]
-    axes = axis_pair(own)
-    chart = data_uri(location_map(objects, marks, space, axes).encode(), "image/svg+xml")
-    return (
-        environment()
-        .get_template("locations.html.j2")
-        .render(
-            name=name,
-            objects=len(objects),
-            located=[_view(each) for each in located],
-            reasons=reasons,
-            chart=chart,
-            space=space,
-            axes=axes,
-            own=own,
-        )
+    cells = [(each.row["complexity_cell"], each.row["difficulty_cell"]) for each in located]
+    return render_template(
+        "locations",
+        name=name,
+        objects=len(objects),
+        located=[_view(each) for each in located],
+        reasons=reasons,
+        chart=svg_uri(location_map(objects, cells, space, axes)),
+        space=space,
+        axes=axes,
     )
 
 
@@ -122,26 +114,25 @@ def location_map(
     np.add.at(counts, (objects["difficulty_cell"], objects["complexity_cell"]), 1)
     shades = matplotlib.colormaps["Greys"](0.12 + 0.4 * counts / max(counts.max(), 1))
     shades[counts == 0] = 1
-    with drawn(6.4, 6.4) as drawing:
+    with new_figure(6.4, 6.4) as drawing:
         axes = drawing.figure.add_subplot()
         axes.imshow(shades, origin="lower")
-        _mark(axes, marks)
-        letters = string.ascii_uppercase[: space.cells]
-        step = range(0, space.cells, max(1, space.cells // 6))
-        axes.set_xticks(list(step), [str(place) for place in step])
-        axes.set_yticks(list(step), [letters[place] for place in step])
+        _draw_marks(axes, marks)
+        ticks = range(0, space.cells, max(1, space.cells // 6))
+        axes.set_xticks(list(ticks), [f"{tick:02d}" for tick in ticks])
+        axes.set_yticks(list(ticks), [string.ascii_uppercase[tick] for tick in ticks])
         axes.set_xlabel(names.across.label)
         axes.set_ylabel(names.upwards.label)
         axes.spines[:].set_visible(True)
     return drawing.svg
 
 
-def _mark(axes: Axes, marks: Sequence[tuple[int, int]]) -> None:
-    """One mark a cell, with the numbers of all that lie in it."""
-    places: dict[tuple[int, int], list[str]] = {}
-    for number, place in enumerate(marks, 1):
-        places.setdefault(place, []).append(str(number))
-    for (column, row), numbers in places.items():
+def _draw_marks(axes: Axes, marks: Sequence[tuple[int, int]]) -> None:
+    """One mark a cell, with the numbers of all objects in it."""
+    numbers_of: dict[tuple[int, int], list[str]] = {}
+    for number, cell in enumerate(marks, 1):
+        numbers_of.setdefault(cell, []).append(str(number))
+    for (column, row), numbers in numbers_of.items():
         axes.plot(column, row, "o", color=MARK, markersize=6, markeredgecolor="white")
         more = f" +{len(numbers) - FEW}" if len(numbers) > FEW else ""
         axes.annotate(

@@ -1,8 +1,8 @@
-"""A view of objects in 3D with their labelled grasps: the data, packed, and a page of its own.
+"""Objects in 3D with their labelled grasps: packed data, and a page with one object.
 
-Everything about an object travels as one block of bytes, compressed and as base64: coordinates as
-whole steps of its box, vertices and faces as differences from the one before, so that they
-compress. `viewer.js` unpacks it.
+Each object is one block of bytes, compressed, as base64. Coordinates are whole steps of its box.
+Vertices and faces are differences from the one before, which compress well. `viewer.js` unpacks
+them.
 """
 
 import base64
@@ -17,7 +17,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.grasps.gripper import Gripper
-from egad.report.environment import environment
+from egad.report.page import render_template
 
 STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm
 UNIT = 2**15 - 1
@@ -69,7 +69,7 @@ def pack(scene: Scene) -> dict[str, Any]:
     Returns:
         `name`, `title`, `note`; `counts` of vertices, faces and grasps; `origin` and `step`, by
         which coordinates become metres; and `data`: the following little-endian arrays, one after
-        the other, compressed by zlib, as base64. Faces and vertices (see `_folded`), each metric
+        the other, compressed by zlib, as base64. Faces and vertices (see `_zigzag`), each metric
         (32-bit float), contacts (16 bit), approaches (signed 16 bit, in 1 / 32767) and whether
         the grasp is free of collision (8 bit).
     """
@@ -79,8 +79,8 @@ def pack(scene: Scene) -> dict[str, Any]:
     contacts = scene.grasps[_columns("contact0", "contact1")].to_numpy().reshape(-1, 3)
     approach = scene.grasps[_columns("approach")].to_numpy()
     blocks = [
-        _folded(faces),
-        _folded(_steps(vertices, origin, step)),
+        _zigzag(faces),
+        _zigzag(_steps(vertices, origin, step)),
         *(scene.grasps[key].to_numpy().astype("<f4") for key in METRICS),
         _steps(contacts, origin, step),
         np.round(approach * UNIT).astype("<i2"),
@@ -106,26 +106,25 @@ def page(scene: Scene, name: str, gripper: Gripper) -> str:
         name: Name of the gripper.
         gripper: What the grasps are for.
     """
-    template = environment().get_template("view.html.j2")
     data = viewer_data([scene], gripper)
-    return template.render(scene=scene, name=name, gripper=gripper, viewer=data)
+    return render_template("view", scene=scene, name=name, gripper=gripper, viewer=data)
 
 
 def _columns(*names: str) -> list[str]:
-    return [f"{name}_{part}" for name in names for part in "xyz"]
+    return [f"{name}_{axis}" for name in names for axis in "xyz"]
 
 
 def _steps(
     points: NDArray[np.float64], origin: NDArray[np.float64], step: float
 ) -> NDArray[np.uint16]:
-    """Points as whole steps from the origin; what lies outside is brought to the edge."""
+    """Points as whole steps from the origin, clipped to the box."""
     return np.clip(np.round((points - origin) / step), 0, STEPS).astype("<u2")
 
 
-def _folded(rows: NDArray[np.integer]) -> NDArray[np.uint8]:
-    """Each row less the one before, the sign as lowest bit, as 32 bit: byte by byte, lowest first.
+def _zigzag(rows: NDArray[np.integer]) -> NDArray[np.uint8]:
+    """Each row minus the one before, sign in the lowest bit, as 32 bit: byte by byte, lowest first.
 
-    Small numbers of either sign so leave long runs of zeros.
+    Small differences, which are most, give long runs of zeros.
     """
     steps = rows.astype(np.int64)
     steps[1:] -= rows[:-1]

@@ -4,7 +4,7 @@ import pytest
 from egad.learning.dataset import LearningSet, Rule
 from egad.learning.evaluation import Score
 from egad.learning.model_card import Trained, card, counts, table
-from egad.report.training_chart import training_chart
+from egad.report.training import training_chart
 
 
 @pytest.fixture
@@ -47,4 +47,4 @@ def test_tables_are_markdown():
 
 def test_the_chart_is_the_same_for_the_same_history(history):
     assert training_chart(history) == training_chart(history)
-    assert "taken" in training_chart(history)
+    assert "kept" in training_chart(history)

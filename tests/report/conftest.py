@@ -7,9 +7,8 @@ import trimesh
 
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.pipeline.config import Dataset, Settings
-from egad.pipeline.report.page import ReportData, build
-from egad.report.data import DatasetReport
-from egad.report.render import png_bytes, render
+from egad.pipeline.report.page import DatasetReport, ReportData, build
+from egad.report.pictures import png_bytes, render
 from egad.report.viewer import Scene
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
@@ -100,7 +99,7 @@ def trials() -> pd.DataFrame:
 
 @pytest.fixture(scope="session")
 def agreement() -> pd.DataFrame:
-    """Robust quality tells all, plain quality nothing; two grasps at C4 collide."""
+    """Robust quality predicts all, nominal quality nothing; two grasps at C4 collide."""
     success = np.tile([True, False], 20)
     frame = pd.DataFrame({"label": ["A0"] * 20 + ["C4"] * 20, "success": success})
     outcome = np.where(success, "success", "dropped").astype(object)

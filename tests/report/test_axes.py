@@ -8,9 +8,9 @@ from egad.pipeline.cli.show import measured
 from egad.pipeline.config import Axes, Space
 from egad.pipeline.report.page import build
 from egad.report.axes import USUAL, axis_pair
-from egad.report.collage import collage
-from egad.report.heat_map import trial_heat_map
 from egad.report.locations import location_map
+from egad.report.space_map import collage
+from egad.report.trial_charts import trial_heat_map
 from egad.stats.rates import trial_grid
 
 OWN = Axes(complexity="a.py:wall_thickness", difficulty="b.c:slenderness")

@@ -12,11 +12,19 @@ from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.report import live_map as module
-from egad.report.live_map import LiveMap
+from egad.report.live_map import EpochOfIsland, LiveMap
 
 SETTINGS = select(Settings(), EvolutionParameters)
 STEPS = SETTINGS.evolution.steps_per_epoch
 SPACE = SETTINGS.space
+
+
+EVALUATIONS = STEPS * SETTINGS.evolution.population
+
+
+def live_map(page, run, epoch, island, islands=None):
+    about = EpochOfIsland(run, epoch, island, EVALUATIONS, islands)
+    return LiveMap(page, about, SPACE, SETTINGS.shape.resolution)
 
 
 def elites(count, seed=0):
@@ -43,7 +51,10 @@ def cells_of(some):
 
 
 def steps(count):
-    return [{"offspring": 100, "coverage": n / 500, "elites": n} for n in range(1, count + 1)]
+    return [
+        {"offspring": SETTINGS.evolution.population, "coverage": n / 500, "elites": n}
+        for n in range(1, count + 1)
+    ]
 
 
 def shown(page):
@@ -61,14 +72,14 @@ def page(tmp_path, monkeypatch):
 
 
 def test_the_page_is_there_before_the_first_object(page):
-    LiveMap(page, "run", SETTINGS, 0, 0)
+    live_map(page, "run", 0, 0)
     assert shown(page) == {}
     assert 'http-equiv="refresh"' in page.read_text()
 
 
 def test_every_cell_with_objects_has_a_picture_and_their_number(page):
     found = elites(40)
-    LiveMap(page, "run", SETTINGS, 0, 0)(SimpleNamespace(elites=found), steps(3))
+    live_map(page, "run", 0, 0)(SimpleNamespace(elites=found), steps(3))
     assert set(shown(page)) == cells_of(found)
     assert sum(shown(page).values()) == 40
     assert "300 of" in page.read_text().replace("\N{NARROW NO-BREAK SPACE}", "")
@@ -77,11 +88,11 @@ def test_every_cell_with_objects_has_a_picture_and_their_number(page):
 def test_islands_of_a_run_are_on_one_page_and_others_are_not(page):
     found = [elites(10, seed) for seed in range(3)]
     for island, run in enumerate(("run", "run", "another")):
-        LiveMap(page, run, SETTINGS, 0, island)(SimpleNamespace(elites=found[island]), steps(1))
+        live_map(page, run, 0, island)(SimpleNamespace(elites=found[island]), steps(1))
     assert set(shown(page)) == cells_of(found[2])
     for number, text in enumerate(("{ broken", "[]", "{}"), 7):
         (page.with_suffix("") / f"island-{number}.json").write_text(text)
-    LiveMap(page, "run", SETTINGS, 0, 0)(SimpleNamespace(elites=found[0]), steps(1))
+    live_map(page, "run", 0, 0)(SimpleNamespace(elites=found[0]), steps(1))
     assert set(shown(page)) == cells_of(found[0] + found[1])
 
 
@@ -89,19 +100,19 @@ def test_islands_of_an_earlier_run_are_not_on_the_page(page):
     """There were 4 islands and 2 epochs; now there are 2, and the first has begun again."""
     found = [elites(10, seed) for seed in range(4)]
     for epoch, island in ((0, 0), (1, 1), (0, 2), (0, 3)):
-        live = LiveMap(page, "run", SETTINGS, epoch, island)
+        live = live_map(page, "run", epoch, island)
         live(SimpleNamespace(elites=found[island]), steps(1))
     for island in range(2):
-        live = LiveMap(page, "run", SETTINGS, 0, island, islands=2)
+        live = live_map(page, "run", 0, island, islands=2)
         assert set(shown(page)) == (cells_of(found[0]) if island else set())
         live(SimpleNamespace(elites=found[island]), steps(1))
     assert set(shown(page)) == cells_of(found[0] + found[1])
-    LiveMap(page, "run", SETTINGS, 1, 0, islands=2)
+    live_map(page, "run", 1, 0, islands=2)
     assert shown(page) == {}
 
 
 def test_the_page_needs_no_other_file(page):
-    LiveMap(page, "run", SETTINGS, 0, 0)(SimpleNamespace(elites=elites(5)), steps(1))
+    live_map(page, "run", 0, 0)(SimpleNamespace(elites=elites(5)), steps(1))
     sources = re.findall(r'(?:src|href)="([^"]*)"', page.read_text())
     assert sources
     assert all(source.startswith("data:image/png;base64,") for source in sources)
@@ -111,7 +122,7 @@ def test_the_page_needs_no_other_file(page):
 
 def test_it_is_written_rarely_but_always_at_the_end(page, monkeypatch):
     monkeypatch.setattr(module, "INTERVAL", 1e6)
-    live, found = LiveMap(page, "run", SETTINGS, 0, 0), elites(20)
+    live, found = live_map(page, "run", 0, 0), elites(20)
     for count in (5, 10):
         live(SimpleNamespace(elites=found[:count]), steps(count))
     assert set(shown(page)) == cells_of(found[:5])
@@ -127,7 +138,7 @@ def test_a_picture_is_drawn_once_and_an_elite_that_went_is_not_shown(page, monke
         return "data:image/png;base64,"
 
     monkeypatch.setattr(module, "picture_of", picture_of)
-    live, found = LiveMap(page, "run", SETTINGS, 0, 0), elites(30)
+    live, found = live_map(page, "run", 0, 0), elites(30)
     live(SimpleNamespace(elites=found), steps(1))
     live(SimpleNamespace(elites=found[10:]), steps(2))
     assert set(shown(page)) == cells_of(found[10:])
@@ -148,7 +159,7 @@ def test_pictures_of_the_epoch_before_do_not_delay_the_second_page_but_new_ones_
     monkeypatch.setattr(module, "picture_of", picture_of)
     monkeypatch.setattr(module, "INTERVAL", 10.0)
     monkeypatch.setattr(module, "SHARE", 0.01)
-    live, found = LiveMap(page, "run", SETTINGS, 1, 0), elites(60)
+    live, found = live_map(page, "run", 1, 0), elites(60)
     written = []
     for count in (20, 40, 60):
         live(SimpleNamespace(elites=found[:count]), steps(1))
@@ -162,5 +173,5 @@ def test_pictures_of_the_epoch_before_do_not_delay_the_second_page_but_new_ones_
 
 def test_evolution_goes_on_where_the_page_cannot_be_written(page, caplog):
     page.parent.write_text("a file where a folder should be")
-    LiveMap(page, "run", SETTINGS, 0, 0)(SimpleNamespace(elites=elites(2)), steps(1))
+    live_map(page, "run", 0, 0)(SimpleNamespace(elites=elites(2)), steps(1))
     assert "map.html" in caplog.text

@@ -9,9 +9,8 @@ import pytest
 import trimesh
 
 from egad.pipeline.config import Settings
-from egad.pipeline.report.page import ReportData, build
-from egad.report.data import DatasetReport
-from egad.report.render import png_bytes, render
+from egad.pipeline.report.page import DatasetReport, ReportData, build
+from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 from egad.tables.grasping import GRASPS, SIZE_EFFECT
@@ -137,7 +136,7 @@ def test_a_cell_tells_its_most_diverse_objects(page, objects, pictures):
 def test_the_evaluation_set_says_what_is_empty(page):
     assert page.classes["vacant"] == 46
     assert page.tags["figure"] == 49
-    assert "46 of 49 places are empty" in page.words()
+    assert "46 of 49 cells are empty" in page.words()
 
 
 def test_a_click_on_an_object_of_the_set_leads_to_it_in_the_viewer(page, html, evalset):
@@ -152,11 +151,11 @@ def test_a_click_on_an_object_of_the_set_leads_to_it_in_the_viewer(page, html, e
 def test_key_numbers(page):
     words = page.words()
     assert "40 objects" in words
-    assert "15 of 40 attempts on 2 objects: 38 % , with a 95 % interval of 0 % to 75 %" in words
+    assert "15 of 40 attempts on 2 objects: 38 % (95 % interval 0 % to 75 %)" in words
     assert "EGAD, 2020 published 2 331 93 % \N{EN DASH} 0.07 0.27 0.19" in words
     assert "Dex-Net 2.0 published 1 497 37 % \N{EN DASH} 0.03 0.26 0.11" in words
     assert "no volume postprocess 2" in words
-    assert "on none: G6" in words
+    assert "on no plate: G6" in words
 
 
 def test_every_setting_is_listed_with_its_meaning(page, report):

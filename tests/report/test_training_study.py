@@ -11,8 +11,8 @@ from egad.pipeline.config import TrainingSet
 from egad.pipeline.config.check import check
 from egad.pipeline.config.stage_settings import DiversityReport, select
 from egad.pipeline.config.training_study import networks_of
-from egad.pipeline.report.training_study import Experiment, Images, Training, described, page
-from egad.report.trial_views import Set
+from egad.pipeline.report.training_study import Images, Study, Training, describe, page
+from egad.report.trials import EvaluationSet
 from egad.tables.training import COMPARED, HISTORY
 
 CONFIG = {
@@ -55,7 +55,7 @@ def history(seed):
     return pd.DataFrame(numbers | {"epoch": [0, 1, 2], "images": [8, 16, 24], "taken": taken})
 
 
-def experiment(config=CONFIG):
+def study(config=CONFIG):
     whole = check(config)
     found = networks_of(whole)
     names = [(each.training_set, each.seed, each.name) for each in found] + [("", 0, "random")]
@@ -63,10 +63,10 @@ def experiment(config=CONFIG):
     trained = [each for each in found if each.training_set != "given"]
     settings = select(whole, DiversityReport)
     by_name = dict(sorted(settings.training_sets.items()))  # as the workflow hands them over
-    return Experiment(
+    return Study(
         settings=settings.model_copy(update={"training_sets": by_name}),
         table=pd.concat(tried(test, *name) for test in whole.diversity.tests for name in names),
-        tests={test: Set(3, 3) for test in whole.diversity.tests},
+        tests={test: EvaluationSet(3, 3) for test in whole.diversity.tests},
         images={
             each.training_set: Images(frozenset({"own A0", "own A1", "egad A0"}), 44)
             for each in trained
@@ -77,7 +77,7 @@ def experiment(config=CONFIG):
 
 @pytest.fixture(scope="module")
 def text():
-    return page(experiment())
+    return page(study())
 
 
 def rows(text, heading):
@@ -89,7 +89,7 @@ def rows(text, heading):
 
 
 def test_the_page_needs_no_other_file_and_is_the_same_every_time(text):
-    assert text == page(experiment())
+    assert text == page(study())
     assert text.startswith("<!DOCTYPE html>")
     sources = re.findall(r'(?:src|href)="([^"]*)"', text)
     assert sources
@@ -106,7 +106,7 @@ def test_the_sets_are_told_in_their_order(text):
 
 def test_every_set_is_in_every_test_with_its_networks(text):
     for test in ("egad", "own"):
-        found = rows(text, f"<h2>Tried on {test}</h2>")
+        found = rows(text, f"<h2>Tested on {test}</h2>")
         assert [line[0] for line in found] == ["simple", "own", "given", "random"]
         simple = pd.concat(tried(test, "simple", seed, "") for seed in (0, 1))
         assert found[0][1] == f"{simple['success'].mean():.1%}".replace("%", " %")
@@ -117,27 +117,27 @@ def test_every_set_is_in_every_test_with_its_networks(text):
 
 def test_what_was_learnt_from_is_said_where_it_is_tried(text):
     """Objects of other datasets may have the same names."""
-    own = text.partition("<h2>Tried on own</h2>")[2]
-    assert "<code>own</code> learnt from 2 of them" in own
+    own = text.partition("<h2>Tested on own</h2>")[2]
+    assert "<code>own</code> were trained on 2 of them" in own
     assert [line[-1] for line in rows(own, "</p>")[:3]] == ["0", "2", "0"]
-    egad = text.partition("<h2>Tried on egad</h2>")[2].partition("<h2>Tried on own</h2>")[0]
-    assert "<code>simple</code> learnt from 1 of them" in egad
-    assert "<code>own</code> learnt" not in egad
+    egad = text.partition("<h2>Tested on egad</h2>")[2].partition("<h2>Tested on own</h2>")[0]
+    assert "<code>simple</code> were trained on 1 of them" in egad
+    assert "<code>own</code> were trained" not in egad
 
 
 def test_every_pair_is_tested_and_corrected(text):
-    found = rows(text.partition("<h2>Tried on egad</h2>")[2], "Are these networks better?")
+    found = rows(text.partition("<h2>Tested on egad</h2>")[2], "Differences between sets")
     assert [line[0] for line in found] == [
-        "simple against own",
-        "simple against given",
-        "own against given",
+        "simple vs. own",
+        "simple vs. given",
+        "own vs. given",
     ]
     assert all(line[1] == str(len(LABELS)) for line in found)
     assert all(line[2] == "80 of 80" for line in found)
 
 
 def test_a_pair_tells_the_difference_of_each_two_networks(text):
-    found = rows(text.partition("<h2>Tried on egad</h2>")[2], "Are these networks better?")
+    found = rows(text.partition("<h2>Tested on egad</h2>")[2], "Differences between sets")
     simple, own = (
         [tried("egad", name, seed, "")["success"].mean() for seed in (0, 1)]
         for name in ("simple", "own")
@@ -154,7 +154,9 @@ def test_the_luck_of_trainings_is_told_beside_them(text):
             [tried(test, name, seed, "")["success"].mean() for seed in (0, 1)]
             for name in ("simple", "own")
         ]
-        found = text.partition(f"<h2>Tried on {test}</h2>")[2].partition("luck of trainings?")[2]
+        found = text.partition(f"<h2>Tested on {test}</h2>")[2].partition(
+            "Variance between training seeds"
+        )[2]
         said = re.sub(r"\s+", " ", found.partition("</p>")[0]).replace("\N{NO-BREAK SPACE}", " ")
         spread = np.sqrt(np.mean([np.var(rates, ddof=1) for rates in each]))
         assert f"standard deviation of {spread:.1%}".replace("%", " %") in said
@@ -163,7 +165,7 @@ def test_the_luck_of_trainings_is_told_beside_them(text):
 
 
 def test_trainings_are_told_with_the_weights_that_were_taken(text):
-    found = rows(text, 'alt="Validation loss and score of all trainings"')
+    found = rows(text, 'alt="Validation loss and score of all networks"')
     assert [line[0] for line in found] == ["simple-0", "simple-1", "own-0", "own-1"]
     assert found[1][1:4] == ["24", "24", "0.1100"]
     assert found[1][5] == "75.0 %"
@@ -176,20 +178,20 @@ def test_a_name_cannot_break_the_page(text):
 
 def test_given_weights_alone_have_no_training():
     alone = {"sets": ["given"], "tests": ["egad"]}
-    found = page(experiment({**CONFIG, "diversity": alone}))
+    found = page(study({**CONFIG, "diversity": alone}))
     assert "Validation loss" not in found
-    assert "Are these networks better?" not in found
-    assert [line[0] for line in rows(found, "<h2>Tried on egad</h2>")] == ["given", "random"]
+    assert "Differences between sets" not in found
+    assert [line[0] for line in rows(found, "<h2>Tested on egad</h2>")] == ["given", "random"]
 
 
 def test_sets_in_words():
-    assert described(TrainingSet(dataset="egad")) == (
-        "dataset `egad`, all objects, but for its evaluation set"
+    assert describe(TrainingSet(dataset="egad")) == (
+        "dataset `egad`, all objects, without its evaluation set"
     )
     part = TrainingSet(dataset="egad", complexity=(0.667, 1.0), hold_out=False)
-    assert described(part) == "dataset `egad`, ranks 0.667 to 1 in complexity"
+    assert describe(part) == "dataset `egad`, complexity ranks 0.667 to 1"
     few = TrainingSet(dataset="egad", part=0.333)
-    assert described(few) == (
-        "dataset `egad`, all objects, of these 33.3% drawn by chance, but for its evaluation set"
+    assert describe(few) == (
+        "dataset `egad`, all objects, a random sample of 33.3%, without its evaluation set"
     )
-    assert described(TrainingSet(weights="w.pt")) == "given weights, `w.pt`: nothing was trained"
+    assert describe(TrainingSet(weights="w.pt")) == "given weights, `w.pt`, without training"

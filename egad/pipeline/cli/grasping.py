@@ -46,7 +46,7 @@ def size_effect(
     from egad.pipeline.cli.show import size_curves
     from egad.pipeline.config.stage_settings import select
     from egad.pipeline.stages import size_effect as stage
-    from egad.report.size_chart import size_chart
+    from egad.report.grasps import size_chart
     from egad.tables.grasping import SIZE_EFFECT
 
     for path in out:

@@ -123,7 +123,8 @@ def locate(
     for path in out:
         if path.suffix.lower() == ".html":
             reasons = _reasons(table)
-            text = page(str(among), objects.objects, shown, reasons, settings.space, settings.axes)
+            axes = axis_pair(settings.axes)
+            text = page(str(among), objects.objects, shown, reasons, settings.space, axes)
             write_text(path, text)
         else:
             write_frame(table, LOCATED, path)

@@ -9,8 +9,8 @@ from rich.table import Table
 
 from egad.measures.grid import cell_name
 from egad.report.axes import AxisPair
-from egad.report.environment import p_value
-from egad.report.trial_views import Pair
+from egad.report.page import p_value
+from egad.report.trials import Pair
 from egad.stats.rates import Mean
 
 DASH = "-"
@@ -149,8 +149,7 @@ def _titles(axes: AxisPair) -> list[str]:
 
 def _orders(axes: AxisPair) -> tuple[str, str]:
     """What the objects before this one are, along both axes."""
-    words = {"simple": "simpler %", "low": "lower %", "easy": "easier %", "high": "higher %"}
-    return words[axes.across.start], words[axes.upwards.start]
+    return f"{axes.across.before} %", f"{axes.upwards.before} %"
 
 
 def _place(row: pd.Series, axes: AxisPair) -> tuple[str, str, str, str]:

@@ -150,7 +150,7 @@ def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
     from egad.pipeline.archive_settings import check_provenance
     from egad.pipeline.config.stage_settings import LocateMeshes, select
     from egad.report.axes import axis_pair
-    from egad.report.dataset_maps import dataset_maps
+    from egad.report.comparison import dataset_maps
     from egad.tables import parquet
     from egad.tables.evolution import ARCHIVE
 

@@ -144,7 +144,7 @@ def template(
 def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
     """Print rates, and what is known of each two detectors."""
     from egad.pipeline.cli.show import compared, succeeded
-    from egad.report.trial_views import pairs
+    from egad.report.trials import pairs
     from egad.stats.rates import mean_rate
 
     succeeded({name: mean_rate(table) for name, table in found.items()})
@@ -158,8 +158,7 @@ def _write(
     from egad._util.files import write_text
     from egad.evalset.selection import place
     from egad.report.axes import axis_pair
-    from egad.report.trial_views import Set
-    from egad.report.trials_page import page
+    from egad.report.trials import EvaluationSet, page
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49
 
@@ -167,4 +166,5 @@ def _write(
     places = [place(label) for table in found.values() for label in table["label"].unique()]
     rows = max(settings.select_eval.rows, *(row + 1 for row, _ in places))
     columns = max(settings.select_eval.columns, *(column + 1 for _, column in places))
-    write_text(out, page(found, Set(rows, columns, chosen, axis_pair(settings.axes))))
+    tried = EvaluationSet(rows, columns, chosen, axis_pair(settings.axes))
+    write_text(out, page(found, tried))

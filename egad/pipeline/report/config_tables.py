@@ -30,7 +30,7 @@ class ParameterTable:
 
 @dataclass(frozen=True)
 class EntryTable:
-    """Named entries of one kind side by side, such as grippers: a row an entry."""
+    """Named entries of one kind, such as grippers, one row per entry."""
 
     name: str
     summary: str
@@ -39,7 +39,7 @@ class EntryTable:
 
 
 def parameter_tables(settings: Settings) -> list[ParameterTable]:
-    """Sections of the configuration, in the order of the file; single keys come first."""
+    """The sections of the configuration, in the order of the file; single keys come first."""
     single, sections = [], []
     for name, field in Settings.model_fields.items():
         value = getattr(settings, name)
@@ -47,7 +47,7 @@ def parameter_tables(settings: Settings) -> list[ParameterTable]:
             sections.append(_section(name, value))
         elif not _is_table(value):
             single.append(_parameter(name, value, field))
-    return [ParameterTable("general", "Of the whole run", single), *sections]
+    return [ParameterTable("general", "Settings of the whole run.", single), *sections]
 
 
 def entry_tables(settings: Settings) -> list[EntryTable]:

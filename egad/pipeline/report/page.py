@@ -1,23 +1,66 @@
-"""The report: one HTML page that needs no other file and no network."""
+"""The report of a run: one HTML page that needs no other file and no network.
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+Each section is a module of `egad.report`; this one hands it tables and the values of settings.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import pandas as pd
 
 from egad.pipeline.config.settings import Settings
 from egad.pipeline.report.config_tables import entry_tables, parameter_tables
-from egad.report import figures, maps, summary
-from egad.report.agreement_view import Agreement, agreement
-from egad.report.axes import axis_pair
-from egad.report.data import DatasetReport
-from egad.report.dataset_maps import dataset_maps
-from egad.report.environment import environment
-from egad.report.filling import filling_curves, filling_film
-from egad.report.size_chart import size_chart
-from egad.report.trial_views import Results, Set, results
-from egad.report.viewer import viewer_data
+from egad.report import (
+    agreement,
+    comparison,
+    evaluation,
+    evolution,
+    grasps,
+    space_map,
+    summary,
+    trials,
+)
+from egad.report.axes import AxisPair, axis_pair
+from egad.report.page import Section, report_page, section_of
+from egad.report.viewer import Scene
+
+KINDS = {"evolved": "evolved", "primitives": "random"}
+ByGripper = Mapping[str, pd.DataFrame]
+
+
+@dataclass(frozen=True)
+class DatasetReport:
+    """Tables and pictures of one dataset. What was not made for it is absent.
+
+    Attributes:
+        objects: Columns of `tables.objects.OBJECTS`.
+        rejected: Columns of `tables.objects.REJECTED`.
+        pictures: PNG of each object, by its label; objects without one are shown without.
+        evalset: Columns of `tables.evaluation.EVAL49`.
+        evalset_pictures: Larger PNGs, by the label in the evaluation set; optional.
+        grasps: Columns of `tables.grasping.GRASPS`, by gripper.
+        scales: Columns of `tables.grasping.SCALES`, by gripper.
+        size_effects: Columns of `tables.grasping.SIZE_EFFECT`, by gripper.
+        manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
+        trials: Columns of `tables.evaluation.TRIALS`, by gripper and detector.
+        agreement: Columns of `tables.evaluation.AGREEMENT`, by gripper.
+        scenes: Objects of the evaluation set with grasps of the first gripper.
+        history: Columns of `tables.evolution.HISTORY`; only of a dataset evolved here.
+    """
+
+    objects: pd.DataFrame
+    rejected: pd.DataFrame
+    pictures: Mapping[str, bytes] = field(default_factory=dict)
+    evalset: pd.DataFrame | None = None
+    evalset_pictures: Mapping[str, bytes] = field(default_factory=dict)
+    grasps: ByGripper = field(default_factory=dict)
+    scales: ByGripper = field(default_factory=dict)
+    size_effects: ByGripper = field(default_factory=dict)
+    manifests: ByGripper = field(default_factory=dict)
+    trials: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
+    agreement: ByGripper = field(default_factory=dict)
+    scenes: Sequence[Scene] = ()
+    history: pd.DataFrame | None = None
 
 
 @dataclass(frozen=True)
@@ -37,30 +80,6 @@ class ReportData:
     versions: Mapping[str, str]
 
 
-@dataclass(frozen=True)
-class DatasetView:
-    """One dataset as the templates show it; figures are addresses, empty if there is none."""
-
-    name: str
-    source: str
-    numbers: summary.Row
-    space_map: maps.SpaceMap
-    evaluation: list[list[maps.Place]]
-    chosen: int
-    grasps: list[summary.Row]
-    grasp_figure: str
-    size_figures: dict[str, str]
-    viewer: dict[str, Any] | None
-    scales: list[summary.Row]
-    results: dict[str, Results]
-    agreement: dict[str, Agreement]
-    regrading: summary.Row | None
-    curves: str
-    film: str
-    rejections: list[summary.Row]
-    rejected: Sequence[Mapping[Any, Any]]
-
-
 def build(report: ReportData) -> str:
     """Put a run together as one HTML page.
 
@@ -70,75 +89,157 @@ def build(report: ReportData) -> str:
     Returns:
         The text of the page: the same for the same report. Pictures and figures are inline.
     """
-    axes = axis_pair(report.settings.axes)
-    views = [_view(name, data, report.settings) for name, data in report.datasets.items()]
-    objects = {name: data.objects for name, data in report.datasets.items()}
-    return (
-        environment()
-        .get_template("page.html.j2")
-        .render(
-            settings=report.settings,
-            axes=axes,
-            views=views,
-            comparison=report.comparison.to_dict("records"),
-            published=summary.PUBLISHED.to_dict("records"),
-            dataset_maps=_figure(dataset_maps(objects, report.settings.space, axes)),
-            comparison_figure=_figure(figures.comparison_chart(report.comparison)),
-            parameters=parameter_tables(report.settings),
-            entries=entry_tables(report.settings),
-            versions=report.versions,
-        )
+    return report_page(_sections(report))
+
+
+def _sections(report: ReportData) -> Iterator[Section]:
+    """All sections, in their order; those without any content are left out."""
+    settings, datasets = report.settings, report.datasets
+    axes, space = axis_pair(settings.axes), settings.space
+    results = {name: _results(data, settings, axes) for name, data in datasets.items()}
+    objects = {name: data.objects for name, data in datasets.items()}
+    yield _summary(datasets, results, settings, axes)
+    maps = {
+        name: space_map.space_map(data.objects, data.pictures, space)
+        for name, data in datasets.items()
+    }
+    yield space_map.section(maps, space, axes)
+    yield from _evolution(datasets, settings, axes)
+    yield from _evaluation(datasets, settings, axes)
+    yield comparison.section(report.comparison, objects, space, axes)
+    yield from _grasps(datasets, settings)
+    yield from _trials(results, settings)
+    yield from _agreement(datasets, settings)
+    yield summary.rejected_section({name: data.rejected for name, data in datasets.items()})
+    yield section_of(
+        "parameters",
+        "Parameters",
+        parameters=parameter_tables(settings),
+        entries=entry_tables(settings),
+        versions=report.versions,
     )
 
 
-def _view(name: str, data: DatasetReport, settings: Settings) -> DatasetView:
-    grasps = {key: table for key, table in data.grasps.items() if len(table)}
-    grippers = list(dict.fromkeys([*data.scales, *data.manifests]))
-    history = data.history
-    return DatasetView(
-        name=name,
-        source=settings.datasets[name].source,
-        numbers=summary.space_numbers(data.objects, settings.space),
-        space_map=maps.space_map(data, settings.space),
-        evaluation=maps.evaluation_grid(data, settings.select_eval),
-        chosen=0 if data.evalset is None else len(data.evalset),
-        grasps=[summary.grasp_numbers(key, table) for key, table in grasps.items()],
-        grasp_figure=_figure(figures.grasp_distributions(grasps)) if grasps else "",
-        size_figures={
-            gripper: _figure(size_chart(table))
-            for gripper, table in data.size_effects.items()
-            if len(table)
-        },
-        viewer=viewer_data(data.scenes, settings.grippers[settings.targets.grippers[0]])
-        if data.scenes
-        else None,
-        scales=[summary.scale_numbers(gripper, data) for gripper in grippers],
-        results=_results(data, settings),
-        agreement={
-            gripper: agreement(table, settings.select_eval.rows)
-            for gripper, table in data.agreement.items()
-            if len(table)
-        },
-        regrading=summary.regrading(data.objects, settings.space),
-        curves=_figure(filling_curves({name: history})) if history is not None else "",
-        film=maps.data_uri(filling_film(history, settings.space), "image/gif")
-        if history is not None
-        else "",
-        rejections=summary.rejection_counts(data.rejected),
-        rejected=data.rejected.sort_values(["stage", "id"]).to_dict("records"),
-    )
-
-
-def _results(data: DatasetReport, settings: Settings) -> dict[str, Results]:
+def _results(data: DatasetReport, settings: Settings, axes: AxisPair) -> dict[str, trials.Results]:
     """What the detectors achieved, by gripper."""
     tables: dict[str, dict[str, pd.DataFrame]] = {}
-    for (gripper, policy), trials in data.trials.items():
-        if len(trials):
-            tables.setdefault(gripper, {})[policy] = trials
-    chosen, axes = data.evalset, axis_pair(settings.axes)
-    tried = Set(settings.select_eval.rows, settings.select_eval.columns, chosen, axes)
-    return {gripper: results(found, tried) for gripper, found in tables.items()}
+    for (gripper, detector), table in data.trials.items():
+        if len(table):
+            tables.setdefault(gripper, {})[detector] = table
+    layout = settings.select_eval
+    tried = trials.EvaluationSet(layout.rows, layout.columns, data.evalset, axes)
+    return {gripper: trials.trial_results(each, tried) for gripper, each in tables.items()}
 
 
-def _figure(svg: str) -> str:
-    return maps.data_uri(svg.encode(), "image/svg+xml")
+def _summary(
+    datasets: Mapping[str, DatasetReport],
+    results: Mapping[str, Mapping[str, trials.Results]],
+    settings: Settings,
+    axes: AxisPair,
+) -> Section:
+    summaries = {
+        name: summary.summarize(
+            KINDS.get(settings.datasets[name].source, "given"),
+            data.objects,
+            settings.space,
+            0 if data.evalset is None else len(data.evalset),
+            results[name],
+        )
+        for name, data in datasets.items()
+    }
+    capacity = settings.select_eval.rows * settings.select_eval.columns
+    return summary.section(summaries, settings.space, axes, capacity)
+
+
+def _evolution(
+    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair
+) -> Iterator[Section]:
+    found = {
+        name: evolution.evolution_view(data.objects, data.history, settings.space)
+        for name, data in datasets.items()
+    }
+    views = {name: view for name, view in found.items() if view}
+    grasps_used = (settings.difficulty.grasps, settings.postprocess.grasps)
+    if views:
+        yield evolution.section(
+            views,
+            settings.space,
+            axes,
+            grasps=None if settings.axes.difficulty else grasps_used,
+            islands=settings.schedule.islands,
+            named=len(datasets) > 1,
+        )
+
+
+def _evaluation(
+    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair
+) -> Iterator[Section]:
+    layout, name_of_gripper = settings.select_eval, settings.targets.grippers[0]
+    views = {
+        name: evaluation.evaluation_view(
+            data.evalset,
+            layout.rows,
+            layout.columns,
+            {**data.pictures, **data.evalset_pictures},
+            data.scenes,
+            settings.grippers[name_of_gripper],
+        )
+        for name, data in datasets.items()
+        if data.evalset is not None and len(data.evalset)
+    }
+    if views:
+        yield evaluation.section(
+            views,
+            axes,
+            percentile=None if settings.axes.difficulty else settings.difficulty.percentile,
+            gripper=name_of_gripper,
+            named=len(datasets) > 1,
+        )
+
+
+def _grasps(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterator[Section]:
+    found = {
+        name: grasps.grasp_view(data.grasps, data.size_effects, data.scales, data.manifests)
+        for name, data in datasets.items()
+    }
+    views = {name: view for name, view in found.items() if view}
+    if views:
+        yield grasps.section(
+            views,
+            most_grasps=settings.grasp_label.grasps,
+            copies=settings.robust.samples,
+            size_grasps=settings.size_effect.grasps,
+            size_repeats=settings.size_effect.repeats,
+            named=len(datasets) > 1,
+        )
+
+
+def _trials(
+    results: Mapping[str, Mapping[str, trials.Results]], settings: Settings
+) -> Iterator[Section]:
+    if any(results.values()):
+        yield trials.section(
+            results,
+            attempts=settings.trials.attempts,
+            lift_height=settings.trials.lift_height,
+            named=len(results) > 1,
+        )
+
+
+def _agreement(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterator[Section]:
+    found = {
+        name: {
+            gripper: agreement.agreement(table, settings.select_eval.rows)
+            for gripper, table in data.agreement.items()
+            if len(table)
+        }
+        for name, data in datasets.items()
+    }
+    if any(found.values()):
+        yield agreement.section(
+            found,
+            lift_height=settings.trials.lift_height,
+            hold_time=settings.trials.hold_time,
+            friction=settings.quality.friction,
+            named=len(datasets) > 1,
+        )

@@ -7,8 +7,8 @@ from egad._util.progress import progress
 from egad.exchange.meshes import read_mesh
 from egad.pipeline.config import Axes, Space
 from egad.report.axes import axis_pair
-from egad.report.collage import collage, most_diverse
-from egad.report.render import png_bytes, render
+from egad.report.pictures import png_bytes, render
+from egad.report.space_map import collage, most_diverse
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 

@@ -12,8 +12,7 @@ from egad.pipeline.config import Axes, Space
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Output, command
 from egad.report.axes import axis_pair
-from egad.report.dataset_maps import dataset_maps
-from egad.report.summary import comparison_text
+from egad.report.comparison import comparison_text, dataset_maps
 from egad.tables import parquet
 from egad.tables.objects import COMPARISON, OBJECTS
 

@@ -14,7 +14,7 @@ from egad.exchange.meshes import read_mesh
 from egad.pipeline.config import PrintExport, SelectEval
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Evaluation, Input, Output, command
-from egad.report.contact_sheet import contact_sheet
+from egad.report.evaluation import contact_sheet
 from egad.stats.records import template
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST

@@ -1,4 +1,4 @@
-"""diversity: networks that learnt from different objects, side by side."""
+"""diversity: networks trained on different object sets, compared."""
 
 import logging
 from pathlib import Path
@@ -12,9 +12,9 @@ from egad.perception.image_shards import files
 from egad.pipeline.config.stage_settings import DiversityReport
 from egad.pipeline.config.training_study import Network, networks
 from egad.pipeline.parameters import Input, NotNoted, Output, command
-from egad.pipeline.report.training_study import Experiment, Images, Training, page
+from egad.pipeline.report.training_study import Images, Study, Training, page
 from egad.report.axes import axis_pair
-from egad.report.trial_views import Set
+from egad.report.trials import EvaluationSet
 from egad.stats.records import read
 from egad.stats.training_study import check_starts
 from egad.tables import parquet
@@ -33,7 +33,7 @@ def run(
     table: Annotated[Path, Output("diversity/results.parquet", COMPARED)],
     reads: Annotated[list[Path] | None, typer.Argument(), Input()] = None,
 ) -> None:
-    """Put networks side by side that learnt from different objects.
+    """Compare networks that were trained on different object sets.
 
     Args:
         settings: What this stage reads.
@@ -60,14 +60,14 @@ def run(
             check_starts(rows)
     trained = [each for each in found if settings.training_sets[each.training_set].dataset]
     made = results / "diversity"
-    experiment = Experiment(
+    study = Study(
         settings=settings,
         table=trials,
         tests={test: _set(results / test / "eval49.parquet", settings) for test in asked.tests},
         images={each.training_set: _images(made, each.training_set) for each in trained},
         trainings={each: _training(made / "networks" / each.folder) for each in trained},
     )
-    write_text(out, page(experiment))
+    write_text(out, page(study))
     parquet.write(trials, COMPARED, table)
     log.info("%d networks, %d attempts", len(found), len(trials))
 
@@ -83,10 +83,10 @@ def _attempts(folder: Path, test: str, found: list[Network], references: list[st
     return pd.concat(parts, ignore_index=True).loc[:, list(COMPARED.names)]
 
 
-def _set(evaluation: Path, settings: DiversityReport) -> Set:
+def _set(evaluation: Path, settings: DiversityReport) -> EvaluationSet:
     grid = settings.select_eval
     chosen = parquet.read(evaluation, EVAL49)
-    return Set(grid.rows, grid.columns, chosen, axis_pair(settings.axes))
+    return EvaluationSet(grid.rows, grid.columns, chosen, axis_pair(settings.axes))
 
 
 def _images(made: Path, name: str) -> Images:

@@ -79,8 +79,12 @@ def watch_of(
     """
     live_map = importlib.import_module("egad.report.live_map")
     record = importlib.import_module("egad.pipeline.provenance.record")
-    mark = record.settings_hash(settings)
-    watch: Watch = live_map.LiveMap(page, mark, settings, epoch, island, islands)
+    axes = importlib.import_module("egad.report.axes")
+    evaluations = settings.evolution.steps_per_epoch * settings.evolution.population
+    run = record.settings_hash(settings)
+    about = live_map.EpochOfIsland(run, epoch, island, evaluations, islands)
+    names = axes.axis_pair(settings.axes)
+    watch: Watch = live_map.LiveMap(page, about, settings.space, settings.shape.resolution, names)
     return watch
 
 

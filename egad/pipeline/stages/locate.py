@@ -23,7 +23,7 @@ from egad.pipeline.stages.measure import measured, warn_of_units
 from egad.reeb import graph as reeb
 from egad.reeb.neighbours import Neighbourhood
 from egad.report.locations import Located, Neighbour
-from egad.report.render import png_bytes, render
+from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 from egad.tables.objects import LOCATED, MEASURED, OBJECTS

@@ -16,11 +16,10 @@ from egad._util.workers import Mapper, workers
 from egad.exchange.meshes import read_mesh
 from egad.pipeline.config import Settings
 from egad.pipeline.parameters import Input, Jobs, NotNoted, Output, command
-from egad.pipeline.report.page import ReportData, build
+from egad.pipeline.report.page import DatasetReport, ReportData, build
 from egad.pipeline.stages.scenes import scenes
-from egad.report.data import DatasetReport
-from egad.report.maps import shown_objects
-from egad.report.render import png_bytes, render
+from egad.report.pictures import png_bytes, render
+from egad.report.space_map import shown_objects
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY

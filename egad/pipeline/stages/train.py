@@ -19,7 +19,7 @@ from egad.pipeline.config import Training
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.config.training_study import WEIGHTS
 from egad.pipeline.parameters import Input, Jobs, Output
-from egad.report.training_chart import training_chart
+from egad.report.training import training_chart
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
 

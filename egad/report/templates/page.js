@@ -40,14 +40,14 @@ function startMap(figure) {
   const cells = new Map();
   for (const cell of figure.querySelectorAll(".cell")) cells.set(cell.dataset.cell, cell);
   let shown = null;
-  let held = false;
+  let selected = false;
 
   function show(name) {
     if (!cells.has(name)) return;
-    if (shown) cells.get(shown).classList.remove("shown", "held");
+    if (shown) cells.get(shown).classList.remove("shown", "selected");
     shown = name;
     const cell = cells.get(name);
-    cell.classList.add(held ? "held" : "shown");
+    cell.classList.add(selected ? "selected" : "shown");
     const drawn = cell.querySelector("image");
     const { items, more } = data.cells[name];
     panel.replaceChildren(make("h4", "Cell " + name));
@@ -77,9 +77,9 @@ function startMap(figure) {
     show(walk(shown, ...moves[event.key]));
   });
   for (const [name, cell] of cells) {
-    cell.addEventListener("mouseenter", () => { if (!held) show(name); });
+    cell.addEventListener("mouseenter", () => { if (!selected) show(name); });
     cell.addEventListener("click", () => {
-      held = !(held && shown === name);
+      selected = !(selected && shown === name);
       show(name);
     });
   }

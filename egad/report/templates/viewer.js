@@ -1,6 +1,6 @@
 "use strict";
 
-// Turns and draws objects with their grasps. The data are as egad/report/viewer.py packs them.
+// Draws objects with their grasps, from data packed by egad/report/viewer.py.
 (() => {
 
 const RAMPS = {
@@ -9,7 +9,7 @@ const RAMPS = {
 };
 const MESH = [0.78, 0.80, 0.83];
 const STEM = 0.15, THICK = 0.006; // of the longest side of the object
-const AMBIENT = { mesh: 0.5, jaws: 0.75 }; // part of the light that comes from everywhere
+const AMBIENT = { mesh: 0.5, jaws: 0.75 }; // ambient part of the light
 const CREASE = Math.cos(40 * Math.PI / 180);
 const START = { azimuth: -0.918, height: 0.505, zoom: 1 };
 const SHADER = `
@@ -33,7 +33,7 @@ const PAINT = `
 
 // ---- data
 
-async function unpacked(item, finger) {
+async function unpack(item, finger) {
   const packed = Uint8Array.from(atob(item.data), (letter) => letter.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   const buffer = await new Response(stream).arrayBuffer();
@@ -46,8 +46,8 @@ async function unpacked(item, finger) {
   }
   const object = {
     name: item.name, title: item.title, note: item.note, grasps, finger,
-    faces: unfolded(take(Uint8Array, 12 * faces)),
-    steps: unfolded(take(Uint8Array, 12 * vertices)),
+    faces: undoZigzag(take(Uint8Array, 12 * faces)),
+    steps: undoZigzag(take(Uint8Array, 12 * vertices)),
     metrics: [take(Float32Array, grasps), take(Float32Array, grasps)],
   };
   const metres = (steps) => Float32Array.from(steps, (step, i) => item.origin[i % 3] + item.step * step);
@@ -55,11 +55,11 @@ async function unpacked(item, finger) {
   object.contacts = metres(take(Uint16Array, 6 * grasps));
   object.approaches = Float32Array.from(take(Int16Array, 3 * grasps), (value) => value / 32767);
   object.free = take(Uint8Array, grasps);
-  return measured(object);
+  return measure(object);
 }
 
 // Rows of three whole numbers from their differences: first the lowest bytes of all, and so on.
-function unfolded(bytes) {
+function undoZigzag(bytes) {
   const count = bytes.length / 4;
   const rows = new Int32Array(count);
   for (let i = 0; i < count; i++) {
@@ -70,7 +70,7 @@ function unfolded(bytes) {
   return rows;
 }
 
-function measured(object) {
+function measure(object) {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   object.vertices.forEach((value, i) => {
     low[i % 3] = Math.min(low[i % 3], value);
@@ -274,7 +274,7 @@ function start(root) {
   const canvas = root.querySelector("canvas");
   const paint = painter(canvas);
   if (!paint || !("DecompressionStream" in window)) {
-    part("says").textContent = "This browser cannot draw in 3D: it needs WebGL and DecompressionStream.";
+    part("status").textContent = "This browser cannot show the 3D view. It needs WebGL and DecompressionStream.";
     return;
   }
   const view = { ...START };
@@ -298,22 +298,22 @@ function start(root) {
       addJaws(rows, object, grasp, ramp(part("colours").value, object.metrics[metric][grasp] / top));
     }
     paint.layer("jaws", new Float32Array(rows));
-    part("says").textContent = `${shown.length} shown of ${passing} that pass, of ${object.grasps} grasps`;
+    part("status").textContent = `${shown.length} of ${passing} matching grasps shown (${object.grasps} in total)`;
     part("limit").textContent = (1000 * least).toFixed(2);
-    part("top").textContent = `${(1000 * top).toFixed(2)} and more`;
+    part("top").textContent = `\u2265 ${(1000 * top).toFixed(2)}`;
     const stops = RAMPS[part("colours").value].map((stop) => `rgb(${stop.map((v) => Math.round(255 * v))})`);
     part("bar").style.background = `linear-gradient(to right, ${stops})`;
     redraw();
   }
 
   async function show(index) {
-    const found = await unpacked(data.objects[index], data.finger);
-    if (index !== Number(part("object").value)) return; // another was asked for meanwhile
+    const found = await unpack(data.objects[index], data.finger);
+    if (index !== Number(part("object").value)) return; // another object was selected meanwhile
     object = found;
     const free = object.free.reduce((sum, value) => sum + value, 0);
     part("about").textContent = `${object.title}${object.title ? ": " : ""}`
       + `${object.sides.map((side) => side.toFixed(0)).join(" × ")} mm, `
-      + `${free} of ${object.grasps} grasps free of collision`;
+      + `${free} of ${object.grasps} grasps collision-free`;
     part("note").textContent = object.note;
     paint.layer("mesh", surface(object));
     update();

@@ -112,9 +112,7 @@ def test_the_folder_of_a_dataset_does_as_well_as_an_archive(among, tmp_path):
 
 def test_the_page_shows_places_pictures_and_reasons(among, placed):
     table, shown = placed
-    text = page(
-        "archive", among.objects, shown, {"broken": "<no> faces"}, SETTINGS.space, SETTINGS.axes
-    )
+    text = page("archive", among.objects, shown, {"broken": "<no> faces"}, SETTINGS.space)
     for row in table.head(3).to_dict("records"):
         assert row["name"] in text
         assert all(label in text for label in row["nearest"])

@@ -5,7 +5,7 @@ import pandas as pd
 from PIL import Image
 
 from egad.pipeline.config import Space
-from egad.report.collage import GROUND, collage
+from egad.report.space_map import GROUND, collage, shown_objects, space_map
 
 
 def square(tone: int) -> bytes:
@@ -50,3 +50,10 @@ def test_transparent_parts_show_the_ground_and_axes_are_written():
     assert tuple(image[70, 50]) == GROUND
     assert image[100:, 20:].min() < 100
     assert image[:100, :20].min() < 100
+
+
+def test_the_map_needs_pictures_of_the_objects_that_it_shows_only(objects, pictures):
+    shown = shown_objects(objects)
+    assert len(shown) < len(objects)
+    few = {label: pictures[label] for label in shown}
+    assert space_map(objects, few, Space()) == space_map(objects, pictures, Space())

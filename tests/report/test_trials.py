@@ -5,8 +5,7 @@ import pandas as pd
 import pytest
 
 from egad.errors import UserError
-from egad.report.trial_views import Set, pairs, results
-from egad.report.trials_page import page
+from egad.report.trials import EvaluationSet, page, pairs, trial_results
 from egad.tables.evaluation import RESULTS
 
 OUTCOMES = ("missed", "success")
@@ -44,29 +43,31 @@ def test_a_label_of_another_object_is_refused(tables):
 
 
 def test_each_detector_has_its_view(tables):
-    found = results(tables, Set(7, 7))
+    found = trial_results(tables, EvaluationSet(7, 7))
     assert [view.name for view in found.views] == list(tables)
     assert [view.objects for view in found.views] == [5, 5, 1]
     assert found.outcome_figure
     assert found.rows_figure
-    alone = results({"good": tables["good"]}, Set(7, 7))
+    alone = trial_results({"good": tables["good"]}, EvaluationSet(7, 7))
     assert [alone.outcome_figure, alone.rows_figure, alone.pairs] == ["", "", []]
 
 
 def test_a_page_needs_no_other_file_and_is_the_same_every_time(tables):
     strange = {"<script>alert(1)</script>": tables["poor"], "good": tables["good"]}
-    text = page(strange, Set(7, 7))
-    assert text == page(strange, Set(7, 7))
+    text = page(strange, EvaluationSet(7, 7))
+    assert text == page(strange, EvaluationSet(7, 7))
     assert text.startswith("<!DOCTYPE html>")
     assert "<script>alert" not in text
     assert "http" not in text.replace("http-equiv", "").split("<main>")[0]
-    assert "against" in text
+    assert "good vs. &lt;script&gt;" in text
 
 
 def test_a_detector_without_qualities_or_successes(tables):
     none = tables["poor"].assign(success=False, outcome="no_grasp", quality=np.nan)
-    view = results({"none": none}, Set(7, 7)).views[0]
+    view = trial_results({"none": none}, EvaluationSet(7, 7)).views[0]
     assert view.reliability == ""
     assert np.isnan(view.discrimination)
     assert np.isnan(view.trends["difficulty"].rho)
-    assert "0&nbsp;%" in page({"none": none}, Set(7, 7)).replace("\N{NO-BREAK SPACE}", "&nbsp;")
+    assert "0&nbsp;%" in page({"none": none}, EvaluationSet(7, 7)).replace(
+        "\N{NO-BREAK SPACE}", "&nbsp;"
+    )

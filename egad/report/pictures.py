@@ -1,7 +1,7 @@
-"""Small shaded pictures of meshes, by ray casting: no window and no graphics card."""
+"""Small shaded pictures of meshes and of voxels, without a window or a graphics card."""
 
 import io
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import trimesh
@@ -20,6 +20,10 @@ SKY_RAYS = 8
 BLUR = 80
 FILL = 0.95
 CREASE = float(np.cos(np.radians(40)))
+OVERLAP = 1.8  # side of the square that a voxel covers, in voxels: wide enough to leave no gaps
+MARGIN = 2  # empty voxels around a solid
+AMBIENT = 0.25
+HIDDEN = -0.3  # voxels whose normals point further away from the viewer are not painted
 DARK = np.array([30, 34, 44], dtype=np.float32)
 LIGHT = np.array([253, 251, 246], dtype=np.float32)
 
@@ -81,8 +85,8 @@ def render(mesh: trimesh.Trimesh, size: int = 96) -> Pixels:
 def png_bytes(picture: Pixels) -> bytes:
     """Compress a picture to a small PNG with a palette.
 
-    Colours are rounded to 5 bits and alpha to 6 levels, which the eye does not notice at this
-    size; a picture with more than 256 colours even so keeps full colour.
+    Colours are rounded to 5 bits and alpha to 6 levels, which is not visible at this size. A
+    picture that still has more than 256 colours keeps full colour.
 
     Args:
         picture: As from `render`, (height, width, 4).
@@ -97,15 +101,20 @@ def png_bytes(picture: Pixels) -> bytes:
     found, index = np.unique(codes, return_inverse=True)
     colours = found.view(np.uint8).reshape(-1, 4)
     if len(colours) > 256:
-        return _saved(Image.fromarray(coarse))
+        return _encode(Image.fromarray(coarse), optimize=True)
     image = Image.fromarray(index.reshape(picture.shape[:2]).astype(np.uint8), mode="P")
     image.putpalette(colours[:, :3].tobytes())
-    return _saved(image, transparency=colours[:, 3].tobytes())
+    return _encode(image, optimize=True, transparency=colours[:, 3].tobytes())
 
 
-def _saved(image: Image.Image, **options: bytes) -> bytes:
+def voxel_png(picture: Pixels) -> bytes:
+    """A PNG file of grey and alpha, as from `voxel_picture`."""
+    return _encode(Image.fromarray(picture, "LA"))
+
+
+def _encode(image: Image.Image, **options: Any) -> bytes:  # noqa: ANN401 (as Pillow)
     buffer = io.BytesIO()
-    image.save(buffer, "png", optimize=True, **options)
+    image.save(buffer, "png", **options)
     return buffer.getvalue()
 
 
@@ -158,7 +167,7 @@ def _corner_normals(vertices: Floats, faces: NDArray[np.int32]) -> Floats:
 
 def _shade(scene: TriangleScene, hits: _Hits, side: int) -> Floats:
     """Brightness of each hit, 0 to 1."""
-    openness = _softened(_openness(scene, hits, side), hits.rays, side)
+    openness = _blur_within(_sky_visibility(scene, hits, side), hits.rays, side)
     lambert = np.clip(hits.normals @ KEY_LIGHT, 0, 1)
     sky = 0.5 + 0.5 * hits.normals @ CAMERA[:, 2]
     bright = openness * (0.20 + 0.22 * sky) + 0.66 * lambert * (0.4 + 0.6 * openness)
@@ -167,16 +176,16 @@ def _shade(scene: TriangleScene, hits: _Hits, side: int) -> Floats:
     return toned
 
 
-def _openness(scene: TriangleScene, hits: _Hits, side: int) -> Floats:
+def _sky_visibility(scene: TriangleScene, hits: _Hits, side: int) -> Floats:
     """Cosine-weighted part of the sky that each hit sees.
 
     Pixels share one fixed set of directions, spread over their subsamples, so there is no noise.
     """
     row, column = np.divmod(hits.rays, side)
-    place = (row % SUBSAMPLES) * SUBSAMPLES + column % SUBSAMPLES
+    subsample = (row % SUBSAMPLES) * SUBSAMPLES + column % SUBSAMPLES
     seen = weight = np.zeros(len(hits.rays), dtype=np.float32)
     for directions in _sky().reshape(-1, SUBSAMPLES**2, 3):
-        ray = directions[place]
+        ray = directions[subsample]
         cosine = np.einsum("ij,ij->i", ray, hits.normals)
         ray = ray - np.minimum(2 * cosine, 0)[:, None] * hits.normals
         blocked = scene.occluded(hits.points, ray)
@@ -185,7 +194,7 @@ def _openness(scene: TriangleScene, hits: _Hits, side: int) -> Floats:
     return (seen / np.maximum(weight, 1e-6)).astype(np.float32)
 
 
-def _softened(values: Floats, rays: NDArray[np.int64], side: int) -> Floats:
+def _blur_within(values: Floats, rays: NDArray[np.int64], side: int) -> Floats:
     """Blur values within the silhouette: few rays leave edges where one of them is blocked."""
     weighted = np.zeros((2, side * side), dtype=np.float32)
     weighted[0, rays], weighted[1, rays] = values, 1
@@ -214,3 +223,67 @@ def _average(rays: NDArray[np.int64], bright: Floats, size: int) -> Pixels:
     colour = total[..., :3] / np.maximum(covered, 1)
     alpha = covered * (255 / SUBSAMPLES**2)
     return np.round(np.concatenate([colour, alpha], axis=2)).astype(np.uint8)
+
+
+def voxel_picture(voxels: NDArray[np.bool_], size: int) -> Pixels:
+    """Draw a solid seen from in front and above, in the light of `render` (ours).
+
+    The voxels of its surface are painted as squares, the farthest first, each in the brightness
+    of its normal.
+
+    Args:
+        voxels: (r, r, r), not empty.
+        size: Pixels a side.
+
+    Returns:
+        Grey and alpha, (size, size, 2).
+    """
+    solid = np.pad(voxels, MARGIN)
+    surface = np.argwhere(solid & ~_interior(solid))
+    seen = (surface - surface.mean(axis=0)) @ CAMERA.T.astype(np.float64)
+    low, high = seen[:, :2].min(axis=0) - OVERLAP / 2, seen[:, :2].max(axis=0) + OVERLAP / 2
+    side = SUBSAMPLES * size
+    scale = FILL * side / (high - low).max()
+    normals = _normals(solid, surface)
+    order = np.argsort(seen[:, 2])
+    order = order[normals[order, 2] > HIDDEN]
+    corners = (seen[order, :2] - (low + high) / 2 - OVERLAP / 2) * scale + side / 2
+    steps = np.arange(int(np.ceil(OVERLAP * scale)))
+    across, upwards = (np.clip(np.rint(corners[:, i, None]) + steps, 0, side - 1) for i in (0, 1))
+    pixels = (side - 1 - upwards[:, :, None]) * side + across[:, None, :]
+    canvas = np.zeros(side * side, np.float32)
+    lit = np.clip(normals[order] @ KEY_LIGHT, 0, 1)
+    paint = AMBIENT + (1 - AMBIENT) * lit
+    canvas[pixels.astype(np.intp).ravel()] = np.repeat(paint, len(steps) ** 2)
+    return _average_voxels(canvas.reshape(side, side), size)
+
+
+def _interior(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Voxels whose six neighbours are solid; the margin is empty."""
+    inside = np.ones_like(solid)
+    for axis in range(3):
+        inside &= np.roll(solid, 1, axis) & np.roll(solid, -1, axis)
+    return inside
+
+
+def _normals(solid: NDArray[np.bool_], surface: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Outward normals at voxels of the surface in camera coordinates, (n, 3)."""
+    density = solid.astype(np.float32)
+    for axis in range(3):
+        density = 2 * density + np.roll(density, 1, axis) + np.roll(density, -1, axis)
+    at = np.ravel_multi_index(tuple(surface.T), solid.shape)
+    flat, strides = density.ravel(), np.cumprod([1, *solid.shape[:0:-1]])[::-1]
+    normals = np.stack([flat[at - step] - flat[at + step] for step in strides], axis=1)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-6)
+    return np.asarray(normals @ CAMERA.T)
+
+
+def _average_voxels(canvas: NDArray[np.float32], size: int) -> Pixels:
+    """One pixel for each block of subsamples; only what is painted counts for its grey."""
+    split = canvas.reshape(size, SUBSAMPLES, size, SUBSAMPLES).swapaxes(1, 2)
+    blocks = split.reshape(size, size, SUBSAMPLES**2)
+    painted = np.count_nonzero(blocks, axis=2)
+    grey = blocks.sum(axis=2) / np.maximum(painted, 1)
+    alpha = painted / SUBSAMPLES**2
+    pixels: Pixels = np.rint(255 * np.stack([grey, alpha], axis=2)).astype(np.uint8)
+    return pixels

@@ -6,7 +6,12 @@ import pytest
 from PIL import Image
 
 from egad.pipeline.config import Space
-from egad.report.filling import evaluations, filling_curves, filling_film
+from egad.report.evolution import (
+    coverage_animation,
+    coverage_curves,
+    coverage_history,
+    re_evaluation,
+)
 from egad.tables.evolution import HISTORY
 
 SPACE = Space(cells=5, elites_per_cell=2)
@@ -40,21 +45,21 @@ def history():
 
 
 def test_steps_of_islands_count_together_and_the_fullest_is_shown(history):
-    run = evaluations(history)
+    run = coverage_history(history)
     assert run["offspring"].tolist() == [20, 40, 60, 80]
     assert (50 * run["coverage"]).round().tolist() == [2, 4, 6, 8]
 
 
 def test_curves_name_the_runs_and_are_the_same_again(history):
-    svg = filling_curves({"paper": history, "sparse": history})
+    svg = coverage_curves({"paper": history, "sparse": history})
     assert "paper" in svg
     assert "sparse" in svg
-    assert svg == filling_curves({"paper": history, "sparse": history})
-    assert "paper" not in filling_curves({"paper": history})
+    assert svg == coverage_curves({"paper": history, "sparse": history})
+    assert "paper" not in coverage_curves({"paper": history})
 
 
 def test_the_film_ends_with_the_last_map(history):
-    film = Image.open(io.BytesIO(filling_film(history, SPACE)))
+    film = Image.open(io.BytesIO(coverage_animation(history, SPACE)))
     assert film.n_frames == 4
     film.seek(3)
     last = np.asarray(film.convert("RGB"))
@@ -63,3 +68,20 @@ def test_the_film_ends_with_the_last_map(history):
     assert dark.sum() == 8
     assert dark[4].all()  # the easiest row is the lowest
     assert dark[3, :3].all()
+
+
+def test_re_evaluation_counts_moves_and_coverage():
+    """Four objects selected for one cell; two lie beside it, on either side, one farther off."""
+    space = Space(cells=7, difficulty_range=(0, 0.007), elites_per_cell=4)
+    objects = pd.DataFrame(
+        {
+            "archive_difficulty": [0.0055] * 4 + [np.nan],
+            "complexity_cell": [2] * 5,
+            "difficulty_cell": [1, 0, 2, 4, 0],
+        }
+    )
+    found = re_evaluation(objects, space)
+    assert (found.stayed, found.by_one, found.by_more) == (0.25, 0.5, 0.25)
+    assert found.mean == 0.75
+    assert found.before == found.after == 4 / 196
+    assert re_evaluation(objects.tail(1), space) is None

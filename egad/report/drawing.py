@@ -1,5 +1,6 @@
-"""The look of the charts: colours, fonts, and SVG that is the same for the same data."""
+"""The look of charts: colours, fonts, and SVG text that is the same for the same data."""
 
+import base64
 import io
 import math
 import re
@@ -8,12 +9,15 @@ from contextlib import contextmanager
 from typing import Any
 
 import matplotlib
+from matplotlib.axis import Axis
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
 INK, SOFT, FAINT = "#1c2430", "#667080", "#e4e7ec"
 UNKNOWN = "#c4c9d1"
 LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255", "#8a6d3b"]
+DASHED = (0, (4, 4))
+THOUSANDTHS = "\N{MULTIPLICATION SIGN} 10\N{SUPERSCRIPT THREE}"
 STYLE: dict[Any, Any] = {
     "svg.hashsalt": "egad",
     "svg.fonttype": "none",
@@ -37,7 +41,7 @@ FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, 
 
 
 class Drawing:
-    """A figure being drawn; `svg` is its text once the block has ended."""
+    """A figure to draw on; `svg` is its text once the block of `new_figure` has ended."""
 
     def __init__(self, width: float, height: float) -> None:
         self.figure = Figure(figsize=(width, height), layout="constrained")
@@ -45,14 +49,29 @@ class Drawing:
 
 
 @contextmanager
-def drawn(width: float, height: float) -> Iterator[Drawing]:
-    """Draw in the style of the report. Text stays text, in the fonts of the reader's system."""
+def new_figure(width: float, height: float) -> Iterator[Drawing]:
+    """An empty figure in the style of the report. Text stays text, in fonts of the reader's system.
+
+    Args:
+        width: Inches.
+        height: Inches.
+    """
     with matplotlib.rc_context(STYLE):
         drawing = Drawing(width, height)
         yield drawing
         buffer = io.StringIO()
         drawing.figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     drawing.svg = re.sub(r"font-family: [^;\"]*", f"font-family: {FONTS}", buffer.getvalue())
+
+
+def show_percent(axis: Axis) -> None:
+    """Write the ticks of an axis, which are parts of 1, as percentages."""
+    axis.set_major_formatter(lambda value, _: f"{value:.0%}")
+
+
+def line_colour(number: int) -> str:
+    """Colour of a line of a chart, by its number; after the last one they repeat."""
+    return LINES[number % len(LINES)]
 
 
 def scale_colour(value: float, low: float, high: float) -> str:
@@ -62,11 +81,21 @@ def scale_colour(value: float, low: float, high: float) -> str:
     """
     if math.isnan(value):
         return UNKNOWN
-    place = (value - low) / (high - low) if high > low else 0.5
-    return to_hex(matplotlib.colormaps["viridis"](min(max(place, 0.0), 1.0)))
+    share = (value - low) / (high - low) if high > low else 0.5
+    return to_hex(matplotlib.colormaps["viridis"](min(max(share, 0.0), 1.0)))
 
 
 def ink_on(colour: str) -> str:
     """Dark or white, whichever reads better on a colour."""
     red, green, blue = to_rgb(colour)
     return INK if 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.25 else "white"
+
+
+def data_uri(content: bytes, kind: str = "image/png") -> str:
+    """Content as an address that needs no file; empty for no content."""
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}" if content else ""
+
+
+def svg_uri(svg: str) -> str:
+    """The same of the text of an SVG figure."""
+    return data_uri(svg.encode(), "image/svg+xml")

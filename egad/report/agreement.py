@@ -1,0 +1,173 @@
+"""The section Labels and simulation: how well labelled qualities predict simulated success."""
+
+import string
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from egad.evalset.selection import place
+from egad.report.drawing import DASHED, LINES, SOFT, new_figure, show_percent, svg_uri
+from egad.report.page import Section, section_of
+from egad.report.trial_charts import draw_rates, outcome_counts
+from egad.stats.rates import Rate, rate
+from egad.stats.roc import Area, Bin, area, gain, reliability
+
+QUALITIES = {
+    "quality": "nominal quality",
+    "robust_quality": "robust quality",
+    "held": "robust success rate",
+}
+CHARTED = ("quality", "robust_quality")
+NOT_TRIED = ("collided", "failed", "crashed")
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Labelled grasps and their success in simulation.
+
+    Attributes:
+        rates: Success of the grasps that could be carried out: in each row of the evaluation set,
+            and then over all.
+        outcomes: Grasps of the sample by outcome.
+        labelled: Labelled grasps of the objects.
+        free: Those of them without collision, which the sample was drawn from.
+        objects: Objects with grasps that could be carried out.
+        failing: Objects with a failed grasp: in each row, and then over all.
+        areas: ROC area of each quality: in each row, and then over all.
+        gain: ROC area of robust quality minus that of nominal quality, over all.
+        bins: Success by quality.
+    """
+
+    rates: list[Rate]
+    outcomes: dict[str, int]
+    labelled: int
+    free: int
+    objects: int
+    failing: list[int]
+    areas: dict[str, list[Area]]
+    gain: Area
+    bins: dict[str, list[Bin]]
+
+    @property
+    def svg(self) -> str:
+        """The figure, as SVG text."""
+        return agreement_chart(self.bins, {name: self.areas[name] for name in self.bins})
+
+    @property
+    def figure(self) -> str:
+        """The same as an address."""
+        return svg_uri(self.svg)
+
+
+def section(
+    datasets: Mapping[str, Mapping[str, Agreement]],
+    *,
+    lift_height: float,
+    hold_time: float,
+    friction: float,
+    named: bool,
+) -> Section:
+    """Labelled grasps of each dataset with each gripper.
+
+    Args:
+        datasets: From `agreement`, by dataset and gripper.
+        lift_height: Metres that the object is lifted.
+        hold_time: Seconds that it is held there.
+        friction: Coefficient between object and fingers.
+        named: Whether to write the name of each dataset.
+    """
+    values = {"lift_height": lift_height, "hold_time": hold_time, "friction": friction}
+    return section_of("agreement", "Labels", datasets=datasets, named=named, **values)
+
+
+def agreement(table: pd.DataFrame, rows: int) -> Agreement:
+    """Work out what there is to show.
+
+    Grasps that the hand could not reach, because a convex part of the object sticks out or the
+    simulation failed, say nothing about the qualities and are left out of all rates.
+
+    Args:
+        table: Columns of `tables.evaluation.AGREEMENT`, at least one row.
+        rows: Letters of the evaluation set.
+    """
+    tried = table[~table["outcome"].isin(NOT_TRIED)]
+    row = np.array([place(label)[0] for label in tried["label"]], dtype=np.int64)
+    groups = [*(tried[row == each] for each in range(rows)), tried]
+    objects = table.drop_duplicates("label")
+    return Agreement(
+        rates=[rate(each) for each in groups],
+        outcomes=outcome_counts(table),
+        labelled=int(objects["labelled"].sum()),
+        free=int(objects["free"].sum()),
+        objects=tried["label"].nunique(),
+        failing=[each.loc[~each["success"], "label"].nunique() for each in groups],
+        areas={
+            name: [area(*_ratings(each, key)) for each in groups] for key, name in QUALITIES.items()
+        },
+        gain=gain(tried["robust_quality"].to_numpy(np.float64), *_ratings(tried, "quality")),
+        bins={QUALITIES[key]: reliability(tried.assign(quality=tried[key])) for key in CHARTED},
+    )
+
+
+def _ratings(
+    grasps: pd.DataFrame, key: str
+) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.str_]]:
+    """A rating of grasps, whether they succeeded, and the objects that they belong to."""
+    return (
+        grasps[key].to_numpy(np.float64),
+        grasps["success"].to_numpy(bool),
+        grasps["label"].to_numpy(str),
+    )
+
+
+def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Sequence[Area]]) -> str:
+    """Success over the rank by quality, and the ROC area of each quality in each row of the set.
+
+    Args:
+        bins: From `egad.stats.roc`, by quality.
+        areas: In each row of the evaluation set, and then the one over all, by quality.
+
+    Returns:
+        SVG text; intervals are of 95 %: left for other grasps of the same objects, right for other
+        objects. A bin lies where its grasps rank among all, from worst to best; grasps of equal
+        quality are one bin.
+    """
+    with new_figure(8.6, 3.2) as drawing:
+        left, right = drawing.figure.subplots(1, 2, width_ratios=[1, 1.25])
+        for number, (name, each) in enumerate(bins.items()):
+            if each:
+                rates = [one.rate for one in each]
+                draw_rates(left, _ranks(rates), rates, LINES[number], name)
+        left.set(xlim=(0, 1), xlabel="grasps by quality, worst to best", ylabel="success rate")
+        for axis in (left.xaxis, left.yaxis):
+            show_percent(axis)
+        left.grid(axis="y")
+        for number, row in enumerate(areas.values()):
+            _draw_areas(right, row, LINES[number], 0.24 * (number - (len(areas) - 1) / 2))
+        right.axhline(0.5, color=SOFT, lw=0.8, ls=DASHED)
+        count = max(map(len, areas.values()))
+        right.set_xticks(range(count), [*string.ascii_uppercase[: count - 1], "all"])
+        right.tick_params(axis="x", length=0)
+        right.set(ylim=(0, 1.02), xlabel="row, easy to hard", ylabel="area under the ROC curve")
+        right.grid(axis="y")
+        drawing.figure.legend(
+            *left.get_legend_handles_labels(), loc="outside upper center", ncols=3
+        )
+    return drawing.svg
+
+
+def _ranks(rates: Sequence[Rate]) -> list[float]:
+    """Middle rank of the attempts of each rate, from 0 to 1."""
+    counts = np.array([rate.attempts for rate in rates])
+    ranks: list[float] = ((np.cumsum(counts) - counts / 2) / counts.sum()).tolist()
+    return ranks
+
+
+def _draw_areas(axes: Axes, areas: Sequence[Area], colour: str, offset: float) -> None:
+    for row, each in enumerate(areas):
+        axes.plot(row + offset, each.value, "o", color=colour, ms=5)
+        axes.vlines(row + offset, *each.interval, color=colour, lw=1)

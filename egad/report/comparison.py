@@ -1,0 +1,184 @@
+"""The section Comparison: datasets side by side, with the published ones, and a map of each."""
+
+import math
+import string
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PatchCollection
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from numpy.typing import NDArray
+
+from egad.measures.grid import coverage
+from egad.measures.parameters import Space
+from egad.report.axes import USUAL, AxisPair
+from egad.report.drawing import FAINT, LINES, SOFT, new_figure, show_percent, svg_uri
+from egad.report.page import Section, section_of
+
+COLUMNS = 3
+SIDE = 2.6
+TICK = 6
+MAP = "viridis"
+CELL = ["complexity_cell", "difficulty_cell"]
+PUBLISHED = pd.DataFrame(
+    [
+        ("EGAD, 2020", 2331, 0.93, 0.07, 0.27, 0.19),
+        ("YCB", 78, 0.03, 0.11, 0.65, 0.19),
+        ("Dex-Net 2.0", 1497, 0.37, 0.03, 0.26, 0.11),
+    ],
+    columns=[
+        "dataset",
+        "objects",
+        "coverage",
+        "diversity_min",
+        "diversity_max",
+        "diversity_mean",
+    ],
+)
+"""EGAD (Morrison, Corke, Leitner 2020), Table III."""
+
+
+def section(
+    comparison: pd.DataFrame, datasets: Mapping[str, pd.DataFrame], space: Space, axes: AxisPair
+) -> Section:
+    """All datasets of a run, beside the published ones.
+
+    Args:
+        comparison: Columns of `tables.objects.COMPARISON`.
+        datasets: Columns of `tables.objects.OBJECTS`, by name.
+        space: The cells.
+        axes: What the axes of the space are called.
+    """
+    return section_of(
+        "comparison",
+        "Comparison",
+        comparison=comparison.to_dict("records"),
+        published=PUBLISHED.to_dict("records"),
+        figure=svg_uri(comparison_chart(comparison)),
+        maps=svg_uri(dataset_maps(datasets, space, axes)),
+        space=space,
+    )
+
+
+def comparison_text(comparison: pd.DataFrame) -> str:
+    """The table of datasets for a terminal, with the published ones beneath (EGAD, Table III).
+
+    Args:
+        comparison: Columns of `tables.objects.COMPARISON`.
+    """
+    titles = ("objects", "coverage", "diversity: min", "max", "mean")
+    ours = [_comparison_line(row, 1) for row in comparison.to_dict("records")]
+    theirs = [_comparison_line(row, 0) for row in PUBLISHED.to_dict("records")]
+    return "\n".join([_columns("dataset", *titles), *ours, "published", *theirs])
+
+
+def _comparison_line(row: Mapping[Any, Any], digits: int) -> str:
+    values = [row[f"diversity_{name}"] for name in ("min", "max", "mean")]
+    least, most, mean = ("-" if pd.isna(value) else f"{value:.2f}" for value in values)
+    covered = f"{100 * row['coverage']:.{digits}f} %"
+    return _columns(row["dataset"], str(row["objects"]), covered, least, most, mean)
+
+
+def _columns(name: str, objects: str, covered: str, least: str, most: str, mean: str) -> str:
+    return f"{name:20}{objects:>9}{covered:>10}{least:>16}{most:>6}{mean:>6}"
+
+
+def comparison_chart(comparison: pd.DataFrame) -> str:
+    """Coverage and range of diversity of datasets, with the published ones below.
+
+    Args:
+        comparison: Columns of `tables.objects.COMPARISON`.
+
+    Returns:
+        SVG text.
+    """
+    ours = comparison.to_dict("records")
+    theirs = PUBLISHED.to_dict("records")
+    with new_figure(8.6, 0.8 + 0.3 * (len(ours) + len(theirs))) as drawing:
+        left, right = drawing.figure.subplots(1, 2, sharey=True)
+        for number, row in enumerate([*ours, *theirs]):
+            _comparison_row(left, right, -number, row, number < len(ours))
+        names = [str(row["dataset"]) for row in ours]
+        names += [f"{row['dataset']} (published)" for row in theirs]
+        left.set_yticks([-number for number in range(len(names))], names)
+        left.set(xlim=(0, 1), xlabel="coverage")
+        show_percent(left.xaxis)
+        right.set(xlabel="diversity: minimum, mean, maximum")
+        right.set_xlim(left=0)
+        for axes in (left, right):
+            axes.tick_params(axis="y", length=0)
+            axes.spines["left"].set_visible(False)
+            axes.grid(axis="x")
+    return drawing.svg
+
+
+def _comparison_row(left: Axes, right: Axes, y: float, row: Mapping[Any, Any], own: bool) -> None:
+    colour = LINES[0] if own else SOFT
+    left.barh(y, row["coverage"], height=0.55, color=colour, alpha=1 if own else 0.55)
+    right.hlines(y, row["diversity_min"], row["diversity_max"], color=colour, lw=2)
+    face = colour if own else "white"
+    right.plot(row["diversity_mean"], y, "o", color=colour, markerfacecolor=face, ms=6)
+
+
+def dataset_maps(
+    datasets: Mapping[str, pd.DataFrame], space: Space, names: AxisPair = USUAL
+) -> str:
+    """How many objects of each dataset lie in each cell, simple to complex and easy to hard.
+
+    Args:
+        datasets: Columns of `tables.objects.OBJECTS`, by name.
+        space: The cells.
+        names: What is written along the axes.
+
+    Returns:
+        SVG text: a map of each dataset, on the same axes and colour scale.
+    """
+    counts = {name: objects.groupby(CELL).size() for name, objects in datasets.items()}
+    most = max([2, *(int(count.max()) for count in counts.values() if len(count))])
+    columns = min(COLUMNS, len(datasets))
+    rows = math.ceil(len(datasets) / columns)
+    with new_figure(SIDE * columns + 1.1, (SIDE + 0.4) * rows + 0.4) as drawing:
+        grid = drawing.figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+        panels = grid.ravel()
+        for axes, (name, objects) in zip(panels, datasets.items(), strict=False):
+            _map(axes, counts[name], most, space.cells)
+            covered = f"{100 * coverage(objects, space):.1f} %"
+            axes.set_title(f"{name}\n{len(objects)} objects, coverage {covered}", size=10)
+        for axes in panels[len(datasets) - columns : len(datasets)]:
+            axes.tick_params(labelbottom=True)
+        for axes in panels[len(datasets) :]:
+            axes.set_axis_off()
+        drawing.figure.supxlabel(names.across.label, size=10)
+        drawing.figure.supylabel(names.upwards.label, size=10)
+        _colour_bar(drawing.figure, grid, most)
+    return drawing.svg
+
+
+def _colour_bar(figure: Figure, grid: NDArray[np.object_], most: int) -> None:
+    colours = ScalarMappable(LogNorm(1, most), MAP)
+    bar = figure.colorbar(colours, ax=grid, label="objects in a cell", shrink=0.8, aspect=25)
+    ticks = [2**power for power in range(most.bit_length())]
+    bar.set_ticks(ticks, labels=list(map(str, ticks)))
+    bar.ax.minorticks_off()
+    bar.outline.set_visible(False)
+
+
+def _map(axes: Axes, counts: "pd.Series[int]", most: int, cells: int) -> None:
+    """A square for each filled cell, on a frame of all cells."""
+    boxes = [Rectangle((column + 0.04, row + 0.04), 0.92, 0.92) for column, row in counts.index]
+    squares = PatchCollection(boxes, cmap=MAP, norm=LogNorm(1, most), linewidths=0)
+    squares.set_array(counts.to_numpy())
+    axes.add_collection(squares)
+    ticks = np.arange(0, cells, TICK)
+    axes.set(xlim=(0, cells), ylim=(0, cells), aspect="equal")
+    axes.set_xticks(ticks + 0.5, [f"{tick:02d}" for tick in ticks])
+    axes.set_yticks(ticks + 0.5, [string.ascii_uppercase[tick] for tick in ticks])
+    axes.tick_params(length=0, labelsize=8)
+    axes.spines[:].set_visible(True)
+    axes.spines[:].set_color(FAINT)

@@ -1,0 +1,158 @@
+"""The section Evaluation set: its objects as a grid, in 3D, and as a page to print."""
+
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+import trimesh
+from matplotlib.figure import Figure
+
+from egad.evalset.selection import label_at
+from egad.grasps.gripper import Gripper
+from egad.report.axes import AxisPair
+from egad.report.drawing import INK, SOFT, STYLE, data_uri
+from egad.report.page import Section, section_of
+from egad.report.pictures import render
+from egad.report.viewer import Scene, viewer_data
+
+PAGE = (8.27, 11.69)  # A4, inches
+PIXELS = 220
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A cell of the evaluation set; `item` is None if the dataset has no object for it."""
+
+    label: str
+    item: Mapping[str, Any] | None
+    picture: str
+
+
+@dataclass(frozen=True)
+class EvaluationView:
+    """The evaluation set of a dataset.
+
+    Attributes:
+        slots: Its rows, hardest first; each from simplest to most complex.
+        selected: How many objects it has.
+        viewer: What the 3D viewer shows; None if there are no grasps.
+    """
+
+    slots: list[list[Slot]]
+    selected: int
+    viewer: dict[str, Any] | None
+
+
+def evaluation_view(
+    evalset: pd.DataFrame,
+    rows: int,
+    columns: int,
+    pictures: Mapping[str, bytes],
+    scenes: Sequence[Scene] = (),
+    gripper: Gripper | None = None,
+) -> EvaluationView:
+    """What there is to show of an evaluation set.
+
+    Args:
+        evalset: Columns of `tables.evaluation.EVAL49`.
+        rows: Letters of the set.
+        columns: Digits of the set.
+        pictures: PNG by label, of the evaluation set or of the dataset.
+        scenes: Its objects with grasps.
+        gripper: What the grasps are for; needed with scenes.
+    """
+    viewer = viewer_data(scenes, gripper) if scenes and gripper else None
+    slots = evaluation_slots(evalset, rows, columns, pictures)
+    return EvaluationView(slots, len(evalset), viewer)
+
+
+def evaluation_slots(
+    evalset: pd.DataFrame, rows: int, columns: int, pictures: Mapping[str, bytes]
+) -> list[list[Slot]]:
+    """Rows of the evaluation set, hardest first; each from simplest to most complex.
+
+    Args:
+        evalset: Columns of `tables.evaluation.EVAL49`.
+        rows: Letters of the set.
+        columns: Digits of the set.
+        pictures: PNG by label of the evaluation set; where it has none, by label of the dataset.
+    """
+    items = {item["label"]: item for item in evalset.to_dict("records")}
+    return [
+        [_slot(label_at(row, column), items, pictures) for column in range(columns)]
+        for row in reversed(range(rows))
+    ]
+
+
+def _slot(
+    label: str, items: Mapping[str, Mapping[Any, Any]], pictures: Mapping[str, bytes]
+) -> Slot:
+    item = items.get(label)
+    if item is None:
+        return Slot(label, None, "")
+    small = pictures.get(item["object_label"], b"")
+    return Slot(label, item, data_uri(pictures.get(label, small)))
+
+
+def section(
+    views: Mapping[str, EvaluationView],
+    axes: AxisPair,
+    *,
+    percentile: float | None,
+    gripper: str,
+    named: bool,
+) -> Section:
+    """The evaluation set of each dataset.
+
+    Args:
+        views: From `evaluation_view`, by dataset.
+        axes: What the axes of the space are called.
+        percentile: Which percentile of grasp quality difficulty is, percent; None if another
+            measure is in its place.
+        gripper: Name of the gripper of the 3D viewer.
+        named: Whether to write the name of each dataset.
+    """
+    values = {"axes": axes, "percentile": percentile, "gripper": gripper, "named": named}
+    return section_of("evaluation", "Evaluation set", views=views, **values)
+
+
+def contact_sheet(
+    title: str,
+    rows: int,
+    columns: int,
+    meshes: Mapping[tuple[int, int], trimesh.Trimesh],
+    captions: Mapping[tuple[int, int], tuple[str, str]],
+) -> bytes:
+    """All objects of an evaluation set on one page, to tell prints apart.
+
+    Args:
+        title: Above the pictures.
+        rows: Of the grid.
+        columns: Of the grid.
+        meshes: By row and column.
+        captions: Name and size, by row and column; a cell without a mesh shows just these.
+
+    Returns:
+        A PDF page with a picture, name and size of each object, the same for the same objects.
+    """
+    with matplotlib.rc_context({**STYLE, "pdf.fonttype": 42}):
+        figure = Figure(figsize=PAGE)
+        figure.suptitle(title, fontsize=12, y=0.98)
+        figure.subplots_adjust(0.03, 0.03, 0.97, 0.94, 0.05, 0.35)
+        for cell in np.ndindex(rows, columns):
+            axes = figure.add_subplot(rows, columns, cell[0] * columns + cell[1] + 1)
+            axes.set_axis_off()
+            if cell in meshes:
+                axes.imshow(render(meshes[cell], PIXELS))
+            name, size = captions.get(cell, ("", ""))
+            below: dict[str, Any] = {"ha": "center", "va": "top", "transform": axes.transAxes}
+            axes.text(0.5, -0.02, name, color=INK, weight="bold", **below)
+            axes.text(0.5, -0.17, size, color=SOFT, fontsize=6.5, **below)
+        buffer = io.BytesIO()
+        dates = {"CreationDate": None, "Producer": None, "Creator": None}
+        figure.savefig(buffer, format="pdf", metadata=dates, dpi=PIXELS)
+    return buffer.getvalue()

@@ -1,0 +1,216 @@
+"""The section Evolution: coverage over evaluations, and how elites moved when re-evaluated."""
+
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from egad.measures.grid import coverage, difficulty_cells
+from egad.measures.parameters import Space
+from egad.report.axes import AxisPair
+from egad.report.drawing import data_uri, line_colour, new_figure, show_percent, svg_uri
+from egad.report.page import Section, section_of
+
+THIN = "\N{NARROW NO-BREAK SPACE}"
+FRAMES, UNIT, LAST = 60, 12, 2500  # frames, pixels a cell, milliseconds of the last frame
+GROUND, INK = (246, 247, 249), (28, 36, 48)
+EMPTY, FULL = np.array([255, 255, 255]), np.array([11, 92, 173])
+
+
+@dataclass(frozen=True)
+class ReEvaluation:
+    """How the objects of an archive moved when their difficulty was measured again.
+
+    Attributes:
+        stayed: Part of the objects that stayed in their cell.
+        by_one: Part that moved by one cell.
+        by_more: Part that moved further.
+        mean: Mean move towards hard, cells.
+        before: Coverage by the first difficulty.
+        after: Coverage by the second one.
+    """
+
+    stayed: float
+    by_one: float
+    by_more: float
+    mean: float
+    before: float
+    after: float
+
+
+@dataclass(frozen=True)
+class EvolutionView:
+    """The evolution of a dataset; figures are addresses, empty if there is none."""
+
+    curves: str
+    animation: str
+    re_evaluation: ReEvaluation | None
+
+
+def evolution_view(
+    objects: pd.DataFrame, history: pd.DataFrame | None, space: Space
+) -> EvolutionView | None:
+    """What there is to show of an archive.
+
+    Args:
+        objects: Columns of `tables.objects.OBJECTS`.
+        history: Columns of `tables.evolution.HISTORY`; None if it was not evolved here.
+        space: The cells.
+
+    Returns:
+        None if the objects are of no archive.
+    """
+    moves = re_evaluation(objects, space)
+    if history is None:
+        return None if moves is None else EvolutionView("", "", moves)
+    curves = svg_uri(coverage_curves({"": history}))
+    return EvolutionView(curves, data_uri(coverage_animation(history, space), "image/gif"), moves)
+
+
+def section(
+    views: Mapping[str, EvolutionView],
+    space: Space,
+    axes: AxisPair,
+    *,
+    grasps: tuple[int, int] | None,
+    islands: int,
+    named: bool,
+) -> Section:
+    """The evolution of each dataset.
+
+    Args:
+        views: From `evolution_view`, by dataset.
+        space: The cells.
+        axes: What the axes of the space are called.
+        grasps: How many grasps difficulty was measured by, during evolution and afterwards; None
+            if another measure is in its place.
+        islands: How many evolved side by side.
+        named: Whether to write the name of each dataset.
+    """
+    values = {"space": space, "axes": axes, "grasps": grasps, "islands": islands, "named": named}
+    return section_of("evolution", "Evolution", views=views, **values)
+
+
+def re_evaluation(objects: pd.DataFrame, space: Space) -> ReEvaluation | None:
+    """How the objects of an archive moved when their difficulty was measured again.
+
+    Args:
+        objects: Columns of `tables.objects.OBJECTS`.
+        space: The cells.
+
+    Returns:
+        None if no object was selected by a difficulty.
+    """
+    elites = objects.dropna(subset=["archive_difficulty"])
+    if elites.empty:
+        return None
+    before = difficulty_cells(elites["archive_difficulty"], space)
+    moves = elites["difficulty_cell"].to_numpy() - before
+    return ReEvaluation(
+        stayed=float((moves == 0).mean()),
+        by_one=float((abs(moves) == 1).mean()),
+        by_more=float((abs(moves) > 1).mean()),
+        mean=float(moves.mean()),
+        before=coverage(elites.assign(difficulty_cell=before), space),
+        after=coverage(elites, space),
+    )
+
+
+def coverage_history(history: pd.DataFrame) -> pd.DataFrame:
+    """The steps in the order in which they were made, with the evaluations so far.
+
+    Args:
+        history: Columns of `tables.evolution.HISTORY`. Islands evolve side by side: a row of the
+            result counts the evaluations of all of them, and shows the island of highest coverage.
+
+    Returns:
+        Columns offspring (so far), coverage, filled_cells, qd_score and cells.
+    """
+    ordered = history.sort_values(["epoch", "step", "coverage"])
+    steps = ordered.groupby(["epoch", "step"])
+    best = steps.tail(1).set_index(["epoch", "step"])
+    return best.assign(offspring=steps["offspring"].sum().cumsum()).reset_index()[
+        ["offspring", "coverage", "filled_cells", "qd_score", "cells"]
+    ]
+
+
+def coverage_curves(histories: Mapping[str, pd.DataFrame]) -> str:
+    """Coverage, filled cells and QD-score over evaluations.
+
+    Args:
+        histories: Tables with the columns of `tables.evolution.HISTORY`, by the name of the run.
+
+    Returns:
+        SVG text.
+    """
+    runs = {name: coverage_history(history) for name, history in histories.items()}
+    panels = {"coverage": "coverage", "filled_cells": "filled cells", "qd_score": "QD-score"}
+    with new_figure(9.6, 2.9) as drawing:
+        grid = drawing.figure.subplots(1, 3)
+        for axes, (column, title) in zip(grid, panels.items(), strict=True):
+            for number, (name, run) in enumerate(runs.items()):
+                known = run.dropna(subset=[column])
+                colour = line_colour(number)
+                axes.plot(known["offspring"], known[column], color=colour, lw=1.6, label=name)
+            _finish(axes, title, share=column != "qd_score")
+        if len(runs) > 1:
+            handles, names = grid[0].get_legend_handles_labels()
+            drawing.figure.legend(handles, names, loc="outside upper center", ncols=4)
+    return drawing.svg
+
+
+def _finish(axes: Axes, title: str, *, share: bool) -> None:
+    axes.set(xlabel="evaluations", title=title, xlim=(0, None))
+    axes.set_ylim(0, 1 if share else None)
+    axes.title.set_fontsize(10)
+    axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}".replace(",", THIN))
+    if share:
+        show_percent(axes.yaxis)
+    axes.grid(axis="y")
+
+
+def coverage_animation(history: pd.DataFrame, space: Space) -> bytes:
+    """The archive during evolution; darker cells hold more elites.
+
+    Args:
+        history: Columns of `tables.evolution.HISTORY`.
+        space: The cells.
+
+    Returns:
+        An animated GIF; complexity goes to the right, difficulty up.
+    """
+    steps = coverage_history(history)
+    shown = np.unique(np.linspace(0, len(steps) - 1, min(FRAMES, len(steps))).astype(int))
+    frames = [
+        _frame(steps["cells"].iloc[index], int(steps["offspring"].iloc[index]), space)
+        for index in shown
+    ]
+    buffer = io.BytesIO()
+    times = [120] * (len(frames) - 1) + [LAST]
+    frames[0].save(
+        buffer, "gif", save_all=True, append_images=frames[1:], duration=times, loop=0, disposal=1
+    )
+    return buffer.getvalue()
+
+
+def _frame(cells: bytes, offspring: int, space: Space) -> Image.Image:
+    counts = np.frombuffer(cells, np.uint8).reshape(space.cells, space.cells)[::-1]
+    pixels = np.kron(_colours(counts, space), np.ones((UNIT, UNIT, 1))).astype(np.uint8)
+    image = Image.new("RGB", (pixels.shape[1], pixels.shape[0] + 2 * UNIT), GROUND)
+    image.paste(Image.fromarray(pixels))
+    text = f"{offspring} evaluations, {int(counts.sum())} objects"
+    ImageDraw.Draw(image).text((4, pixels.shape[0] + 5), text, fill=INK)
+    return image.quantize(32)
+
+
+def _colours(counts: NDArray[np.uint8], space: Space) -> NDArray[np.float64]:
+    share = np.minimum(counts / space.elites_per_cell, 1)[..., None]
+    full = np.where(share > 0, 0.15 + 0.85 * share, 0)
+    return np.asarray(EMPTY + full * (FULL - EMPTY))

@@ -1,0 +1,296 @@
+"""The section Grasps: how good labelled grasps are, at which size, and how objects were scaled."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from egad.measures.size_effect import summarised
+from egad.report.drawing import (
+    FAINT,
+    INK,
+    SOFT,
+    THOUSANDTHS,
+    line_colour,
+    new_figure,
+    show_percent,
+    svg_uri,
+)
+from egad.report.page import Section, section_of
+
+COLUMNS = 3
+WIDTH, HEIGHT = 3.2, 3.7
+QUARTILES = [0.25, 0.5, 0.75]
+
+
+@dataclass(frozen=True)
+class GraspNumbers:
+    """How many grasps a gripper has and how good they are.
+
+    Attributes:
+        objects: Objects with grasps.
+        grasps: All grasps.
+        per_object: Median number of grasps of an object.
+        quality: Quartiles of the Ferrari-Canny quality.
+        robust_quality: Quartiles of the robust quality.
+        robust_success_rate: Mean part of the disturbed copies that hold.
+        collision_free: Part of the grasps that the hand reaches without collision.
+    """
+
+    objects: int
+    grasps: int
+    per_object: float
+    quality: list[float]
+    robust_quality: list[float]
+    robust_success_rate: float
+    collision_free: float
+
+
+@dataclass(frozen=True)
+class ScaleNumbers:
+    """How the objects were scaled to a gripper.
+
+    Attributes:
+        rule: Name of the rule.
+        opening: Of the gripper, metres.
+        objects: How many there are.
+        scaled: How many changed their size.
+        factor: Smallest, median and largest factor.
+    """
+
+    rule: str
+    opening: float
+    objects: int
+    scaled: int
+    factor: list[float]
+
+
+@dataclass(frozen=True)
+class PrintNumbers:
+    """What goes to the printer: objects, plates, and labels of objects that fit on no plate."""
+
+    objects: int
+    plates: int
+    on_no_plate: list[str]
+
+
+@dataclass(frozen=True)
+class GraspView:
+    """Grasps and sizes of the objects of a dataset, by gripper; figures are addresses."""
+
+    grasps: dict[str, GraspNumbers]
+    figure: str
+    size_figures: dict[str, str]
+    sizes: dict[str, tuple[ScaleNumbers | None, PrintNumbers | None]]
+
+
+def grasp_view(
+    grasps: Mapping[str, pd.DataFrame],
+    size_effects: Mapping[str, pd.DataFrame],
+    scales: Mapping[str, pd.DataFrame],
+    manifests: Mapping[str, pd.DataFrame],
+) -> GraspView | None:
+    """What there is to show of the grasps of a dataset.
+
+    Args:
+        grasps: Columns of `tables.grasping.GRASPS`, by gripper.
+        size_effects: Columns of `tables.grasping.SIZE_EFFECT`, by gripper.
+        scales: Columns of `tables.grasping.SCALES`, by gripper.
+        manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
+
+    Returns:
+        None if there is nothing at all. Tables without rows count as absent.
+    """
+    known = {name: table for name, table in grasps.items() if len(table)}
+    charts = {
+        name: svg_uri(size_chart(table)) for name, table in size_effects.items() if len(table)
+    }
+    sizes = {
+        name: (
+            scale_numbers(scales[name]) if name in scales and len(scales[name]) else None,
+            print_numbers(manifests[name]) if name in manifests else None,
+        )
+        for name in dict.fromkeys([*scales, *manifests])
+    }
+    if not (known or charts or sizes):
+        return None
+    numbers = {name: grasp_numbers(table) for name, table in known.items()}
+    return GraspView(numbers, svg_uri(grasp_chart(known)) if known else "", charts, sizes)
+
+
+def section(
+    views: Mapping[str, GraspView],
+    *,
+    most_grasps: int,
+    copies: int,
+    size_grasps: int,
+    size_repeats: int,
+    named: bool,
+) -> Section:
+    """Grasps and sizes of each dataset.
+
+    Args:
+        views: From `grasp_view`, by dataset.
+        most_grasps: Most grasps of an object.
+        copies: Disturbed copies of a grasp that robust quality is a mean of.
+        size_grasps: Grasps sampled at each size.
+        size_repeats: How often this was repeated.
+        named: Whether to write the name of each dataset.
+    """
+    return section_of(
+        "grasps",
+        "Grasps",
+        views=views,
+        most_grasps=most_grasps,
+        copies=copies,
+        size_grasps=size_grasps,
+        size_repeats=size_repeats,
+        named=named,
+    )
+
+
+def grasp_numbers(grasps: pd.DataFrame) -> GraspNumbers:
+    """Numbers of a table of grasps, with the columns of `tables.grasping.GRASPS`."""
+    per_object = grasps.groupby("label").size()
+    return GraspNumbers(
+        objects=len(per_object),
+        grasps=len(grasps),
+        per_object=per_object.median() if len(per_object) else np.nan,
+        quality=grasps["quality"].quantile(QUARTILES).tolist(),
+        robust_quality=grasps["robust_quality"].quantile(QUARTILES).tolist(),
+        robust_success_rate=grasps["held"].mean(),
+        collision_free=grasps["collision_free"].mean(),
+    )
+
+
+def scale_numbers(scales: pd.DataFrame) -> ScaleNumbers:
+    """Numbers of a table with the columns of `tables.grasping.SCALES`, at least one row."""
+    return ScaleNumbers(
+        rule=", ".join(sorted(scales["rule"].unique())),
+        opening=scales["opening"].iloc[0],
+        objects=len(scales),
+        scaled=int((~np.isclose(scales["factor"], 1)).sum()),
+        factor=scales["factor"].quantile([0, 0.5, 1]).tolist(),
+    )
+
+
+def print_numbers(manifest: pd.DataFrame) -> PrintNumbers:
+    """Numbers of a table with the columns of `tables.evaluation.MANIFEST`."""
+    return PrintNumbers(
+        objects=len(manifest),
+        plates=int(manifest["plate"].nunique()),
+        on_no_plate=manifest.loc[manifest["plate"].isna(), "label"].tolist(),
+    )
+
+
+def grasp_chart(grasps: Mapping[str, pd.DataFrame]) -> str:
+    """Histograms of nominal and robust grasp quality, one line a gripper.
+
+    Args:
+        grasps: Tables with the columns of `tables.grasping.GRASPS`, by gripper.
+
+    Returns:
+        SVG text.
+    """
+    panels = {
+        "quality": f"quality {THOUSANDTHS}",
+        "robust_quality": f"robust quality {THOUSANDTHS}",
+    }
+    with new_figure(8.6, 2.7) as drawing:
+        left, right = drawing.figure.subplots(1, 2)
+        for axes, (column, title) in zip((left, right), panels.items(), strict=True):
+            _draw_histograms(axes, {name: table[column] * 1000 for name, table in grasps.items()})
+            axes.set_xlabel(title)
+        left.set_ylabel("share of the grasps")
+        if len(grasps) > 1:
+            drawing.figure.legend(
+                *left.get_legend_handles_labels(), loc="outside upper center", ncols=5
+            )
+    return drawing.svg
+
+
+def _draw_histograms(axes: Axes, values: Mapping[str, "pd.Series[float]"]) -> None:
+    known = np.concatenate([series.dropna() for series in values.values()])
+    top = known.max() if len(known) and known.max() > 0 else 1.0
+    bins = np.linspace(min(0, known.min(initial=0)), top, 41)
+    for number, (name, series) in enumerate(values.items()):
+        colour = line_colour(number)
+        share = np.histogram(series.dropna(), bins)[0] / max(len(series), 1)
+        axes.stairs(share, bins, color=colour, lw=1.6, label=name)
+        axes.stairs(share, bins, color=colour, fill=True, alpha=0.12)
+    axes.set(xlim=(bins[0], bins[-1]))
+    axes.set_ylim(bottom=0)
+    show_percent(axes.yaxis)
+    axes.grid(axis="y")
+
+
+def size_chart(table: pd.DataFrame) -> str:
+    """Percentiles of quality over size, a panel an object, all on the same axes.
+
+    A line is the mean over repetitions, its band goes from the lowest to the highest; a point is
+    hollow where only some repetitions found grasps. Beneath is the share of candidates that are
+    possible grasps.
+
+    Args:
+        table: Columns of `tables.grasping.SIZE_EFFECT`, at least one row.
+
+    Returns:
+        SVG text.
+    """
+    numbers = summarised(table)
+    names = list(dict.fromkeys(numbers["name"]))
+    columns = min(COLUMNS, len(names))
+    rows = math.ceil(len(names) / columns)
+    with new_figure(WIDTH * columns + 0.8, HEIGHT * rows + 0.5) as drawing:
+        grid = drawing.figure.subplots(
+            2 * rows, columns, squeeze=False, sharex=True, sharey="row", height_ratios=[3, 1] * rows
+        )
+        highest = 1000 * float(np.nanmax([*numbers["high"], 0.0])) or 1.0
+        panels = zip(grid[::2].ravel(), grid[1::2].ravel(), strict=True)
+        for number, (upper, lower) in enumerate(panels):
+            if number >= len(names):
+                upper.set_axis_off()
+                lower.set_axis_off()
+                continue
+            shown = numbers[numbers["name"] == names[number]]
+            _draw_quality(upper, shown, highest, labelled=number == 0)
+            upper.set_title(names[number], size=10)
+            _draw_share(lower, shown)
+            lower.tick_params(labelbottom=True)
+        for upper, lower in zip(grid[::2, 0], grid[1::2, 0], strict=True):
+            upper.set_ylabel(f"quality {THOUSANDTHS}")
+            lower.set_ylabel("possible")
+        drawing.figure.supxlabel("smallest side / opening of the gripper", size=10)
+        handles, titles = grid[0, 0].get_legend_handles_labels()
+        drawing.figure.legend(handles, titles, loc="outside upper center", ncols=4)
+    return drawing.svg
+
+
+def _draw_quality(axes: Axes, numbers: pd.DataFrame, highest: float, *, labelled: bool) -> None:
+    for number, (percent, line) in enumerate(numbers.groupby("percentile")):
+        known = line.dropna(subset=["mean"])
+        colour = line_colour(number)
+        size = known["fraction"]
+        axes.fill_between(size, 1000 * known["low"], 1000 * known["high"], color=colour, alpha=0.2)
+        label = f"percentile {percent:g}" if labelled else None
+        axes.plot(size, 1000 * known["mean"], color=colour, lw=1.6, label=label)
+        for whole, face in ((True, colour), (False, "white")):
+            points = known[(known["found"] == 1) == whole]
+            across, height = points["fraction"], 1000 * points["mean"]
+            axes.plot(across, height, "o", ms=4, color=colour, mfc=face, zorder=3)
+    axes.axvline(1, color=SOFT, lw=0.8, ls=":")
+    axes.set_ylim(0, 1.05 * highest)
+    axes.grid(axis="y")
+
+
+def _draw_share(axes: Axes, numbers: pd.DataFrame) -> None:
+    shares = numbers.drop_duplicates("fraction")
+    axes.fill_between(shares["fraction"], shares["share"], color=FAINT)
+    axes.plot(shares["fraction"], shares["share"], color=INK, lw=1)
+    axes.axvline(1, color=SOFT, lw=0.8, ls=":")
+    axes.set_ylim(0, 1)
+    axes.set_yticks([0, 0.5, 1])
+    show_percent(axes.yaxis)

@@ -1,0 +1,104 @@
+"""HTML pages: sections, templates, numbers as text, and nothing that breaks a page.
+
+A section of the report is a module of this package. Its function `section` turns tables and plain
+values into a `Section`, by a template of the same name.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+SPACE = "\N{NO-BREAK SPACE}"
+DASH = "\N{EN DASH}"
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a page.
+
+    Attributes:
+        id: Anchor that links lead to.
+        title: Text of the link to it.
+        html: The section itself.
+    """
+
+    id: str
+    title: str
+    html: Markup
+
+
+def section_of(template: str, title: str, /, **values: Any) -> Section:  # noqa: ANN401 (as Jinja)
+    """Fill the template of a section; its anchor is the name of the template.
+
+    Args:
+        template: Name of the template, without its endings.
+        title: Text of the link to the section.
+        values: What the template reads.
+    """
+    html = render_template(template, **values)
+    return Section(template, title, Markup(html))  # noqa: S704 (templates escape what they show)
+
+
+def report_page(sections: Iterable[Section]) -> str:
+    """One HTML page of all sections, with links to each, that needs no other file."""
+    return render_template("report", sections=list(sections))
+
+
+def render_template(name: str, /, **values: Any) -> str:  # noqa: ANN401 (as Jinja)
+    """The text of a template of this package, filled with values.
+
+    Args:
+        name: Name of the template, without its endings.
+        values: What the template reads.
+    """
+    return _environment().get_template(f"{name}.html.j2").render(**values)
+
+
+@cache
+def _environment() -> Environment:
+    """The templates of this package; filters: `percent`, `count`, `fixed`, `p_value`, `code`."""
+    environment = Environment(
+        loader=PackageLoader("egad.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(
+        percent=_percent, count=_count, fixed=_fixed, p_value=p_value, code=_code
+    )
+    return environment
+
+
+def _percent(value: float, digits: int = 0) -> str:
+    number = f"{100 * value:.{digits}f}".replace("-", "\N{MINUS SIGN}")
+    return DASH if pd.isna(value) else f"{number}{SPACE}%"
+
+
+def _count(value: int) -> str:
+    return f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+
+
+def _fixed(value: float, digits: int = 2) -> str:
+    return DASH if pd.isna(value) else f"{value:.{digits}f}"
+
+
+def p_value(value: float) -> str:
+    """A p-value in short: two digits, but not below 0.001."""
+    if pd.isna(value):
+        return DASH
+    return "< 0.001" if value < 0.001 else f"{value:.3f}" if value < 0.01 else f"{value:.2f}"
+
+
+def _code(text: str) -> Markup:
+    """Text as HTML, with what stands between backticks set as code."""
+    parts = [
+        Markup("<code>{}</code>").format(part) if index % 2 else escape(part)
+        for index, part in enumerate(text.split("`"))
+    ]
+    return Markup("").join(parts)

@@ -1,0 +1,208 @@
+"""The section Map: the objects of each dataset over the space, and the same as one picture."""
+
+import base64
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from PIL import Image, ImageDraw, ImageFont
+
+from egad.measures.grid import cell_name
+from egad.measures.parameters import Space
+from egad.report.axes import USUAL, AxisPair
+from egad.report.drawing import data_uri, scale_colour
+from egad.report.page import Section, section_of
+
+SHOWN = 4  # objects of a cell with a picture
+BY_CELL = ["difficulty_cell", "complexity_cell"]
+STOPS = 11
+CLIPPED = 0.02
+INK = (28, 36, 48)
+GROUND = (236, 238, 242)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A filled cell of the map: position, colour, and its most diverse object."""
+
+    column: int
+    row: int
+    name: str
+    count: int
+    diversity: float
+    colour: str
+    picture: str
+
+
+@dataclass(frozen=True)
+class SpaceMap:
+    """The cells of a dataset, the colour bar, and what a click on a cell shows.
+
+    Attributes:
+        size: Cells along each axis.
+        cells: The filled ones.
+        low: Mean diversity at the lower end of the colour bar; few cells lie below.
+        high: Mean diversity at its upper end.
+        stops: Colours of the bar, from low to high.
+        details: Objects of each cell by its name: label, id, complexity, difficulty, diversity
+            and picture (base64; None for the first, which the map shows); then how many more.
+        first: Name of the cell whose objects are shown first.
+        pictured: Whether the objects have pictures.
+    """
+
+    size: int
+    cells: list[Cell]
+    low: float
+    high: float
+    stops: list[str]
+    details: dict[str, dict[str, Any]]
+    first: str
+    pictured: bool
+
+
+def section(maps: Mapping[str, SpaceMap], space: Space, axes: AxisPair) -> Section:
+    """The maps of all datasets.
+
+    Args:
+        maps: From `space_map`, by dataset.
+        space: The cells.
+        axes: What the axes of the space are called.
+    """
+    return section_of("map", "Map", maps=maps, space=space, axes=axes)
+
+
+def shown_objects(objects: pd.DataFrame) -> list[str]:
+    """Labels of the objects that the map has pictures of: the most diverse ones of each cell."""
+    labels: list[str] = _by_diversity(objects).groupby(BY_CELL).head(SHOWN)["label"].tolist()
+    return labels
+
+
+def most_diverse(objects: pd.DataFrame) -> pd.DataFrame:
+    """The most diverse object of every cell."""
+    return _by_diversity(objects).drop_duplicates(BY_CELL)
+
+
+def _by_diversity(objects: pd.DataFrame) -> pd.DataFrame:
+    return objects.sort_values(["diversity", "label"], ascending=[False, True])
+
+
+def space_map(objects: pd.DataFrame, pictures: Mapping[str, bytes], space: Space) -> SpaceMap:
+    """Lay out the objects of a dataset over the space.
+
+    A cell has the colour of the mean diversity of its objects and the picture of the most
+    diverse one.
+
+    Args:
+        objects: Columns of `tables.objects.OBJECTS`.
+        pictures: PNG by label, at least of `shown_objects`; or empty.
+        space: The cells.
+    """
+    ordered = _by_diversity(objects)
+    groups = list(ordered.groupby(BY_CELL, sort=True))
+    means = [float(group["diversity"].mean()) for _, group in groups]
+    known = [mean for mean in means if not np.isnan(mean)]
+    low, high = np.quantile(known, [CLIPPED, 1 - CLIPPED]) if known else (0.0, 0.0)
+    cells, details = [], {}
+    for (_, group), mean in zip(groups, means, strict=True):
+        cell = _cell(group, mean, scale_colour(mean, low, high), pictures)
+        cells.append(cell)
+        details[cell.name] = _details(group, pictures)
+    stops = [scale_colour(stop, 0, STOPS - 1) for stop in range(STOPS)]
+    first = _name(ordered.iloc[0]) if len(ordered) else ""
+    return SpaceMap(
+        space.cells, cells, float(low), float(high), stops, details, first, bool(pictures)
+    )
+
+
+def _name(item: Mapping[str, Any] | pd.Series) -> str:
+    return cell_name(item["complexity_cell"], item["difficulty_cell"])
+
+
+def _cell(group: pd.DataFrame, mean: float, colour: str, pictures: Mapping[str, bytes]) -> Cell:
+    best = group.iloc[0]
+    return Cell(
+        column=int(best["complexity_cell"]),
+        row=int(best["difficulty_cell"]),
+        name=_name(best),
+        count=len(group),
+        diversity=mean,
+        colour=colour,
+        picture=data_uri(pictures.get(best["label"], b"")),
+    )
+
+
+def _details(group: pd.DataFrame, pictures: Mapping[str, bytes]) -> dict[str, Any]:
+    items = []
+    for rank, item in enumerate(group.head(SHOWN).to_dict("records")):
+        picture = pictures.get(item["label"], b"") if rank else b""
+        items.append(
+            [
+                item["label"],
+                item["id"],
+                _round(item["complexity"], 4),
+                _round(item["difficulty"], 6),
+                _round(item["diversity"], 4),
+                base64.b64encode(picture).decode() or None,
+            ]
+        )
+    return {"items": items, "more": max(0, len(group) - SHOWN)}
+
+
+def _round(value: float, digits: int) -> float | None:
+    return None if np.isnan(value) else round(float(value), digits)
+
+
+def collage(
+    objects: pd.DataFrame,
+    pictures: Mapping[str, bytes],
+    space: Space,
+    unit: int = 48,
+    axes: AxisPair = USUAL,
+) -> bytes:
+    """Draw the most diverse object of every cell, complexity across and difficulty upwards.
+
+    Args:
+        objects: Columns of `tables.objects.OBJECTS`.
+        pictures: PNG of each object by its label, with a transparent ground; objects without
+            one are left out.
+        space: The cells.
+        unit: Pixels a side of a cell.
+        axes: What is written along the axes.
+
+    Returns:
+        A PNG file.
+    """
+    side, margin = unit * space.cells, unit
+    image = Image.new("RGB", (side + margin, side + margin), "white")
+    pictured = objects[objects["label"].isin(list(pictures))]
+    for item in most_diverse(pictured).to_dict("records"):
+        corner = (
+            margin + int(item["complexity_cell"]) * unit,
+            (space.cells - 1 - int(item["difficulty_cell"])) * unit,
+        )
+        _paste(image, pictures[item["label"]], corner, unit)
+    _write(image, axes.across.long_label, (margin + side // 2, side + margin // 2), unit)
+    turned = image.transpose(Image.Transpose.ROTATE_270)
+    _write(turned, axes.upwards.long_label, (turned.width - side // 2, margin // 2), unit)
+    buffer = io.BytesIO()
+    turned.transpose(Image.Transpose.ROTATE_90).save(buffer, "png", optimize=True)
+    return buffer.getvalue()
+
+
+def _paste(image: Image.Image, content: bytes, corner: tuple[int, int], unit: int) -> None:
+    x, y = corner
+    picture = Image.open(io.BytesIO(content)).convert("RGBA")
+    scaled = picture.resize((unit - 4, unit - 4), Image.Resampling.LANCZOS)
+    image.paste(GROUND, (x + 1, y + 1, x + unit - 1, y + unit - 1))
+    image.paste(scaled, (x + 2, y + 2), scaled)
+
+
+def _write(image: Image.Image, text: str, center: tuple[int, int], unit: int) -> None:
+    name = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"
+    font = ImageFont.truetype(name, 0.4 * unit)
+    ImageDraw.Draw(image).text(center, text, fill=INK, font=font, anchor="mm")

@@ -1,0 +1,153 @@
+"""Charts of trained networks: loss and score while they train, and their success in trials."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+from matplotlib.axes import Axes
+
+from egad.learning.model_card import taken
+from egad.report.drawing import DASHED, INK, LINES, SOFT, line_colour, new_figure, show_percent
+from egad.stats.rates import Mean
+from egad.stats.training_study import Tried
+
+STYLES = ("-", "--", ":", "-.")
+
+
+def training_chart(history: pd.DataFrame) -> str:
+    """Losses and the score on the validation set, over the images trained on.
+
+    Args:
+        history: Columns of `tables.training.HISTORY`, at least one row.
+
+    Returns:
+        SVG text. A line marks the epoch whose weights were kept.
+    """
+    images, kept = history["images"], taken(history)["images"]
+    dots: dict[str, Any] = {"marker": "o", "ms": 3}
+    with new_figure(7.6, 3.0) as drawing:
+        left, right = drawing.figure.subplots(1, 2)
+        left.plot(images, history["loss"], color=LINES[0], label="training", **dots)
+        left.plot(images, history["validation_loss"], color=LINES[1], label="validation", **dots)
+        left.legend()
+        right.plot(images, history["validation_score"], color=LINES[1], **dots)
+        _label_axes(left, right, "loss")
+        for axes in (left, right):
+            axes.axvline(kept, color=SOFT, lw=0.8, ls=DASHED)
+        right.annotate(
+            "kept",
+            (kept, 0.02),
+            xytext=(-4, 0),
+            textcoords="offset points",
+            ha="right",
+            color=INK,
+            fontsize=8,
+        )
+    return drawing.svg
+
+
+def training_curves(
+    histories: Mapping[str, Sequence[pd.DataFrame]], colours: Mapping[str, str]
+) -> str:
+    """Validation loss and score of all networks, over the images trained on.
+
+    Args:
+        histories: Columns of `tables.training.HISTORY` of each network, by training set.
+        colours: From `set_colours`.
+
+    Returns:
+        SVG text: a colour a set, a line style a network.
+    """
+    with new_figure(8.6, 3.2) as drawing:
+        left, right = drawing.figure.subplots(1, 2)
+        for name, each in histories.items():
+            for number, history in enumerate(each):
+                images = history["images"]
+                line: dict[str, Any] = {"ls": STYLES[number % len(STYLES)], "color": colours[name]}
+                label = name if number == 0 else None
+                left.plot(images, history["validation_loss"], label=label, **line)
+                right.plot(images, history["validation_score"], **line)
+        _label_axes(left, right, "validation loss")
+        drawing.figure.legend(loc="outside upper center", ncols=6, fontsize=9)
+    return drawing.svg
+
+
+def _label_axes(left: Axes, right: Axes, loss: str) -> None:
+    """Axes of losses, to the left, and of scores."""
+    left.set(xlabel="images", ylabel=loss)
+    right.set(xlabel="images", ylabel="correct grasps, validation", ylim=(0, 1.02))
+    show_percent(right.yaxis)
+    for axes in (left, right):
+        axes.set_xlim(left=0)
+        axes.grid(axis="y")
+    left.set_ylim(bottom=0)
+
+
+def set_colours(names: Sequence[str]) -> dict[str, str]:
+    """The colour of each training set, the same in all charts."""
+    return {name: line_colour(number) for number, name in enumerate(names)}
+
+
+def success_chart(tests: Mapping[str, Tried]) -> str:
+    """Success of each training set, a panel a test.
+
+    Args:
+        tests: What was tried, by test.
+
+    Returns:
+        SVG text: a filled dot is the rate over all networks of a set, with its interval of 95 %;
+        hollow dots are single networks; other detectors are grey.
+    """
+    rows = max(len(tried.sets) + len(tried.references) for tried in tests.values())
+    with new_figure(1.2 + 3.7 * len(tests), 0.9 + 0.34 * rows) as drawing:
+        panels = drawing.figure.subplots(1, len(tests), squeeze=False)[0]
+        for axes, (test, tried) in zip(panels, tests.items(), strict=True):
+            _draw_success(axes, tried)
+            names = [*tried.sets, *tried.references]
+            axes.set_yticks(range(len(names)), names)
+            axes.set(xlim=(0, 1), ylim=(len(names) - 0.5, -0.5), title=test, xlabel="success rate")
+            show_percent(axes.xaxis)
+            axes.tick_params(axis="y", length=0)
+            axes.grid(axis="x")
+    return drawing.svg
+
+
+def _draw_success(axes: Axes, tried: Tried) -> None:
+    """A row for each set, and then for each other detector."""
+    colours = set_colours(list(tried.sets))
+    for row, (name, found) in enumerate(tried.sets.items()):
+        _draw_rate(axes, row, found.pooled, colours[name])
+        each = [one.value for one in found.each.values()]
+        axes.plot(each, [row + 0.22] * len(each), "o", ms=4, color=INK, mfc="none", mew=0.8)
+    for row, mean in enumerate(tried.references.values(), len(tried.sets)):
+        _draw_rate(axes, row, mean, SOFT)
+
+
+def _draw_rate(axes: Axes, row: int, mean: Mean, colour: str) -> None:
+    axes.hlines(row, *mean.interval, color=colour, lw=1.6)
+    axes.plot([mean.value], [row], "o", ms=6, color=colour)
+
+
+def score_chart(
+    points: Mapping[str, Sequence[tuple[float, float]]], colours: Mapping[str, str]
+) -> str:
+    """Success in trials against the score on images of held-out objects, a dot a network.
+
+    Args:
+        points: Score and success of each network, by training set.
+        colours: From `set_colours`.
+
+    Returns:
+        SVG text.
+    """
+    with new_figure(4.6, 3.4) as drawing:
+        axes = drawing.figure.add_subplot()
+        for name, each in points.items():
+            axes.plot(*zip(*each, strict=True), "o", ms=6, color=colours[name], label=name)
+        axes.set(xlim=(0, 1), ylim=(0, 1), xlabel="correct grasps, test images of its own set")
+        axes.set_ylabel("success in trials")
+        for axis in (axes.xaxis, axes.yaxis):
+            show_percent(axis)
+        axes.grid()
+        drawing.figure.legend(loc="outside right upper", fontsize=9)
+    return drawing.svg

@@ -1,0 +1,221 @@
+"""Charts of trials that several pages show: success of each object, by row, and outcomes."""
+
+import string
+from collections.abc import Iterable, Mapping, Sequence
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.patches import Rectangle
+
+from egad.evalset.selection import label_at
+from egad.report.axes import USUAL, AxisPair
+from egad.report.drawing import (
+    FAINT,
+    INK,
+    SOFT,
+    ink_on,
+    line_colour,
+    new_figure,
+    show_percent,
+)
+from egad.stats.rates import Mean, Rate, TrialGrid
+
+GAP = 0.35
+DASH = "\N{EN DASH}"
+OUTCOMES = {
+    "success": "#0072b2",
+    "slipped_closing": "#9bd5f5",
+    "slipped_lifting": "#56b4e9",
+    "slipped": "#2f8fc4",
+    "dropped": "#009e73",
+    "missed": "#e69f00",
+    "collided": "#d55e00",
+    "no_grasp": "#cc79a7",
+    "not_finite": "#b0568a",
+    "too_wide": "#943f72",
+    "below_table": "#77295a",
+    "error": "#591443",
+    "timeout": "#3c002d",
+    "failed": "#a7adb8",
+    "crashed": "#5c6470",
+    "other": "#7d8591",
+}
+DARK = (
+    *("success", "slipped", "dropped", "collided", "too_wide", "below_table", "error", "timeout"),
+    "crashed",
+)
+
+
+def trial_heat_map(
+    grid: TrialGrid, rows: int, columns: int, present: set[str], axis_names: AxisPair = USUAL
+) -> str:
+    """Success rate of every object, with the rates of whole rows and columns, as in the paper.
+
+    Args:
+        grid: Rates from `egad.stats.rates.trial_grid`.
+        rows: Letters of the evaluation set; the easiest is at the bottom.
+        columns: Digits of the evaluation set.
+        present: Labels of the objects in the set; all other cells are hatched.
+        axis_names: What is written along the axes.
+
+    Returns:
+        SVG text.
+    """
+    with new_figure(0.8 + 0.62 * (columns + 1.62), 0.6 + 0.62 * (rows + 1.37)) as drawing:
+        axes = drawing.figure.add_subplot()
+        for row in range(rows):
+            for column in range(columns):
+                label = label_at(row, column)
+                _heat_cell(axes, column, row, grid.cells.get((row, column)), label in present)
+        for row, rate in enumerate(grid.rows):
+            _heat_cell(axes, columns + GAP, row, rate, True, 1.25)
+        for column, rate in enumerate(grid.columns):
+            _heat_cell(axes, column, -1 - GAP, rate, True)
+        _heat_cell(axes, columns + GAP, -1 - GAP, grid.overall, True, 1.25)
+        _heat_axes(axes, rows, columns, axis_names)
+    return drawing.svg
+
+
+def rate_colour(value: float) -> str:
+    """The blue of a success rate, as `#rrggbb`: the higher, the darker."""
+    return to_hex(matplotlib.colormaps["Blues"](0.06 + 0.84 * value))
+
+
+def _heat_cell(
+    axes: Axes, x: float, y: float, rate: Rate | None, present: bool, width: float = 1
+) -> None:
+    margin = x != int(x) or y != int(y)
+    tried = rate is not None and rate.attempts > 0
+    colour = rate_colour(rate.value) if rate is not None and tried else "#ffffff"
+    box = Rectangle((x + 0.02, y + 0.02), width - 0.04, 0.96, facecolor=colour, lw=0)
+    if not tried:
+        box.set(edgecolor=FAINT, lw=0.8, hatch=None if present else "////")
+    axes.add_patch(box)
+    ink = ink_on(colour)
+    middle = x + width / 2
+    if not tried or rate is None:
+        axes.text(middle, y + 0.5, DASH if present else "", ha="center", va="center", color=SOFT)
+        return
+    low, high = (round(100 * end) for end in rate.interval)
+    counts = [] if margin else [f"{rate.successes}/{rate.attempts}"]
+    below = [*counts, f"{low}{DASH}{high}"]
+    top = 0.5 + 0.12 * len(below)
+    weight = "bold" if margin else "normal"
+    text = f"{rate.value * 100:.0f}"
+    axes.text(middle, y + top, text, ha="center", va="center", color=ink, weight=weight, size=11)
+    for line, small in enumerate(below, 1):
+        height = y + top - 0.1 - 0.21 * line
+        axes.text(middle, height, small, ha="center", va="center", color=ink, size=6.5)
+
+
+def _heat_axes(axes: Axes, rows: int, columns: int, names: AxisPair) -> None:
+    axes.set(xlim=(-0.02, columns + GAP + 1.27), ylim=(-1 - GAP - 0.02, rows + 0.02))
+    axes.set_aspect("equal")
+    axes.set_xticks(
+        [*(np.arange(columns) + 0.5), columns + GAP + 0.625],
+        [*map(str, range(columns)), "mean"],
+    )
+    axes.set_yticks(
+        [-0.5 - GAP, *(np.arange(rows) + 0.5)], ["mean", *string.ascii_uppercase[:rows]]
+    )
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+    axes.set_xlabel(names.across.label)
+    axes.set_ylabel(names.upwards.label)
+
+
+def rate_bars(
+    rates: Mapping[str, Sequence[Mean]], groups: Sequence[str] = string.ascii_uppercase
+) -> str:
+    """Success rates side by side by row of the evaluation set, with intervals of 95 %.
+
+    Args:
+        rates: By detector: of each row, and then the one over all.
+        groups: Names of the rows; or of the columns, if rates are of these.
+
+    Returns:
+        SVG text.
+    """
+    count = max(len(each) for each in rates.values())
+    with new_figure(8.6, 3.2) as drawing:
+        axes = drawing.figure.add_subplot()
+        step = 0.7 / len(rates)
+        for number, (name, means) in enumerate(rates.items()):
+            x = np.arange(count) + (number - (len(rates) - 1) / 2) * step
+            x[-1] += 0.35
+            heights = [mean.value for mean in means]
+            axes.bar(x, heights, 0.88 * step, color=line_colour(number), label=name)
+            draw_intervals(axes, x, means, INK)
+        names = [*groups[: count - 1], "all"]
+        axes.set_xticks([*range(count - 1), count - 1 + 0.35], names)
+        axes.tick_params(axis="x", length=0)
+        axes.set(ylim=(0, 1), ylabel="success rate")
+        axes.axvline(count - 1.325, color=FAINT, lw=1)
+        show_percent(axes.yaxis)
+        axes.grid(axis="y")
+        drawing.figure.legend(loc="outside upper center", ncols=4, fontsize=9)
+    return drawing.svg
+
+
+def draw_intervals(axes: Axes, x: Iterable[float], means: Sequence[Mean], colour: str) -> None:
+    """Vertical lines from the lower to the upper end of rates; none where nothing is known."""
+    for at, mean in zip(x, means, strict=True):
+        low, high = mean.interval
+        if (low, high) != (0.0, 1.0):
+            axes.vlines(at, low, high, color=colour, lw=1)
+
+
+def draw_rates(
+    axes: Axes, x: Sequence[float], rates: Sequence[Rate], colour: str, name: str
+) -> None:
+    """A line through rates, with the interval of each."""
+    axes.vlines(x, *zip(*(rate.interval for rate in rates), strict=True), color=colour, lw=1)
+    axes.plot(x, [rate.value for rate in rates], "o-", color=colour, ms=4.5, lw=1.4, label=name)
+
+
+def outcome_counts(trials: pd.DataFrame) -> dict[str, int]:
+    """Number of attempts by outcome: success first, then the failures, most frequent first."""
+    counts = trials["outcome"].value_counts().to_dict()
+    order = sorted(counts, key=lambda name: (name != "success", -counts[name], name))
+    return {str(name): int(counts[name]) for name in order}
+
+
+def outcome_chart(trials: Mapping[str, pd.DataFrame]) -> str:
+    """Outcomes of the attempts, one bar a table.
+
+    Args:
+        trials: Tables with the columns of `tables.evaluation.TRIALS`, by the name of the bar.
+
+    Returns:
+        SVG text.
+    """
+    with new_figure(8.6, 0.75 + 0.42 * len(trials)) as drawing:
+        axes = drawing.figure.add_subplot()
+        counts = {name: outcome_counts(table) for name, table in trials.items()}
+        for number, row in enumerate(counts.values()):
+            _outcome_bar(axes, -number, row)
+        axes.set_yticks([-number for number in range(len(counts))], list(counts))
+        axes.tick_params(axis="y", length=0)
+        axes.set(xlim=(0, 1), ylim=(-len(counts) + 0.45, 0.55))
+        show_percent(axes.xaxis)
+        axes.spines[["left"]].set_visible(False)
+        used = [name for name in OUTCOMES if any(name in row for row in counts.values())]
+        handles = [Rectangle((0, 0), 1, 1, facecolor=OUTCOMES[name]) for name in used]
+        names = [name.replace("_", " ") for name in used]
+        drawing.figure.legend(handles, names, loc="outside upper center", ncols=7, fontsize=9)
+    return drawing.svg
+
+
+def _outcome_bar(axes: Axes, y: float, counts: Mapping[str, int]) -> None:
+    total, start = sum(counts.values()), 0.0
+    for name, colour in OUTCOMES.items():
+        share = counts.get(name, 0) / total
+        axes.barh(y, share, left=start, height=0.62, color=colour, edgecolor="white", lw=0.6)
+        if share > 0.03:
+            ink = "white" if name in DARK else INK
+            middle = start + share / 2
+            axes.text(middle, y, str(counts[name]), ha="center", va="center", color=ink, size=9)
+        start += share

@@ -1,0 +1,265 @@
+"""The section Simulated trials, and a page about trials alone: each detector, and each pair."""
+
+import string
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from egad.evalset.selection import place
+from egad.report.axes import USUAL, AxisPair
+from egad.report.drawing import DASHED, LINES, SOFT, line_colour, new_figure, show_percent, svg_uri
+from egad.report.page import Section, render_template, section_of
+from egad.report.trial_charts import (
+    draw_intervals,
+    draw_rates,
+    outcome_chart,
+    outcome_counts,
+    rate_bars,
+    trial_heat_map,
+)
+from egad.stats.paired import Comparison, NothingInCommonError, compare
+from egad.stats.rates import Mean, Trend, TrialGrid, places, trend, trial_grid
+from egad.stats.roc import Bin, discrimination, reliability
+
+
+@dataclass(frozen=True)
+class EvaluationSet:
+    """The evaluation set that was tried.
+
+    Attributes:
+        rows: Letters of the set.
+        columns: Digits of the set.
+        objects: Columns of `tables.evaluation.EVAL49`; None if it is not known.
+        axes: What the axes of the set are called.
+    """
+
+    rows: int
+    columns: int
+    objects: pd.DataFrame | None = None
+    axes: AxisPair = USUAL
+
+
+@dataclass(frozen=True)
+class TrialView:
+    """Attempts of one detector; figures are addresses, empty if there is none.
+
+    Attributes:
+        name: The detector.
+        rate: Over all attempts.
+        objects: How many objects were tried.
+        outcomes: Attempts by outcome.
+        heat_map: Success rates of objects, rows and columns.
+        reliability: Quality against success.
+        discrimination: How often a success had a higher quality than a failure.
+        trends: Rank correlation of success with `difficulty` and `complexity`.
+        trend_figure: The same as a figure.
+    """
+
+    name: str
+    rate: Mean
+    objects: int
+    outcomes: dict[str, int]
+    heat_map: str
+    reliability: str
+    discrimination: float
+    trends: dict[str, Trend]
+    trend_figure: str
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two detectors on the same attempts; the first has the higher rate there."""
+
+    first: str
+    second: str
+    result: Comparison
+
+
+@dataclass(frozen=True)
+class Results:
+    """All detectors that tried the same set with the same gripper."""
+
+    views: list[TrialView]
+    pairs: list[Pair]
+    outcome_figure: str
+    rows_figure: str
+
+
+def section(
+    results: Mapping[str, Mapping[str, Results]], *, attempts: int, lift_height: float, named: bool
+) -> Section:
+    """The trials of each dataset with each gripper.
+
+    Args:
+        results: From `trial_results`, by dataset and gripper.
+        attempts: At each object.
+        lift_height: Metres above the table at which an object counts as held.
+        named: Whether to write the name of each dataset.
+    """
+    values = {"attempts": attempts, "lift_height": lift_height, "named": named}
+    return section_of("trials", "Trials", datasets=results, **values)
+
+
+def page(tables: Mapping[str, pd.DataFrame], evaluation_set: EvaluationSet) -> str:
+    """Show what detectors achieved, in the simulation or on a real robot.
+
+    Args:
+        tables: Columns of `tables.evaluation.RESULTS`, by detector.
+        evaluation_set: What was tried.
+
+    Returns:
+        An HTML page that needs no other file.
+    """
+    return render_template("trials_page", results=trial_results(tables, evaluation_set))
+
+
+def trial_results(tables: Mapping[str, pd.DataFrame], evaluation_set: EvaluationSet) -> Results:
+    """Work out what there is to show.
+
+    Args:
+        tables: Attempts by detector: columns of `tables.evaluation.RESULTS`.
+        evaluation_set: What was tried.
+    """
+    rows, columns = evaluation_set.rows, evaluation_set.columns
+    grids = {name: trial_grid(table, rows, columns) for name, table in tables.items()}
+    several = len(tables) > 1
+    rates = {name: [*grid.rows, grid.overall] for name, grid in grids.items()}
+    return Results(
+        [_view(name, table, grids[name], evaluation_set) for name, table in tables.items()],
+        pairs(tables),
+        svg_uri(outcome_chart(tables)) if several else "",
+        svg_uri(rate_bars(rates)) if several else "",
+    )
+
+
+def pairs(tables: Mapping[str, pd.DataFrame]) -> list[Pair]:
+    """Every two detectors compared, except those that have no attempt in common.
+
+    Raises:
+        UserError: A label does not stand for the same object in all tables.
+    """
+    found = []
+    for names in combinations(tables, 2):
+        with suppress(NothingInCommonError):
+            pair = _pair(tables, *names)
+            found.append(pair if pair.result.difference >= 0 else _pair(tables, *names[::-1]))
+    return found
+
+
+def _pair(tables: Mapping[str, pd.DataFrame], first: str, second: str) -> Pair:
+    return Pair(first, second, compare(tables[first], tables[second]))
+
+
+def _view(
+    name: str, table: pd.DataFrame, grid: TrialGrid, evaluation_set: EvaluationSet
+) -> TrialView:
+    known, axes = evaluation_set.objects, evaluation_set.axes
+    objects = places(table, known)
+    trends = {
+        key: trend(objects[key].to_numpy(), objects["rate"].to_numpy())
+        for key in ("difficulty", "complexity")
+    }
+    means = {"difficulty": grid.rows, "complexity": grid.columns}
+    present = set((table if known is None else known)["label"])
+    bins = reliability(table)
+    return TrialView(
+        name=name,
+        rate=grid.overall,
+        objects=len(grid.cells),
+        outcomes=outcome_counts(table),
+        heat_map=svg_uri(
+            trial_heat_map(grid, evaluation_set.rows, evaluation_set.columns, present, axes)
+        ),
+        reliability=svg_uri(reliability_chart({name: bins})) if bins else "",
+        discrimination=discrimination(table),
+        trends=trends,
+        trend_figure=svg_uri(trend_chart(objects, trends, means, axes)),
+    )
+
+
+def reliability_chart(bins: Mapping[str, Sequence[Bin]]) -> str:
+    """Success rate against the quality that a detector gave, with Wilson intervals of 95 %.
+
+    Args:
+        bins: From `egad.stats.roc`, by detector.
+
+    Returns:
+        SVG text. If all qualities lie between 0 and 1, a diagonal shows where they would be the
+        probability of success.
+    """
+    shown = {name: each for name, each in bins.items() if each}
+    with new_figure(3.7, 3.0) as drawing:
+        axes = drawing.figure.add_subplot()
+        for number, (name, each) in enumerate(shown.items()):
+            x, rates = [b.quality for b in each], [b.rate for b in each]
+            draw_rates(axes, x, rates, line_colour(number), name)
+        qualities = [b.quality for each in shown.values() for b in each]
+        if qualities and min(qualities) >= 0 and 0.1 < max(qualities) <= 1:
+            axes.plot([0, 1], [0, 1], color=SOFT, lw=0.8, ls=DASHED, zorder=0)
+        axes.set(ylim=(-0.02, 1.02), xlabel="quality predicted by the detector")
+        axes.set_ylabel("success rate")
+        show_percent(axes.yaxis)
+        axes.grid(axis="y")
+        if len(shown) > 1:
+            drawing.figure.legend(loc="outside upper center", ncols=3, fontsize=9)
+    return drawing.svg
+
+
+def trend_chart(
+    objects: pd.DataFrame,
+    trends: Mapping[str, Trend],
+    means: Mapping[str, Sequence[Mean]],
+    names: AxisPair = USUAL,
+) -> str:
+    """Success of each object against its difficulty and its complexity.
+
+    Args:
+        objects: Columns label (the index), rate, difficulty and complexity.
+        trends: Rank correlation of each.
+        means: Rates of whole rows and columns of the evaluation set: `difficulty`, `complexity`.
+        names: What the axes are called.
+
+    Returns:
+        SVG text: a dot an object, spread sideways by its value within the row or column; the
+        lines join the means, with their intervals of 95 %.
+    """
+    keys = {"difficulty": names.upwards, "complexity": names.across}
+    with new_figure(8.6, 3.0) as drawing:
+        panels = drawing.figure.subplots(1, 2, sharey=True)
+        for axes, (key, axis) in zip(panels, keys.items(), strict=True):
+            _draw_trend(axes, objects, key, means[key], letters=key == "difficulty")
+            axes.set_xlabel(axis.label)
+            axes.set_title(_trend_text(trends[key]), fontsize=9, color=SOFT)
+            axes.grid(axis="y")
+        panels[0].set(ylim=(-0.04, 1.04), ylabel="success rate")
+        show_percent(panels[0].yaxis)
+    return drawing.svg
+
+
+def _draw_trend(
+    axes: Axes, objects: pd.DataFrame, key: str, means: Sequence[Mean], *, letters: bool
+) -> None:
+    labels = objects.index.astype(str)
+    cells = [place(label)[0 if letters else 1] for label in labels]
+    groups = objects[key].groupby(cells)
+    beside = (groups.rank() - 0.5) / groups.transform("size") - 0.5
+    axes.plot(np.array(cells) + 0.7 * beside, objects["rate"], "o", color=LINES[5], ms=4, alpha=0.7)
+    known = [(cell, mean.value) for cell, mean in enumerate(means) if mean.attempts]
+    axes.plot(*np.reshape(known, (-1, 2)).T, "o-", color=LINES[0], ms=5, lw=1.6)
+    draw_intervals(axes, range(len(means)), means, LINES[0])
+    ticks = list(string.ascii_uppercase[: len(means)]) if letters else range(len(means))
+    axes.set_xticks(range(len(means)), [str(tick) for tick in ticks])
+    axes.set_xlim(-0.5, len(means) - 0.5)
+    axes.tick_params(axis="x", length=0)
+
+
+def _trend_text(trend: Trend) -> str:
+    if np.isnan(trend.rho):
+        return "no rank correlation: all values are equal"
+    rho, low, high = (f"{round(end, 2) + 0:.2f}" for end in (trend.rho, trend.low, trend.high))
+    return f"rank correlation {rho} ({low} to {high})".replace("-", "\N{MINUS SIGN}")
