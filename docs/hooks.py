@@ -156,10 +156,10 @@ def reference_page(name: str) -> str:
 
 def reference_pages() -> Iterator[tuple[str, str]]:
     """Pages of all public names, and the overview that lists them: path and Markdown of each."""
-    overview = ["# Overview", "", "Everything here is imported with `import egad`."]
+    overview = ["# Reference", "", "Everything here is imported with `import egad`."]
     for kind, names in public_names().items():
         if names:
-            overview += ["", f"## {kind}", "", "| name | |", "| --- | --- |"]
+            overview += ["", f"## {kind}", "", "| name | what it is |", "| --- | --- |"]
         for name in names:
             summary = (inspect.getdoc(getattr(egad, name)) or "").partition("\n")[0]
             overview.append(f"| [`egad.{name}`](egad.{name}.md) | {summary} |")
