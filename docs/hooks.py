@@ -29,7 +29,7 @@ LANGUAGES = {".py": "python", ".yaml": "yaml", ".toml": "toml", ".smk": "python"
 
 def on_config(config: "MkDocsConfig") -> None:
     """Add the pages of public names to the navigation."""
-    section = next(part for part in config.nav if isinstance(part, dict) and REFERENCE in part)
+    section = next(part for part in config.nav or [] if REFERENCE in part)
     section[REFERENCE][1:1] = [
         {title: [{name: reference_page(name)} for name in names]}
         for title, names in public_names().items()
@@ -39,7 +39,7 @@ def on_config(config: "MkDocsConfig") -> None:
 
 def on_files(files: "Files", *, config: "MkDocsConfig") -> "Files":
     """Add the files outside docs/ that a page links to or that the navigation names."""
-    from mkdocs.structure.files import File, InclusionLevel
+    from mkdocs.structure.files import File, InclusionLevel  # noqa: PLC0415 (tests need no mkdocs)
 
     in_navigation = set(pages_of(config.nav))
     texts = {f"docs/{file.src_uri}": file.content_string for file in files.documentation_pages()}
@@ -96,9 +96,9 @@ def linked_files(text: str, source: str) -> Iterator[str]:
     """Files outside docs/ that a page links to, relative to the root of the repository."""
     for link in LINK.finditer(text):
         path = target(link[1], source)
-        if path != "README.md" and not path.startswith(("docs/", "../")):
-            if (ROOT / path).is_file():
-                yield path
+        outside = path != "README.md" and not path.startswith(("docs/", "../"))
+        if outside and (ROOT / path).is_file():
+            yield path
 
 
 def target(link: str, source: str) -> str:
@@ -139,14 +139,18 @@ def pages_of(navigation: Any) -> Iterator[str]:  # noqa: ANN401
 
 def public_names() -> dict[str, list[str]]:
     """The names in `egad.__all__` by their kind, sorted."""
-    kinds: dict[str, list[str]] = {"Functions": [], "Classes": [], "Errors": []}
+    kinds: dict[str, list[str]] = {"Functions": [], "Classes": [], "Errors": [], "Others": []}
     for name in sorted(egad.__all__, key=str.lower):
-        value = getattr(egad, name)
-        if inspect.isclass(value):
-            kinds["Errors" if issubclass(value, Exception) else "Classes"].append(name)
-        elif inspect.isfunction(value):
-            kinds["Functions"].append(name)
+        if not name.startswith("__"):
+            kinds[kind(getattr(egad, name))].append(name)
     return kinds
+
+
+def kind(value: object) -> str:
+    """The heading that a public name stands under."""
+    if inspect.isclass(value):
+        return "Errors" if issubclass(value, Exception) else "Classes"
+    return "Functions" if callable(value) else "Others"
 
 
 def reference_page(name: str) -> str:
@@ -157,9 +161,9 @@ def reference_page(name: str) -> str:
 def reference_pages() -> Iterator[tuple[str, str]]:
     """Pages of all public names, and the overview that lists them: path and Markdown of each."""
     overview = ["# Reference", "", "Everything here is imported with `import egad`."]
-    for kind, names in public_names().items():
+    for title, names in public_names().items():
         if names:
-            overview += ["", f"## {kind}", "", "| name | what it is |", "| --- | --- |"]
+            overview += ["", f"## {title}", "", "| name | what it is |", "| --- | --- |"]
         for name in names:
             summary = (inspect.getdoc(getattr(egad, name)) or "").partition("\n")[0]
             overview.append(f"| [`egad.{name}`](egad.{name}.md) | {summary} |")
