@@ -121,6 +121,7 @@ $(TOOLS): $(READY) requirements-dev.lock
 	$(VENV)/bin/python envs/install.py requirements-dev.lock
 	touch $@
 
-$(DOCS): $(READY) requirements-docs.lock
+# after the tools, of which ruff lays out signatures
+$(DOCS): $(TOOLS) requirements-docs.lock
 	$(VENV)/bin/python envs/install.py requirements-docs.lock
 	touch $@
