@@ -7,6 +7,8 @@
 # make vision  set up, then the tests of networks (pip install safetensors torch)
 # make bounds  set up, then the tests of compiled code with every index checked
 # make bench   set up, then the benchmarks
+# make docs    set up, then the documentation site in build/site (open build/site/index.html)
+# make wheel   set up, then a wheel in build/dist, tried in an empty environment
 # make lint    set up, then all checks of the code that need no run
 # make lock    add to the lock files what is new in pyproject.toml (newest of all: delete them first)
 
@@ -19,6 +21,7 @@ TESTS := pytest --numprocesses 2 --dist worksteal --max-worker-restart 0 \
 VENV := .venv
 READY := $(VENV)/.ready
 TOOLS := $(VENV)/.tools-ready
+DOCS := $(VENV)/.docs-ready
 # 3.11 first, for which every package has a wheel
 PYTHON ?= $(firstword $(foreach name,python3.11 python3.12 python3.13 python3 python,$(shell \
 	$(name) -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' \
@@ -29,7 +32,7 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 COMPILE := build/lock/bin/uv pip compile --quiet --universal --python-version 3.11 \
 	--fork-strategy fewest --generate-hashes --custom-compile-command "make lock"
 
-.PHONY: all setup tools kernels test check bounds slicer slurm vision bench lint lock
+.PHONY: all setup tools kernels test check bounds slicer slurm vision bench docs wheel lint lock
 .PHONY: has-slicer has-slurm has-torch
 
 all: setup
@@ -49,7 +52,7 @@ bounds: tools
 		tests/perception tests/reeb tests/sim tests/stats
 
 check: kernels has-slicer has-slurm has-torch
-	$(TESTS) -m 'not slow'
+	$(TESTS) -m 'not slow and not wheel'
 
 # Once, before processes of the tests would each do it.
 kernels: tools
@@ -76,6 +79,12 @@ has-torch: tools
 bench: tools
 	pytest tests/benchmarks --capture=no --override-ini python_files='bench_*.py'
 
+docs: $(DOCS)
+	mkdocs build --strict
+
+wheel: tools
+	pytest -m wheel tests/test_wheel.py
+
 lint: tools
 	ruff check
 	ruff format --check
@@ -93,6 +102,10 @@ lock:
 	$(COMPILE) --extra cluster --extra dev --constraint requirements.lock \
 		$$(sed -n 's/^\([a-z0-9.-]*\)==.*/--no-emit-package \1/p' requirements.lock) \
 		--output-file requirements-dev.lock pyproject.toml
+	# what users have on some platforms only is there too
+	$(COMPILE) --extra docs --constraint requirements.lock --constraint requirements-dev.lock \
+		$$(sed -n 's/^\([a-z0-9.-]*\)==[^;]*$$$$/--no-emit-package \1/p' requirements.lock) \
+		--output-file requirements-docs.lock pyproject.toml
 	echo uv | $(COMPILE) --no-annotate --output-file envs/installer.lock -
 
 $(READY): requirements.lock envs/install.py envs/trim.py envs/compile.py
@@ -106,4 +119,9 @@ $(READY): requirements.lock envs/install.py envs/trim.py envs/compile.py
 
 $(TOOLS): $(READY) requirements-dev.lock
 	$(VENV)/bin/python envs/install.py requirements-dev.lock
+	touch $@
+
+# after the tools, of which ruff lays out signatures
+$(DOCS): $(TOOLS) requirements-docs.lock
+	$(VENV)/bin/python envs/install.py requirements-docs.lock
 	touch $@

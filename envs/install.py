@@ -37,7 +37,8 @@ def main() -> None:
     parser.add_argument("lock", type=Path, help="packages with their hashes")
     parser.add_argument("--project", type=Path, help="folder to install too, editable")
     wanted = parser.parse_args()
-    locked = ["install", "--require-hashes", "--requirement", str(wanted.lock)]
+    # A lock file names all packages, but for those of one that was installed before.
+    locked = ["install", "--no-deps", "--require-hashes", "--requirement", str(wanted.lock)]
     steps = [locked]
     if wanted.project:
         steps.append(["install", "--no-deps", "--no-build-isolation", "-e", str(wanted.project)])

@@ -17,7 +17,12 @@ ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 LOCKS = {
     name: (ROOT / name).read_text()
-    for name in ("requirements.lock", "requirements-dev.lock", "envs/installer.lock")
+    for name in (
+        "requirements.lock",
+        "requirements-dev.lock",
+        "requirements-docs.lock",
+        "envs/installer.lock",
+    )
 }
 
 
@@ -26,7 +31,7 @@ def pins(name):
     return dict(re.findall(r"^([a-z0-9.\-]+)==(\S+)", LOCKS[name], flags=re.MULTILINE))
 
 
-USERS, DEVELOPERS, _ = map(pins, LOCKS)
+USERS, DEVELOPERS, WRITERS, _ = map(pins, LOCKS)
 
 
 def canonical(name):
@@ -42,6 +47,7 @@ BUILD = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["re
     [
         *((text, USERS) for text in PROJECT["dependencies"] + EXTRAS["cluster"] + BUILD),
         *((text, USERS | DEVELOPERS) for text in EXTRAS["dev"]),
+        *((text, USERS | WRITERS) for text in EXTRAS["docs"]),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
@@ -52,7 +58,12 @@ def test_the_locks_pin_every_dependency_within_its_bounds(text, locked):
 
 def test_users_get_no_tools_of_developers():
     assert set(USERS) & set(DEVELOPERS) == set()
-    assert not {"mujoco", "mypy", "opencv-python", "pytest", "ruff"} & set(USERS)
+    assert not {"mkdocs", "mujoco", "mypy", "opencv-python", "pytest", "ruff"} & set(USERS)
+
+
+def test_the_site_is_made_with_the_versions_that_users_and_developers_have():
+    others = USERS | DEVELOPERS
+    assert {name: others.get(name, version) for name, version in WRITERS.items()} == WRITERS
 
 
 def imported_packages(folder):
@@ -69,7 +80,7 @@ def test_every_imported_package_is_declared():
     declared = {canonical(Requirement(text).name) for text in PROJECT["dependencies"]} | {
         canonical(Requirement(text).name)
         for extra, texts in EXTRAS.items()
-        if extra != "dev"
+        if extra not in {"dev", "docs"}
         for text in texts
     }
     distributions = importlib.metadata.packages_distributions()
@@ -139,6 +150,20 @@ def test_make_without_python_says_what_is_needed(tmp_path):
     )
     assert result.returncode != 0
     assert "Python 3.11 or newer with venv and pip is needed" in result.stderr
+
+
+def test_the_citation_names_the_version_of_the_package():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    assert citation["version"] == importlib.metadata.version("egad")
+    assert citation["preferred-citation"]["doi"] == "10.1109/LRA.2020.2992195"
+
+
+def test_the_hooks_before_a_commit_are_the_checks_of_make_lint():
+    makefile = (ROOT / "Makefile").read_text()
+    recipe = re.search(r"^lint: tools\n((?:\t.+\n)+)", makefile, flags=re.MULTILINE)[1]
+    hooks = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"][0]["hooks"]
+    commands = [f".venv/bin/{line.strip()}" for line in recipe.splitlines()]
+    assert [hook["entry"] for hook in hooks] == commands
 
 
 def test_ci_can_be_run():

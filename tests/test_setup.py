@@ -57,6 +57,18 @@ def test_only_a_python_without_a_package_of_pybullet_needs_a_compiler(tmp_path, 
     assert not install.missing_compiler(lock, (3, 12), nothing)
 
 
+def test_a_lock_is_installed_without_what_another_lock_installed_before(tmp_path, monkeypatch):
+    """uv refuses a package that another one asks for and that has no hash in this lock."""
+    lock = tmp_path / "more.lock"
+    lock.write_text("scikit-image==0.26.0 --hash=sha256:0")
+    steps = []
+    monkeypatch.setattr(sys, "argv", ["install.py", str(lock)])
+    monkeypatch.setattr(install, "with_uv", steps.extend)
+    monkeypatch.setattr(install, "with_pip", lambda _: None)
+    install.main()
+    assert {"--no-deps", "--require-hashes"} <= set(steps[0])
+
+
 @pytest.mark.parametrize("status", [0, 1])
 def test_what_uv_cannot_install_is_left_to_pip(tmp_path, monkeypatch, status):
     uv = tmp_path / "uv"
