@@ -7,6 +7,7 @@ from .api import similarity as similarity
 from .api import similarity_matrix as similarity_matrix
 from .api import stable_poses as stable_poses
 from .exchange.grasps import load_grasps as load_grasps
+from .export import export as export
 from .geometry.repair import repair as repair
 from .grasps.grasps import Grasps as Grasps
 from .grasps.gripper import Gripper as Gripper

@@ -16,8 +16,8 @@ from egad.geometry.mass import mass_properties
 from egad.geometry.repair import repair as repair_mesh
 from egad.grasps.grasps import Grasps
 from egad.grasps.gripper import Gripper, as_gripper
-from egad.grasps.labels import label
-from egad.grasps.parameters import GraspLabel, LabelParameters, Quality, Robust, Sampling
+from egad.grasps.labels import label, label_parameters
+from egad.grasps.parameters import Quality, Sampling
 from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
 from egad.measures.measure import graded
 from egad.measures.parameters import Axes, Complexity, Difficulty, MeasureParameters, Space
@@ -182,14 +182,7 @@ def sample_grasps(
     Source: Mahler et al., Dex-Net 2.0, RSS 2017 (sampling); Ferrari and Canny, ICRA 1992 (quality).
     """
     hand = as_gripper(gripper)
-    parameters = LabelParameters(
-        seed=seed,
-        gripper=hand,
-        grasp_label=GraspLabel(grasps=n),
-        sampling=Sampling(),
-        quality=Quality(friction=friction),
-        robust=Robust(),
-    )
+    parameters = label_parameters(hand, n, seed, friction)
     com = _center(mesh, center_of_mass)
     rng = generator(seed, "sample_grasps")
     return Grasps(label(mesh, com, parameters, rng, palm_mesh(hand)))

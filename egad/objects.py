@@ -1,8 +1,9 @@
 """Datasets of objects in Python: the released one, those of a run, or any archive."""
 
-from collections.abc import Iterator
-from functools import cached_property
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property, partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -173,3 +174,30 @@ def _from_archive(elites: pd.DataFrame, shape: Shape) -> Dataset:
 def _shape(archive: Path) -> Shape:
     """How the voxels of an archive become meshes, as it says itself."""
     return Shape.model_validate(parquet.notes(archive).get("shape", {}))
+
+
+class NamedMesh(NamedTuple):
+    """A mesh that is made when it is needed.
+
+    Attributes:
+        label: What it is called.
+        id: Name of its shape, which decides what is random about it.
+        mesh: Gives the mesh, metres.
+    """
+
+    label: str
+    id: str
+    mesh: Callable[[], trimesh.Trimesh]
+
+
+def named_meshes(objects: Dataset | Mapping[str, trimesh.Trimesh]) -> list[NamedMesh]:
+    """The objects of a dataset, or meshes by name.
+
+    Raises:
+        UserError: There are none.
+    """
+    if not len(objects):
+        raise UserError("there are no objects; give a dataset or meshes by name")
+    if isinstance(objects, Dataset):
+        return [NamedMesh(each.label, each.id, partial(getattr, each, "mesh")) for each in objects]
+    return [NamedMesh(name, name, partial(objects.__getitem__, name)) for name in objects]

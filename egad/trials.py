@@ -2,8 +2,6 @@
 
 import logging
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import partial
 from typing import Any, Literal
 
 import pandas as pd
@@ -13,12 +11,12 @@ from egad._util.progress import progress
 from egad.detectors.base import Detector
 from egad.detectors.parameters import Policy
 from egad.detectors.registry import checked, detector
-from egad.errors import RejectedError, UserError, known
+from egad.errors import RejectedError, known
 from egad.evalset.parameters import Bundle
 from egad.geometry.parameters import Material
 from egad.geometry.scaling import rescale
 from egad.grasps.gripper import Gripper, as_gripper
-from egad.objects import Dataset
+from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.outcomes import Outcome
 from egad.sim.attempts import tried, untried
 from egad.sim.model import build
@@ -32,15 +30,6 @@ log = logging.getLogger(__name__)
 SIDE_FRACTION = 0.8  # of the opening, that scaled objects have as their smallest side
 UNSCALED = "none"
 RESETS: dict[str, Literal["hand", "anew"]] = {"continue": "hand", "redrop": "anew"}
-
-
-@dataclass(frozen=True)
-class _Target:
-    """An object to try; its mesh is made when its turn comes."""
-
-    label: str
-    id: str
-    mesh: Callable[[], trimesh.Trimesh]
 
 
 class Trials:
@@ -115,22 +104,14 @@ def run_trials(
     between = RESETS[known("reset", reset, RESETS)]
     trials = Protocol(attempts=attempts, between=between, depth_noise=depth_noise)
     parameters = TrialParameters(seed=seed, gripper=hand, trials=trials)
-    targets = _targets(objects)
-    if not targets:
-        raise UserError("there are no objects to try")
+    targets = named_meshes(objects)
     ask = detector(Policy(detector=detect)) if isinstance(detect, str) else checked(detect)
     shown = progress(targets, "trying", len(targets))
     return Trials(pd.concat([_attempts(target, ask, rule, parameters) for target in shown]))
 
 
-def _targets(objects: Dataset | Mapping[str, trimesh.Trimesh]) -> list[_Target]:
-    if isinstance(objects, Dataset):
-        return [_Target(each.label, each.id, partial(getattr, each, "mesh")) for each in objects]
-    return [_Target(name, name, partial(objects.__getitem__, name)) for name in objects]
-
-
 def _attempts(
-    target: _Target, detect: Detector, rule: str, parameters: TrialParameters
+    target: NamedMesh, detect: Detector, rule: str, parameters: TrialParameters
 ) -> pd.DataFrame:
     """All attempts at an object, columns of `tables.evaluation.TRIALS`."""
     try:

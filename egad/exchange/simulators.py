@@ -1,20 +1,59 @@
-"""Descriptions of an object for simulators: URDF and MJCF."""
+"""Objects for simulators: meshes, URDF, MJCF and stable poses."""
 
+import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
+from egad.evalset.bundle import Bundled
+from egad.exchange.meshes import write_obj
 from egad.geometry.mass import MassProperties
 
 Floats = NDArray[np.float64]
 
+VISUAL = "visual.obj"
 GREY = "0.72 0.74 0.78 1"
-VISUAL, COLLISION = "2", "3"  # MuJoCo's usual groups: 3 is not drawn
+VISUAL_GROUP, COLLISION_GROUP = "2", "3"  # MuJoCo's usual groups: 3 is not drawn
 # MuJoCo's own values, in metres: only the first, sliding, is a setting here.
 TORSION, ROLLING = 0.005, 0.0001
+
+
+def write_simulation_object(folder: Path, name: str, made: Bundled, friction: float) -> None:
+    """Write `NAME.urdf`, `NAME.xml` (MJCF), `visual.obj`, `parts/` and `poses.json`.
+
+    Args:
+        folder: A new folder.
+        name: Of the object.
+        made: What is written.
+        friction: Sliding friction.
+    """
+    (folder / "parts").mkdir(parents=True)
+    write_obj(made.mesh, folder / VISUAL)
+    parts = [f"parts/part-{number:03d}.obj" for number in range(len(made.parts))]
+    for part, file in zip(made.parts, parts, strict=True):
+        write_obj(part, folder / file)
+    for ending, describe in (("urdf", urdf), ("xml", mjcf)):
+        text = describe(name, VISUAL, parts, made.physics, friction)
+        (folder / f"{name}.{ending}").write_text(text, encoding="utf-8")
+    text = json.dumps(_poses(made), indent=1) + "\n"
+    (folder / "poses.json").write_text(text, encoding="utf-8")
+
+
+def _poses(made: Bundled) -> list[dict[str, Any]]:
+    return [
+        {
+            "probability": pose.probability,
+            "transform": pose.transform(made.physics.com).tolist(),
+            "face_normal": pose.normal.tolist(),
+            "height": pose.height,
+            "margin": float(np.degrees(pose.margin)),
+        }
+        for pose in made.poses
+    ]
 
 
 def urdf(
@@ -59,9 +98,9 @@ def mjcf(
     inertial = ElementTree.SubElement(body, "inertial", pos=_text(*physics.com))
     inertial.set("mass", _text(physics.mass))
     inertial.set("fullinertia", _text(*_moments(physics)))
-    look = {"contype": "0", "conaffinity": "0", "group": VISUAL, "rgba": GREY}
+    look = {"contype": "0", "conaffinity": "0", "group": VISUAL_GROUP, "rgba": GREY}
     _geom(assets, body, f"{name}-visual", visual, look)
-    sticks = {"group": COLLISION, "friction": _text(friction, TORSION, ROLLING)}
+    sticks = {"group": COLLISION_GROUP, "friction": _text(friction, TORSION, ROLLING)}
     for part in parts:
         _geom(assets, body, f"{name}-{Path(part).stem}", part, sticks)
     return _document(model)

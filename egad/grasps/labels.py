@@ -10,13 +10,28 @@ from numpy.typing import NDArray
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches
+from egad.grasps.gripper import Gripper
 from egad.grasps.opening import needed_openings
-from egad.grasps.parameters import LabelParameters
+from egad.grasps.parameters import GraspLabel, LabelParameters, Quality, Robust, Sampling
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
 from egad.grasps.sampler import Grasps, Tally, sample
 
 Floats = NDArray[np.float64]
+
+
+def label_parameters(
+    gripper: Gripper, grasps: int, seed: int, friction: float = 0.5
+) -> LabelParameters:
+    """The default parameters of labelled grasps, with those that are given."""
+    return LabelParameters(
+        seed=seed,
+        gripper=gripper,
+        grasp_label=GraspLabel(grasps=grasps),
+        sampling=Sampling(),
+        quality=Quality(friction=friction),
+        robust=Robust(),
+    )
 
 
 def label(

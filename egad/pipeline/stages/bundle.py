@@ -1,6 +1,5 @@
 """bundle: objects for simulators, each a folder with meshes, URDF, MJCF and its poses at rest."""
 
-import json
 import logging
 from functools import partial
 from pathlib import Path
@@ -15,8 +14,8 @@ from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.evalset.bundle import Bundled, bundled, page
 from egad.exchange.folders import object_names
-from egad.exchange.meshes import read_mesh, write_obj
-from egad.exchange.simulators import mjcf, urdf
+from egad.exchange.meshes import read_mesh
+from egad.exchange.simulators import write_simulation_object
 from egad.exchange.sums import write_sums
 from egad.pipeline.config import Bundle, Material
 from egad.pipeline.config.stage_settings import StageSettings
@@ -28,7 +27,6 @@ from egad.tables.objects import REJECTED
 
 log = logging.getLogger(__name__)
 
-VISUAL = "visual.obj"
 MOMENTS = tuple(f"inertia_{axes}" for axes in ("xx", "yy", "zz", "xy", "xz", "yz"))
 
 
@@ -115,7 +113,8 @@ def run(
             if isinstance(made, str):
                 left_out.append(rejection(item.id, "bundle", f"{item.label}: {made}"))
             else:
-                _write(folder / item.label, item.label, made, settings.bundle.friction)
+                friction = settings.bundle.friction
+                write_simulation_object(folder / item.label, item.label, made, friction)
                 rows.append(_row(item, made, settings))
         table = pd.DataFrame(rows, columns=BUNDLE.names)
         parquet.write(table, BUNDLE, folder / "bundle.parquet")
@@ -137,32 +136,6 @@ def _made(path: Path, units: str, settings: SimulationBundle) -> Bundled | str:
         return bundled(read_mesh(path, units), settings.material.density, settings.bundle)
     except RejectedError as reason:
         return str(reason)
-
-
-def _write(folder: Path, name: str, made: Bundled, friction: float) -> None:
-    (folder / "parts").mkdir(parents=True)
-    write_obj(made.mesh, folder / VISUAL)
-    parts = [f"parts/part-{number:03d}.obj" for number in range(len(made.parts))]
-    for part, file in zip(made.parts, parts, strict=True):
-        write_obj(part, folder / file)
-    for ending, describe in (("urdf", urdf), ("xml", mjcf)):
-        text = describe(name, VISUAL, parts, made.physics, friction)
-        (folder / f"{name}.{ending}").write_text(text, encoding="utf-8")
-    text = json.dumps(_poses(made), indent=1) + "\n"
-    (folder / "poses.json").write_text(text, encoding="utf-8")
-
-
-def _poses(made: Bundled) -> list[dict[str, Any]]:
-    return [
-        {
-            "probability": pose.probability,
-            "transform": pose.transform(made.physics.com).tolist(),
-            "face_normal": pose.normal.tolist(),
-            "height": pose.height,
-            "margin": float(np.degrees(pose.margin)),
-        }
-        for pose in made.poses
-    ]
 
 
 def _row(item: Item, made: Bundled, settings: SimulationBundle) -> dict[str, Any]:

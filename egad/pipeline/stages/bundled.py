@@ -9,9 +9,10 @@ import numpy as np
 import pandas as pd
 
 from egad.exchange.meshes import read_mesh
+from egad.exchange.simulators import VISUAL
 from egad.geometry.mass import MassProperties
 from egad.outcomes import Outcome
-from egad.pipeline.stages.bundle import MOMENTS, VISUAL
+from egad.pipeline.stages.bundle import MOMENTS
 from egad.sim.model import Model, model_of
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE

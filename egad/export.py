@@ -1,0 +1,134 @@
+"""Objects with sampled grasps in the formats of other programs, from Python."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+
+from egad._util.files import replacing
+from egad._util.progress import progress
+from egad.errors import RejectedError, UserError, known
+from egad.evalset.bundle import bundled
+from egad.evalset.parameters import Bundle
+from egad.exchange.acronym import Body, Jaws, write_acronym
+from egad.exchange.grippers import palm_mesh
+from egad.exchange.hdf5 import check_key
+from egad.exchange.meshes import write_obj, write_stl_mm
+from egad.exchange.parameters import Acronym
+from egad.exchange.simulators import write_simulation_object
+from egad.geometry.mass import mass_properties
+from egad.geometry.parameters import Material
+from egad.geometry.scaling import rescale
+from egad.grasps.gripper import Gripper, as_gripper
+from egad.grasps.hand import finger_span
+from egad.grasps.labels import label, label_parameters
+from egad.objects import Dataset, NamedMesh, named_meshes
+from egad.random import generator
+
+SIDE_FRACTION = 0.8  # of the opening, that scaled objects have as their smallest side
+
+
+class _Job(NamedTuple):
+    """What is exported for: the gripper and its name, grasps of an object, the seed."""
+
+    gripper: Gripper
+    name: str
+    n: int
+    seed: int
+
+
+def export(
+    objects: Dataset | Mapping[str, trimesh.Trimesh],
+    format: str,  # noqa: A002 (what users call it)
+    gripper: Gripper | str,
+    out: str | Path,
+    *,
+    n: int = 100,
+    seed: int = 0,
+    rule: str = "paper",
+) -> list[str]:
+    """Write objects, scaled to a gripper, in the format of another program.
+
+    Args:
+        objects: A dataset, or meshes in metres by name.
+        format: `acronym`: `LABEL.h5` with sampled grasps, and `meshes/LABEL.obj`. `simulation`: for
+            each object a folder with URDF, MJCF, convex parts and stable poses. `obj`: meshes in
+            metres. `stl`: meshes in millimetres, to print.
+        gripper: The gripper, or its name.
+        out: A new folder, or an earlier export, which is replaced.
+        n: Grasps of an object.
+        seed: Of the grasps.
+        rule: How objects are scaled: see `egad.rescale`.
+
+    Returns:
+        The labels of objects that were left out, as they cannot be scaled, grasped or decomposed.
+
+    Raises:
+        UserError: There is no such format, gripper or rule, there are no objects, or the folder has
+            other files in it.
+    """
+    write = WRITERS[known("format", format, WRITERS)]
+    hand = as_gripper(gripper)
+    job = _Job(hand, gripper if isinstance(gripper, str) else "gripper", n, seed)
+    items, left_out = named_meshes(objects), []
+    target = Path(out)
+    if target.is_file() or (target.is_dir() and any(target.iterdir())):
+        raise UserError(f"out is {target}, which exists; name a new folder")
+    with replacing(target, keep=False) as folder:
+        folder.mkdir()
+        for item in progress(items, "exporting", len(items)):
+            check_key(item.label)
+            try:
+                mesh, _ = rescale(item.mesh(), rule, hand.opening, SIDE_FRACTION)
+                write(folder, item, mesh, job)
+            except RejectedError:
+                left_out.append(item.label)
+    return left_out
+
+
+def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
+    file = f"meshes/{item.label}.obj"
+    parameters = label_parameters(job.gripper, job.n, job.seed)
+    mass = mass_properties(mesh, Material().density)
+    rng = generator(job.seed, "grasps", item.id)
+    grasps = label(mesh, mass.com, parameters, rng, palm_mesh(job.gripper))
+    (folder / "meshes").mkdir(exist_ok=True)
+    write_obj(mesh, folder / file)
+    body = Body(
+        file=file,
+        scale=1.0,
+        volume=mass.volume,
+        mass=mass.mass,
+        com=np.asarray(mass.com),
+        inertia=mass.inertia,
+        friction=parameters.quality.friction,
+    )
+    jaws = Jaws(job.name, job.gripper.opening, finger_span(job.gripper)[1])
+    write_acronym(folder / f"{item.label}.h5", body, jaws, grasps, Acronym().held)
+
+
+def _simulation(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
+    del job
+    made = bundled(mesh, Material().density, Bundle())
+    write_simulation_object(folder / item.label, item.label, made, Bundle().friction)
+
+
+def _obj(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
+    del job
+    write_obj(mesh, folder / f"{item.label}.obj")
+
+
+def _stl(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
+    del job
+    write_stl_mm(mesh, folder / f"{item.label}.stl")
+
+
+Writer = Callable[[Path, NamedMesh, trimesh.Trimesh, _Job], None]
+WRITERS: dict[str, Writer] = {
+    "acronym": _acronym,
+    "simulation": _simulation,
+    "obj": _obj,
+    "stl": _stl,
+}
