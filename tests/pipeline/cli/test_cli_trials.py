@@ -37,7 +37,7 @@ def test_a_template_is_filled_in_imported_and_compared(filled):
     assert result.returncode == 0, result.stderr
     assert "good against fair" in result.stdout
     assert "50.0" in result.stdout
-    assert "good against fair" in compared.read_text()
+    assert "good vs. fair" in compared.read_text()
 
 
 def test_the_template_of_a_set_has_its_objects(tmp_path):

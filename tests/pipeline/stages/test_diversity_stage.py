@@ -91,11 +91,11 @@ def test_the_table_has_every_attempt_under_what_made_it(results):
         assert (rows["start"] != "").all()
 
 
-def test_the_page_says_what_was_learnt_from(results):
+def test_the_page_says_what_was_trained_on(results):
     out = results / "report.html"
     stage.run(SETTINGS, "hand", results, out, results / "results.parquet")
     text = out.read_text(encoding="utf-8")
-    assert "<code>all</code> learnt from 1 of them" in text
+    assert "<code>all</code> were trained on 1 of them" in text
     assert '<th scope="row">all</th>\n<td>2</td><td>2</td>' in text
 
 
