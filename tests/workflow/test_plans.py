@@ -207,7 +207,7 @@ def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean):
             "images/mine/card.md": "render",
             "size_effect/mine.parquet": "size_effect",
             "exchange/mine.hdf5": "dexnet",
-            "exchange/mine-acronym": "acronym",
+            "exchange/mine-acronym": "export",
         },
     )
     for target, rule in stages.items():
