@@ -8,7 +8,7 @@ from compiled import reached_kernels
 HERE = Path(__file__).parents[1]
 
 
-@pytest.mark.parametrize("name", ["reeb/test_levels.py", "cppn/test_voxels.py"])
+@pytest.mark.parametrize("name", ["reeb/test_graph.py", "cppn/test_voxels.py"])
 def test_reading_the_source_finds_the_kernels_that_importing_loads(name):
     code = f"""
 import runpy, sys
