@@ -16,10 +16,10 @@ from egad.geometry.mass import mass_properties
 from egad.geometry.repair import repair as repair_mesh
 from egad.grasps.grasps import Grasps
 from egad.grasps.gripper import Gripper, as_gripper
-from egad.grasps.labels import label, label_parameters
+from egad.grasps.labels import label_grasps, label_parameters
 from egad.grasps.parameters import Quality, Sampling
 from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
-from egad.measures.measure import graded
+from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import Axes, Complexity, Difficulty, MeasureParameters, Space
 from egad.random import generator
 from egad.reeb import graph as reeb
@@ -70,7 +70,7 @@ def measure(
     Source: EGAD (Morrison, Corke and Leitner 2020), section III.
     """
     solid = repair_mesh(mesh).mesh
-    place = graded(solid, _measure_parameters(as_gripper(gripper), seed), grasps)
+    place = measure_repeatably(solid, _measure_parameters(as_gripper(gripper), seed), grasps)
     space = Space()
     cell = (
         int(complexity_cells(place.complexity, space)),
@@ -185,7 +185,7 @@ def sample_grasps(
     parameters = label_parameters(hand, n, seed, friction)
     com = _center(mesh, center_of_mass)
     rng = generator(seed, "sample_grasps")
-    return Grasps(label(mesh, com, parameters, rng, palm_mesh(hand)))
+    return Grasps(label_grasps(mesh, com, parameters, rng, palm_mesh(hand)))
 
 
 def convex_parts(

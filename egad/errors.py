@@ -19,7 +19,7 @@ class TableError(ValueError):
     """A Parquet file is missing, damaged, or does not have the columns of its schema."""
 
 
-def known(what: str, name: str, names: Iterable[str], where: str = "") -> str:
+def check_name(what: str, name: str, names: Iterable[str], where: str = "") -> str:
     """The name, if there is such a thing.
 
     Raises:

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad._util.progress import progress
-from egad.errors import RejectedError, UserError, known
-from egad.evalset.bundle import bundled
+from egad.errors import RejectedError, UserError, check_name
+from egad.evalset.bundle import make_simulation_object
 from egad.evalset.parameters import Bundle
 from egad.exchange.acronym import Body, Jaws, write_acronym
 from egad.exchange.grippers import palm_mesh
@@ -23,7 +23,7 @@ from egad.geometry.parameters import Material
 from egad.geometry.scaling import rescale
 from egad.grasps.gripper import Gripper, as_gripper
 from egad.grasps.hand import finger_span
-from egad.grasps.labels import label, label_parameters
+from egad.grasps.labels import label_grasps, label_parameters
 from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.random import generator
 
@@ -69,14 +69,14 @@ def export(
         UserError: There is no such format, gripper or rule, there are no objects, or the folder has
             other files in it.
     """
-    write = WRITERS[known("format", format, WRITERS)]
+    write = WRITERS[check_name("format", format, WRITERS)]
     hand = as_gripper(gripper)
     job = _Job(hand, gripper if isinstance(gripper, str) else "gripper", n, seed)
     items, left_out = named_meshes(objects), []
     target = Path(out)
     if target.is_file() or (target.is_dir() and any(target.iterdir())):
         raise UserError(f"out is {target}, which exists; name a new folder")
-    with replacing(target, keep=False) as folder:
+    with atomic_output(target, keep=False) as folder:
         folder.mkdir()
         for item in progress(items, "exporting", len(items)):
             check_key(item.label)
@@ -93,7 +93,7 @@ def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) ->
     parameters = label_parameters(job.gripper, job.n, job.seed)
     mass = mass_properties(mesh, Material().density)
     rng = generator(job.seed, "grasps", item.id)
-    grasps = label(mesh, mass.com, parameters, rng, palm_mesh(job.gripper))
+    grasps = label_grasps(mesh, mass.com, parameters, rng, palm_mesh(job.gripper))
     (folder / "meshes").mkdir(exist_ok=True)
     write_obj(mesh, folder / file)
     body = Body(
@@ -111,7 +111,7 @@ def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) ->
 
 def _simulation(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
     del job
-    made = bundled(mesh, Material().density, Bundle())
+    made = make_simulation_object(mesh, Material().density, Bundle())
     write_simulation_object(folder / item.label, item.label, made, Bundle().friction)
 
 

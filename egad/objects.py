@@ -15,7 +15,7 @@ from egad.cppn.parameters import Shape
 from egad.cppn.surface import packed_surface
 from egad.cppn.voxels import unpack
 from egad.data import released
-from egad.errors import UserError, known
+from egad.errors import UserError, check_name
 from egad.exchange.meshes import read_mesh
 from egad.geometry.repair import repair
 from egad.map_elites.archive import Archive
@@ -110,7 +110,7 @@ class Dataset:
             UserError: There is none; the text names labels that are spelled alike.
         """
         if name not in self._place:
-            known("object", str(name), self.table["label"])
+            check_name("object", str(name), self.table["label"])
         return self._object(self._place[name])
 
     def __repr__(self) -> str:

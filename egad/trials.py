@@ -9,16 +9,16 @@ import trimesh
 
 from egad._util.progress import progress
 from egad.detectors.base import Detector
-from egad.detectors.parameters import Policy
-from egad.detectors.registry import checked, detector
-from egad.errors import RejectedError, known
+from egad.detectors.parameters import DetectorConfig
+from egad.detectors.registry import make_detector, with_checked_answers
+from egad.errors import RejectedError, check_name
 from egad.evalset.parameters import Bundle
 from egad.geometry.parameters import Material
 from egad.geometry.scaling import rescale
 from egad.grasps.gripper import Gripper, as_gripper
 from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.outcomes import Outcome
-from egad.sim.attempts import tried, untried
+from egad.sim.attempts import failed_attempts, run_attempts
 from egad.sim.model import build
 from egad.sim.parameters import TrialParameters
 from egad.sim.parameters import Trials as Protocol
@@ -101,11 +101,15 @@ def run_trials(
         UserError: There is no such gripper, detector or rule, or there are no objects.
     """
     hand = as_gripper(gripper)
-    between = RESETS[known("reset", reset, RESETS)]
+    between = RESETS[check_name("reset", reset, RESETS)]
     trials = Protocol(attempts=attempts, between=between, depth_noise=depth_noise)
     parameters = TrialParameters(seed=seed, gripper=hand, trials=trials)
     targets = named_meshes(objects)
-    ask = detector(Policy(detector=detect)) if isinstance(detect, str) else checked(detect)
+    ask = (
+        make_detector(DetectorConfig(detector=detect))
+        if isinstance(detect, str)
+        else with_checked_answers(detect)
+    )
     shown = progress(targets, "trying", len(targets))
     return Trials(pd.concat([_attempts(target, ask, rule, parameters) for target in shown]))
 
@@ -121,5 +125,5 @@ def _attempts(
         model = build(mesh, Material().density, Bundle())
     except RejectedError as reason:
         log.warning("%s cannot be simulated: %s", target.label, reason)
-        return untried(target.label, target.id, parameters, Outcome.FAILED)
-    return tried(model, target.label, target.id, detect, parameters)
+        return failed_attempts(target.label, target.id, parameters, Outcome.FAILED)
+    return run_attempts(model, target.label, target.id, detect, parameters)

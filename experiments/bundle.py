@@ -13,7 +13,7 @@ import pandas as pd
 import trimesh
 from PIL import Image, ImageDraw
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.exchange.meshes import read_mesh
 from egad.geometry.rays import TriangleScene
 from egad.random import generator
@@ -31,7 +31,7 @@ def main(bundles: list[Path]) -> None:
     for bundle in bundles:
         print(numbers(bundle))
     picture = drawn(bundles[0])
-    with replacing(DOCS / "bundle.png") as path:
+    with atomic_output(DOCS / "bundle.png") as path:
         picture.save(path, "png", optimize=True)
 
 

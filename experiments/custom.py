@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.exchange.meshes import read_mesh
 from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
@@ -31,7 +31,7 @@ def main() -> None:
         objects = parquet.read(dataset / "objects.parquet", OBJECTS)
         labels = spread(objects, SHOWN)
         picture = strip([dataset / "meshes" / f"{label}.obj" for label in labels])
-        with replacing(DOCS / f"custom-{config.stem}.png") as temporary:
+        with atomic_output(DOCS / f"custom-{config.stem}.png") as temporary:
             temporary.write_bytes(picture)
         print(f"{config.stem}: {len(objects)} objects")
 

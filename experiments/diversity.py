@@ -11,13 +11,20 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from egad._util.files import write_text
-from egad.evalset.selection import place
+from egad.evalset.selection import cell_of_label
 from egad.report.drawing import ink_on, new_figure
 from egad.report.page import p_value
 from egad.report.training import success_chart
 from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_colour
 from egad.stats.rates import Mean, Rate, TrialGrid, trial_grid
-from egad.stats.training_study import Tried, by_set, by_test, luck, references, set_pairs
+from egad.stats.training_study import (
+    TestAttempts,
+    by_set,
+    by_test,
+    references,
+    seed_variance,
+    set_pairs,
+)
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS
@@ -44,14 +51,14 @@ def main(path: Path) -> None:
         by_size(name, tried, shortest(path.parents[1] / name))
 
 
-def everyone(tried: Tried) -> dict[str, pd.DataFrame]:
+def everyone(tried: TestAttempts) -> dict[str, pd.DataFrame]:
     """Attempts of the networks of each set, and of each other detector."""
     return by_set(tried.rows) | references(tried.rows)
 
 
-def grids_of(tried: Tried) -> dict[str, TrialGrid]:
+def grids_of(tried: TestAttempts) -> dict[str, TrialGrid]:
     """Success of each object by its place in the evaluation set, the same places for all."""
-    places = [place(label) for label in tried.rows["label"].unique()]
+    places = [cell_of_label(label) for label in tried.rows["label"].unique()]
     rows, columns = (1 + max(each) for each in zip(*places, strict=True))
     return {key: trial_grid(own, rows, columns) for key, own in everyone(tried).items()}
 
@@ -85,7 +92,7 @@ def panel(axes: Axes, grid: TrialGrid) -> None:
     axes.spines[:].set_visible(False)
 
 
-def tell(test: str, tried: Tried) -> None:
+def tell(test: str, tried: TestAttempts) -> None:
     """Print the success of all sets in a test."""
     print(f"\n| success on {test}, % | all networks | each |\n| --- | --- | --- |")
     for name, found in tried.sets.items():
@@ -95,7 +102,7 @@ def tell(test: str, tried: Tried) -> None:
         print(f"| {name} | {text(rate)} | |")
 
 
-def compare(tried: Tried) -> None:
+def compare(tried: TestAttempts) -> None:
     """Print every pair of sets."""
     print("\n| pair | points | each | began alike | p | p, Holm |\n" + "| --- " * 6 + "|")
     for pair in set_pairs(by_set(tried.rows)):
@@ -107,9 +114,9 @@ def compare(tried: Tried) -> None:
         print(f"| `{pair.first}` against `{pair.second}` | {difference} | {numbers} |")
 
 
-def of_trainings(tried: Tried) -> None:
+def of_trainings(tried: TestAttempts) -> None:
     """Print whether sets differ by more than single trainings do."""
-    if found := luck(tried.sets):
+    if found := seed_variance(tried.sets):
         spread, p = 100 * found.spread, p_value(found.p)
         print(f"\nwithin sets: standard deviation {spread:.1f} points; F {found.f:.1f}, p {p}")
 
@@ -131,7 +138,7 @@ def share(title: str, places: list[str], rates: Mapping[str, list[Mean]]) -> Non
         print(f"| `{name}` | {' | '.join(cells)} |")
 
 
-def ends(test: str, tried: Tried) -> None:
+def ends(test: str, tried: TestAttempts) -> None:
     """Print how attempts ended."""
     counts = {name: outcome_counts(rows) for name, rows in everyone(tried).items()}
     kinds = [kind for kind in OUTCOMES if any(kind in found for found in counts.values())]
@@ -150,7 +157,7 @@ def shortest(dataset: Path) -> pd.Series:
     return pd.Series(scaled["after_1"].to_numpy(), ids[scaled["label"]])
 
 
-def by_size(test: str, tried: Tried, sides: pd.Series) -> None:
+def by_size(test: str, tried: TestAttempts, sides: pd.Series) -> None:
     """Print success by the shortest side of the objects, and of how many of the dataset it is."""
     parts = pd.cut(sides, SIDES, labels=SIZES)
     print(f"\n| by shortest side on {test}, % | {' | '.join(SIZES)} |\n" + "| --- " * 4 + "|")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.evalset.engraving import Patch, cut_text
 from egad.pipeline.config import Engraving
 from egad.report.pictures import CAMERA, Pixels, png_bytes, render
@@ -40,7 +40,7 @@ def labelled(text: str) -> trimesh.Trimesh:
 
 def write(name: str, picture: Pixels) -> None:
     """Write a picture beside this file."""
-    with replacing(DOCS / name) as temporary:
+    with atomic_output(DOCS / name) as temporary:
         temporary.write_bytes(png_bytes(picture))
 
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.grasps.hand import finger_span, parts
 from egad.pipeline.config import GRIPPERS
 
@@ -26,7 +26,7 @@ def main() -> None:
     draw_front(front)
     draw_side(side)
     draw_angles(around)
-    with replacing(DOCS / "grasps.svg") as temporary:
+    with atomic_output(DOCS / "grasps.svg") as temporary:
         figure.savefig(temporary, format="svg", metadata={"Date": None})
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.perception.image_shards import read
 from egad.perception.rendering import Picture
 
@@ -33,7 +33,7 @@ def main(folder: str) -> None:
     for place, picture in enumerate(chosen):
         row, column = divmod(place, COLUMNS)
         sheet.paste(drawn(picture), (column * side, row * side))
-    with replacing(DOCS / "images.png") as out:
+    with atomic_output(DOCS / "images.png") as out:
         sheet.quantize(128).save(out, "png", optimize=True)
 
 

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from egad.learning.dataset import Rule, positive
+from egad.learning.dataset import PositiveFilter, positive
 from egad.perception.image_shards import files
 from egad.pipeline.config import Training
 from egad.tables import parquet
 
 COLUMNS = ["id", "split", "focal", "opening", "depth_center", "quality", "free"]
 NARROW = 0.05  # metres
-RULE = Rule(Training().quality, Training().breadth)
+RULE = PositiveFilter(Training().quality, Training().breadth)
 
 
 def main(images: Path) -> None:

@@ -14,10 +14,10 @@ import trimesh
 from egad.pipeline.config import GRIPPERS, Bundle, Trials
 from egad.pipeline.stages.bundled import model_in, rows_by_id
 from egad.random import generator
-from egad.sim.arms import Axis, Stance
+from egad.sim.arms import Axis, HandPose
 from egad.sim.gripper import Hand
 from egad.sim.model import build
-from egad.sim.trial import Start, starts
+from egad.sim.trial import InitialPose, initial_poses
 from egad.sim.world import TIME_STEP, Pose, World
 
 STANDING = np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # the thickness is that along x
@@ -47,7 +47,7 @@ def held(scene: World, force: float, change: Change) -> Hand:
     scene.place(Pose(np.array([0.0, 0.0, SIDE / 2]), STANDING))
     change(scene)
     gripper = GRIPPERS["egad_75mm"].model_copy(update={"force": force})
-    found = Hand(scene, gripper, Axis(scene, gripper, Stance(0, 0, 0.01, 0)), 0.065)
+    found = Hand(scene, gripper, Axis(scene, gripper, HandPose(0, 0, 0.01, 0)), 0.065)
     found.close()
     return found
 
@@ -95,8 +95,10 @@ def lay_as_before(bundle: Path, tilted: bool) -> list[bool]:
         with World(model_in(bundle, row)) as scene:
             mesh = scene.model.mesh
             for _ in range(DROPS):
-                lying = fallen(scene, next(starts(mesh, HEIGHT, None, rng)).pose)
-                let_go = next(starts(mesh, HEIGHT, Start("from_hand", lying), rng)).pose
+                lying = fallen(scene, next(initial_poses(mesh, HEIGHT, None, rng)).pose)
+                let_go = next(
+                    initial_poses(mesh, HEIGHT, InitialPose("from_hand", lying), rng)
+                ).pose
                 up = Pose(lying.position + np.array([0.0, 0.0, HEIGHT]), lying.quaternion)
                 found.append(tilt(lying, fallen(scene, let_go if tilted else up)) < SAME)
     return found

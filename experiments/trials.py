@@ -11,11 +11,11 @@ import numpy as np
 import pandas as pd
 from PIL import Image, ImageDraw
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.outcomes import EXECUTION
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
-from egad.pipeline.stages.replay import repeated
+from egad.pipeline.stages.replay import repeat_attempt
 from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.sim.film import Pixels
 from egad.tables import parquet
@@ -41,11 +41,11 @@ def main(folder: Path, gripper: str, *policies: str) -> None:
         pen.text(
             (4, top + 2), f"{row['outcome']}: {row['label']}, attempt {row['attempt']}", "black"
         )
-        _, frames = repeated(settings, row, folder / "bundle" / gripper)
+        _, frames = repeat_attempt(settings, row, folder / "bundle" / gripper)
         for column, number in enumerate(chosen(frames)):
             small = Image.fromarray(frames[number]).resize((WIDTH, HEIGHT))
             sheet.paste(small, (column * WIDTH, top + TEXT))
-    with replacing(DOCS / "trials.png") as out:
+    with atomic_output(DOCS / "trials.png") as out:
         sheet.quantize(64).save(out, "png", optimize=True)
 
 

@@ -15,7 +15,7 @@ from egad.data import released
 from egad.geometry.mass import repair
 from egad.geometry.refinement import triangulation
 from egad.geometry.scaling import rescale
-from egad.perception.camera import Eye, Intrinsics, above
+from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.pipeline.config import Shape
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
@@ -62,7 +62,9 @@ def look():
     def seen(mesh, x=0.0, y=0.0, turn=0.0, size=300):
         matrix = trimesh.transformations.rotation_matrix(turn, (0, 0, 1))
         matrix[:3, 3] = [x, y, -mesh.bounds[0, 2]]
-        return Eye(mesh).look(matrix, Intrinsics.spanning(size, size, 40.0), above(0.6))
+        return DepthCamera(mesh).render(
+            matrix, Intrinsics.spanning(size, size, 40.0), camera_above(0.6)
+        )
 
     return seen
 

@@ -9,7 +9,7 @@ from egad._util.workers import workers
 from egad.cppn import voxels
 from egad.cppn.constraints import UNBOUND
 from egad.cppn.surface import packed_surface
-from egad.data import named, released
+from egad.data import archive_path, released
 from egad.map_elites.island import Solid, express, measure
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
@@ -35,8 +35,8 @@ def sample(archive, count):
 
 
 def test_its_name_is_released(tmp_path):
-    assert named("released") == released()
-    assert named(tmp_path / "other.parquet") == tmp_path / "other.parquet"
+    assert archive_path("released") == released()
+    assert archive_path(tmp_path / "other.parquet") == tmp_path / "other.parquet"
 
 
 def test_it_was_made_with_the_measures_of_the_defaults():

@@ -14,7 +14,7 @@ OF_DISKS = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG)
 
 
 @contextmanager
-def replacing(path: Path, keep: bool = True) -> Iterator[Path]:
+def atomic_output(path: Path, keep: bool = True) -> Iterator[Path]:
     """Give a temporary path beside `path`; on success it takes the place of `path`.
 
     If the block fails, `path` is as it was before. A block may write a file or make a folder.
@@ -70,7 +70,7 @@ def _alone(path: Path) -> Iterator[None]:
 
 def write_text(path: Path, text: str) -> None:
     """Write a text file atomically."""
-    with replacing(path) as temporary:
+    with atomic_output(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 

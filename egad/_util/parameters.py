@@ -45,7 +45,7 @@ class Archived:
 SEARCH_ONLY = Archived(keys=frozenset())
 
 
-def ascending(section: Parameters, *names: str) -> None:
+def check_ascending(section: Parameters, *names: str) -> None:
     """Check ranges: raise ValueError for one that does not go from low to high."""
     for name in names:
         low, high = getattr(section, name)

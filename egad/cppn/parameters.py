@@ -15,7 +15,7 @@ from egad._util.parameters import (
     PositiveFraction,
     Range,
     Sigma,
-    ascending,
+    check_ascending,
 )
 
 
@@ -90,7 +90,7 @@ class Limits(Parameters):
 
     @model_validator(mode="after")
     def _ranges_ascend(self) -> Self:
-        ascending(self, "aspect_ratio", "box_part", "cube_part")
+        check_ascending(self, "aspect_ratio", "box_part", "cube_part")
         if self.aspect_ratio[1] < 1:
             raise ValueError("aspect_ratio must reach 1 at least: no box is shorter than itself")
         return self

@@ -8,6 +8,6 @@ def released() -> Path:
     return Path(__file__).with_name("archive.parquet")
 
 
-def named(archive: Path) -> Path:
+def archive_path(archive: Path) -> Path:
     """The file that a person means by an archive: `released` is the one shipped."""
     return released() if str(archive) == "released" else archive

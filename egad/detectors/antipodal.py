@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from egad.detectors.base import Grasp, ranked
+from egad.detectors.base import Grasp, rank_grasps
 from egad.grasps.collision import TABLE_CLEARANCE, roomy
 from egad.grasps.gripper import Gripper
 from egad.perception.camera import View, Window
-from egad.perception.heightmap import Relief, lowest_tip, relief_of, window_of
+from egad.perception.heightmap import Heightmap, heightmap_of, min_fingertip_height, window_of
 
 Floats = NDArray[np.float64]
 
@@ -65,7 +65,7 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
         At most 50 grasps, best first.
     """
     window = _uneven(view, gripper.pad.friction)
-    relief = relief_of(view, window)
+    relief = heightmap_of(view, window)
     if relief is None:
         return []
     pairs = _pairs(_edges(view, window, gripper.pad.friction), gripper)
@@ -146,13 +146,13 @@ def _quality(pairs: _Pairs, centroid: Floats, tip: Floats | float) -> Floats:
     return quality
 
 
-def _grasps(pairs: _Pairs, relief: Relief, centroid: Floats, gripper: Gripper) -> list[Grasp]:
+def _grasps(pairs: _Pairs, relief: Heightmap, centroid: Floats, gripper: Gripper) -> list[Grasp]:
     """Candidates for which the hand has space, with their depths and qualities."""
     width = roomy(pairs.distance, gripper)
-    tip = lowest_tip(pairs.middle, pairs.axis, width, relief, gripper)
+    tip = min_fingertip_height(pairs.middle, pairs.axis, width, relief, gripper)
     bite = pairs.top - tip
     level = tip + bite / 2
     quality = _quality(pairs, centroid, tip)
     center = np.column_stack([pairs.middle, level])
     columns = (center, pairs.axis, width, bite / 2, quality)
-    return ranked(*(values[bite >= LEAST_BITE] for values in columns))
+    return rank_grasps(*(values[bite >= LEAST_BITE] for values in columns))

@@ -41,7 +41,7 @@ class Grasp:
         """Height of the fingertips above the table, metres."""
         return self.center[2] - self.depth
 
-    def flaw(self, gripper: Gripper) -> Outcome | None:
+    def infeasibility(self, gripper: Gripper) -> Outcome | None:
         """Why the hand cannot do this: the outcome of an attempt; None if it can.
 
         not_finite: a number is NaN or infinite; too_wide: it would have to open wider than it
@@ -55,7 +55,7 @@ class Grasp:
         return Outcome.BELOW_TABLE if self.tip < 0 else None
 
 
-def ranked(
+def rank_grasps(
     center: Floats, axis: Floats, width: Floats, depth: Floats, quality: Floats
 ) -> list[Grasp]:
     """Candidates as grasps, at most 50, best first, equals in the order given.
@@ -73,7 +73,7 @@ def ranked(
     return [Grasp((x, y, z), *others) for x, y, z, *others in columns[order].tolist()]
 
 
-def best(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | Outcome:
+def best_grasp(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | Outcome:
     """The grasp of the highest quality that the hand can do, the first of equals.
 
     Returns:
@@ -81,7 +81,7 @@ def best(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | Outcome:
     """
     reason = None
     for grasp in sorted(grasps, key=_promise):
-        flaw = grasp.flaw(gripper)
+        flaw = grasp.infeasibility(gripper)
         if flaw is None:
             return grasp
         reason = reason or flaw

@@ -17,9 +17,9 @@ from egad.detectors.base import WHERE, Grasp
 from egad.errors import UserError
 from egad.grasps.collision import TABLE_CLEARANCE
 from egad.grasps.gripper import Gripper
-from egad.learning.targets import SIZE, peaks, prepared, read
+from egad.learning.targets import SIZE, peaks, prepare_input, read_maps
 from egad.perception.camera import View
-from egad.perception.noise import filled
+from egad.perception.noise import fill_missing
 
 MOST_BYTES = 1 << 24  # some 50 times those that were published
 GGCNN_WEIGHTS = (
@@ -81,7 +81,7 @@ class MapDetector:
         """Take a network.
 
         Args:
-            infer: From depths (300, 300) of `egad.learning.targets.prepared` to quality, cos 2a,
+            infer: From depths (300, 300) of `targets.prepare_input` to quality, cos 2a,
                 sin 2a and width (4, 300, 300).
         """
         self._infer = infer
@@ -97,7 +97,7 @@ class MapDetector:
         if not np.isfinite(view.depth).any():
             return []
         crop = middle(view.depth)
-        answer = read(self._infer(prepared(crop.depth)))
+        answer = read_maps(self._infer(prepare_input(crop.depth)))
         return [
             _grasp(place, crop, view, gripper, *(float(each[place]) for each in answer))
             for place in peaks(answer.quality)
@@ -134,7 +134,7 @@ def middle(depth: NDArray[np.float32]) -> Crop:
     """The middle of a depth image, gaps filled with the depth of the nearest pixel that has one."""
     side = min(SIZE, *depth.shape)
     top, left = ((size - side) // 2 for size in depth.shape)
-    cut = filled(depth)[top : top + side, left : left + side].astype(np.float64)
+    cut = fill_missing(depth)[top : top + side, left : left + side].astype(np.float64)
     if side < SIZE:
         cut = ndimage.zoom(cut, SIZE / side, order=1, mode="nearest", grid_mode=True)
     return Crop(cut, (top, left), side / SIZE)

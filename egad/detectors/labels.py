@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad.detectors.base import Grasp, ranked
+from egad.detectors.base import Grasp, rank_grasps
 from egad.grasps.collision import LEAST_BITE, roomy
 from egad.grasps.gripper import Gripper
 from egad.perception.camera import View
-from egad.perception.heightmap import lowest_tip, relief_of
+from egad.perception.heightmap import heightmap_of, min_fingertip_height
 
 Floats = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ class Labels:
         Returns:
             At most 50 grasps, best first.
         """
-        relief = relief_of(view)
+        relief = heightmap_of(view)
         axis = self._axis @ matrix[:3, :3].T
         level = np.flatnonzero(np.abs(axis[:, 2]) <= np.sin(TILT))
         if relief is None or len(level) == 0:
@@ -61,10 +61,13 @@ class Labels:
         wide = np.full_like(narrow, gripper.opening)
         pad = min(gripper.finger_width, gripper.finger_length) / 2
         tips = [
-            np.maximum(center[:, 2] - pad, lowest_tip(center[:, :2], flat, width, relief, gripper))
+            np.maximum(
+                center[:, 2] - pad,
+                min_fingertip_height(center[:, :2], flat, width, relief, gripper),
+            )
             for width in (narrow, wide)
         ]
         tip, width = np.minimum(*tips), np.where(tips[0] <= tips[1], narrow, wide)
         depth = center[:, 2] - tip
         columns = (center, flat, width, depth, self._quality[level])
-        return ranked(*(values[depth >= LEAST_BITE] for values in columns))
+        return rank_grasps(*(values[depth >= LEAST_BITE] for values in columns))

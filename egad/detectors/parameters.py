@@ -9,7 +9,7 @@ from egad._util.parameters import Parameters
 SHIPPED = ("antipodal-depth", "ggcnn", "labels", "random")
 
 
-class Policy(Parameters):
+class DetectorConfig(Parameters):
     """A grasp detector under a name of its own."""
 
     detector: str = Field(
@@ -33,4 +33,4 @@ class Policy(Parameters):
         return self
 
 
-POLICIES = {name: Policy(detector=name) for name in SHIPPED}
+POLICIES = {name: DetectorConfig(detector=name) for name in SHIPPED}

@@ -10,7 +10,7 @@ from egad import plugins as own_code
 from egad.detectors.antipodal import antipodal_depth
 from egad.detectors.base import WHERE, Detector, Grasp
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
-from egad.detectors.parameters import Policy
+from egad.detectors.parameters import DetectorConfig
 from egad.detectors.random_detector import random_grasp
 from egad.errors import UserError
 from egad.grasps.gripper import Gripper
@@ -20,7 +20,7 @@ QUICK: dict[str, Detector] = {"antipodal-depth": antipodal_depth, "random": rand
 """Detectors that need nothing but the image, and no process of their own to be stopped."""
 
 
-def detector(policy: Policy) -> Detector:
+def make_detector(policy: DetectorConfig) -> Detector:
     """Make a detector.
 
     Args:
@@ -35,10 +35,10 @@ def detector(policy: Policy) -> Detector:
         return QUICK[name]
     if name == "labels":
         raise UserError("labels: knows where the object is and answers in simulated trials only")
-    return checked(GGCNN(policy.weights) if name == "ggcnn" else _own(policy))
+    return with_checked_answers(GGCNN(policy.weights) if name == "ggcnn" else _own(policy))
 
 
-def checked(detect: Callable[..., Any]) -> Detector:
+def with_checked_answers(detect: Callable[..., Any]) -> Detector:
     """The same detector, but with an error for an answer that is no list of grasps."""
 
     @functools.wraps(detect, updated=())
@@ -55,7 +55,7 @@ def _plain(grasp: Any) -> Grasp:  # noqa: ANN401 (whatever the user's code gives
     return Grasp((x, y, z), *numbers)
 
 
-def _own(policy: Policy) -> Callable[..., Any]:
+def _own(policy: DetectorConfig) -> Callable[..., Any]:
     found = own_code.find(policy.detector, WHERE, "class or function")
     if not isinstance(found, type):
         if policy.weights:
@@ -72,7 +72,7 @@ def _own(policy: Policy) -> Callable[..., Any]:
     return made
 
 
-def fingerprint(policy: Policy) -> list[str]:
+def fingerprint(policy: DetectorConfig) -> list[str]:
     """What else than the library and the settings decides the answers; the detector is not run.
 
     Raises:

@@ -9,8 +9,8 @@ import numpy as np
 
 from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
 from egad.detectors.base import Detector, Grasp
-from egad.detectors.parameters import Policy
-from egad.detectors.registry import detector
+from egad.detectors.parameters import DetectorConfig
+from egad.detectors.registry import make_detector
 from egad.errors import UserError
 from egad.grasps.gripper import Gripper
 from egad.perception.camera import View
@@ -32,7 +32,7 @@ class DetectorTimeoutError(Exception):
 class Child:
     """A detector that answers from another process, started anew whenever it had to be stopped."""
 
-    def __init__(self, policy: Policy, limit: float) -> None:
+    def __init__(self, policy: DetectorConfig, limit: float) -> None:
         """Prepare; the process starts with the first question, or with the `with` block.
 
         Args:
@@ -85,9 +85,9 @@ class Child:
 
 
 @contextmanager
-def _answering(policy: Policy) -> Iterator[Callable[[Question], Answer]]:
+def _answering(policy: DetectorConfig) -> Iterator[Callable[[Question], Answer]]:
     """Make the detector, in its own process."""
-    yield partial(_answer, detector(policy))
+    yield partial(_answer, make_detector(policy))
 
 
 def _answer(detect: Detector, question: Question) -> Answer:

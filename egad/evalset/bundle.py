@@ -10,11 +10,11 @@ import trimesh
 from egad.errors import RejectedError
 from egad.evalset.parameters import Bundle
 from egad.geometry.coacd import coacd_parts
-from egad.geometry.convex_parts import convex_parts, joined
+from egad.geometry.convex_parts import convex_parts, union_of_parts
 from egad.geometry.distance import largest_deviation
 from egad.geometry.manifold import is_solid, to_mesh, to_solid
 from egad.geometry.mass import MassProperties, mass_properties
-from egad.geometry.stable_poses import StablePose, grouped, stable_poses
+from egad.geometry.stable_poses import StablePose, group_poses, stable_poses
 from egad.tables import parquet
 
 LEAST_PROBABILITY = 0.001  # of the poses that are listed
@@ -22,7 +22,7 @@ SAME_POSE = np.radians(5)
 
 
 @dataclass(frozen=True)
-class Bundled:
+class SimulationObject:
     """An object in the frame of its mesh, metres.
 
     Attributes:
@@ -42,7 +42,9 @@ class Bundled:
     deviation: float
 
 
-def bundled(mesh: trimesh.Trimesh, density: float, settings: Bundle) -> Bundled:
+def make_simulation_object(
+    mesh: trimesh.Trimesh, density: float, settings: Bundle
+) -> SimulationObject:
     """Make an object of uniform density ready for simulators.
 
     Args:
@@ -60,10 +62,10 @@ def bundled(mesh: trimesh.Trimesh, density: float, settings: Bundle) -> Bundled:
     else:
         parts = convex_parts(solid, settings.max_parts, settings.volume_error)
     physics = mass_properties(solid, density)
-    together = joined(parts)
+    together = union_of_parts(parts)
     beyond = together - to_solid(solid.vertices, solid.faces)  # parts meet inside, with fine cracks
-    poses = grouped(stable_poses(solid, physics.com), SAME_POSE)
-    return Bundled(
+    poses = group_poses(stable_poses(solid, physics.com), SAME_POSE)
+    return SimulationObject(
         mesh=solid,
         parts=tuple(parts),
         physics=physics,

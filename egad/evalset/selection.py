@@ -34,7 +34,7 @@ def labels_of(rows: int, columns: int) -> list[str]:
     return [label_at(row, column) for row in range(rows) for column in range(columns)]
 
 
-def place(label: str) -> tuple[int, int]:
+def cell_of_label(label: str) -> tuple[int, int]:
     """Row and column of a name."""
     return string.ascii_uppercase.index(label[0]), int(label[1:])
 
@@ -212,13 +212,13 @@ def _exchange_singles(
     changed = True
     while changed:
         changed = False
-        for place, cell in enumerate(candidates):
-            old = chosen[place]
+        for cell_of_label, cell in enumerate(candidates):
+            old = chosen[cell_of_label]
             values = gains[cell] - distances[cell, old]
             new = cell[int(np.argmax(values))]
             if values.max() > gains[old] - distances[old, old] + 1e-12:
                 gains += distances[:, new] - distances[:, old]
-                chosen[place] = new
+                chosen[cell_of_label] = new
                 changed = True
     return chosen
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import pyarrow as pa
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.errors import UserError
 from egad.tables import parquet
 
@@ -42,14 +42,14 @@ def write_frame(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> None:
             whole[field.name] = [_joined(values) for values in whole[field.name]]
         elif pa.types.is_integer(field.type):
             whole[field.name] = whole[field.name].astype("Int64")
-    with replacing(path) as temporary:
+    with atomic_output(path) as temporary:
         whole.to_csv(temporary, index=False)
 
 
 def write_matrix(matrix: pd.DataFrame, path: Path) -> None:
     """Write a matrix whose index and columns are names; the names are its first column."""
     named = matrix.rename_axis("name").reset_index()
-    with replacing(path) as temporary:
+    with atomic_output(path) as temporary:
         if path.suffix.lower() == ".parquet":
             named.to_parquet(temporary, index=False)
         else:

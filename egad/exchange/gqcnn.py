@@ -14,7 +14,7 @@ from scipy import ndimage
 
 from egad.errors import UserError
 from egad.perception.image_rows import pose_values
-from egad.perception.noise import filled
+from egad.perception.noise import fill_missing
 from egad.perception.rendering import Picture
 
 Image = NDArray[np.float32]
@@ -95,7 +95,10 @@ def tensors(picture: Picture, object_number: int, pose_number: int) -> Tensors:
         grasps.u - camera.center[0],
         grasps.opening,
     ]
-    depth, mask = filled(picture.depth), np.where(picture.mask, np.float32(255), np.float32(0))
+    depth, mask = (
+        fill_missing(picture.depth),
+        np.where(picture.mask, np.float32(255), np.float32(0)),
+    )
     found = {
         "depth_ims_tf_table": cut_out(depth, picture, 1),
         "obj_masks": cut_out(mask, picture, 0),

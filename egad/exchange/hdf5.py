@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.errors import UserError
 
 # Compact groups and attributes, which every HDF5 library since 2008 reads.
@@ -41,7 +41,7 @@ def writing(path: Path) -> Iterator[h5py.File]:
     """
     try:
         with (
-            replacing(path, keep=False) as temporary,
+            atomic_output(path, keep=False) as temporary,
             h5py.File(temporary, "w", libver=VERSION) as file,
         ):
             yield file

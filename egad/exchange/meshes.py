@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.errors import RejectedError, UserError
 from egad.exchange.bounds import MOST_BYTES, MOST_ITEMS, within
 from egad.exchange.folders import ENDINGS
@@ -81,7 +81,7 @@ def _load_any(data: bytes, ending: str) -> tuple[NDArray[np.float64], NDArray[np
 def write_obj(mesh: trimesh.Trimesh, path: Path) -> None:
     """Write a Wavefront OBJ file in the unit of the mesh, with enough digits to read it back."""
     text = obj_text(np.asarray(mesh.vertices), np.asarray(mesh.faces))
-    with replacing(path) as temporary:
+    with atomic_output(path) as temporary:
         temporary.write_text(text, encoding="ascii")
 
 
@@ -94,5 +94,5 @@ def write_stl_mm(mesh: trimesh.Trimesh, path: Path) -> None:
     facets["normal"] = mesh.face_normals
     facets["corners"] = mesh.triangles * 1000
     header = b"egad, unit: millimetre".ljust(80)
-    with replacing(path) as temporary:
+    with atomic_output(path) as temporary:
         temporary.write_bytes(header + np.uint32(len(facets)).tobytes() + facets.tobytes())

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.evalset.bundle import Bundled
+from egad.evalset.bundle import SimulationObject
 from egad.exchange.meshes import write_obj
 from egad.geometry.mass import MassProperties
 
@@ -22,7 +22,9 @@ VISUAL_GROUP, COLLISION_GROUP = "2", "3"  # MuJoCo's usual groups: 3 is not draw
 TORSION, ROLLING = 0.005, 0.0001
 
 
-def write_simulation_object(folder: Path, name: str, made: Bundled, friction: float) -> None:
+def write_simulation_object(
+    folder: Path, name: str, made: SimulationObject, friction: float
+) -> None:
     """Write `NAME.urdf`, `NAME.xml` (MJCF), `visual.obj`, `parts/` and `poses.json`.
 
     Args:
@@ -43,7 +45,7 @@ def write_simulation_object(folder: Path, name: str, made: Bundled, friction: fl
     (folder / "poses.json").write_text(text, encoding="utf-8")
 
 
-def _poses(made: Bundled) -> list[dict[str, Any]]:
+def _poses(made: SimulationObject) -> list[dict[str, Any]]:
     return [
         {
             "probability": pose.probability,

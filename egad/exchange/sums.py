@@ -18,13 +18,13 @@ _ORIGIN = "# egad-origin "
 MOST_BYTES = 1 << 26  # of a file of sums: some half a million lines
 
 
-def sum_of(path: Path) -> str:
+def checksum(path: Path) -> str:
     """The SHA-256 of a file; that of its `SHA256SUMS` for a folder, made if there is none."""
     if not path.is_dir():
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     if (path / NAME).is_file():
-        return sum_of(path / NAME)
+        return checksum(path / NAME)
     return hashlib.sha256(_lines(path, files_of(path)).encode()).hexdigest()
 
 
@@ -79,4 +79,4 @@ def _inside(name: str) -> str:
 
 
 def _lines(folder: Path, files: list[Path]) -> str:
-    return "".join(f"{sum_of(file)}  {file.relative_to(folder).as_posix()}\n" for file in files)
+    return "".join(f"{checksum(file)}  {file.relative_to(folder).as_posix()}\n" for file in files)

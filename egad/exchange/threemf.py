@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 
 MILLIMETRES = 1000.0  # in a metre
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
@@ -50,7 +50,7 @@ def write_3mf(objects: Mapping[str, Placed], path: Path, metadata: Mapping[str, 
         "_rels/.rels": _RELATIONS,
         "3D/3dmodel.model": model_xml(objects, metadata),
     }
-    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+    with atomic_output(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         for name, text in parts.items():
             entry = zipfile.ZipInfo(name, date_time=_EPOCH)
             entry.compress_type = zipfile.ZIP_DEFLATED

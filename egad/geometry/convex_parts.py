@@ -10,7 +10,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
-from egad.geometry.hulls import Hull, hull_and_planes, hull_mesh, hull_of, least_volume, merged
+from egad.geometry.hulls import Hull, hull_and_planes, hull_mesh, hull_of, least_volume, merge_hulls
 from egad.geometry.manifold import Solid, arrays, is_solid, to_solid, union
 
 Floats = NDArray[np.float64]
@@ -76,7 +76,7 @@ def convex_parts(
     least = LEAST_EXCESS * volume_error * volume
     pieces = _split(whole, max_parts, max(OVERCUT * volume_error * volume - gained, least))
     hulls = [piece.hull for piece in pieces]
-    return [hull_mesh(hull) for hull in merged(hulls, (1 + volume_error) * volume, max_parts)]
+    return [hull_mesh(hull) for hull in merge_hulls(hulls, (1 + volume_error) * volume, max_parts)]
 
 
 def excess_volume(parts: list[trimesh.Trimesh], mesh: trimesh.Trimesh) -> float:
@@ -85,10 +85,10 @@ def excess_volume(parts: list[trimesh.Trimesh], mesh: trimesh.Trimesh) -> float:
     Raises:
         RejectedError: A part does not bound a solid.
     """
-    return float(joined(parts).volume() / abs(mesh.volume) - 1)
+    return float(union_of_parts(parts).volume() / abs(mesh.volume) - 1)
 
 
-def joined(parts: list[trimesh.Trimesh]) -> Solid:
+def union_of_parts(parts: list[trimesh.Trimesh]) -> Solid:
     """The union of convex parts.
 
     Raises:

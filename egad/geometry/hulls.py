@@ -63,7 +63,7 @@ def hull_mesh(hull: Hull) -> trimesh.Trimesh:
     return mesh
 
 
-def merged(hulls: Sequence[Hull], allowed: float, most: int) -> list[Hull]:
+def merge_hulls(hulls: Sequence[Hull], allowed: float, most: int) -> list[Hull]:
     """Join the two hulls whose common hull adds least volume, again and again (ours).
 
     Args:

@@ -61,7 +61,7 @@ class Body(NamedTuple):
     mass: MassProperties
 
 
-def body(mesh: trimesh.Trimesh, density: float, min_volume: float = 0.0) -> Body:
+def repair_and_weigh(mesh: trimesh.Trimesh, density: float, min_volume: float = 0.0) -> Body:
     """Repair a mesh and weigh it.
 
     Args:

@@ -59,7 +59,7 @@ def random_pieces(rng: np.random.Generator) -> list[Piece]:
     """The pieces of an object, each attached to one before it."""
     pieces = [loose_piece(rng)]
     for _ in range(rng.integers(*PIECES, endpoint=True) - 1):
-        pieces.append(attached(loose_piece(rng), pieces[rng.integers(len(pieces))], rng))
+        pieces.append(attach(loose_piece(rng), pieces[rng.integers(len(pieces))], rng))
     return pieces
 
 
@@ -70,7 +70,7 @@ def loose_piece(rng: np.random.Generator) -> Piece:
     return Piece(kind, sides, Rotation.from_quat(rng.normal(size=4)).as_matrix(), np.zeros(3))
 
 
-def attached(piece: Piece, base: Piece, rng: np.random.Generator) -> Piece:
+def attach(piece: Piece, base: Piece, rng: np.random.Generator) -> Piece:
     """Move a piece so that it shares a point with a base, and its middle lies further out.
 
     The point is not far below the skin of either, but so far that the pieces overlap.

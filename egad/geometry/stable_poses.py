@@ -99,7 +99,7 @@ def stable_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
     return [_pose(facets, face, float(chances[face]), float(margins[face])) for face in order]
 
 
-def grouped(poses: list[StablePose], angle: float) -> list[StablePose]:
+def group_poses(poses: list[StablePose], angle: float) -> list[StablePose]:
     """Poses that are nearly the same as one: a rounded bottom has many small faces.
 
     Args:
@@ -124,10 +124,10 @@ def grouped(poses: list[StablePose], angle: float) -> list[StablePose]:
 def _pose(facets: _Facets, face: int, chance: float, margin: float) -> StablePose:
     normal, height = facets.normals[face], float(facets.heights[face])
     corners = np.unique(facets.triangles[facets.face == face])
-    return StablePose(chance, corners, normal, turned_down(normal), height, margin)
+    return StablePose(chance, corners, normal, rotation_to_table(normal), height, margin)
 
 
-def turned_down(normal: Floats) -> Floats:
+def rotation_to_table(normal: Floats) -> Floats:
     """The rotation by the smallest angle that turns a unit vector to -z, (3, 3)."""
     axis = np.cross(normal, [0.0, 0.0, -1.0])
     sine, cosine = float(np.linalg.norm(axis)), float(-normal[2])

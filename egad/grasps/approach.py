@@ -14,7 +14,7 @@ from egad.geometry.rays import RayCaster
 from egad.grasps.collision import blocked_turns
 from egad.grasps.gripper import Gripper
 from egad.grasps.hand import Part, parts
-from egad.grasps.sampler import Grasps
+from egad.grasps.sampler import ContactPairs
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -41,7 +41,7 @@ class Approaches(NamedTuple):
 
 def best_approaches(
     caster: RayCaster,
-    grasps: Grasps,
+    grasps: ContactPairs,
     gripper: Gripper,
     palm: trimesh.Trimesh | None = None,
     *,

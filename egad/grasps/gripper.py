@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 from pydantic import Field
 
 from egad._util.parameters import Length, Parameters
-from egad.errors import known
+from egad.errors import check_name
 
 
 class Pad(NamedTuple):
@@ -91,7 +91,7 @@ def gripper(name: str) -> Gripper:
     Raises:
         UserError: There is no gripper of this name.
     """
-    return GRIPPERS[known("gripper", name, GRIPPERS)]
+    return GRIPPERS[check_name("gripper", name, GRIPPERS)]
 
 
 def as_gripper(hand: Gripper | str) -> Gripper:

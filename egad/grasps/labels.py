@@ -15,7 +15,7 @@ from egad.grasps.opening import needed_openings
 from egad.grasps.parameters import GraspLabel, LabelParameters, Quality, Robust, Sampling
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
-from egad.grasps.sampler import Grasps, Tally, sample
+from egad.grasps.sampler import ContactPairs, SamplingStatistics, sample_contacts
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ def label_parameters(
     )
 
 
-def label(
+def label_grasps(
     mesh: trimesh.Trimesh,
     com: Floats,
     settings: LabelParameters,
@@ -58,15 +58,15 @@ def label(
         RejectedError: There is no grasp; the reason says what became of the candidates.
     """
     caster = RayCaster(mesh)
-    grasps, tally = found(caster, settings, rng)
+    grasps, tally = sample_for_labels(caster, settings, rng)
     if len(grasps) == 0:
         raise RejectedError(f"no grasp ({tally})")
-    return rated(caster, com, grasps, settings, rng, palm)
+    return rate_grasps(caster, com, grasps, settings, rng, palm)
 
 
-def found(
+def sample_for_labels(
     caster: RayCaster, settings: LabelParameters, rng: np.random.Generator
-) -> tuple[Grasps, Tally]:
+) -> tuple[ContactPairs, SamplingStatistics]:
     """The grasps of an object that will be rated, and what became of all candidates.
 
     The sampler's own test of one horizontal approach is left out: the body of the hand is tested
@@ -74,13 +74,13 @@ def found(
     """
     wanted, opening = settings.grasp_label.grasps, settings.gripper.opening
     sampling = settings.sampling.model_copy(update={"approach_clearance": 0.0})
-    return sample(caster, opening, wanted, sampling, rng)
+    return sample_contacts(caster, opening, wanted, sampling, rng)
 
 
-def rated(
+def rate_grasps(
     caster: RayCaster,
     com: Floats,
-    grasps: Grasps,
+    grasps: ContactPairs,
     settings: LabelParameters,
     rng: np.random.Generator,
     palm: trimesh.Trimesh | None = None,
@@ -128,7 +128,7 @@ def rated(
     )
 
 
-def tally_row(wanted: int, tally: Tally, grasps: pd.DataFrame) -> dict[str, int]:
+def statistics_row(wanted: int, tally: SamplingStatistics, grasps: pd.DataFrame) -> dict[str, int]:
     """What became of the candidates of an object: a row of `tables.grasping.TALLY`.
 
     Args:

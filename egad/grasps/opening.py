@@ -10,7 +10,7 @@ from egad.geometry.surface_samples import spread
 from egad.grasps.collision import apart, clipped, local, spheres
 from egad.grasps.gripper import Gripper
 from egad.grasps.hand import finger_span
-from egad.grasps.sampler import Grasps
+from egad.grasps.sampler import ContactPairs
 
 Floats = NDArray[np.float64]
 SPACING = 0.05  # of the longest side of the mesh: between the points, at most
@@ -18,7 +18,7 @@ SKIN = 1e-6  # of it: how far below the surface rays start
 
 
 def needed_openings(
-    caster: RayCaster, grasps: Grasps, approaches: Floats, gripper: Gripper
+    caster: RayCaster, grasps: ContactPairs, approaches: Floats, gripper: Gripper
 ) -> Floats:
     """The smallest opening at which both fingers stand beside the object at each of n grasps.
 
@@ -164,7 +164,7 @@ def _first_gap(taken: Floats, least: float) -> tuple[float, float]:
     return free, np.inf
 
 
-def pinch_widths(mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
+def graspable_widths(mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
     """How thick a solid is behind points spread over its surface, straight along the normals.
 
     Args:
@@ -181,6 +181,6 @@ def pinch_widths(mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
     return hits.distances + SKIN * size, (mesh.area_faces / np.maximum(shares, 1))[samples.faces]
 
 
-def fitting_part(widths: Floats, areas: Floats, opening: float) -> float:
+def graspable_fraction(widths: Floats, areas: Floats, opening: float) -> float:
     """The part of the surface, by area, whose widths are at most the opening."""
     return float(areas[widths <= opening].sum() / areas.sum())

@@ -12,14 +12,14 @@ from scipy.spatial.transform import Rotation
 from egad.geometry.rays import RayCaster
 from egad.grasps.parameters import Quality, Robust
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.sampler import Grasps
+from egad.grasps.sampler import ContactPairs
 
 Floats = NDArray[np.float64]
 
 
 def robust_ferrari_canny(
     caster: RayCaster,
-    grasps: Grasps,
+    grasps: ContactPairs,
     com: Floats,
     opening: float,
     *,
@@ -68,7 +68,7 @@ def robust_ferrari_canny(
 
 def close_fingers(
     caster: RayCaster, centers: Floats, axes: Floats, opening: float
-) -> tuple[Grasps, NDArray[np.bool_]]:
+) -> tuple[ContactPairs, NDArray[np.bool_]]:
     """Close fingers from half an opening either side of n centres.
 
     Args:
@@ -88,11 +88,11 @@ def close_fingers(
     touching = np.asarray((hits.entering.reshape(-1, 2) & (distances <= opening)).all(axis=1))
     travel = np.where(touching[:, None], distances, 0.0)
     points = starts + travel[..., None] * directions
-    return Grasps(points, hits.normals.reshape(-1, 2, 3), axes), touching
+    return ContactPairs(points, hits.normals.reshape(-1, 2, 3), axes), touching
 
 
 def _disturb(
-    grasps: Grasps, com: Floats, robust: Robust, rng: np.random.Generator
+    grasps: ContactPairs, com: Floats, robust: Robust, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
     """Centres and axes of the copies, grasp by grasp, in the frame of the disturbed object.
 

@@ -20,7 +20,7 @@ CONTACT_TOLERANCE = 1e-6  # of the opening
 
 
 @dataclass(frozen=True)
-class Grasps:
+class ContactPairs:
     """Contacts of n grasps.
 
     Attributes:
@@ -47,16 +47,16 @@ class Grasps:
         """(n,) distances of the contacts, metres."""
         return np.asarray(np.linalg.norm(self.points[:, 1] - self.points[:, 0], axis=1))
 
-    def take(self, indices: Indices) -> "Grasps":
+    def take(self, indices: Indices) -> "ContactPairs":
         """Some of the grasps, in the order given."""
-        return Grasps(self.points[indices], self.normals[indices], self.axes[indices])
+        return ContactPairs(self.points[indices], self.normals[indices], self.axes[indices])
 
 
-_NONE = Grasps(np.empty((0, 2, 3)), np.empty((0, 2, 3)), np.empty((0, 3)))
+_NONE = ContactPairs(np.empty((0, 2, 3)), np.empty((0, 2, 3)), np.empty((0, 3)))
 
 
 @dataclass(frozen=True)
-class Tally:
+class SamplingStatistics:
     """What became of the candidates. Each is counted once, at the first test that it fails."""
 
     tried: int = 0
@@ -65,8 +65,10 @@ class Tally:
     blocked: int = 0  # something is in the way of the open fingers
     too_close: int = 0  # too much like a grasp that was found before
 
-    def __add__(self, other: "Tally") -> "Tally":
-        return Tally(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+    def __add__(self, other: "SamplingStatistics") -> "SamplingStatistics":
+        return SamplingStatistics(
+            *(getattr(self, f.name) + getattr(other, f.name) for f in fields(self))
+        )
 
     def __str__(self) -> str:
         causes = [f for f in fields(self) if f.name != "tried"]
@@ -74,13 +76,13 @@ class Tally:
         return f"of {self.tried} candidates: {', '.join(parts)}"
 
 
-def sample(
+def sample_contacts(
     caster: RayCaster,
     opening: float,
     count: int,
     sampling: Sampling,
     rng: np.random.Generator,
-) -> tuple[Grasps, Tally]:
+) -> tuple[ContactPairs, SamplingStatistics]:
     """Find grasps that are well spread over an object.
 
     First contacts are uniform over the surface; the axis leaves the inward normal by an angle
@@ -101,7 +103,7 @@ def sample(
         Up to `count` grasps, fewer if the rounds did not give more, and what became of the
         candidates.
     """
-    grasps, tally = _NONE, Tally()
+    grasps, tally = _NONE, SamplingStatistics()
     triangles, areas = np.asarray(caster.mesh.triangles), np.cumsum(caster.mesh.area_faces)
     for _ in range(sampling.rounds):
         draws = max(sampling.candidates, 2 * count)
@@ -111,15 +113,15 @@ def sample(
         fresh, fate = _close(caster, starts, normals, axes, opening, sampling)
         spread = _keep_apart(grasps, fresh, sampling.spacing)
         grasps = join([grasps, fresh.take(spread)])
-        tally += fate + Tally(too_close=len(fresh) - len(spread))
+        tally += fate + SamplingStatistics(too_close=len(fresh) - len(spread))
         if len(grasps) >= count:
             break
     return grasps.take(np.arange(min(len(grasps), count))), tally
 
 
-def join(parts: list[Grasps]) -> Grasps:
+def join(parts: list[ContactPairs]) -> ContactPairs:
     """All grasps of several batches, in order."""
-    return Grasps(
+    return ContactPairs(
         np.concatenate([part.points for part in parts]),
         np.concatenate([part.normals for part in parts]),
         np.concatenate([part.axes for part in parts]),
@@ -168,7 +170,7 @@ def _close(
     axes: Floats,
     opening: float,
     sampling: Sampling,
-) -> tuple[Grasps, Tally]:
+) -> tuple[ContactPairs, SamplingStatistics]:
     """Close fingers along the axes; what stays are grasps that touch at the starts."""
     far = starts + opening * axes
     hits = caster.first_hits(far, -axes)
@@ -177,11 +179,11 @@ def _close(
     cosine = np.einsum("nk,nk->n", hits.normals, axes)
     antipodal = fits & (cosine * np.sqrt(1 + sampling.cone**2) >= 1)
     chosen = np.flatnonzero(antipodal)
-    candidates = Grasps(
+    candidates = ContactPairs(
         np.stack([starts, ends], axis=1), np.stack([normals, hits.normals], axis=1), axes
     ).take(chosen)
     free = _fingers_free(caster, candidates, opening, sampling.approach_clearance)
-    tally = Tally(
+    tally = SamplingStatistics(
         tried=len(axes),
         too_wide=int(np.sum(~fits)),
         not_antipodal=int(np.sum(fits & ~antipodal)),
@@ -191,7 +193,7 @@ def _close(
 
 
 def _fingers_free(
-    caster: RayCaster, grasps: Grasps, opening: float, clearance: float
+    caster: RayCaster, grasps: ContactPairs, opening: float, clearance: float
 ) -> NDArray[np.bool_]:
     """Whether the open fingers reach their places, and from there the contacts."""
     half = opening / 2 * grasps.axes
@@ -207,7 +209,7 @@ def _fingers_free(
     return np.asarray(free)
 
 
-def _keep_apart(old: Grasps, new: Grasps, spacing: float) -> Indices:
+def _keep_apart(old: ContactPairs, new: ContactPairs, spacing: float) -> Indices:
     """Which new grasps, taken in order, are at least `spacing` from all that are kept."""
     both = join([old, new])
     kept: Indices = _spread(both.centers, both.axes, len(old), spacing)

@@ -25,7 +25,7 @@ class Change(NamedTuple):
     zoom: float = 1.0
 
 
-def drawn(zoom: tuple[float, float], rng: np.random.Generator) -> Change:
+def sample_change(zoom: tuple[float, float], rng: np.random.Generator) -> Change:
     """Draw a change.
 
     Args:
@@ -35,7 +35,7 @@ def drawn(zoom: tuple[float, float], rng: np.random.Generator) -> Change:
     return Change(int(rng.integers(4)), float(rng.uniform(*zoom)))
 
 
-def changed_depth(depth: NDArray[np.floating], change: Change) -> NDArray[np.floating]:
+def change_depth(depth: NDArray[np.floating], change: Change) -> NDArray[np.floating]:
     """A square depth image without gaps after a change; linear between pixels."""
     turned = np.rot90(depth, change.turns)
     if change.zoom == 1:
@@ -48,7 +48,7 @@ def changed_depth(depth: NDArray[np.floating], change: Change) -> NDArray[np.flo
     return result
 
 
-def changed_rectangles(rectangles: Rectangles, change: Change, size: int) -> Rectangles:
+def change_rectangles(rectangles: Rectangles, change: Change, size: int) -> Rectangles:
     """The same rectangles (n, 5) where a change of an image of `size` pixels a side puts them."""
     middle = (size - 1) / 2
     u, v = rectangles[:, 0] - middle, rectangles[:, 1] - middle

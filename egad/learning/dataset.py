@@ -16,11 +16,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad.errors import TableError, UserError
-from egad.learning.augmentation import Change, changed_depth, changed_rectangles, drawn
-from egad.learning.targets import SIZE, prepared, targets
+from egad.learning.augmentation import Change, change_depth, change_rectangles, sample_change
+from egad.learning.targets import SIZE, prepare_input, targets
 from egad.perception.image_rows import depth_of, pixels
 from egad.perception.image_shards import files
-from egad.perception.noise import filled
+from egad.perception.noise import fill_missing
 from egad.perception.rectangles import Rectangles, half_turn
 from egad.perception.splits import SPLITS
 from egad.random import generator
@@ -32,7 +32,7 @@ WINDOW = 2048  # images that are mixed with each other; about so many are kept i
 FARTHEST = 1e5  # pixels; numbers of grasps beyond this are no pixels of an image
 
 
-class Rule(NamedTuple):
+class PositiveFilter(NamedTuple):
     """Which grasps are shown to a network, and as what.
 
     Attributes:
@@ -44,7 +44,7 @@ class Rule(NamedTuple):
     breadth: float
 
 
-class LearningSet:
+class Dataset:
     """All images of a folder.
 
     Attributes:
@@ -54,7 +54,7 @@ class LearningSet:
             rule.
     """
 
-    def __init__(self, folder: Path, rule: Rule) -> None:
+    def __init__(self, folder: Path, rule: PositiveFilter) -> None:
         """Look through the shards; no image is decoded.
 
         Args:
@@ -81,11 +81,11 @@ class LearningSet:
         self._kept: OrderedDict[tuple[int, int], pd.DataFrame] = OrderedDict()
         self._lock = Lock()
 
-    def __reduce__(self) -> tuple[type["LearningSet"], tuple[Path, Rule]]:
+    def __reduce__(self) -> tuple[type["Dataset"], tuple[Path, PositiveFilter]]:
         """A copy for another process looks through the shards anew."""
-        return LearningSet, (self.folder, self.rule)
+        return Dataset, (self.folder, self.rule)
 
-    def numbers(self, split: str) -> NDArray[np.int64]:
+    def indices(self, split: str) -> NDArray[np.int64]:
         """Rows of the index that belong to a split.
 
         Raises:
@@ -151,7 +151,7 @@ class LearningSet:
         )
 
 
-def positive(quality: Any, free: Any, rule: Rule) -> NDArray[np.bool_]:  # noqa: ANN401
+def positive(quality: Any, free: Any, rule: PositiveFilter) -> NDArray[np.bool_]:  # noqa: ANN401
     """Which grasps of an image are free of collision and good enough, (n,)."""
     good: NDArray[np.bool_] = np.asarray(free, bool) & (np.asarray(quality, float) > rule.quality)
     return good
@@ -167,7 +167,7 @@ def _whole(shown: Mapping[str, Any]) -> NDArray[np.float32]:
     return depth
 
 
-def positives(shown: Mapping[str, Any], rule: Rule) -> Rectangles:
+def positives(shown: Mapping[str, Any], rule: PositiveFilter) -> Rectangles:
     """The positive grasps of a row of a shard, (n, 5), from the worst to the best.
 
     Raises:
@@ -201,7 +201,7 @@ class Stream:
 
     def __init__(
         self,
-        shards: LearningSet,
+        shards: Dataset,
         length: int,
         zoom: tuple[float, float] = (0.5, 1.0),
         seed: int = 0,
@@ -218,7 +218,7 @@ class Stream:
             UserError: There are no such images.
         """
         self._shards, self._length, self._zoom, self._seed = shards, length, zoom, seed
-        self._index = shards.index.loc[shards.numbers("train")]
+        self._index = shards.index.loc[shards.indices("train")]
         self._passes: dict[int, NDArray[np.int64]] = {}
 
     def __len__(self) -> int:
@@ -230,7 +230,9 @@ class Stream:
             raise IndexError(number)
         times, place = divmod(number, len(self._index))
         depth, rectangles = self._shards.image(self._order(times)[place])
-        return example(depth, rectangles, drawn(self._zoom, generator(self._seed, "view", number)))
+        return example(
+            depth, rectangles, sample_change(self._zoom, generator(self._seed, "view", number))
+        )
 
     def _order(self, times: int) -> NDArray[np.int64]:
         """The order of a pass; that of the last one is kept."""
@@ -245,8 +247,8 @@ def example(
     depth: NDArray[np.float32], rectangles: Rectangles, change: Change = UNCHANGED
 ) -> Example:
     """What a network gets and should answer, (1, 300, 300) and (4, 300, 300), after a change."""
-    seen = changed_depth(filled(depth), change)
-    return prepared(seen)[None], targets(changed_rectangles(rectangles, change, SIZE))
+    seen = change_depth(fill_missing(depth), change)
+    return prepare_input(seen)[None], targets(change_rectangles(rectangles, change, SIZE))
 
 
 def order(index: pd.DataFrame, seed: int, times: int) -> NDArray[np.int64]:

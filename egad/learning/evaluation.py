@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad.learning.dataset import LearningSet, example
-from egad.learning.targets import best, read
+from egad.learning.dataset import Dataset, example
+from egad.learning.targets import best, read_maps
 from egad.perception.rectangles import Rectangles, agrees, half_turn
 from egad.stats.rates import mean_rate
 from egad.tables.training import SCORE
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MAPS = ("quality", "cosine", "sine", "width")
 
 
-def across(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
+def narrow_side_grasp(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
     """The middle of an object, across its narrower side, as wide as the object is there.
 
     Args:
@@ -42,13 +42,13 @@ def across(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
     return np.array([u, -up, angle, np.ptp(axis @ points) + 1], dtype=np.float64)
 
 
-def right(shards: LearningSet, numbers: Iterable[int]) -> int:
+def count_correct(shards: Dataset, numbers: Iterable[int]) -> int:
     """In how many images, by their rows of the index, that grasp agrees with a positive one."""
     pairs = ((shards.mask(number), shards.image(number)[1]) for number in numbers)
-    return sum(mask.sum() > 1 and agrees(across(mask), truth) for mask, truth in pairs)
+    return sum(mask.sum() > 1 and agrees(narrow_side_grasp(mask), truth) for mask, truth in pairs)
 
 
-class Judged(NamedTuple):
+class ImageScore(NamedTuple):
     """A network's answer to one image.
 
     Attributes:
@@ -60,7 +60,7 @@ class Judged(NamedTuple):
     hit: bool | None
 
 
-def judged(network: "nn.Module", depth: NDArray[np.float32], truth: Rectangles) -> Judged:
+def score_image(network: "nn.Module", depth: NDArray[np.float32], truth: Rectangles) -> ImageScore:
     """Compare a network's answer to an image with the positive grasps (n, 5) in it.
 
     The grasp that counts is the one at the highest peak of the smoothed quality
@@ -73,10 +73,10 @@ def judged(network: "nn.Module", depth: NDArray[np.float32], truth: Rectangles) 
         maps = network(seen)
         losses = map_losses(maps, wanted).double().numpy()
     if len(truth) == 0:
-        return Judged(losses, None)
+        return ImageScore(losses, None)
     if not np.isfinite(losses).all():
-        return Judged(losses, hit=False)
-    return Judged(losses, agrees(best(read(maps[0].numpy())), truth))
+        return ImageScore(losses, hit=False)
+    return ImageScore(losses, agrees(best(read_maps(maps[0].numpy())), truth))
 
 
 def map_losses(maps: "torch.Tensor", wanted: "torch.Tensor") -> "torch.Tensor":
@@ -84,7 +84,7 @@ def map_losses(maps: "torch.Tensor", wanted: "torch.Tensor") -> "torch.Tensor":
     return (maps - wanted).square().mean(dim=(0, 2, 3))
 
 
-def score(judgements: Sequence[Judged]) -> float:
+def score(judgements: Sequence[ImageScore]) -> float:
     """Part of the images with positive grasps in which the best one was right; NaN if none."""
     hits = [each.hit for each in judgements if each.hit is not None]
     return float(np.mean(hits)) if hits else math.nan
@@ -95,15 +95,15 @@ class Score:
     """What a network reached on images of held-out objects.
 
     Attributes:
-        right: Images in which its best grasp agrees with a positive one.
-        count: Images with a positive grasp.
+        n_correct: Images in which its best grasp agrees with a positive one.
+        n_images: Images with a positive grasp.
         objects: Objects in these.
         interval: Of the part that is right, for other objects of the same kind, 95 %.
         loss: Mean over all images.
     """
 
-    right: int
-    count: int
+    n_correct: int
+    n_images: int
     objects: int
     interval: tuple[float, float]
     loss: float
@@ -111,10 +111,10 @@ class Score:
     @property
     def rate(self) -> float:
         """The part that is right; NaN if no image counts."""
-        return self.right / self.count if self.count else math.nan
+        return self.n_correct / self.n_images if self.n_images else math.nan
 
 
-def scored(index: pd.DataFrame, judgements: Sequence[Judged]) -> Score:
+def total_score(index: pd.DataFrame, judgements: Sequence[ImageScore]) -> Score:
     """Put the judgements of some images together.
 
     Args:
@@ -129,8 +129,8 @@ def scored(index: pd.DataFrame, judgements: Sequence[Judged]) -> Score:
     return Score(mean.successes, mean.attempts, table["label"].nunique(), mean.interval, loss)
 
 
-def reached(score: Score) -> pd.DataFrame:
+def score_table(score: Score) -> pd.DataFrame:
     """The score as a table of one row, columns of `tables.training.SCORE`."""
     low, high = score.interval
-    numbers = (score.right, score.count, score.objects, low, high, score.loss)
+    numbers = (score.n_correct, score.n_images, score.objects, low, high, score.loss)
     return pd.DataFrame([numbers], columns=SCORE.names)

@@ -54,7 +54,7 @@ without any are learnt from, too: as places where nothing can be held.
 
 
 @dataclass(frozen=True)
-class Trained:
+class TrainedNetwork:
     """What there is to tell of a network.
 
     Attributes:
@@ -78,21 +78,21 @@ class Trained:
     settings: Mapping[str, Any]
 
 
-def taken(history: pd.DataFrame) -> pd.Series:
+def best_epoch(history: pd.DataFrame) -> pd.Series:
     """The row of a history (`tables.training.HISTORY`) of the epoch whose weights were taken."""
     return history[history["taken"]].iloc[0]
 
 
-def card(trained: Trained) -> str:
+def card(trained: TrainedNetwork) -> str:
     """The model card as Markdown; it holds no time, so the same training gives the same card."""
     history, score = trained.history, trained.score
-    epoch = taken(history)
+    epoch = best_epoch(history)
     return PAGE.format(
         title=trained.title,
         parameters=trained.parameters,
         source=trained.source,
-        right=score.right,
-        count=score.count,
+        right=score.n_correct,
+        count=score.n_images,
         objects=score.objects,
         rate=score.rate,
         plain=trained.plain,

@@ -79,7 +79,7 @@ MAKERS = {"ggcnn": gg_cnn, "ggcnn2": gg_cnn2}
 TITLES = {"ggcnn": "GG-CNN", "ggcnn2": "GG-CNN2"}
 
 
-def untrained(name: str, seed: int) -> Heads:
+def new_network(name: str, seed: int) -> Heads:
     """A network as it is before training: weights by Xavier's rule, biases as PyTorch has them.
 
     Args:
@@ -104,7 +104,7 @@ def inference(network: nn.Module) -> Infer:
     """A network as a function of arrays.
 
     Returns:
-        From a depth image of 300 x 300, as `egad.learning.targets.prepared` gives it, to quality,
+        From a depth image of 300 x 300, as `targets.prepare_input` gives it, to quality,
         cos 2a, sin 2a and width, (4, 300, 300). It runs on one core, so that the same image gives
         the same answer.
     """

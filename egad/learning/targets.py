@@ -37,13 +37,13 @@ class Answer(NamedTuple):
     opening: Floats
 
 
-def prepared(depth: NDArray[np.floating]) -> NDArray[np.float32]:
+def prepare_input(depth: NDArray[np.floating]) -> NDArray[np.float32]:
     """Depths less their mean, clipped to [-1, 1] metre, as the networks are trained on."""
     clipped: NDArray[np.float32] = np.clip(depth - depth.mean(), -1, 1).astype(np.float32)
     return clipped
 
 
-def read(maps: NDArray[np.floating]) -> Answer:
+def read_maps(maps: NDArray[np.floating]) -> Answer:
     """Smooth the four maps (4, height, width) of a network, and decode angle and width.
 
     A network learns a width of 0 wherever there is no grasp. So where it is half certain it answers

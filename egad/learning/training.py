@@ -21,11 +21,11 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.errors import UserError
-from egad.learning.dataset import LearningSet, Stream
-from egad.learning.evaluation import MAPS, Judged, judged, map_losses, score
+from egad.learning.dataset import Dataset, Stream
+from egad.learning.evaluation import MAPS, ImageScore, map_losses, score, score_image
 from egad.learning.parameters import Training
 
 log = logging.getLogger(__name__)
@@ -72,7 +72,7 @@ class Checkpoint:
             "rows": state.rows,
             "best": state.best,
         }
-        with replacing(self.path) as temporary:
+        with atomic_output(self.path) as temporary:
             torch.save(values, temporary)
 
     def restore(self, state: State) -> None:
@@ -96,7 +96,7 @@ class Checkpoint:
 
 def train(
     network: nn.Module,
-    shards: LearningSet,
+    shards: Dataset,
     settings: Training,
     seed: int,
     jobs: int = 1,
@@ -125,7 +125,7 @@ def train(
     stream = Stream(shards, settings.images, settings.zoom, seed)
     if checkpoint:
         checkpoint.restore(state)
-    with crew(jobs) as workers:
+    with thread_pool(jobs) as workers:
         lesson = _Lesson(state, stream, shards, settings, workers, checkpoint)
         steps = sum(len(_cut(numbers, settings.batch)) for numbers in lesson.epochs())
         words = partial(_told, state.rows)
@@ -137,27 +137,27 @@ def train(
     return [{**row, "taken": row["epoch"] == taken} for row in state.rows]
 
 
-def judge(
+def evaluate(
     network: nn.Module,
-    shards: LearningSet,
+    shards: Dataset,
     numbers: Sequence[int] | NDArray[np.int64],
     workers: Executor,
-) -> list[Judged]:
+) -> list[ImageScore]:
     """A network's answers to the images of some rows of the index, compared with their grasps."""
     network.eval()
-    return list(workers.map(lambda number: judged(network, *shards.image(number)), numbers))
+    return list(workers.map(lambda number: score_image(network, *shards.image(number)), numbers))
 
 
-def examined(
-    network: nn.Module, shards: LearningSet, most: int, jobs: int
-) -> tuple[NDArray[np.int64], list[Judged]]:
+def evaluate_split(
+    network: nn.Module, shards: Dataset, most: int, jobs: int
+) -> tuple[NDArray[np.int64], list[ImageScore]]:
     """At most so many rows of the index of the split `test`, and a network's answers to them."""
-    held = spread(shards.numbers("test"), most)
-    with crew(jobs) as workers:
-        return held, judge(network, shards, held, workers)
+    held = spread(shards.indices("test"), most)
+    with thread_pool(jobs) as workers:
+        return held, evaluate(network, shards, held, workers)
 
 
-def crew(jobs: int) -> ThreadPoolExecutor:
+def thread_pool(jobs: int) -> ThreadPoolExecutor:
     """Threads that compute on one core each."""
     torch.set_num_threads(1)
     return ThreadPoolExecutor(jobs, initializer=torch.set_num_threads, initargs=(1,))
@@ -175,7 +175,7 @@ class _Lesson:
 
     state: State
     stream: Stream
-    shards: LearningSet
+    shards: Dataset
     settings: Training
     workers: Executor
     checkpoint: Checkpoint | None
@@ -186,7 +186,7 @@ class _Lesson:
 
     def steps(self) -> Iterator[None]:
         """Learn; there is a pause after each step of the optimiser."""
-        held = spread(self.shards.numbers("validation"), self.settings.validation)
+        held = spread(self.shards.indices("validation"), self.settings.validation)
         for numbers in self.epochs():
             if _finished(self.state.rows, self.settings.patience):
                 return
@@ -195,7 +195,7 @@ class _Lesson:
             for batch in _cut(numbers, self.settings.batch):
                 losses += self._step(batch)
                 yield
-            judgements = judge(self.state.network, self.shards, held, self.workers)
+            judgements = evaluate(self.state.network, self.shards, held, self.workers)
             _note(self.state, numbers.stop, losses / len(numbers), judgements)
             if self.checkpoint:
                 self.checkpoint.save(self.state)
@@ -234,7 +234,7 @@ def _lowest(rows: list[Row]) -> int:
     return int(np.argmin([row["validation_loss"] for row in rows]))
 
 
-def _note(state: State, images: int, losses: Losses, judgements: list[Judged]) -> None:
+def _note(state: State, images: int, losses: Losses, judgements: list[ImageScore]) -> None:
     """Add an epoch to the history, and keep the weights if they are the best."""
     validation = float(np.mean([each.losses.sum() for each in judgements]))
     if not math.isfinite(validation + losses.sum()):

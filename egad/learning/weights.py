@@ -9,7 +9,7 @@ import safetensors.torch
 import torch
 from torch import nn
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.learning.networks import MAKERS, TITLES, Heads
 
 SAFE = ".safetensors"
@@ -24,7 +24,7 @@ def write(network: nn.Module, path: Path, about: Mapping[str, Any]) -> None:
     """Write the weights of a network as safetensors, atomically, with notes about it as JSON."""
     state = {name: value.contiguous() for name, value in network.state_dict().items()}
     text = json.dumps(about, sort_keys=True)  # one entry: several would come in any order
-    with replacing(path) as temporary:
+    with atomic_output(path) as temporary:
         temporary.write_bytes(safetensors.torch.save(state, {"egad": text}))
 
 

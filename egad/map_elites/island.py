@@ -25,7 +25,7 @@ from egad.map_elites.archive import Archive, Elite
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import Offspring, breed
 from egad.measures.grid import coverage_of, filled_part
-from egad.measures.measure import coordinates
+from egad.measures.measure import measure_mesh
 from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.tables.evolution import HISTORY
@@ -100,19 +100,19 @@ def measure(solid: Solid, settings: EvolutionParameters) -> Measured | str:
     mesh = packed_surface(solid.packed, settings.shape)
     rng = generator(settings.seed, "difficulty", solid.id)
     try:
-        place = coordinates(mesh, settings, settings.difficulty.grasps, rng)
+        place = measure_mesh(mesh, settings, settings.difficulty.grasps, rng)
         graph = reeb.extract(mesh, settings.similarity)
         return Measured(place.complexity, place.difficulty, graph)
     except RejectedError as error:
         return str(error)
 
 
-def regrade(solid: Solid, settings: EvolutionParameters) -> float | str:
+def reevaluate(solid: Solid, settings: EvolutionParameters) -> float | str:
     """The difficulty of a solid by other grasps, or the reason why it has none."""
     mesh = packed_surface(solid.packed, settings.shape)
     rng = generator(settings.seed, "newcomer", solid.id)
     try:
-        return coordinates(mesh, settings, settings.evolution.regrade, rng).difficulty
+        return measure_mesh(mesh, settings, settings.evolution.regrade, rng).difficulty
     except RejectedError as error:
         return str(error)
 
@@ -286,7 +286,7 @@ def _regraded(
         for index, result in enumerate(results)
         if isinstance(result, Measured) and archive.is_full(result.complexity, result.difficulty)
     ]
-    grades = mapper(partial(regrade, settings=settings), [solids[index] for index in places])
+    grades = mapper(partial(reevaluate, settings=settings), [solids[index] for index in places])
     for index, grade in zip(places, grades, strict=True):
         first = results[index]
         if isinstance(first, Measured) and isinstance(grade, float):

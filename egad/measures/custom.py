@@ -15,7 +15,7 @@ Measure = Callable[..., Any]  # of a trimesh.Trimesh, and of parameters by name
 WHERE = "axes"
 
 
-def own_value(measure: str, mesh: trimesh.Trimesh, axes: Axes | None = None) -> float:
+def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: Axes | None = None) -> float:
     """The value of a user's measure.
 
     Args:
@@ -27,7 +27,7 @@ def own_value(measure: str, mesh: trimesh.Trimesh, axes: Axes | None = None) -> 
         RejectedError: The function fails, or gives no finite number.
         UserError: There is no such function.
     """
-    function, name = _function(measure), own_name(measure)
+    function, name = _function(measure), plugin_name(measure)
     try:
         given = function(mesh.copy(), **_parameters(function, axes or Axes()))
         value = float(given)
@@ -40,7 +40,7 @@ def own_value(measure: str, mesh: trimesh.Trimesh, axes: Axes | None = None) -> 
     return value
 
 
-def own_name(measure: str) -> str:
+def plugin_name(measure: str) -> str:
     """What a measure is called: its function, in words."""
     return measure.rpartition(":")[2].replace("_", " ").strip()
 

@@ -15,7 +15,7 @@ from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
-from egad.grasps.sampler import Grasps, sample
+from egad.grasps.sampler import ContactPairs, sample_contacts
 from egad.measures.parameters import MeasureParameters
 
 Floats = NDArray[np.float64]
@@ -68,7 +68,7 @@ def difficulty(
     scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
     centre = _apply(place, center_of_mass(mesh) if com is None else com)
     caster = RayCaster(scaled)
-    found, tally = sample(caster, opening, grasps, settings.sampling, rng)
+    found, tally = sample_contacts(caster, opening, grasps, settings.sampling, rng)
     if len(found) == 0:
         raise RejectedError(f"no grasp ({tally})")
     qualities = _qualities(caster, found, centre, settings, rng)
@@ -80,7 +80,7 @@ def difficulty(
 
 def _qualities(
     caster: RayCaster,
-    grasps: Grasps,
+    grasps: ContactPairs,
     com: Floats,
     settings: MeasureParameters,
     rng: np.random.Generator,

@@ -8,13 +8,13 @@ import numpy as np
 import trimesh
 
 from egad.measures.complexity import complexity
-from egad.measures.custom import own_value
+from egad.measures.custom import plugin_value
 from egad.measures.difficulty import GraspDifficulty, difficulty
 from egad.measures.parameters import MeasureParameters
 from egad.random import generator
 
 
-class Coordinates(NamedTuple):
+class MeasureValues(NamedTuple):
     """The measures that span the space.
 
     Attributes:
@@ -30,9 +30,9 @@ class Coordinates(NamedTuple):
     grasps: int
 
 
-def coordinates(
+def measure_mesh(
     mesh: trimesh.Trimesh, settings: MeasureParameters, grasps: int, rng: np.random.Generator
-) -> Coordinates:
+) -> MeasureValues:
     """Measure a closed mesh.
 
     Args:
@@ -47,19 +47,21 @@ def coordinates(
     """
     axes = settings.axes
     along = (
-        GraspDifficulty(own_value(axes.difficulty, mesh, axes), math.nan, 0)
+        GraspDifficulty(plugin_value(axes.difficulty, mesh, axes), math.nan, 0)
         if axes.difficulty
         else difficulty(mesh, settings, grasps, rng)
     )
     across = (
-        own_value(axes.complexity, mesh, axes)
+        plugin_value(axes.complexity, mesh, axes)
         if axes.complexity
         else complexity(mesh, settings.complexity.bins)
     )
-    return Coordinates(across, *along)
+    return MeasureValues(across, *along)
 
 
-def graded(mesh: trimesh.Trimesh, settings: MeasureParameters, grasps: int) -> Coordinates:
+def measure_repeatably(
+    mesh: trimesh.Trimesh, settings: MeasureParameters, grasps: int
+) -> MeasureValues:
     """Measure a closed mesh by grasps that are named after its triangles.
 
     So a mesh has the same coordinates in every dataset, under every name and in every unit.
@@ -73,4 +75,4 @@ def graded(mesh: trimesh.Trimesh, settings: MeasureParameters, grasps: int) -> C
         RejectedError: The mesh cannot be measured, or has no grasp.
     """
     triangles = hashlib.sha256(np.asarray(mesh.faces, "<i8").tobytes()).hexdigest()
-    return coordinates(mesh, settings, grasps, generator(settings.seed, "regrade", triangles))
+    return measure_mesh(mesh, settings, grasps, generator(settings.seed, "regrade", triangles))

@@ -14,7 +14,7 @@ from egad._util.parameters import (
     PositiveFraction,
     Range,
     SideFraction,
-    ascending,
+    check_ascending,
 )
 from egad.grasps.gripper import Gripper
 from egad.grasps.parameters import Quality, Robust, Sampling
@@ -36,7 +36,7 @@ class Space(Parameters):
 
     @model_validator(mode="after")
     def _ranges_ascend(self) -> Self:
-        ascending(self, "complexity_range", "difficulty_range")
+        check_ascending(self, "complexity_range", "difficulty_range")
         return self
 
 

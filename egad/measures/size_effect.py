@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from egad.geometry.rays import RayCaster
 from egad.geometry.scaling import box_sides
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.sampler import sample
+from egad.grasps.sampler import sample_contacts
 from egad.measures.difficulty import center_of_mass, percentile
 from egad.measures.parameters import SizeEffectParameters
 from egad.random import generator
@@ -62,7 +62,9 @@ def _rated(
 ) -> Iterator[dict[str, Any]]:
     """What was found at one size, a row a percentile."""
     wanted = settings.size_effect
-    grasps, tally = sample(caster, settings.gripper.opening, wanted.grasps, settings.sampling, rng)
+    grasps, tally = sample_contacts(
+        caster, settings.gripper.opening, wanted.grasps, settings.sampling, rng
+    )
     qualities = ferrari_canny(
         grasps.points,
         grasps.normals,
@@ -80,7 +82,7 @@ def _rated(
         }
 
 
-def summarised(table: pd.DataFrame) -> pd.DataFrame:
+def summarize(table: pd.DataFrame) -> pd.DataFrame:
     """Means and spread over the repetitions.
 
     Args:

@@ -103,7 +103,7 @@ class View:
         return heights
 
 
-def above(height: float) -> Floats:
+def camera_above(height: float) -> Floats:
     """The pose of a camera that looks straight down at the origin, x to the right, (4, 4)."""
     pose = np.eye(4)
     pose[:3, :3] = LOOKING_DOWN
@@ -111,7 +111,7 @@ def above(height: float) -> Floats:
     return pose
 
 
-class Eye:
+class DepthCamera:
     """Takes depth images of one object on the table at height 0."""
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
@@ -123,7 +123,7 @@ class Eye:
         self._vertices = np.asarray(mesh.vertices, dtype=np.float64)
         self._scene = TriangleScene(self._vertices, mesh.faces)
 
-    def look(self, matrix: Floats, intrinsics: Intrinsics, pose: Floats) -> View:
+    def render(self, matrix: Floats, intrinsics: Intrinsics, pose: Floats) -> View:
         """Take a depth image.
 
         Args:

@@ -17,7 +17,7 @@ PROBE = 0.004  # distance of the points at which the space for the hand is probe
 NOTHING: Window = (slice(0, 0), slice(0, 0))
 
 
-class Relief(NamedTuple):
+class Heightmap(NamedTuple):
     """Heights over the table, seen from straight above.
 
     Attributes:
@@ -71,7 +71,7 @@ def window_of(uneven: NDArray[np.bool_], margin: int) -> Window:
     return sides[0], sides[1]
 
 
-def relief_of(view: View, window: Window | None = None) -> Relief | None:
+def heightmap_of(view: View, window: Window | None = None) -> Heightmap | None:
     """What stands on the table, as heights on a grid; none if nothing does.
 
     Args:
@@ -88,11 +88,11 @@ def relief_of(view: View, window: Window | None = None) -> Relief | None:
     heights = np.zeros(index.max(axis=0) + 3)
     np.maximum.at(heights, (index[:, 0], index[:, 1]), standing[:, 2])
     # Between the pixels of a steep side are holes, and the probes step over narrow ridges.
-    return Relief(np.asarray(ndimage.maximum_filter(heights, 3)), origin, cell)
+    return Heightmap(np.asarray(ndimage.maximum_filter(heights, 3)), origin, cell)
 
 
-def lowest_tip(
-    middle: Floats, axis: Floats, width: Floats, relief: Relief, gripper: Gripper
+def min_fingertip_height(
+    middle: Floats, axis: Floats, width: Floats, relief: Heightmap, gripper: Gripper
 ) -> Floats:
     """How low the fingertips can go before a finger or the palm meets what is seen.
 

@@ -13,7 +13,7 @@ from typing import overload
 
 import pandas as pd
 
-from egad.errors import UserError, known
+from egad.errors import UserError, check_name
 from egad.perception.image_rows import decoded
 from egad.perception.rendering import Picture
 from egad.perception.splits import SPLITS
@@ -90,7 +90,7 @@ def read(folder: str | Path, split: str | None = None) -> Images:
 def shards(folder: str | Path, split: str | None = None) -> Iterator[pd.DataFrame]:
     """The rows of one shard after the other: arguments and errors are those of `read`."""
     if split is not None:
-        known("split", split, SPLITS)
+        check_name("split", split, SPLITS)
     for path in files(Path(folder)):
         table = parquet.read(path, IMAGES)
         yield table if split is None else table[table["split"] == split]

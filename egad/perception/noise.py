@@ -15,7 +15,7 @@ LEAST_DISPARITY = 1.0  # pixels; far beyond everything there is
 SPOT = 1.5  # pixels; how far lost pixels keep together
 
 
-def filled(depth: Depth) -> Depth:
+def fill_missing(depth: Depth) -> Depth:
     """A depth image whose missing pixels have the depth of the nearest one that has any.
 
     Args:
@@ -29,7 +29,7 @@ def filled(depth: Depth) -> Depth:
     return whole
 
 
-def spoilt(view: View, noise: ImageNoise, rng: np.random.Generator) -> View:
+def add_sensor_noise(view: View, noise: ImageNoise, rng: np.random.Generator) -> View:
     """A view as a real camera would have it: shadows, then disparity noise, then lost pixels.
 
     Args:
@@ -38,15 +38,15 @@ def spoilt(view: View, noise: ImageNoise, rng: np.random.Generator) -> View:
         rng: Source of chance.
     """
     clear = noise.disparity == 0
-    found = view.depth.copy() if clear else noisy(view, noise.disparity, rng).depth
+    found = view.depth.copy() if clear else add_disparity_noise(view, noise.disparity, rng).depth
     if noise.shadows:
-        found[shadowed(view)] = np.nan
+        found[stereo_shadow(view)] = np.nan
     if noise.missing > 0:
         found[_spots(found.shape, noise.missing, rng)] = np.nan
     return View(found, view.intrinsics, view.pose)
 
 
-def noisy(view: View, sigma: float, rng: np.random.Generator) -> View:
+def add_disparity_noise(view: View, sigma: float, rng: np.random.Generator) -> View:
     """The view of a stereo camera that matches its two images with some error (ours).
 
     The disparity, baseline * focal length / depth, gets normal noise, so that the depth errs in
@@ -64,7 +64,7 @@ def noisy(view: View, sigma: float, rng: np.random.Generator) -> View:
     return View(depth, view.intrinsics, view.pose)
 
 
-def shadowed(view: View) -> Flags:
+def stereo_shadow(view: View) -> Flags:
     """The pixels that a stereo camera has no depth for: its second imager does not see there.
 
     That imager is `BASELINE` to the right, and sees a pixel of column u in column u - disparity.

@@ -14,7 +14,7 @@ from egad._util.parameters import (
     Pixels,
     PositiveFraction,
     Range,
-    ascending,
+    check_ascending,
 )
 from egad.grasps.gripper import Gripper
 from egad.grasps.parameters import GraspLabel
@@ -95,7 +95,7 @@ class Render(Parameters):
     def _something_is_left(self) -> Self:
         if self.validation + self.test >= 1:
             raise ValueError("validation and test together must be less than 1")
-        ascending(self, "complexity")
+        check_ascending(self, "complexity")
         return self
 
 

@@ -22,7 +22,7 @@ Ints = NDArray[np.int64]
 STRAIGHT = np.zeros(1)
 
 
-class Grasped(NamedTuple):
+class GraspCandidates(NamedTuple):
     """Grasps of an object, in the frame of its mesh, metres.
 
     Attributes:
@@ -33,15 +33,15 @@ class Grasped(NamedTuple):
         qualities: (n,).
     """
 
-    numbers: Ints
+    indices: Ints
     centers: Floats
     axes: Floats
     widths: Floats
     qualities: Floats
 
-    def chosen(self, which: Flags) -> "Grasped":
+    def chosen(self, which: Flags) -> "GraspCandidates":
         """Some of them."""
-        return Grasped(*(values[which] for values in self))  # type: ignore[arg-type]
+        return GraspCandidates(*(values[which] for values in self))  # type: ignore[arg-type]
 
 
 class Hand(NamedTuple):
@@ -59,8 +59,8 @@ class Hand(NamedTuple):
 
 
 def reachable(
-    caster: RayCaster, grasps: Grasped, resting: Floats, hand: Hand, tilt: float
-) -> tuple[Grasped, Flags]:
+    caster: RayCaster, grasps: GraspCandidates, resting: Floats, hand: Hand, tilt: float
+) -> tuple[GraspCandidates, Flags]:
     """The grasps that can be approached from above, and which of them are free.
 
     The hand opens 8 mm wider than the contacts on either side, or as wide as it can. Its pads are

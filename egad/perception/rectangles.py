@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from egad.grasps.collision import roomy
 from egad.grasps.gripper import Gripper
-from egad.perception.reachability import Grasped
+from egad.perception.reachability import GraspCandidates
 from egad.perception.scenes import Scene
 
 Floats = NDArray[np.float64]
@@ -60,7 +60,9 @@ class ImageGrasps(NamedTuple):
         return np.stack([middle - along, middle + along], axis=1)
 
 
-def projected(scene: Scene, grasps: Grasped, free: Flags, gripper: Gripper) -> ImageGrasps:
+def project_grasps(
+    scene: Scene, grasps: GraspCandidates, free: Flags, gripper: Gripper
+) -> ImageGrasps:
     """Grasps in the image of a scene; those whose centres are beside it are left out.
 
     Args:
@@ -75,7 +77,7 @@ def projected(scene: Scene, grasps: Grasped, free: Flags, gripper: Gripper) -> I
     u, v = camera.pixels(centers).T
     right, down = (camera.pixels(centers + aside) - camera.pixels(centers - aside)).T
     found = ImageGrasps(
-        grasp=grasps.numbers,
+        grasp=grasps.indices,
         u=u,
         v=v,
         angle=half_turn(np.arctan2(-down, right)),

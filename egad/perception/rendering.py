@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from egad.geometry.mass import mass_properties
 from egad.geometry.rays import RayCaster
 from egad.geometry.stable_poses import stable_poses
-from egad.perception.camera import Eye, View, object_mask
-from egad.perception.noise import spoilt
+from egad.perception.camera import DepthCamera, View, object_mask
+from egad.perception.noise import add_sensor_noise
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import Grasped, Hand, reachable
-from egad.perception.rectangles import ImageGrasps, projected
-from egad.perception.scenes import drawn_poses, drawn_scene
+from egad.perception.reachability import GraspCandidates, Hand, reachable
+from egad.perception.rectangles import ImageGrasps, project_grasps
+from egad.perception.scenes import sample_object_poses, sample_scene
 from egad.perception.splits import Share
 from egad.random import generator
 
@@ -56,7 +56,11 @@ class Picture:
 
 
 def pictures(
-    mesh: trimesh.Trimesh, grasps: Grasped, share: Share, hand: Hand, settings: RenderParameters
+    mesh: trimesh.Trimesh,
+    grasps: GraspCandidates,
+    share: Share,
+    hand: Hand,
+    settings: RenderParameters,
 ) -> Iterator[Picture]:
     """All images of an object, in the order of their numbers: by pose, then by view.
 
@@ -76,8 +80,8 @@ def pictures(
     with np.errstate(invalid="ignore", divide="ignore"):  # flat ones rest in no pose
         com = mass_properties(mesh, 1.0).com
     poses = stable_poses(mesh, com)
-    eye, caster = Eye(mesh), RayCaster(mesh)
-    numbers = drawn_poses(poses, share.images, generator(seed, "render poses", name))
+    eye, caster = DepthCamera(mesh), RayCaster(mesh)
+    numbers = sample_object_poses(poses, share.images, generator(seed, "render poses", name))
     image = share.first
     for pose, count in zip(*np.unique(numbers, return_counts=True), strict=True):
         resting = poses[pose].transform(com)
@@ -85,17 +89,17 @@ def pictures(
         found, free = reachable(caster, grasps, resting, hand, tilt)
         for view in range(count):
             rng = generator(seed, "render", name, int(pose), view)
-            scene = drawn_scene(resting, com, settings.camera, rng)
-            ideal = eye.look(*scene)
+            scene = sample_scene(resting, com, settings.camera, rng)
+            ideal = eye.render(*scene)
             yield Picture(
                 image=image,
                 id=name,
                 label=share.label,
                 split=share.split,
                 pose=int(pose),
-                view=spoilt(ideal, settings.image_noise, rng),
+                view=add_sensor_noise(ideal, settings.image_noise, rng),
                 mask=object_mask(ideal),
                 matrix=scene.matrix,
-                grasps=projected(scene, found, free, settings.gripper),
+                grasps=project_grasps(scene, found, free, settings.gripper),
             )
             image += 1

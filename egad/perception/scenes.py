@@ -29,7 +29,7 @@ class Scene(NamedTuple):
     camera: Floats
 
 
-def drawn_poses(poses: Sequence[StablePose], count: int, rng: np.random.Generator) -> Ints:
+def sample_object_poses(poses: Sequence[StablePose], count: int, rng: np.random.Generator) -> Ints:
     """Numbers of the poses of so many images, ascending, drawn by their probabilities.
 
     The draws are evenly spaced in probability: a pose comes up as often as it should, rounded up
@@ -45,7 +45,7 @@ def drawn_poses(poses: Sequence[StablePose], count: int, rng: np.random.Generato
     return np.asarray(np.minimum(np.searchsorted(ends, places, side="right"), len(poses) - 1))
 
 
-def drawn_scene(
+def sample_scene(
     resting: Floats, center: Floats, settings: Camera, rng: np.random.Generator
 ) -> Scene:
     """An object turned and shifted on the table, and a camera that looks at the table's middle.
@@ -74,7 +74,7 @@ def drawn_scene(
 
 
 def _camera(settings: Camera, rng: np.random.Generator) -> Floats:
-    """A camera on a sphere around the origin; upright, x is to the right, as `camera.above`."""
+    """A camera on a sphere around the origin; upright, x is to the right, see `camera_above`."""
     distance = rng.uniform(*settings.distance)
     tilt, roll = np.radians([rng.uniform(*settings.tilt), rng.uniform(*settings.roll)])
     towards = rng.uniform(0, 2 * np.pi)

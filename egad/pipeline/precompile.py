@@ -13,7 +13,7 @@ import trimesh
 from egad._util.kernel_cache import compiled_marker
 from egad.cppn.surface import surface
 from egad.geometry.repair import repair
-from egad.grasps.labels import label
+from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.measures.complexity import complexity
 from egad.pipeline.config import Settings, Shape
@@ -28,7 +28,9 @@ from egad.reeb.similarity import similarities
 def compile_grasps() -> None:
     """Sampling, quality and collisions of grasps; triangles that cross."""
     mesh = repair(_example()).mesh
-    label(mesh, mesh.center_mass, select(Settings(), LabelParameters), generator(0, "precompile"))
+    label_grasps(
+        mesh, mesh.center_mass, select(Settings(), LabelParameters), generator(0, "precompile")
+    )
 
 
 def compile_measures() -> None:

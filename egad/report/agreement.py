@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from egad.evalset.selection import place
+from egad.evalset.selection import cell_of_label
 from egad.report.drawing import DASHED, LINES, SOFT, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 from egad.report.trial_charts import draw_rates, outcome_counts
@@ -95,7 +95,7 @@ def agreement(table: pd.DataFrame, rows: int) -> Agreement:
         rows: Letters of the evaluation set.
     """
     tried = table[~table["outcome"].isin(NOT_TRIED)]
-    row = np.array([place(label)[0] for label in tried["label"]], dtype=np.int64)
+    row = np.array([cell_of_label(label)[0] for label in tried["label"]], dtype=np.int64)
     groups = [*(tried[row == each] for each in range(rows)), tried]
     objects = table.drop_duplicates("label")
     return Agreement(

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from egad.measures.custom import own_name
+from egad.measures.custom import plugin_name
 from egad.measures.parameters import Axes
 
 ARROW = "\N{RIGHTWARDS ARROW}"
@@ -62,7 +62,7 @@ USUAL = AxisPair(COMPLEXITY, DIFFICULTY)
 
 def axis_pair(axes: Axes) -> AxisPair:
     """The axes that a configuration asks for; high values of difficulty come first."""
-    across, upwards = own_name(axes.complexity), own_name(axes.difficulty)
+    across, upwards = plugin_name(axes.complexity), plugin_name(axes.difficulty)
     return AxisPair(
         Axis(across, across, "low", "high", across) if across else COMPLEXITY,
         Axis(upwards, upwards, "high", "low", upwards) if upwards else DIFFICULTY,

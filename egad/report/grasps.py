@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from egad.measures.size_effect import summarised
+from egad.measures.size_effect import summarize
 from egad.report.drawing import (
     FAINT,
     INK,
@@ -240,7 +240,7 @@ def size_chart(table: pd.DataFrame) -> str:
     Returns:
         SVG text.
     """
-    numbers = summarised(table)
+    numbers = summarize(table)
     names = list(dict.fromkeys(numbers["name"]))
     columns = min(COLUMNS, len(names))
     rows = math.ceil(len(names) / columns)

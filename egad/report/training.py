@@ -6,10 +6,10 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
-from egad.learning.model_card import taken
+from egad.learning.model_card import best_epoch
 from egad.report.drawing import DASHED, INK, LINES, SOFT, line_colour, new_figure, show_percent
 from egad.stats.rates import Mean
-from egad.stats.training_study import Tried
+from egad.stats.training_study import TestAttempts
 
 STYLES = ("-", "--", ":", "-.")
 
@@ -23,7 +23,7 @@ def training_chart(history: pd.DataFrame) -> str:
     Returns:
         SVG text. A line marks the epoch whose weights were kept.
     """
-    images, kept = history["images"], taken(history)["images"]
+    images, kept = history["images"], best_epoch(history)["images"]
     dots: dict[str, Any] = {"marker": "o", "ms": 3}
     with new_figure(7.6, 3.0) as drawing:
         left, right = drawing.figure.subplots(1, 2)
@@ -88,7 +88,7 @@ def set_colours(names: Sequence[str]) -> dict[str, str]:
     return {name: line_colour(number) for number, name in enumerate(names)}
 
 
-def success_chart(tests: Mapping[str, Tried]) -> str:
+def success_chart(tests: Mapping[str, TestAttempts]) -> str:
     """Success of each training set, a panel a test.
 
     Args:
@@ -112,7 +112,7 @@ def success_chart(tests: Mapping[str, Tried]) -> str:
     return drawing.svg
 
 
-def _draw_success(axes: Axes, tried: Tried) -> None:
+def _draw_success(axes: Axes, tried: TestAttempts) -> None:
     """A row for each set, and then for each other detector."""
     colours = set_colours(list(tried.sets))
     for row, (name, found) in enumerate(tried.sets.items()):

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from egad.evalset.selection import place
+from egad.evalset.selection import cell_of_label
 from egad.report.axes import USUAL, AxisPair
 from egad.report.drawing import DASHED, LINES, SOFT, line_colour, new_figure, show_percent, svg_uri
 from egad.report.page import Section, render_template, section_of
@@ -23,7 +23,7 @@ from egad.report.trial_charts import (
     trial_heat_map,
 )
 from egad.stats.paired import Comparison, NothingInCommonError, compare
-from egad.stats.rates import Mean, Trend, TrialGrid, places, trend, trial_grid
+from egad.stats.rates import Mean, Trend, TrialGrid, object_positions, trend, trial_grid
 from egad.stats.roc import Bin, discrimination, reliability
 
 
@@ -159,7 +159,7 @@ def _view(
     name: str, table: pd.DataFrame, grid: TrialGrid, evaluation_set: EvaluationSet
 ) -> TrialView:
     known, axes = evaluation_set.objects, evaluation_set.axes
-    objects = places(table, known)
+    objects = object_positions(table, known)
     trends = {
         key: trend(objects[key].to_numpy(), objects["rate"].to_numpy())
         for key in ("difficulty", "complexity")
@@ -245,7 +245,7 @@ def _draw_trend(
     axes: Axes, objects: pd.DataFrame, key: str, means: Sequence[Mean], *, letters: bool
 ) -> None:
     labels = objects.index.astype(str)
-    cells = [place(label)[0 if letters else 1] for label in labels]
+    cells = [cell_of_label(label)[0 if letters else 1] for label in labels]
     groups = objects[key].groupby(cells)
     beside = (groups.rank() - 0.5) / groups.transform("size") - 0.5
     axes.plot(np.array(cells) + 0.7 * beside, objects["rate"], "o", color=LINES[5], ms=4, alpha=0.7)
@@ -261,5 +261,7 @@ def _draw_trend(
 def _trend_text(trend: Trend) -> str:
     if np.isnan(trend.rho):
         return "no rank correlation: all values are equal"
-    rho, low, high = (f"{round(end, 2) + 0:.2f}" for end in (trend.rho, trend.low, trend.high))
+    rho, low, high = (
+        f"{round(end, 2) + 0:.2f}" for end in (trend.rho, trend.ci_low, trend.ci_high)
+    )
     return f"rank correlation {rho} ({low} to {high})".replace("-", "\N{MINUS SIGN}")

@@ -27,7 +27,7 @@ class UnreachableError(Exception):
     """The arm cannot bring the hand there."""
 
 
-class Stance(NamedTuple):
+class HandPose(NamedTuple):
     """Where the hand is: x, y and height of the point between the fingertips, and its turn.
 
     Attributes:
@@ -43,7 +43,7 @@ class Stance(NamedTuple):
     angle: float
 
 
-class Carrier(Protocol):
+class Arm(Protocol):
     """A body in the engine that ends in the hand of `hand_urdf`.
 
     Attributes:
@@ -66,7 +66,7 @@ class Axis:
 
     unstoppable = True
 
-    def __init__(self, world: World, gripper: Gripper, stance: Stance) -> None:
+    def __init__(self, world: World, gripper: Gripper, stance: HandPose) -> None:
         """Add it to a world, with the hand where it is wanted."""
         self._client = world.client
         turn = self._client.getQuaternionFromEuler((0, 0, stance.angle))
@@ -102,7 +102,7 @@ class Panda:
 
     unstoppable = False
 
-    def __init__(self, world: World, gripper: Gripper, stance: Stance) -> None:
+    def __init__(self, world: World, gripper: Gripper, stance: HandPose) -> None:
         """Add it to a world, with the hand where it is wanted.
 
         Raises:
@@ -168,4 +168,4 @@ class Panda:
         return joints
 
 
-CARRIERS: dict[str, type[Axis] | type[Panda]] = {"axis": Axis, "panda": Panda}
+ARMS: dict[str, type[Axis] | type[Panda]] = {"axis": Axis, "panda": Panda}

@@ -12,7 +12,7 @@ from egad.outcomes import Outcome
 from egad.random import entropy
 from egad.sim.model import Model
 from egad.sim.parameters import TrialParameters
-from egad.sim.trial import Attempt, Bench, Start
+from egad.sim.trial import Attempt, InitialPose, TrialRunner
 from egad.sim.world import Pose, World
 from egad.tables.columns import POSE_PARTS, START
 from egad.tables.evaluation import TRIALS
@@ -22,7 +22,7 @@ NUMBERS = ("angle", "width", "depth", "quality")
 END = tuple(f"end_{part}" for part in POSE_PARTS)
 
 
-def tried(
+def run_attempts(
     model: Model, label: str, object_id: str, detect: Detector | Labels, settings: TrialParameters
 ) -> pd.DataFrame:
     """Try to grasp an object again and again, as in EGAD, section V.
@@ -40,12 +40,12 @@ def tried(
     seeds = _seeds(object_id, settings)
     known = {"parts": len(model.parts), "volume_error": model.volume_error}
     with World(model) as world:
-        bench = Bench(world, settings.gripper, settings.trials)
+        bench = TrialRunner(world, settings.gripper, settings.trials)
         attempts = list(_chain(bench, detect, seeds))
     return _table(label, object_id, seeds, attempts, known)
 
 
-def untried(
+def failed_attempts(
     label: str, object_id: str, settings: TrialParameters, outcome: Outcome
 ) -> pd.DataFrame:
     """The table of an object that cannot be simulated: all attempts have the same outcome."""
@@ -54,13 +54,13 @@ def untried(
     return _table(label, object_id, seeds, attempts, {"parts": 0, "volume_error": np.nan})
 
 
-def recorded(row: Mapping[str, Any]) -> tuple[Start, Grasp | None]:
+def read_attempt(row: Mapping[str, Any]) -> tuple[InitialPose, Grasp | None]:
     """What an attempt of a table began with, and what was tried.
 
     Args:
         row: Columns of `tables.evaluation.TRIALS`, of an attempt that began.
     """
-    start = Start(row["begun"], Pose.of([row[name] for name in START]))
+    start = InitialPose(row["begun"], Pose.of([row[name] for name in START]))
     if np.isnan(row["width"]):
         return start, None
     x, y, z = (float(row[name]) for name in CENTER)
@@ -72,7 +72,7 @@ def _seeds(object_id: str, settings: TrialParameters) -> list[int]:
     return [entropy(settings.seed, "trial", object_id, number) for number in range(count)]
 
 
-def _chain(bench: Bench, detect: Detector | Labels, seeds: list[int]) -> Iterator[Attempt]:
+def _chain(bench: TrialRunner, detect: Detector | Labels, seeds: list[int]) -> Iterator[Attempt]:
     """Each attempt goes on where the one before ended."""
     before = None
     for seed in seeds:
@@ -97,7 +97,7 @@ def columns_of(attempt: Attempt) -> dict[str, Any]:
     return {
         "success": attempt.outcome == Outcome.SUCCESS,
         "outcome": attempt.outcome.value if attempt.outcome else "",
-        "begun": start.begun if start else "",
+        "begun": start.kind if start else "",
         **dict(zip(START, _numbers(start.pose if start else None), strict=True)),
         **dict(zip(CENTER, grasp.center if grasp else (np.nan,) * 3, strict=True)),
         **{name: getattr(grasp, name) if grasp else np.nan for name in NUMBERS},

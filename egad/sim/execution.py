@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from egad.detectors.base import Grasp
 from egad.grasps.gripper import Gripper
 from egad.outcomes import Outcome
-from egad.sim.arms import CARRIERS, Stance, UnreachableError
+from egad.sim.arms import ARMS, HandPose, UnreachableError
 from egad.sim.gripper import HEAVIEST, Hand
 from egad.sim.parameters import Lifting
 from egad.sim.world import GRAVITY, TIME_STEP, Pose, UnstableError, World
@@ -69,7 +69,7 @@ def _outcome(
 ) -> tuple[Outcome, Pose]:
     start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
     try:
-        hand = hung(world, gripper, lifting.arm, grasp, start)
+        hand = place_hand_above(world, gripper, lifting.arm, grasp, start)
     except UnreachableError:
         return Outcome.COLLIDED, world.pose()
     world.pull(0.0 if afloat else GRAVITY)
@@ -102,14 +102,14 @@ def _carried(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
     return outcome, Pose(pose.position + np.array([0.0, 0.0, rise]), pose.quaternion)
 
 
-def hung(world: World, gripper: Gripper, arm: str, grasp: Grasp, height: float) -> Hand:
+def place_hand_above(world: World, gripper: Gripper, arm: str, grasp: Grasp, height: float) -> Hand:
     """The open hand, its fingertips at some height above a grasp.
 
     Raises:
         UnreachableError: The arm cannot bring it there.
     """
-    stance = Stance(grasp.center[0], grasp.center[1], height, grasp.angle)
-    return Hand(world, gripper, CARRIERS[arm](world, gripper, stance), grasp.width)
+    stance = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
+    return Hand(world, gripper, ARMS[arm](world, gripper, stance), grasp.width)
 
 
 class _Held(NamedTuple):

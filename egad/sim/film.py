@@ -7,7 +7,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.errors import UserError
 from egad.sim.world import TIME_STEP, World
 
@@ -88,5 +88,5 @@ def write_film(frames: list[Pixels], path: Path) -> None:
             raise UserError(
                 f"{path}: MP4 needs ffmpeg, pip install imageio-ffmpeg; GIF needs nothing"
             ) from error
-    with replacing(path) as temporary:
+    with atomic_output(path) as temporary:
         temporary.write_bytes(data)

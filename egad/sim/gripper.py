@@ -7,7 +7,7 @@ import pybullet
 from numpy.typing import NDArray
 
 from egad.grasps.gripper import Gripper
-from egad.sim.arms import Carrier
+from egad.sim.arms import Arm
 from egad.sim.hand_urdf import LEFT, PALM, RIGHT
 from egad.sim.world import TIME_STEP, World
 
@@ -40,7 +40,7 @@ class Hand:
         path_left: Heights that `lift` left out.
     """
 
-    def __init__(self, world: World, gripper: Gripper, carrier: Carrier, width: float) -> None:
+    def __init__(self, world: World, gripper: Gripper, carrier: Arm, width: float) -> None:
         """Open a hand that hangs in a world.
 
         Args:

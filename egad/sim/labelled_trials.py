@@ -38,7 +38,9 @@ def shares(total: int, objects: int) -> list[int]:
     return [(n + 1) * total // objects - n * total // objects for n in range(objects)]
 
 
-def sampled(grasps: pd.DataFrame, object_id: str, count: int, seed: int) -> pd.DataFrame:
+def sample_labelled_grasps(
+    grasps: pd.DataFrame, object_id: str, count: int, seed: int
+) -> pd.DataFrame:
     """Some of the labelled grasps of an object that the hand can come to, each equally likely.
 
     Args:
@@ -57,7 +59,7 @@ def sampled(grasps: pd.DataFrame, object_id: str, count: int, seed: int) -> pd.D
     return free.iloc[chosen].assign(labelled=len(grasps), free=len(free))
 
 
-def carried_out(
+def execute_labelled_grasps(
     model: Model, label: str, object_id: str, sample: pd.DataFrame, settings: LabelTrialParameters
 ) -> pd.DataFrame:
     """Carry out labelled grasps, each in an engine that knows nothing of the one before.
@@ -76,21 +78,21 @@ def carried_out(
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
     with World(model) as world:
         for row in parquet.records(sample):
-            pose, grasp = afloat(model, row, gripper)
+            pose, grasp = floating_pose(model, row, gripper)
             world.reset()
             world.place(pose)
             found.append(execute(world, gripper, settings.trials, grasp, afloat=True))
     return _table(label, object_id, sample, found)
 
 
-def not_carried_out(
+def failed_labelled_grasps(
     label: str, object_id: str, sample: pd.DataFrame, outcome: Outcome
 ) -> pd.DataFrame:
     """The same table of an object that cannot be simulated: all grasps have the same outcome."""
     return _table(label, object_id, sample, [Execution(outcome, 0.0, None)] * len(sample))
 
 
-def afloat(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[Pose, Grasp]:
+def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[Pose, Grasp]:
     """Where the object floats so that a labelled grasp is one from above, and that grasp.
 
     The closing axis is the world's x. The hand is as wide open as it can be, and the contacts are

@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.evalset.bundle import bundled
+from egad.evalset.bundle import make_simulation_object
 from egad.evalset.parameters import Bundle
 from egad.geometry.mass import MassProperties
 
@@ -79,5 +79,5 @@ def build(mesh: trimesh.Trimesh, density: float, settings: Bundle) -> Model:
     Raises:
         RejectedError: The mesh does not bound a solid, or has no convex parts.
     """
-    made = bundled(mesh, density, settings)
+    made = make_simulation_object(mesh, density, settings)
     return model_of(made.mesh, made.parts, made.physics, made.volume_error)

@@ -10,14 +10,14 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.detectors.base import Detector, Grasp, best
+from egad.detectors.base import Detector, Grasp, best_grasp
 from egad.detectors.labels import Labels
 from egad.detectors.subprocess import DetectorTimeoutError
 from egad.errors import UserError
 from egad.grasps.gripper import Gripper
 from egad.outcomes import Outcome
-from egad.perception.camera import Eye, Intrinsics, View, above
-from egad.perception.noise import noisy
+from egad.perception.camera import DepthCamera, Intrinsics, View, camera_above
+from egad.perception.noise import add_disparity_noise
 from egad.sim.execution import execute
 from egad.sim.parameters import Trials
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
@@ -36,7 +36,7 @@ TILT = np.pi / 2
 MOVED = 0.01  # metres; if no point moved further, a detector would try the same again
 
 
-class Start(NamedTuple):
+class InitialPose(NamedTuple):
     """The object at rest in some pose, from which it falls.
 
     Attributes:
@@ -45,13 +45,13 @@ class Start(NamedTuple):
         pose: Of the object.
     """
 
-    begun: str
+    kind: str
     pose: Pose
 
 
-def starts(
-    mesh: trimesh.Trimesh, height: float, left: Start | None, rng: np.random.Generator
-) -> Iterator[Start]:
+def initial_poses(
+    mesh: trimesh.Trimesh, height: float, left: InitialPose | None, rng: np.random.Generator
+) -> Iterator[InitialPose]:
     """What to try, one after the other, until the object lies still in the workspace.
 
     Args:
@@ -61,18 +61,18 @@ def starts(
             chance above the middle; None if it is put back.
         rng: Source of chance.
     """
-    if left is not None and left.begun == "from_hand":
+    if left is not None and left.kind == "from_hand":
         turned = _tilted(left.pose.quaternion, rng)
-        yield Start("from_hand", _above(mesh, height, turned, rng))
+        yield InitialPose("from_hand", _above(mesh, height, turned, rng))
     elif left is not None:
         yield left
     for _ in range(DROPS):
         quaternion = rng.normal(size=4)
         quaternion /= np.linalg.norm(quaternion)
-        yield Start("dropped", _above(mesh, height, quaternion, rng))
+        yield InitialPose("dropped", _above(mesh, height, quaternion, rng))
 
 
-def moved(mesh: trimesh.Trimesh, before: Pose, after: Pose) -> bool:
+def has_moved(mesh: trimesh.Trimesh, before: Pose, after: Pose) -> bool:
     """Whether any point of an object moved by more than `MOVED`."""
     change = after.matrix - before.matrix
     shifts = mesh.vertices @ change[:3, :3].T + change[:3, 3]
@@ -114,7 +114,7 @@ class Attempt:
     """
 
     outcome: Outcome | None
-    start: Start | None = None
+    start: InitialPose | None = None
     rest: Pose | None = None
     grasp: Grasp | None = None
     lifted: float = 0.0
@@ -129,11 +129,11 @@ class Ready(NamedTuple):
         rest: Where it lies.
     """
 
-    start: Start
+    start: InitialPose
     rest: Pose
 
 
-class Bench:
+class TrialRunner:
     """A table with an object, a camera and a hand, to try grasps on."""
 
     def __init__(self, world: World, gripper: Gripper, trials: Trials) -> None:
@@ -147,9 +147,9 @@ class Bench:
         self.world = world
         self.gripper = gripper
         self.trials = trials
-        self.eye = Eye(world.model.mesh)
+        self.eye = DepthCamera(world.model.mesh)
         self.intrinsics = Intrinsics.spanning(*trials.image, trials.field_of_view)
-        self.camera = above(trials.camera_height)
+        self.camera = camera_above(trials.camera_height)
 
     def attempt(
         self, detect: Detector | Labels, seed: int, before: Attempt | None = None
@@ -165,15 +165,15 @@ class Bench:
         ready = self._begin(drop_rng, before)
         if ready is None:
             return Attempt(Outcome.FAILED)
-        view = self.look()
+        view = self.render_view()
         if self.trials.depth_noise > 0:
-            view = noisy(view, self.trials.depth_noise, camera_rng)
+            view = add_disparity_noise(view, self.trials.depth_noise, camera_rng)
         grasp = self._plan(detect, view, detector_rng)
         if isinstance(grasp, Outcome):
             return Attempt(grasp, *ready, end=ready.rest)
         return self._carried_out(grasp, ready)
 
-    def repeat(self, start: Start, grasp: Grasp | None) -> Attempt:
+    def repeat(self, start: InitialPose, grasp: Grasp | None) -> Attempt:
         """An attempt again, without its detector: what it began with and what was proposed.
 
         Args:
@@ -191,9 +191,9 @@ class Bench:
             return Attempt(None, *ready, end=rest)
         return self._carried_out(grasp, ready)
 
-    def look(self) -> View:
+    def render_view(self) -> View:
         """A depth image of the object where it is now."""
-        return self.eye.look(self.world.pose().matrix, self.intrinsics, self.camera)
+        return self.eye.render(self.world.pose().matrix, self.intrinsics, self.camera)
 
     def _carried_out(self, grasp: Grasp, ready: Ready) -> Attempt:
         result = execute(self.world, self.gripper, self.trials, grasp)
@@ -206,8 +206,8 @@ class Bench:
         place = self.world.pose().matrix @ self.world.model.to_principal
         try:
             if isinstance(detect, Labels):
-                return best(detect.propose(place, view, self.gripper), self.gripper)
-            return best(detect(view, self.gripper, rng), self.gripper)
+                return best_grasp(detect.propose(place, view, self.gripper), self.gripper)
+            return best_grasp(detect(view, self.gripper, rng), self.gripper)
         except (UserError, MemoryError):
             raise
         except DetectorTimeoutError as error:
@@ -221,13 +221,13 @@ class Bench:
         """Drop the object, or leave it, until it lies still in the workspace."""
         mesh = self.world.model.mesh
         left = None if self.trials.between == "anew" or before is None else self._left_by(before)
-        for start in starts(mesh, self.trials.drop_height, left, rng):
+        for start in initial_poses(mesh, self.trials.drop_height, left, rng):
             rest = self._settled(start)
             if rest is not None and self._in_workspace(rest):
                 return Ready(start, rest)
         return None
 
-    def _left_by(self, before: Attempt) -> Start | None:
+    def _left_by(self, before: Attempt) -> InitialPose | None:
         """Where an attempt left the object; None if it is put back.
 
         That is done if the simulation broke down, and for an object that hardly moved: a detector
@@ -236,11 +236,11 @@ class Bench:
         if before.end is None or before.rest is None:
             return None
         if before.outcome == Outcome.SUCCESS:
-            return Start("from_hand", before.end)
-        elsewhere = moved(self.world.model.mesh, before.rest, before.end)
-        return Start("left", before.end) if elsewhere else None
+            return InitialPose("from_hand", before.end)
+        elsewhere = has_moved(self.world.model.mesh, before.rest, before.end)
+        return InitialPose("left", before.end) if elsewhere else None
 
-    def _settled(self, start: Start) -> Pose | None:
+    def _settled(self, start: InitialPose) -> Pose | None:
         """Let the object fall in an empty world until it lies still; None if it never does."""
         self.world.reset()
         self.world.place(start.pose)

@@ -8,7 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest, norm, rankdata, t
 
-from egad.evalset.selection import place
+from egad.evalset.selection import cell_of_label
 from egad.random import generator
 
 Floats = NDArray[np.float64]
@@ -84,13 +84,13 @@ class Rate:
 class Mean(Rate):
     """The rate over several objects, each of them tried again and again."""
 
-    low: float
-    high: float
+    ci_low: float
+    ci_high: float
 
     @property
     def interval(self) -> Interval:
         """What the rate could be for other objects of the same kind, 95 %; see `mean_rate`."""
-        return self.low, self.high
+        return self.ci_low, self.ci_high
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
         rows: Letters of the set.
         columns: Digits of the set.
     """
-    places = [place(label) for label in trials["label"]]
+    places = [cell_of_label(label) for label in trials["label"]]
     row, column = np.array(places, dtype=np.int64).reshape(-1, 2).T
     cells = {(i, j): rate(trials[(row == i) & (column == j)]) for i, j in sorted(set(places))}
     return TrialGrid(
@@ -172,11 +172,11 @@ class Trend:
     """
 
     rho: float
-    low: float
-    high: float
+    ci_low: float
+    ci_high: float
 
 
-def places(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) -> pd.DataFrame:
+def object_positions(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) -> pd.DataFrame:
     """Success, difficulty and complexity of each object tried, by its label.
 
     Args:
@@ -192,7 +192,7 @@ def places(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) -> pd.Data
     table = pd.DataFrame({"rate": objects["successes"] / objects["attempts"]})
     known = None if evalset is None else evalset.set_index("label")
     if known is None or not table.index.isin(known.index).all():
-        rows = [place(str(label)) for label in table.index]
+        rows = [cell_of_label(str(label)) for label in table.index]
         table["difficulty"] = [float(row) for row, _ in rows]
         table["complexity"] = [float(column) for _, column in rows]
         return table

@@ -30,7 +30,7 @@ class SetRate:
 
 
 @dataclass(frozen=True)
-class Tried:
+class TestAttempts:
     """All that was tried in a test.
 
     Attributes:
@@ -64,14 +64,14 @@ class SetPair:
     p_holm: float
 
 
-def by_test(table: pd.DataFrame) -> dict[str, Tried]:
+def by_test(table: pd.DataFrame) -> dict[str, TestAttempts]:
     """Success in each test, in the order of the table.
 
     Args:
         table: Columns of `tables.training.COMPARED`.
     """
     return {
-        str(name): Tried(
+        str(name): TestAttempts(
             rows,
             {key: set_rate(own) for key, own in by_set(rows).items()},
             {key: mean_rate(own) for key, own in references(rows).items()},
@@ -201,7 +201,7 @@ def holm(p_values: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class Luck:
+class SeedVariance:
     """How success differs within training sets and between them.
 
     Attributes:
@@ -219,7 +219,7 @@ class Luck:
     p: float
 
 
-def luck(rates: Mapping[str, SetRate]) -> Luck | None:
+def seed_variance(rates: Mapping[str, SetRate]) -> SeedVariance | None:
     """A one-way analysis of variance of the success of networks, by training set.
 
     It takes each training for one draw, and knows nothing of attempts and objects: p is about other
@@ -238,7 +238,9 @@ def luck(rates: Mapping[str, SetRate]) -> Luck | None:
     networks = sum(map(len, several))
     spread = np.sqrt(_within(several) / (networks - len(several)))
     found = f_oneway(*several)
-    return Luck(float(spread), len(several), networks, float(found.statistic), float(found.pvalue))
+    return SeedVariance(
+        float(spread), len(several), networks, float(found.statistic), float(found.pvalue)
+    )
 
 
 def _within(groups: list[list[float]]) -> float:

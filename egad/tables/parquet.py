@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from egad import __version__
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.errors import TableError
 from egad.tables import origin, seal
 from egad.tables.promises import BATCH, check_names, check_promises, unreadable
@@ -65,7 +65,7 @@ def write(
     kept = {_NOTES: notes, _ORIGIN: origin.noted(path.parent)}
     texts = {key: json.dumps(value, sort_keys=True) for key, value in kept.items() if value}
     table = table.replace_schema_metadata(texts or None)
-    with replacing(path) as temporary:
+    with atomic_output(path) as temporary:
         with pq.ParquetWriter(temporary, table.schema, compression="zstd") as writer:
             writer.write_table(table)
             writer.add_key_value_metadata({seal.KEY: seal.BLANK})

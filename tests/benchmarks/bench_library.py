@@ -16,7 +16,7 @@ from egad.cppn.constraints import UNBOUND
 from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError
 from egad.geometry.convex_parts import convex_parts, excess_volume
-from egad.grasps.labels import label
+from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.grasps.quality import ferrari_canny, wrenches
 from egad.map_elites.archive import Archive
@@ -214,7 +214,7 @@ def test_labels(meshes):
 def labelled(mesh, settings):
     """The labelled grasps of a mesh, none if it has none."""
     try:
-        return label(mesh, mesh.center_mass, settings, np.random.default_rng(0))
+        return label_grasps(mesh, mesh.center_mass, settings, np.random.default_rng(0))
     except RejectedError:
         return []
 

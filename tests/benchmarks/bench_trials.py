@@ -19,10 +19,10 @@ from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.sim import execution
-from egad.sim.attempts import tried
+from egad.sim.attempts import run_attempts
 from egad.sim.gripper import Hand
 from egad.sim.model import build
-from egad.sim.trial import Bench
+from egad.sim.trial import TrialRunner
 from egad.sim.world import World
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
@@ -31,9 +31,9 @@ SETTINGS = Settings.model_validate({"trials": {"attempts": 5}})
 GRIPPER = "egad_75mm"
 STEPS = {
     "starting the engine anew": (World, "reset"),
-    "settling": (Bench, "_settled"),
-    "rendering": (Bench, "look"),
-    "planning": (Bench, "_plan"),
+    "settling": (TrialRunner, "_settled"),
+    "rendering": (TrialRunner, "look"),
+    "planning": (TrialRunner, "_plan"),
     "building the hand": (execution, "hung"),
     "approaching": (Hand, "move"),
     "closing": (Hand, "close"),
@@ -64,7 +64,7 @@ def test_an_attempt(models, arm, monkeypatch):
         monkeypatch.setattr(owner, name, timed(getattr(owner, name), step, spent, running))
     start = time.process_time()
     tables = [
-        tried(model, "A0", str(number), QUICK["antipodal-depth"], settings)
+        run_attempts(model, "A0", str(number), QUICK["antipodal-depth"], settings)
         for number, model in enumerate(models)
     ]
     total = time.process_time() - start

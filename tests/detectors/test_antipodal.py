@@ -6,8 +6,8 @@ import trimesh
 
 from egad.detectors.antipodal import _edges, _uneven, antipodal_depth
 from egad.detectors.base import Grasp
-from egad.perception.camera import WHOLE, Eye, Intrinsics, View, above, table_depth
-from egad.perception.heightmap import relief_of
+from egad.perception.camera import WHOLE, DepthCamera, Intrinsics, View, camera_above, table_depth
+from egad.perception.heightmap import heightmap_of
 from egad.pipeline.config import GRIPPERS, Gripper
 
 HAND = GRIPPERS["egad_75mm"]
@@ -18,7 +18,7 @@ def seen(mesh: trimesh.Trimesh, x: float = 0.0, y: float = 0.0, turn: float = 0.
     """A view of a mesh that stands on the table."""
     matrix = trimesh.transformations.rotation_matrix(turn, (0, 0, 1))
     matrix[:3, 3] = [x, y, -mesh.bounds[0, 2]]
-    return Eye(mesh).look(matrix, CAMERA, above(0.6))
+    return DepthCamera(mesh).render(matrix, CAMERA, camera_above(0.6))
 
 
 def detect(view: View, gripper: Gripper = HAND) -> list[Grasp]:
@@ -49,7 +49,7 @@ def test_grasps_are_ranked_and_within_bounds() -> None:
     assert 0 < len(grasps) <= 50
     assert qualities == sorted(qualities, reverse=True)
     assert all(0 <= quality <= 1 for quality in qualities)
-    assert all(grasp.flaw(HAND) is None for grasp in grasps)
+    assert all(grasp.infeasibility(HAND) is None for grasp in grasps)
 
 
 def test_the_closer_to_the_centroid_the_better() -> None:
@@ -69,9 +69,11 @@ def test_nothing_is_found_on_what_is_too_wide_or_too_flat(sides: tuple[float, ..
 
 def test_an_empty_table_gives_nothing() -> None:
     matrix = trimesh.transformations.translation_matrix((5, 5, 0))
-    empty = Eye(trimesh.creation.box((0.1, 0.1, 0.1))).look(matrix, CAMERA, above(0.6))
+    empty = DepthCamera(trimesh.creation.box((0.1, 0.1, 0.1))).render(
+        matrix, CAMERA, camera_above(0.6)
+    )
     assert detect(empty) == []
-    blind = View(np.full_like(empty.depth, np.nan), CAMERA, above(0.6))
+    blind = View(np.full_like(empty.depth, np.nan), CAMERA, camera_above(0.6))
     assert detect(blind) == []
 
 
@@ -117,7 +119,7 @@ def rough(rng: np.random.Generator, friction: float) -> View:
     """
     camera = Intrinsics.spanning(120, 100, 40.0)
     tilt = trimesh.transformations.rotation_matrix(rng.uniform(-0.3, 0.3), rng.normal(size=3))
-    pose = tilt @ above(0.6)
+    pose = tilt @ camera_above(0.6)
     pose[:3, 3] = [0, 0, 0.6]
     table = table_depth(camera, pose)
     least = 0.6 / camera.focal / friction / 2
@@ -143,7 +145,7 @@ def test_what_is_looked_at_of_an_image_gives_the_edges_and_heights_of_all_of_it(
         part, whole = _edges(view, window, friction), _edges(view, WHOLE, friction)
         np.testing.assert_allclose(part.points, whole.points, atol=1e-12)
         np.testing.assert_allclose(part.outward, whole.outward, atol=1e-7)
-        reliefs = relief_of(view, window), relief_of(view, WHOLE)
+        reliefs = heightmap_of(view, window), heightmap_of(view, WHOLE)
         for one, other in zip(*(relief or () for relief in reliefs), strict=True):
             np.testing.assert_allclose(one, other, atol=1e-12)
         found.append((len(whole.points), view.depth[window].size < view.depth.size))

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from egad.detectors.base import MOST_GRASPS, Grasp, best, ranked
+from egad.detectors.base import MOST_GRASPS, Grasp, best_grasp, rank_grasps
 from egad.pipeline.config import GRIPPERS
 
 HAND = GRIPPERS["egad_75mm"]
@@ -29,7 +29,7 @@ NAN = float("nan")
     ],
 )
 def test_flaws(change, flaw):
-    assert replace(FINE, **change).flaw(HAND) == flaw
+    assert replace(FINE, **change).infeasibility(HAND) == flaw
 
 
 def test_the_best_is_of_the_highest_quality_that_the_hand_can_do():
@@ -37,16 +37,16 @@ def test_the_best_is_of_the_highest_quality_that_the_hand_can_do():
     too_wide = replace(FINE, width=0.2, quality=0.9)
     nowhere = replace(FINE, center=(0.0, NAN, 0.02), quality=0.8)
     unsure = replace(FINE, quality=float("inf"))
-    assert best([poorer, too_wide, FINE, nowhere, unsure], HAND) == FINE
-    assert best([nowhere, too_wide], HAND) == "too_wide"
-    assert best([unsure], HAND) == "not_finite"
-    assert best([], HAND) == "no_grasp"
+    assert best_grasp([poorer, too_wide, FINE, nowhere, unsure], HAND) == FINE
+    assert best_grasp([nowhere, too_wide], HAND) == "too_wide"
+    assert best_grasp([unsure], HAND) == "not_finite"
+    assert best_grasp([], HAND) == "no_grasp"
 
 
 def test_of_equals_the_first_is_taken():
     other = replace(FINE, angle=1.0)
-    assert best([other, FINE], HAND) == other
-    assert best([FINE, other], HAND) == FINE
+    assert best_grasp([other, FINE], HAND) == other
+    assert best_grasp([FINE, other], HAND) == FINE
 
 
 @pytest.mark.parametrize("count", [0, 1, 7, 80])
@@ -59,4 +59,4 @@ def test_candidates_are_ranked_as_one_would_one_by_one(count):
         for i in range(count)
     ]
     slow.sort(key=lambda grasp: -grasp.quality)
-    assert ranked(center, axis, width, depth, quality) == slow[:MOST_GRASPS]
+    assert rank_grasps(center, axis, width, depth, quality) == slow[:MOST_GRASPS]

@@ -8,8 +8,8 @@ import pytest
 import trimesh
 import yaml
 
-from egad.detectors.registry import detector
-from egad.pipeline.config import GRIPPERS, Policy
+from egad.detectors.registry import make_detector
+from egad.pipeline.config import GRIPPERS, DetectorConfig
 from egad.pipeline.config.check import check
 from egad.stats.records import COLUMNS
 
@@ -22,7 +22,7 @@ def example(tmp_path_factory):
     path = tmp_path_factory.mktemp("docs") / "across.py"
     (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
     path.write_text(code)
-    return detector(Policy(detector=f"{path}:Across"))
+    return make_detector(DetectorConfig(detector=f"{path}:Across"))
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.6, -1.3])
@@ -32,7 +32,7 @@ def test_it_holds_a_box_across_its_short_side(look, example, turn):
     off = (grasp.angle - turn + np.pi / 2) % np.pi - np.pi / 2
     assert abs(off) < 0.05
     np.testing.assert_allclose(grasp.center[:2], (0.04, -0.03), atol=0.004)
-    assert grasp.flaw(HAND) is None
+    assert grasp.infeasibility(HAND) is None
     assert grasp.width == pytest.approx(0.05, abs=0.006)
     assert grasp.tip == pytest.approx(0.02, abs=0.001)
 

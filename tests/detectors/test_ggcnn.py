@@ -10,8 +10,8 @@ import trimesh
 import egad.learning
 from egad.detectors.ggcnn import GGCNN, MapDetector, check_ggcnn, middle
 from egad.errors import UserError
-from egad.learning.targets import prepared
-from egad.perception.camera import View, above
+from egad.learning.targets import prepare_input
+from egad.perception.camera import View, camera_above
 from egad.pipeline.config import GRIPPERS
 
 HAND = GRIPPERS["egad_75mm"]
@@ -63,7 +63,7 @@ def test_angles_are_anticlockwise_as_seen_by_the_camera(look, angle):
 def test_a_turned_camera_turns_the_grasp(look):
     view = look(BAR)
     turn = trimesh.transformations.rotation_matrix(0.4, (0, 0, 1))
-    turned = View(view.depth, view.intrinsics, turn @ above(0.6))
+    turned = View(view.depth, view.intrinsics, turn @ camera_above(0.6))
     found = answered(turned, Stand(150, 150, 0.3, 0.2))[0]
     assert found.angle == pytest.approx(0.7, abs=1e-6)
 
@@ -73,7 +73,7 @@ def test_fingertips_go_below_the_surface_but_not_into_the_table(look):
     assert on_top.tip == pytest.approx(0.02, abs=1e-4)
     beside = answered(look(BAR), Stand(40, 40, 0.0, 0.2))[0]
     assert beside.tip == pytest.approx(0.003, abs=1e-4)
-    assert all(grasp.flaw(HAND) is None for grasp in (on_top, beside))
+    assert all(grasp.infeasibility(HAND) is None for grasp in (on_top, beside))
 
 
 def test_the_hand_opens_no_wider_than_it_can(look):
@@ -90,14 +90,14 @@ def test_gaps_are_filled_from_the_nearest_pixel(look):
     stand = Stand(150, 150, 0.0, 0.2)
     answered(View(holes, view.intrinsics, view.pose), stand)
     assert np.isfinite(stand.seen).all()
-    whole = prepared(middle(view.depth).depth)
+    whole = prepare_input(middle(view.depth).depth)
     assert np.median(np.abs(stand.seen - whole)) < 1e-4
 
 
 def test_what_goes_in_has_no_mean_and_is_clipped():
     depth = np.full((300, 300), 0.6)
     depth[0, 0] = 30.0
-    ready = prepared(depth)
+    ready = prepare_input(depth)
     assert ready.dtype == np.float32
     assert ready.max() == 1
     assert np.median(ready) == pytest.approx(0, abs=1e-3)

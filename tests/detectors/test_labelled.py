@@ -6,10 +6,10 @@ import pytest
 import trimesh
 
 from egad.detectors.labels import Labels
-from egad.perception.camera import Eye, Intrinsics, above
+from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.pipeline.config import GRIPPERS, Bundle, Trials
 from egad.sim.model import build
-from egad.sim.trial import Bench
+from egad.sim.trial import TrialRunner
 from egad.sim.world import World
 
 BUNDLE = Bundle()
@@ -52,7 +52,9 @@ def placed(up, turn=0.0):
     spin = trimesh.transformations.rotation_matrix(turn, (0, 0, 1))
     matrix = spin @ stand @ INTO_BOX.T
     matrix[:3, 3] = (0.03, -0.02, -trimesh.transform_points(BOX.vertices, matrix)[:, 2].min())
-    return matrix, Eye(BOX).look(matrix, Intrinsics.spanning(300, 300, 40.0), above(0.6))
+    return matrix, DepthCamera(BOX).render(
+        matrix, Intrinsics.spanning(300, 300, 40.0), camera_above(0.6)
+    )
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.7, 2.5])
@@ -64,7 +66,7 @@ def test_grasps_move_with_the_object(turn):
     axis = matrix[:3, :3] @ INTO_BOX[:3, :3] @ SHORT
     assert abs(np.cos(found[0].angle) * axis[0] + np.sin(found[0].angle) * axis[1]) > 0.999
     assert found[0].tip == pytest.approx(0.035)
-    assert all(grasp.flaw(HAND) is None for grasp in found)
+    assert all(grasp.infeasibility(HAND) is None for grasp in found)
 
 
 def test_axes_that_stand_up_are_left_out():
@@ -86,7 +88,9 @@ def test_a_hand_opens_wide_to_reach_below_an_overhang():
     cap = trimesh.creation.box(bounds=[(-0.03, -0.03, 0.04), (0.03, 0.03, 0.05)])
     stem = trimesh.creation.box(bounds=[(-0.01, -0.01, 0), (0.01, 0.01, 0.04)])
     mushroom = trimesh.util.concatenate([cap, stem])
-    view = Eye(mushroom).look(np.eye(4), Intrinsics.spanning(300, 300, 40.0), above(0.6))
+    view = DepthCamera(mushroom).render(
+        np.eye(4), Intrinsics.spanning(300, 300, 40.0), camera_above(0.6)
+    )
     row = {"center_x": 0, "center_y": 0, "center_z": 0.02, "axis_x": 1, "axis_y": 0, "axis_z": 0}
     row |= {"width": 0.02, "robust_quality": 0.004, "collision_free": True}
     (found,) = Labels(pd.DataFrame([row])).propose(np.eye(4), view, HAND)
@@ -97,7 +101,7 @@ def test_a_hand_opens_wide_to_reach_below_an_overhang():
 def test_nothing_labelled_and_nothing_seen_give_nothing():
     matrix, view = placed(LONG)
     assert labelled([(*ALL[0][:3], False)]).propose(matrix, view, HAND) == []
-    away = Eye(BOX).look(np.eye(4) + np.eye(4, k=3) * 5, view.intrinsics, view.pose)
+    away = DepthCamera(BOX).render(np.eye(4) + np.eye(4, k=3) * 5, view.intrinsics, view.pose)
     assert labelled(ALL).propose(matrix, away, HAND) == []
 
 
@@ -109,6 +113,6 @@ def test_a_bench_tells_where_the_object_is():
         for axis in (SHORT, MIDDLE_SIDE)
     ]
     with World(build(BOX, 400.0, BUNDLE)) as world:
-        bench = Bench(world, HAND, Trials())
+        bench = TrialRunner(world, HAND, Trials())
         outcomes = [bench.attempt(labelled(rows), seed).outcome for seed in range(6)]
     assert outcomes.count("success") >= 5

@@ -6,10 +6,10 @@ import trimesh
 
 from egad.detectors.base import Grasp
 from egad.detectors.parameters import SHIPPED
-from egad.detectors.registry import QUICK, detector, fingerprint
+from egad.detectors.registry import QUICK, fingerprint, make_detector
 from egad.detectors.subprocess import Child, DetectorError, DetectorTimeoutError
 from egad.errors import UserError
-from egad.pipeline.config import GRIPPERS, POLICIES, Policy
+from egad.pipeline.config import GRIPPERS, POLICIES, DetectorConfig
 
 HAND = GRIPPERS["egad_75mm"]
 CODE = """
@@ -71,21 +71,21 @@ def test_every_shipped_detector_has_a_policy_of_its_name():
 
 
 def test_any_object_with_the_numbers_of_a_grasp_will_do(file, view):
-    found = asked(detector(Policy(detector=f"{file}:Middle")), view)
+    found = asked(make_detector(DetectorConfig(detector=f"{file}:Middle")), view)
     assert found == [Grasp((0.0, 0.0, 0.02), 0.0, 0.05, 0.01, 1.0)]
 
 
 def test_a_function_or_a_package_will_do(file, view):
-    assert asked(detector(Policy(detector=f"{file}:finds_nothing")), view) == []
-    packaged = detector(Policy(detector="egad.detectors.antipodal:antipodal_depth"))
+    assert asked(make_detector(DetectorConfig(detector=f"{file}:finds_nothing")), view) == []
+    packaged = make_detector(DetectorConfig(detector="egad.detectors.antipodal:antipodal_depth"))
     assert asked(packaged, view) == asked(QUICK["antipodal-depth"], view)
 
 
 def test_weights_go_to_the_class(file, view, tmp_path):
     weights = tmp_path / "weights.txt"
     weights.write_text("0.033")
-    policy = Policy(detector=f"{file}:Weighted", weights=str(weights))
-    assert asked(detector(policy), view)[0].width == 0.033
+    policy = DetectorConfig(detector=f"{file}:Weighted", weights=str(weights))
+    assert asked(make_detector(policy), view)[0].width == 0.033
 
 
 @pytest.mark.parametrize(
@@ -101,14 +101,14 @@ def test_weights_go_to_the_class(file, view, tmp_path):
     ],
 )
 def test_a_detector_that_cannot_be_made_is_the_users_mistake(file, name, words):
-    policy = Policy(detector=name.format(file=file))
+    policy = DetectorConfig(detector=name.format(file=file))
     with pytest.raises(UserError, match=words):
-        detector(policy)
+        make_detector(policy)
 
 
 def test_weights_for_a_function_are_a_mistake(file):
     with pytest.raises(UserError, match="no class that takes `weights`"):
-        detector(Policy(detector=f"{file}:raises", weights="w"))
+        make_detector(DetectorConfig(detector=f"{file}:raises", weights="w"))
 
 
 @pytest.mark.parametrize(
@@ -121,14 +121,14 @@ def test_weights_for_a_function_are_a_mistake(file):
 )
 def test_what_no_detector_can_be_is_refused(values, words):
     with pytest.raises(ValueError, match=words):
-        Policy(**values)
+        DetectorConfig(**values)
 
 
 def test_edited_code_or_weights_have_another_fingerprint(tmp_path):
     code, weights = tmp_path / "mine.py", tmp_path / "w"
     code.write_text(CODE)
     weights.write_text("1")
-    policy = Policy(detector=f"{code}:Weighted", weights=str(weights))
+    policy = DetectorConfig(detector=f"{code}:Weighted", weights=str(weights))
     before = fingerprint(policy)
     code.write_text(CODE + "\n")
     edited = fingerprint(policy)
@@ -143,15 +143,15 @@ def test_edited_code_or_weights_have_another_fingerprint(tmp_path):
 )
 def test_missing_weights_of_ggcnn_are_found_missing_before_anything_runs(weights, words):
     with pytest.raises(UserError, match=f"{words}; .*dougsm/ggcnn"):
-        fingerprint(Policy(detector="ggcnn", weights=weights))
+        fingerprint(DetectorConfig(detector="ggcnn", weights=weights))
 
 
 def test_a_child_answers_as_the_detector_itself(file, view):
     for name in ("Chancy", "Sees"):
-        policy = Policy(detector=f"{file}:{name}")
+        policy = DetectorConfig(detector=f"{file}:{name}")
         with Child(policy, 60) as child:
             for seed in (1, 2):
-                assert asked(child, view, seed) == asked(detector(policy), view, seed)
+                assert asked(child, view, seed) == asked(make_detector(policy), view, seed)
 
 
 @pytest.mark.parametrize(
@@ -163,14 +163,14 @@ def test_a_child_answers_as_the_detector_itself(file, view):
     ],
 )
 def test_errors_in_a_child_are_told_and_it_goes_on(file, view, name, words):
-    with Child(Policy(detector=f"{file}:{name}"), 60) as child:
+    with Child(DetectorConfig(detector=f"{file}:{name}"), 60) as child:
         for _ in range(2):
             with pytest.raises(DetectorError, match=words):
                 asked(child, view)
 
 
 def test_a_child_that_dies_is_started_anew(file, view):
-    with Child(Policy(detector=f"{file}:leaves"), 60) as child:
+    with Child(DetectorConfig(detector=f"{file}:leaves"), 60) as child:
         for _ in range(2):
             with pytest.raises(DetectorError, match="ended with status 7"):
                 asked(child, view)
@@ -184,13 +184,16 @@ def test_a_child_that_dies_is_started_anew(file, view):
     ],
 )
 def test_want_of_memory_is_no_outcome_of_an_attempt(file, view, name, error, words):
-    with pytest.raises(error, match=words), Child(Policy(detector=f"{file}:{name}"), 60) as child:
+    with (
+        pytest.raises(error, match=words),
+        Child(DetectorConfig(detector=f"{file}:{name}"), 60) as child,
+    ):
         asked(child, view)
 
 
 def test_a_child_that_takes_too_long_is_stopped_and_started_anew(file, view):
     near = type(view)(view.depth * 0.1, view.intrinsics, view.pose)
-    with Child(Policy(detector=f"{file}:sleeps"), 1.0) as child:
+    with Child(DetectorConfig(detector=f"{file}:sleeps"), 1.0) as child:
         with pytest.raises(DetectorTimeoutError, match="no answer within 1 s"):
             asked(child, view)
         assert len(asked(child, near)) == 1
@@ -200,7 +203,7 @@ def test_what_cannot_be_started_anew_is_an_error_of_the_attempt(view, tmp_path):
     """The file is removed while the detector works: what runs goes on, and fails alone."""
     path = tmp_path / "fleeting.py"
     path.write_text(CODE)
-    with Child(Policy(detector=f"{path}:leaves"), 60) as child:
+    with Child(DetectorConfig(detector=f"{path}:leaves"), 60) as child:
         path.unlink()
         with pytest.raises(DetectorError, match="ended with status 7"):
             asked(child, view)
@@ -210,7 +213,7 @@ def test_what_cannot_be_started_anew_is_an_error_of_the_attempt(view, tmp_path):
 
 
 def test_a_child_that_cannot_be_made_at_its_first_question_is_the_users_mistake(file, view):
-    child = Child(Policy(detector=f"{file}:Broken"), 60)
+    child = Child(DetectorConfig(detector=f"{file}:Broken"), 60)
     for _ in range(2):
         with pytest.raises(UserError, match="no such camera"):
             asked(child, view)
@@ -218,4 +221,4 @@ def test_a_child_that_cannot_be_made_at_its_first_question_is_the_users_mistake(
 
 def test_a_child_that_cannot_be_made_is_the_users_mistake(file):
     with pytest.raises(UserError, match="no such camera"):
-        Child(Policy(detector=f"{file}:Broken"), 60).__enter__()
+        Child(DetectorConfig(detector=f"{file}:Broken"), 60).__enter__()

@@ -9,7 +9,7 @@ import trimesh
 
 from egad.detectors.ggcnn import GGCNN
 from egad.detectors.subprocess import Child
-from egad.pipeline.config import GRIPPERS, Policy
+from egad.pipeline.config import GRIPPERS, DetectorConfig
 
 pytest.importorskip("torch")
 FOLDER = os.environ.get("EGAD_GGCNN")
@@ -47,5 +47,5 @@ def test_a_bar_is_grasped_across(look, name, most):
 def test_it_answers_from_a_process_of_its_own(look):
     view = look(trimesh.creation.box((0.03, 0.12, 0.04)))
     rng = np.random.default_rng(0)
-    with Child(Policy(detector="ggcnn", weights=published(FIRST)), 60) as child:
+    with Child(DetectorConfig(detector="ggcnn", weights=published(FIRST)), 60) as child:
         assert child(view, HAND, rng) == GGCNN(published(FIRST))(view, HAND, rng)

@@ -17,7 +17,7 @@ def test_grasps_are_all_over_the_object_and_in_all_directions(look):
     np.testing.assert_allclose(places.std(axis=0), np.array([0.04, 0.08]) / 12**0.5, rtol=0.15)
     angles = [grasp.angle for grasp in grasps]
     assert np.histogram(angles, 4, (-np.pi / 2, np.pi / 2))[0].min() > 70
-    assert all(grasp.flaw(HAND) is None for grasp in grasps)
+    assert all(grasp.infeasibility(HAND) is None for grasp in grasps)
 
 
 def test_chance_is_the_seeds(look):

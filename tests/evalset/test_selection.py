@@ -9,13 +9,13 @@ from egad.evalset.selection import (
     best_of_random,
     bound,
     candidates_by_cell,
+    cell_of_label,
     coarse_cells,
     empty_cells,
     improve,
     label_at,
     labels_of,
     mean_distance,
-    place,
     random_choice,
     select,
     total,
@@ -192,20 +192,22 @@ def test_only_objects_without_problems_are_chosen():
     objects, distances = dataset(24, 5)
     looked_at = []
 
-    def odd_ones_fail(place):
-        looked_at.append(place)
-        return ["too thin"] if place % 8 < 4 else []
+    def odd_ones_fail(cell_of_label):
+        looked_at.append(cell_of_label)
+        return ["too thin"] if cell_of_label % 8 < 4 else []
 
     found = selected(objects, distances, odd_ones_fail)
     good = [np.flatnonzero((np.arange(24) % 4 == c) & (np.arange(24) % 8 >= 4)) for c in range(4)]
     best = max(total(np.array(each), distances) for each in itertools.product(*good))
     assert total(found.chosen, distances) == pytest.approx(best)
-    assert all(place % 8 < 4 for place in found.left_out)
+    assert all(cell_of_label % 8 < 4 for cell_of_label in found.left_out)
     assert len(looked_at) == len(set(looked_at))
 
 
 def test_a_cell_whose_objects_all_have_problems_is_empty():
-    found = selected(*dataset(12), lambda place: ["too thin"] if place % 4 == 0 else [])
+    found = selected(
+        *dataset(12), lambda cell_of_label: ["too thin"] if cell_of_label % 4 == 0 else []
+    )
     assert list(found.table["label"]) == ["A1", "B0", "B1"]
     assert sorted(found.left_out) == [0, 4, 8]
 
@@ -271,8 +273,8 @@ def test_how_far_is_a_setting(far):
 def test_every_place_has_a_name_that_tells_it():
     names = labels_of(26, 10)
     assert len(set(names)) == 260
-    assert [label_at(*place(name)) for name in names] == names
-    assert [place(name) for name in labels_of(2, 2)] == [(0, 0), (0, 1), (1, 0), (1, 1)]
+    assert [label_at(*cell_of_label(name)) for name in names] == names
+    assert [cell_of_label(name) for name in labels_of(2, 2)] == [(0, 0), (0, 1), (1, 0), (1, 1)]
     assert all(LABEL.fullmatch(name) for name in names)
 
 

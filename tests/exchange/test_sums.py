@@ -4,7 +4,7 @@ import subprocess
 import pytest
 
 from egad.errors import UserError
-from egad.exchange.sums import NAME, read_sums, sum_of, write_sums
+from egad.exchange.sums import NAME, checksum, read_sums, write_sums
 from egad.tables.origin import Origin, made_by
 
 
@@ -19,13 +19,13 @@ def folder(tmp_path):
 
 
 def test_the_sums_of_a_folder_do_not_depend_on_hidden_files_or_on_being_written(folder):
-    before = sum_of(folder)
+    before = checksum(folder)
     write_sums(folder)
-    assert sum_of(folder) == before
+    assert checksum(folder) == before
     assert {path.name for path in read_sums(folder / NAME)[0]} == {"a.obj", "b c.stl"}
     (folder / "a.obj").write_text("c")
     (folder / NAME).unlink()
-    assert sum_of(folder) != before
+    assert checksum(folder) != before
 
 
 @pytest.mark.skipif(shutil.which("sha256sum") is None, reason="needs sha256sum")

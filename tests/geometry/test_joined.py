@@ -5,7 +5,7 @@ from egad.geometry.manifold import to_solid
 from egad.geometry.primitives import (
     KINDS,
     Piece,
-    attached,
+    attach,
     joined_primitives,
     loose_piece,
     random_pieces,
@@ -58,7 +58,7 @@ def test_attached_pieces_overlap_their_base_and_lie_further_out():
     for number in range(80):
         rng = np.random.default_rng(number)
         base = loose_piece(rng)._replace(middle=rng.normal(size=3))
-        piece = attached(loose_piece(rng), base, rng)
+        piece = attach(loose_piece(rng), base, rng)
         both = (solid_of(base) ^ solid_of(piece)).volume()
         assert both > 1e-5
         assert (piece.rotation @ piece.rotation.T) == pytest.approx(np.eye(3))

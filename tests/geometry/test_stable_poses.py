@@ -6,7 +6,7 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.geometry.mass import mass_properties
-from egad.geometry.stable_poses import grouped, stable_poses, turned_down
+from egad.geometry.stable_poses import group_poses, rotation_to_table, stable_poses
 
 
 def poses_of(mesh):
@@ -74,7 +74,7 @@ def test_dents_and_spikes_leave_three_corners_or_more_on_the_table(spiky_box):
 
 def test_nearly_the_same_poses_of_a_round_object_are_joined_with_all_their_chances():
     poses = poses_of(trimesh.creation.icosphere(subdivisions=3))
-    joined = grouped(poses, np.radians(30))
+    joined = group_poses(poses, np.radians(30))
     assert len(joined) < len(poses)
     assert sum(pose.probability for pose in joined) == pytest.approx(1)
     normals = np.array([pose.normal for pose in joined])
@@ -115,7 +115,7 @@ def test_at_rest_the_centre_of_mass_is_lower_than_in_any_pose_nearby(seed):
 @pytest.mark.parametrize("normal", [[0, 0, 1], [0, 0, -1], [1, 0, 0], [0.6, 0, 0.8], [0, 1e-9, 1]])
 def test_the_resting_face_is_turned_down(normal):
     unit = np.array(normal, float) / np.linalg.norm(normal)
-    turn = turned_down(unit)
+    turn = rotation_to_table(unit)
     np.testing.assert_allclose(turn @ unit, [0, 0, -1], atol=1e-12)
     np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(turn) == pytest.approx(1)

@@ -7,7 +7,7 @@ from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches, first_approaches
 from egad.grasps.collision import blocked_turns, box_meets_triangle
 from egad.grasps.hand import Part, parts
-from egad.grasps.sampler import Grasps
+from egad.grasps.sampler import ContactPairs
 from egad.pipeline.config import Gripper
 
 HAND = Gripper(
@@ -52,7 +52,7 @@ def across_x(*centers):
     axis = np.array([1.0, 0, 0])
     points = np.stack([centers - 0.02 * axis, centers + 0.02 * axis], axis=1)
     normals = np.tile([-axis, axis], (len(centers), 1, 1))
-    return Grasps(points, normals, np.tile(axis, (len(centers), 1)))
+    return ContactPairs(points, normals, np.tile(axis, (len(centers), 1)))
 
 
 def test_box_against_triangle_equals_clipping():
@@ -163,7 +163,7 @@ def test_approach_is_a_unit_vector_at_right_angles_to_the_axis():
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
     points = np.stack([-0.02 * axes, 0.02 * axes], axis=1)
     ball = trimesh.creation.box([0.03, 0.03, 0.03]).apply_translation([0, 0.01, 0.01])
-    found = collision_free(ball, Grasps(points, points, axes), HAND)[0]
+    found = collision_free(ball, ContactPairs(points, points, axes), HAND)[0]
     for approach in (first_approaches(axes), found):
         np.testing.assert_allclose(np.linalg.norm(approach, axis=1), 1)
         np.testing.assert_allclose(np.einsum("nk,nk->n", approach, axes), 0, atol=1e-12)
@@ -174,7 +174,7 @@ def test_approach_is_a_unit_vector_at_right_angles_to_the_axis():
 def test_a_grasp_as_wide_as_the_opening_does_not_collide_with_itself():
     block = trimesh.creation.box([0.06, 0.03, 0.03])
     grasps = across_x([0, 0, 0])
-    wide = Grasps(grasps.points * 1.5, grasps.normals, grasps.axes)
+    wide = ContactPairs(grasps.points * 1.5, grasps.normals, grasps.axes)
     assert collision_free(block, wide, HAND)[1][0]
 
 
@@ -193,7 +193,7 @@ def test_a_box_as_a_mesh_is_the_palm_box():
     axes = rng.normal(size=(60, 3))
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
     centers = rng.normal(0, 0.02, (60, 1, 3))
-    grasps = Grasps(centers + axes[:, None] * [[[-0.02], [0.02]]], np.zeros((60, 2, 3)), axes)
+    grasps = ContactPairs(centers + axes[:, None] * [[[-0.02], [0.02]]], np.zeros((60, 2, 3)), axes)
     parts_of = [
         trimesh.creation.icosphere(subdivisions=2, radius=0.01).apply_translation(place)
         for place in rng.normal(0, 0.05, (6, 3))

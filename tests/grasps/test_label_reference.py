@@ -7,7 +7,7 @@ from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
 from egad.geometry.rays import RayCaster
-from egad.grasps.labels import found, rated, tally_row
+from egad.grasps.labels import rate_grasps, sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters
 from egad.pipeline.config import GraspLabel, Settings
 from egad.pipeline.config.stage_settings import select
@@ -39,9 +39,9 @@ def labelled(request):
     mesh = OBJECTS[request.param]
     caster = RayCaster(mesh)
     rng = np.random.default_rng(7)
-    grasps, tally = found(caster, SETTINGS, rng)
+    grasps, tally = sample_for_labels(caster, SETTINGS, rng)
     state = rng.bit_generator.state
-    frame = rated(caster, mesh.center_mass, grasps, SETTINGS, rng)
+    frame = rate_grasps(caster, mesh.center_mass, grasps, SETTINGS, rng)
     again = np.random.default_rng()
     again.bit_generator.state = state
     return mesh, frame, tally, again
@@ -108,7 +108,7 @@ def test_contacts_and_quality_equal_the_reference(labelled):
         pair = ([each[i] for each in points], [each[i] for each in normals])
         expected = quality(*pair, axes[i], mesh.center_mass, 0.5, 100)
         assert row["quality"] == pytest.approx(expected, rel=1e-6, abs=1e-9)
-    row = tally_row(10, tally, frame)
+    row = statistics_row(10, tally, frame)
     causes = ["too_wide", "not_antipodal", "blocked", "too_close", "surplus", "grasps"]
     assert sum(row[cause] for cause in causes) == row["tried"] == 200
     assert row["grasps"] == len(frame) == 10

@@ -4,9 +4,9 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
-from egad.grasps.labels import found, label
+from egad.grasps.labels import label_grasps, sample_for_labels
 from egad.grasps.parameters import LabelParameters
-from egad.grasps.sampler import sample
+from egad.grasps.sampler import sample_contacts
 from egad.pipeline.config import GraspLabel, Settings
 from egad.pipeline.config.stage_settings import select
 from egad.tables import parquet
@@ -19,7 +19,7 @@ MESH = trimesh.creation.cylinder(0.02, 0.08, sections=48)
 
 
 def labels(mesh=MESH, seed=0):
-    return label(mesh, mesh.center_mass, SETTINGS, np.random.default_rng(seed))
+    return label_grasps(mesh, mesh.center_mass, SETTINGS, np.random.default_rng(seed))
 
 
 def vectors(frame, name):
@@ -32,7 +32,7 @@ def test_columns_are_those_of_the_table(tmp_path):
     assert list(frame.columns) == expected
     assert frame["grasp"].tolist() == list(range(40))
     path = tmp_path / "grasps.parquet"
-    parquet.write(frame.assign(id="a", label="A00_0"), GRASPS, path)
+    parquet.write(frame.assign(id="a", label_grasps="A00_0"), GRASPS, path)
     assert len(parquet.read(path, GRASPS)) == 40
 
 
@@ -65,7 +65,9 @@ def test_an_object_without_grasps_is_rejected_with_the_reason():
 def test_grasps_are_kept_that_no_horizontal_approach_reaches():
     ring = trimesh.creation.torus(0.03, 0.008)
     rng = np.random.default_rng
-    _, sampled = sample(RayCaster(ring), SETTINGS.gripper.opening, 40, SETTINGS.sampling, rng(0))
-    _, tally = found(RayCaster(ring), SETTINGS, rng(0))
+    _, sampled = sample_contacts(
+        RayCaster(ring), SETTINGS.gripper.opening, 40, SETTINGS.sampling, rng(0)
+    )
+    _, tally = sample_for_labels(RayCaster(ring), SETTINGS, rng(0))
     assert sampled.blocked > 0
     assert tally.blocked == 0

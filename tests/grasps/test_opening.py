@@ -5,8 +5,8 @@ import trimesh
 from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches
 from egad.grasps.hand import finger_span
-from egad.grasps.opening import fitting_part, needed_openings, pinch_widths
-from egad.grasps.sampler import Grasps, sample
+from egad.grasps.opening import graspable_fraction, graspable_widths, needed_openings
+from egad.grasps.sampler import ContactPairs, sample_contacts
 from egad.pipeline.config import Gripper, Sampling
 
 HAND = Gripper(opening=0.06, finger_length=0.05, finger_width=0.02, finger_thickness=0.01)
@@ -16,7 +16,7 @@ DOWN = np.array([[0.0, 0.0, -1.0]])
 def across_x(width):
     axis = np.array([1.0, 0, 0])
     points = np.array([[-width / 2 * axis, width / 2 * axis]])
-    return Grasps(points, np.array([[-axis, axis]]), axis[None])
+    return ContactPairs(points, np.array([[-axis, axis]]), axis[None])
 
 
 def needed(mesh, width, hand=HAND):
@@ -67,7 +67,7 @@ def test_openings_equal_trying_one_after_another():
     """Points all over the object, against fingers that open by steps."""
     mesh = trimesh.creation.torus(0.03, 0.012, major_sections=48, minor_sections=24)
     rng = np.random.default_rng(0)
-    grasps, _ = sample(RayCaster(mesh), HAND.opening, 25, Sampling(), rng)
+    grasps, _ = sample_contacts(RayCaster(mesh), HAND.opening, 25, Sampling(), rng)
     best = best_approaches(RayCaster(mesh), grasps, HAND)
     found = needed_openings(RayCaster(mesh), grasps, best.directions, HAND)
     points = trimesh.sample.sample_surface(mesh, 400_000, seed=1)[0]
@@ -87,26 +87,26 @@ def test_openings_equal_trying_one_after_another():
 
 def test_a_bar_fits_crosswise_but_not_lengthwise():
     bar = trimesh.creation.box((0.1, 0.02, 0.03))
-    widths, areas = pinch_widths(bar)
+    widths, areas = graspable_widths(bar)
     assert np.unique(widths.round(9)).tolist() == [0.02, 0.03, 0.1]
     assert areas.sum() == pytest.approx(bar.area)
     across, along, ends = (2 * a * b for a, b in [(0.1, 0.03), (0.1, 0.02), (0.02, 0.03)])
-    assert fitting_part(widths, areas, 0.019) == 0
-    assert fitting_part(widths, areas, 0.025) == pytest.approx(across / bar.area)
-    assert fitting_part(widths, areas, 0.05) == pytest.approx((across + along) / bar.area)
-    assert fitting_part(widths, areas, 0.2) == 1
+    assert graspable_fraction(widths, areas, 0.019) == 0
+    assert graspable_fraction(widths, areas, 0.025) == pytest.approx(across / bar.area)
+    assert graspable_fraction(widths, areas, 0.05) == pytest.approx((across + along) / bar.area)
+    assert graspable_fraction(widths, areas, 0.2) == 1
     assert ends + across + along == pytest.approx(bar.area)
 
 
 def test_widths_grow_with_the_object():
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.03)
-    widths, _ = pinch_widths(ball)
+    widths, _ = graspable_widths(ball)
     assert widths == pytest.approx(0.06, rel=0.01)
-    larger, _ = pinch_widths(trimesh.Trimesh(2 * ball.vertices, ball.faces))
+    larger, _ = graspable_widths(trimesh.Trimesh(2 * ball.vertices, ball.faces))
     assert larger == pytest.approx(2 * widths)
 
 
 def test_the_wall_of_a_pipe_fits_where_the_pipe_does_not():
     pipe = trimesh.creation.annulus(0.02, 0.022, 0.1, sections=64)
-    widths, areas = pinch_widths(pipe)
-    assert fitting_part(widths, areas, 0.0025) > 0.9
+    widths, areas = graspable_widths(pipe)
+    assert graspable_fraction(widths, areas, 0.0025) > 0.9

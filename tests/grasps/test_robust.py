@@ -5,7 +5,7 @@ import trimesh
 from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import close_fingers, robust_ferrari_canny
-from egad.grasps.sampler import Grasps, sample
+from egad.grasps.sampler import ContactPairs, sample_contacts
 from egad.pipeline.config import Quality, Robust, Sampling
 
 CALM = {
@@ -36,12 +36,12 @@ def pinch(width, count=1):
     points = np.array([[-width / 2, 0, 0], [width / 2, 0, 0]])
     normals = np.array([[-1.0, 0, 0], [1.0, 0, 0]])
     each = (points, normals, np.array([1.0, 0, 0]))
-    return Grasps(*(np.repeat(value[None], count, axis=0) for value in each))
+    return ContactPairs(*(np.repeat(value[None], count, axis=0) for value in each))
 
 
 def test_without_disturbance_it_is_the_plain_quality():
     mesh = trimesh.creation.icosphere(subdivisions=3, radius=0.02)
-    grasps, _ = sample(RayCaster(mesh), 0.05, 50, Sampling(), np.random.default_rng(0))
+    grasps, _ = sample_contacts(RayCaster(mesh), 0.05, 50, Sampling(), np.random.default_rng(0))
     plain = ferrari_canny(
         grasps.points, grasps.normals, grasps.axes, np.zeros(3), torque_scaling=1000
     )

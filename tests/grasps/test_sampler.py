@@ -6,7 +6,7 @@ import trimesh
 
 from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.sampler import Tally, approach_directions, sample
+from egad.grasps.sampler import SamplingStatistics, approach_directions, sample_contacts
 from egad.measures.difficulty import percentile
 from egad.pipeline.config import Sampling
 
@@ -15,7 +15,9 @@ OPENING = 0.05
 
 
 def draw(mesh, count=100, seed=0, **rules):
-    return sample(RayCaster(mesh), OPENING, count, Sampling(**rules), np.random.default_rng(seed))
+    return sample_contacts(
+        RayCaster(mesh), OPENING, count, Sampling(**rules), np.random.default_rng(seed)
+    )
 
 
 def box(*sides):
@@ -123,7 +125,7 @@ def test_tally_counts_every_candidate_once():
     assert tally.tried == 20_000
     assert failed + len(grasps) == tally.tried
     assert min(tally.too_wide, tally.not_antipodal, tally.blocked, tally.too_close) > 0
-    assert tally + tally == Tally(*(2 * value for value in vars(tally).values()))
+    assert tally + tally == SamplingStatistics(*(2 * value for value in vars(tally).values()))
 
 
 def test_first_contacts_are_uniform_over_the_surface():

@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 from PIL import Image
 
-from egad.perception.camera import Intrinsics, View, above
+from egad.perception.camera import Intrinsics, View, camera_above
 
 FOCAL, FAR, SIZE = 417.0, 0.6, 300
 PARTS = {"train": 0.7, "validation": 0.15, "test": 0.15}
@@ -129,4 +129,4 @@ def view(pictures):
     """The first of these images as a camera that looks straight down sees it."""
     stored = np.asarray(Image.open(io.BytesIO(pictures[0]["depth"])), dtype=np.float32)
     depth = np.where(stored > 0, stored / 10_000, np.float32(np.nan))
-    return View(depth, Intrinsics(SIZE, SIZE, FOCAL, (149.5, 149.5)), above(FAR))
+    return View(depth, Intrinsics(SIZE, SIZE, FOCAL, (149.5, 149.5)), camera_above(FAR))

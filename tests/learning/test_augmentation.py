@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from egad.learning.augmentation import Change, changed_depth, changed_rectangles, drawn
+from egad.learning.augmentation import Change, change_depth, change_rectangles, sample_change
 
 
 def marked(u, v):
@@ -14,8 +14,8 @@ def marked(u, v):
 @pytest.mark.parametrize("zoom", [1.0, 0.8, 0.5])
 def test_grasps_go_where_their_place_in_the_image_goes(turns, zoom):
     change = Change(turns, zoom)
-    moved = changed_rectangles(np.array([[170.0, 120.0, 0.2, 40.0, 10.0]]), change, 300)[0]
-    row, column = np.unravel_index(changed_depth(marked(170, 120), change).argmax(), (300, 300))
+    moved = change_rectangles(np.array([[170.0, 120.0, 0.2, 40.0, 10.0]]), change, 300)[0]
+    row, column = np.unravel_index(change_depth(marked(170, 120), change).argmax(), (300, 300))
     np.testing.assert_allclose([column, row], moved[:2], atol=1.0)
     np.testing.assert_allclose(moved[3:], np.array([40, 10]) / zoom)
 
@@ -26,7 +26,7 @@ def test_angles_turn_with_the_image(turns):
     center, end = np.array([150.0, 140.0]), np.array([190.0, 120.0])
     angle = np.arctan2(-(end - center)[1], (end - center)[0])
     rows = np.array([[*center, angle, 40, 10], [*end, 0, 1, 1]])
-    moved = changed_rectangles(rows, Change(turns, 0.7), 300)
+    moved = change_rectangles(rows, Change(turns, 0.7), 300)
     away = moved[1, :2] - moved[0, :2]
     off = moved[0, 2] - np.arctan2(-away[1], away[0])
     assert np.sin(off) == pytest.approx(0, abs=1e-9)
@@ -35,21 +35,21 @@ def test_angles_turn_with_the_image(turns):
 
 def test_four_turns_and_no_turn_are_the_same():
     depth = np.random.default_rng(0).random((300, 300))
-    np.testing.assert_array_equal(changed_depth(depth, Change(4)), depth)
+    np.testing.assert_array_equal(change_depth(depth, Change(4)), depth)
     rows = np.random.default_rng(0).uniform(-1, 1, (5, 5))
     np.testing.assert_allclose(
-        changed_rectangles(rows, Change(4), 300), changed_rectangles(rows, Change(), 300)
+        change_rectangles(rows, Change(4), 300), change_rectangles(rows, Change(), 300)
     )
 
 
 def test_the_depths_stay_as_they_are():
-    seen = changed_depth(np.full((300, 300), 0.6), Change(1, 0.6))
+    seen = change_depth(np.full((300, 300), 0.6), Change(1, 0.6))
     np.testing.assert_allclose(seen, 0.6)
 
 
 def test_changes_are_drawn_within_their_bounds():
     rng = np.random.default_rng(0)
-    found = [drawn((0.5, 0.9), rng) for _ in range(200)]
+    found = [sample_change((0.5, 0.9), rng) for _ in range(200)]
     assert {change.turns for change in found} == {0, 1, 2, 3}
     assert 0.5 <= min(each.zoom for each in found) < 0.52
     assert 0.88 < max(each.zoom for each in found) <= 0.9

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from egad.errors import TableError, UserError
-from egad.learning.dataset import LearningSet, Rule, Stream, example, order
+from egad.learning.dataset import Dataset, PositiveFilter, Stream, example, order
 
-RULE = Rule(0.002, 0.02)
+RULE = PositiveFilter(0.002, 0.02)
 
 
 @dataclass
@@ -27,7 +27,7 @@ def changed(pictures):
 
 
 def test_every_image_is_found_with_its_counts(images, pictures):
-    index = LearningSet(images, RULE).index
+    index = Dataset(images, RULE).index
     assert index["image"].tolist() == [row["image"] for row in pictures]
     assert index["grasps"].tolist() == [len(row["u"]) for row in pictures]
     # One that collides and one that would slip are in every image; a third shows no other.
@@ -37,12 +37,12 @@ def test_every_image_is_found_with_its_counts(images, pictures):
 
 @pytest.mark.parametrize("split", ["train", "validation", "test"])
 def test_a_split_has_its_images_and_no_others(images, pictures, split):
-    found = LearningSet(images, RULE).numbers(split)
+    found = Dataset(images, RULE).indices(split)
     assert found.tolist() == [n for n, row in enumerate(pictures) if row["split"] == split]
 
 
 def test_depths_and_grasps_come_back(images, pictures):
-    shards = LearningSet(images, RULE)
+    shards = Dataset(images, RULE)
     for number in (59, 1, 31):
         depth, grasps = shards.image(number)
         row = pictures[number]
@@ -59,13 +59,13 @@ def test_the_best_grasp_is_the_last_one(write, changed, tmp_path):
     count = len(changed.rows[0]["u"])
     quality = np.linspace(0.005, 0.003, count).astype(np.float32)
     rows = changed(quality=quality, free=np.ones(count, bool), u=np.arange(count, dtype=np.float32))
-    _, grasps = LearningSet(write(tmp_path, rows), RULE).image(0)
+    _, grasps = Dataset(write(tmp_path, rows), RULE).image(0)
     assert grasps[:, 0].tolist() == list(range(count))[::-1]
 
 
 def test_few_images_are_kept_in_memory(images, monkeypatch):
     monkeypatch.setattr("egad.learning.dataset.WINDOW", 16)
-    shards = LearningSet(images, RULE)
+    shards = Dataset(images, RULE)
     expected = [shards.image(number)[1] for number in range(60)]
     assert sum(map(len, shards._kept.values())) <= 32
     for number in range(60):
@@ -73,18 +73,18 @@ def test_few_images_are_kept_in_memory(images, monkeypatch):
 
 
 def test_a_copy_for_another_process_gives_the_same(images):
-    shards = LearningSet(images, RULE)
+    shards = Dataset(images, RULE)
     copy = pickle.loads(pickle.dumps(shards))  # noqa: S301 (our own)
     np.testing.assert_array_equal(copy.image(7)[0], shards.image(7)[0])
 
 
 def test_a_folder_without_images_or_with_a_gap_is_a_mistake(write, pictures, tmp_path):
     with pytest.raises(UserError, match="no images here"):
-        LearningSet(tmp_path, RULE)
+        Dataset(tmp_path, RULE)
     write(tmp_path, pictures[:6], shards=3)
     (tmp_path / "images-1.parquet").unlink()
     with pytest.raises(UserError, match=r"half written, images-1\.parquet of 3 shards missing"):
-        LearningSet(tmp_path, RULE)
+        Dataset(tmp_path, RULE)
 
 
 def test_a_shard_that_is_cut_short_or_lacks_a_column_is_a_mistake(write, pictures, tmp_path):
@@ -92,18 +92,18 @@ def test_a_shard_that_is_cut_short_or_lacks_a_column_is_a_mistake(write, picture
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
     with pytest.raises(TableError, match="not a readable Parquet file"):
-        LearningSet(tmp_path, RULE)
+        Dataset(tmp_path, RULE)
     write(tmp_path, [{k: v for k, v in row.items() if k != "angle"} for row in pictures[:6]], 1)
     with pytest.raises(TableError, match="columns are missing: angle"):
-        LearningSet(tmp_path, RULE)
+        Dataset(tmp_path, RULE)
 
 
 def test_an_unknown_split_and_an_empty_one_are_mistakes(write, changed, tmp_path):
-    shards = LearningSet(write(tmp_path / "one", changed()), RULE)
+    shards = Dataset(write(tmp_path / "one", changed()), RULE)
     with pytest.raises(UserError, match="no image is of the split test"):
-        shards.numbers("test")
+        shards.indices("test")
     with pytest.raises(UserError, match="split 'holdout' is none of train, validation, test"):
-        LearningSet(write(tmp_path / "two", changed(split="holdout")), RULE)
+        Dataset(write(tmp_path / "two", changed(split="holdout")), RULE)
 
 
 @pytest.mark.parametrize(
@@ -115,7 +115,7 @@ def test_an_unknown_split_and_an_empty_one_are_mistakes(write, changed, tmp_path
     ],
 )
 def test_a_damaged_image_is_named(write, changed, tmp_path, values, words):
-    shards = LearningSet(write(tmp_path, changed(**values)), RULE)
+    shards = Dataset(write(tmp_path, changed(**values)), RULE)
     shards.image(1)
     with pytest.raises(TableError, match=words):
         shards.image(0)
@@ -127,7 +127,7 @@ def test_a_damaged_image_is_named(write, changed, tmp_path, values, words):
 def test_numbers_that_are_no_pixels_are_refused(write, pictures, tmp_path, name, value):
     row = {**pictures[1], name: np.full(len(pictures[1]["u"]), value, np.float32)}
     with pytest.raises(TableError, match="numbers that are no pixels"):
-        LearningSet(write(tmp_path, [row], 1), RULE).image(0)
+        Dataset(write(tmp_path, [row], 1), RULE).image(0)
 
 
 def test_a_damaged_png_is_refused_whatever_is_wrong_with_it(write, pictures, tmp_path):
@@ -139,9 +139,7 @@ def test_a_damaged_png_is_refused_whatever_is_wrong_with_it(write, pictures, tmp
         data = bytearray(whole)
         data[place] ^= 0x41
         broken.append(bytes(data))
-    shards = LearningSet(
-        write(tmp_path, [{**pictures[1], "depth": data} for data in broken], 1), RULE
-    )
+    shards = Dataset(write(tmp_path, [{**pictures[1], "depth": data} for data in broken], 1), RULE)
     for number in range(len(broken)):
         with suppress(TableError):
             assert np.nanmax(shards.image(number)[0]) > 0
@@ -149,7 +147,7 @@ def test_a_damaged_png_is_refused_whatever_is_wrong_with_it(write, pictures, tmp
 
 @pytest.fixture(scope="module")
 def shards(images):
-    return LearningSet(images, RULE)
+    return Dataset(images, RULE)
 
 
 def test_a_pass_shows_each_training_image_once(shards):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from egad.learning.dataset import LearningSet, Rule
-from egad.learning.evaluation import across, right
+from egad.learning.dataset import Dataset, PositiveFilter
+from egad.learning.evaluation import count_correct, narrow_side_grasp
 from egad.perception.rectangles import agrees
 
 
@@ -13,7 +13,7 @@ def test_a_bar_is_grasped_across_its_middle(angle):
     u, v = np.meshgrid(np.arange(300) - 120.0, np.arange(300) - 170.0)
     narrow = np.cos(angle) * u - np.sin(angle) * v
     long = np.sin(angle) * u + np.cos(angle) * v
-    found = across((np.abs(narrow) <= 15) & (np.abs(long) <= 50))
+    found = narrow_side_grasp((np.abs(narrow) <= 15) & (np.abs(long) <= 50))
     np.testing.assert_allclose(found[:2], [120, 170], atol=0.2)
     assert found[2] == pytest.approx(angle, abs=0.01)
     assert found[3] == pytest.approx(31, abs=1.5)
@@ -21,13 +21,13 @@ def test_a_bar_is_grasped_across_its_middle(angle):
 
 def test_images_are_counted_in_which_it_is_right(images):
     """By looking at each image; those without a positive grasp never count."""
-    shards = LearningSet(images, Rule(0.002, 0.02))
+    shards = Dataset(images, PositiveFilter(0.002, 0.02))
     numbers = range(len(shards.index))
     expected = 0
     for number in numbers:
         truth = shards.image(number)[1]
-        expected += len(truth) > 0 and agrees(across(shards.mask(number)), truth)
-    assert right(shards, numbers) == expected
+        expected += len(truth) > 0 and agrees(narrow_side_grasp(shards.mask(number)), truth)
+    assert count_correct(shards, numbers) == expected
     assert 0 < expected <= (shards.index["positive"] > 0).sum()
     empty = np.flatnonzero(shards.index["positive"] == 0)
-    assert right(shards, empty) == 0
+    assert count_correct(shards, empty) == 0

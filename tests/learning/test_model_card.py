@@ -1,9 +1,9 @@
 import pandas as pd
 import pytest
 
-from egad.learning.dataset import LearningSet, Rule
+from egad.learning.dataset import Dataset, PositiveFilter
 from egad.learning.evaluation import Score
-from egad.learning.model_card import Trained, card, counts, table
+from egad.learning.model_card import TrainedNetwork, card, counts, table
 from egad.report.training import training_chart
 
 
@@ -17,7 +17,7 @@ def history():
 
 
 def test_counts_are_of_objects_images_negatives_and_grasps(images, pictures):
-    found = {row[0]: row[1:] for row in counts(LearningSet(images, Rule(0.002, 0.02)).index)}
+    found = {row[0]: row[1:] for row in counts(Dataset(images, PositiveFilter(0.002, 0.02)).index)}
     for split, (objects, shown, empty, grasps, positive) in found.items():
         rows = [row for row in pictures if row["split"] == split]
         assert objects == len({row["id"] for row in rows})
@@ -27,9 +27,11 @@ def test_counts_are_of_objects_images_negatives_and_grasps(images, pictures):
 
 
 def test_the_card_names_the_epoch_that_was_taken_and_the_score(images, history):
-    index = LearningSet(images, Rule(0.002, 0.02)).index
-    score = Score(right=30, count=40, objects=7, interval=(0.6, 0.85), loss=0.0234)
-    trained = Trained("GG-CNN", 62420, "pictures", index, history, score, 22, {"quality": 0.002})
+    index = Dataset(images, PositiveFilter(0.002, 0.02)).index
+    score = Score(n_correct=30, n_images=40, objects=7, interval=(0.6, 0.85), loss=0.0234)
+    trained = TrainedNetwork(
+        "GG-CNN", 62420, "pictures", index, history, score, 22, {"quality": 0.002}
+    )
     text = card(trained)
     assert "right in 30 of 40 images of 7 held-out objects" in text
     assert "75.0%, for other objects of the same kind 60.0% to 85.0%" in text

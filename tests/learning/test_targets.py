@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from egad.learning.targets import MOST_PEAKS, best, peaks, prepared, read, targets
+from egad.learning.targets import MOST_PEAKS, best, peaks, prepare_input, read_maps, targets
 from egad.perception.rectangles import agrees
 
 
@@ -58,15 +58,15 @@ def test_what_is_painted_can_be_read_again():
     """The best grasp of a painted map is the one that was painted."""
     for turn in (-1.5, -0.7, 0.0, 0.4, 1.2):
         truth = np.array([[120.0, 170.0, turn, 60.0, 24.0]])
-        found = best(read(targets(truth)))
+        found = best(read_maps(targets(truth)))
         assert agrees(found, truth)
         assert abs((found[2] - turn + np.pi / 2) % np.pi - np.pi / 2) < 0.01
 
 
 def test_depths_go_in_less_their_mean_and_clipped():
     depth = np.array([[0.5, 0.7], [0.6, 9.0]])
-    np.testing.assert_allclose(prepared(depth), [[-1, -1], [-1, 1]])
-    np.testing.assert_allclose(prepared(depth[:1]), [[-0.1, 0.1]], atol=1e-7)
+    np.testing.assert_allclose(prepare_input(depth), [[-1, -1], [-1, 1]])
+    np.testing.assert_allclose(prepare_input(depth[:1]), [[-0.1, 0.1]], atol=1e-7)
 
 
 def test_maps_are_read_as_they_are_coded():
@@ -75,7 +75,7 @@ def test_maps_are_read_as_they_are_coded():
         np.ones((4, 60, 60))
         * np.array([0.5, np.cos(2 * angle), np.sin(2 * angle), 0.3])[:, None, None]
     )
-    answer = read(maps)
+    answer = read_maps(maps)
     np.testing.assert_allclose(answer.quality, 0.5)
     np.testing.assert_allclose(answer.angle, angle)
     np.testing.assert_allclose(answer.opening, 90)
@@ -86,14 +86,14 @@ def test_half_certain_networks_do_not_ask_for_half_of_the_opening():
     painted = targets(np.array([[150.0, 120.0, 0.7, 60.0, 30.0]]))
     for certainty in (1.0, 0.5, 0.1):
         np.testing.assert_allclose(
-            best(read(certainty * painted)), [150, 120, 0.7, 60], rtol=1e-3, atol=1e-3
+            best(read_maps(certainty * painted)), [150, 120, 0.7, 60], rtol=1e-3, atol=1e-3
         )
 
 
 def test_where_there_is_no_grasp_the_opening_has_its_bounds():
     maps = np.zeros((4, 60, 60))
     maps[3] = np.linspace(-1, 1, 60)
-    opening = read(maps).opening
+    opening = read_maps(maps).opening
     assert np.isfinite(opening).all()
     assert (opening.min(), opening.max()) == (0, 150)
 
@@ -115,6 +115,6 @@ def test_the_best_grasp_is_a_column_a_row_an_angle_and_an_opening():
     maps = np.zeros((4, 100, 100))
     maps[0, 30, 70] = 1
     maps[1], maps[3] = 1, 0.2
-    found = best(read(maps))
+    found = best(read_maps(maps))
     np.testing.assert_allclose(found[:3], [70, 30, 0])
     assert found[3] > 30  # less certain than 1 after smoothing

@@ -8,7 +8,7 @@ import pytest
 
 from egad.errors import UserError
 from egad.learning import evaluation as scoring
-from egad.learning.dataset import LearningSet, Rule, example
+from egad.learning.dataset import Dataset, PositiveFilter, example
 from egad.pipeline.config import Training
 from egad.tables.training import HISTORY
 
@@ -21,7 +21,7 @@ SHORT = Training(network="ggcnn", images=10, epoch=4, batch=3, validation=2)
 
 @pytest.fixture(scope="module")
 def shards(images):
-    return LearningSet(images, Rule(0.002, 0.02))
+    return Dataset(images, PositiveFilter(0.002, 0.02))
 
 
 class InterruptionError(Exception):
@@ -123,7 +123,7 @@ def test_it_ends_when_nothing_gets_better(shards, monkeypatch):
     losses = iter([3.0, 2.0, 2.5, 2.0, 1.0])
 
     def judge(*_):
-        return [scoring.Judged(np.full(4, next(losses) / 4), hit=None)]
+        return [scoring.ImageScore(np.full(4, next(losses) / 4), hit=None)]
 
     monkeypatch.setattr(training, "judge", judge)
     settings = SHORT.model_copy(update={"images": 20, "patience": 2})
@@ -166,17 +166,17 @@ class TestScoring:
         for number in shards.numbers("train")[:6]:
             depth, truth = shards.image(number)
             maps = torch.from_numpy(example(depth, truth)[1])[None]
-            judged = scoring.judged(lambda _, maps=maps: maps, depth, truth)
+            judged = scoring.score_image(lambda _, maps=maps: maps, depth, truth)
             assert judged.losses.tolist() == [0, 0, 0, 0]
             assert judged.hit is (True if len(truth) else None)
 
     def test_a_wrong_answer_is_wrong_by_its_squares(self, shards):
         depth, truth = shards.image(1)
-        judged = scoring.judged(lambda _: torch.full((1, 4, 300, 300), 2.0), depth, truth[:0])
+        judged = scoring.score_image(lambda _: torch.full((1, 4, 300, 300), 2.0), depth, truth[:0])
         np.testing.assert_allclose(judged.losses, 4)
-        assert scoring.judged(lambda _: torch.zeros(1, 4, 300, 300), depth, truth).hit is False
+        assert scoring.score_image(lambda _: torch.zeros(1, 4, 300, 300), depth, truth).hit is False
 
     def test_images_without_a_good_grasp_do_not_count(self):
         hits = [True, None, False, True, None]
-        assert scoring.score([scoring.Judged(np.zeros(4), hit) for hit in hits]) == 2 / 3
+        assert scoring.score([scoring.ImageScore(np.zeros(4), hit) for hit in hits]) == 2 / 3
         assert math.isnan(scoring.score([]))

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import yaml
 
-from egad.detectors.registry import detector
-from egad.pipeline.config import GRIPPERS, Policy
+from egad.detectors.registry import make_detector
+from egad.pipeline.config import GRIPPERS, DetectorConfig
 from egad.pipeline.config.check import check
 from egad.plugins import find
 
@@ -23,10 +23,10 @@ def test_a_network_of_ones_own_is_trained_and_proposes_grasps(images, view, tmp_
     find(f"{tmp_path}/mine.py:train", "", "function")(images, tmp_path / "mine.pt", 16)
     weights = torch.load(tmp_path / "mine.pt", weights_only=True)
     assert all(value.isfinite().all() for value in weights.values())
-    mine = Policy(detector=f"{tmp_path}/mine.py:Mine", weights=str(tmp_path / "mine.pt"))
-    found = detector(mine)(view, HAND, np.random.default_rng(0))
+    mine = DetectorConfig(detector=f"{tmp_path}/mine.py:Mine", weights=str(tmp_path / "mine.pt"))
+    found = make_detector(mine)(view, HAND, np.random.default_rng(0))
     assert len(found) > 0
-    assert all(grasp.flaw(HAND) is None for grasp in found)
+    assert all(grasp.infeasibility(HAND) is None for grasp in found)
 
 
 def test_its_configuration_is_allowed():

@@ -15,8 +15,8 @@ from egad.cppn.voxels import largest_body, unpack
 from egad.map_elites.archive import Archive
 from egad.map_elites.island import evolve
 from egad.map_elites.parameters import EvolutionParameters
-from egad.measures.custom import own_value
-from egad.measures.measure import coordinates
+from egad.measures.custom import plugin_value
+from egad.measures.measure import measure_mesh
 from egad.pipeline.config.check import check
 from egad.pipeline.config.schema import schema
 from egad.pipeline.config.stage_settings import select
@@ -139,8 +139,8 @@ def test_the_coordinates_are_the_measures_in_archive_and_dataset():
     archive, config, _ = evolved("measures")
     for each in archive.elites[:3]:
         mesh = packed_surface(each.voxels, config.shape)
-        assert each.complexity == own_value(config.axes.complexity, mesh)
-        assert each.difficulty == own_value(config.axes.difficulty, mesh)
+        assert each.complexity == plugin_value(config.axes.complexity, mesh)
+        assert each.difficulty == plugin_value(config.axes.difficulty, mesh)
         row = solid_row(mesh, each.id, select(config, PostprocessSolids))
         assert row["complexity"] == pytest.approx(each.complexity, rel=1e-6)
         assert row["difficulty"] == pytest.approx(each.difficulty, abs=1e-6)
@@ -155,5 +155,5 @@ def test_slippery_fingers_make_the_same_shape_harder():
     sticky = slippery.model_copy(
         update={"quality": config.quality.model_copy(update={"friction": 0.5})}
     )
-    hard = coordinates(mesh, slippery, 30, generator(0, "x")).difficulty
-    assert hard < coordinates(mesh, sticky, 30, generator(0, "x")).difficulty
+    hard = measure_mesh(mesh, slippery, 30, generator(0, "x")).difficulty
+    assert hard < measure_mesh(mesh, sticky, 30, generator(0, "x")).difficulty

@@ -6,7 +6,7 @@ import pytest
 
 from egad._util.workers import workers
 from egad.map_elites.archive import Archive, elites_of, merge
-from egad.map_elites.island import Island, Measured, Solid, evolve, measure, regrade
+from egad.map_elites.island import Island, Measured, Solid, evolve, measure, reevaluate
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import LEAST, breed, parent_odds
 from egad.pipeline.config import Difficulty, Evolution, Settings, Shape, Similarity
@@ -167,7 +167,7 @@ def test_newcomers_to_full_cells_are_graded_again(monkeypatch):
         found = [(c.solid, r) for c, r in zip(candidates, results, strict=True) if is_measured(r)]
         assert len(found) > 3
         for solid, result in found:
-            grade = regrade(solid, settings) if again else measure(solid, settings).difficulty
+            grade = reevaluate(solid, settings) if again else measure(solid, settings).difficulty
             assert result.difficulty == grade
 
 
@@ -176,4 +176,4 @@ def test_a_newcomer_is_graded_again_by_other_grasps(island):
     settings = with_search(regrade=SETTINGS.difficulty.grasps)
     for each in island[0].elites[:3]:
         solid = Solid(each.id, each.voxels)
-        assert regrade(solid, settings) != measure(solid, settings).difficulty
+        assert reevaluate(solid, settings) != measure(solid, settings).difficulty

@@ -2,8 +2,8 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError, UserError
-from egad.measures.custom import check_measures, own_name, own_value, source_hash
-from egad.measures.measure import coordinates
+from egad.measures.custom import check_measures, plugin_name, plugin_value, source_hash
+from egad.measures.measure import measure_mesh
 from egad.measures.parameters import MeasureParameters
 from egad.pipeline.config import Axes, Settings
 from egad.pipeline.config.stage_settings import select
@@ -35,15 +35,15 @@ def file(tmp_path):
 
 def placed(axes):
     settings = select(Settings(axes=axes), MeasureParameters)
-    return coordinates(BOX, settings, 20, generator(0, "test"))
+    return measure_mesh(BOX, settings, 20, generator(0, "test"))
 
 
 def test_the_value_is_that_of_the_function(file):
-    assert own_value(f"{file}:longest", BOX) == pytest.approx(0.1)
+    assert plugin_value(f"{file}:longest", BOX) == pytest.approx(0.1)
 
 
 def test_a_function_cannot_spoil_the_mesh(file):
-    own_value(f"{file}:spoils", BOX)
+    plugin_value(f"{file}:spoils", BOX)
     assert BOX.extents.max() == pytest.approx(0.1)
 
 
@@ -58,12 +58,12 @@ def test_a_function_cannot_spoil_the_mesh(file):
 )
 def test_what_is_no_number_rejects_the_object(file, name, reason):
     with pytest.raises(RejectedError, match=reason):
-        own_value(f"{file}:{name}", BOX)
+        plugin_value(f"{file}:{name}", BOX)
 
 
 def test_want_of_memory_is_no_reason_to_reject_an_object(file):
     with pytest.raises(MemoryError):
-        own_value(f"{file}:greedy", BOX)
+        plugin_value(f"{file}:greedy", BOX)
 
 
 @pytest.mark.parametrize(
@@ -105,10 +105,10 @@ def test_a_changed_file_has_another_fingerprint(file):
 
 def test_a_module_that_is_installed_will_do():
     measure = "egad.measures.complexity:complexity"
-    assert own_value(measure, BOX) == pytest.approx(placed(Axes()).complexity)
+    assert plugin_value(measure, BOX) == pytest.approx(placed(Axes()).complexity)
     assert len(source_hash(measure)) == 16
 
 
 def test_the_name_is_the_function_in_words():
-    assert own_name("some/file.py:wall_thickness") == "wall thickness"
-    assert own_name("") == ""
+    assert plugin_name("some/file.py:wall_thickness") == "wall thickness"
+    assert plugin_name("") == ""

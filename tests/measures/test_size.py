@@ -4,7 +4,7 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.measures.parameters import SizeEffectParameters
-from egad.measures.size_effect import size_effect, summarised
+from egad.measures.size_effect import size_effect, summarize
 from egad.pipeline.config import Settings, SizeEffect
 from egad.pipeline.config.stage_settings import select
 from egad.tables.grasping import SIZE_EFFECT
@@ -46,7 +46,7 @@ def test_nothing_is_found_beyond_the_opening(brick):
 
 def test_the_share_of_possible_grasps_of_a_brick_falls_as_its_sides_outgrow_the_opening(brick):
     """At 0.6 its longest sides are beyond the opening, at 0.9 the middle ones too."""
-    share = summarised(brick).drop_duplicates("fraction").set_index("fraction")["share"]
+    share = summarize(brick).drop_duplicates("fraction").set_index("fraction")["share"]
     assert share.is_monotonic_decreasing
     assert share[0.9] < 0.7 * share[0.3]
 
@@ -105,7 +105,7 @@ def test_a_size_is_the_same_whatever_other_sizes_there_are(brick):
 
 
 def test_a_summary_spans_the_repetitions(brick):
-    numbers = summarised(brick)
+    numbers = summarize(brick)
     assert len(numbers) == 4 * 3
     row = numbers.iloc[1]
     own = brick[(brick["fraction"] == row["fraction"]) & (brick["percentile"] == row["percentile"])]

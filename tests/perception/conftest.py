@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import Grasped, Hand
+from egad.perception.reachability import GraspCandidates, Hand
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 
@@ -22,7 +22,7 @@ def grasped():
     axes = np.array([[1.0, 0, 0], [0, 0, 1.0], [1.0, 0, 0], [0.8, 0, 0.6]])
     centers = np.array([[0, 0.01, 0.005], [0.002, 0.0, 0], [0, -0.02, 0.0], [0, 0, 0]])
     widths = np.array([0.03, 0.04, 0.03, 0.0375])
-    return Grasped(np.array([4, 7, 9, 11]), centers, axes, widths, np.arange(4) / 10)
+    return GraspCandidates(np.array([4, 7, 9, 11]), centers, axes, widths, np.arange(4) / 10)
 
 
 @pytest.fixture(scope="session")

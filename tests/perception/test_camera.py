@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.perception.camera import Eye, Intrinsics, above, object_mask
+from egad.perception.camera import DepthCamera, Intrinsics, camera_above, object_mask
 
 SMALL = Intrinsics.spanning(101, 101, 40.0)
 
@@ -36,21 +36,21 @@ def test_intrinsics_span_the_field_of_view() -> None:
 def test_depth_is_measured_along_the_optical_axis() -> None:
     """A plate parallel to the image has one depth, also towards the corners."""
     plate = trimesh.creation.box((2.0, 2.0, 0.1))
-    view = Eye(plate).look(shifted(0, 0, 0.05), SMALL, above(0.6))
+    view = DepthCamera(plate).render(shifted(0, 0, 0.05), SMALL, camera_above(0.6))
     np.testing.assert_allclose(view.depth, 0.5, rtol=1e-6)
 
 
 def test_an_empty_table_is_flat() -> None:
-    far = Eye(trimesh.creation.box((0.1, 0.1, 0.1)))
-    view = far.look(shifted(5, 5, 0.05), SMALL, above(0.6))
+    far = DepthCamera(trimesh.creation.box((0.1, 0.1, 0.1)))
+    view = far.render(shifted(5, 5, 0.05), SMALL, camera_above(0.6))
     np.testing.assert_allclose(view.depth, 0.6, rtol=1e-6)
 
 
-@pytest.mark.parametrize("pose", [above(0.6), tilted_camera()])
+@pytest.mark.parametrize("pose", [camera_above(0.6), tilted_camera()])
 def test_points_lie_on_the_ball_or_on_the_table(pose: np.ndarray) -> None:
     center, radius = np.array([0.03, -0.02, 0.04]), 0.04
     ball = trimesh.creation.icosphere(5, radius)
-    view = Eye(ball).look(shifted(*center), SMALL, pose)
+    view = DepthCamera(ball).render(shifted(*center), SMALL, pose)
     points = view.points().reshape(-1, 3)
     from_ball = np.abs(np.linalg.norm(points - center, axis=1) - radius)
     on_ball, on_table = from_ball < 1e-4, np.abs(points[:, 2]) < 1e-6
@@ -63,14 +63,14 @@ def test_points_lie_on_the_ball_or_on_the_table(pose: np.ndarray) -> None:
 
 def test_the_near_side_is_seen() -> None:
     ball = trimesh.creation.icosphere(5, 0.04)
-    view = Eye(ball).look(shifted(0, 0, 0.04), SMALL, above(0.6))
+    view = DepthCamera(ball).render(shifted(0, 0, 0.04), SMALL, camera_above(0.6))
     assert view.depth[50, 50] == pytest.approx(0.52, abs=1e-5)
 
 
 def test_image_axes_are_those_of_the_camera() -> None:
     """Right in the image is +x of the world, up is +y."""
-    box = Eye(trimesh.creation.box((0.04, 0.02, 0.06)))
-    view = box.look(shifted(0.1, 0.05, 0.03), SMALL, above(0.6))
+    box = DepthCamera(trimesh.creation.box((0.04, 0.02, 0.06)))
+    view = box.render(shifted(0.1, 0.05, 0.03), SMALL, camera_above(0.6))
     rows, columns = np.nonzero(view.depth < 0.55)
     assert columns.min() > 50
     assert rows.max() < 50
@@ -80,19 +80,21 @@ def test_image_axes_are_those_of_the_camera() -> None:
 
 
 def test_the_object_may_be_turned() -> None:
-    box = Eye(trimesh.creation.box((0.04, 0.02, 0.06)))
+    box = DepthCamera(trimesh.creation.box((0.04, 0.02, 0.06)))
     on_its_side = trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0))
     on_its_side[2, 3] = 0.01
-    assert box.look(on_its_side, SMALL, above(0.6)).depth.min() == pytest.approx(0.58, abs=1e-5)
+    assert box.render(on_its_side, SMALL, camera_above(0.6)).depth.min() == pytest.approx(
+        0.58, abs=1e-5
+    )
 
 
 def test_partly_beside_and_behind_the_camera() -> None:
     """An object as wide as the room, that the camera stands in: only the lower side is seen."""
     floor = trimesh.creation.box((4.0, 4.0, 0.2))
-    view = Eye(floor).look(shifted(0, 0, 0.1), SMALL, above(0.6))
+    view = DepthCamera(floor).render(shifted(0, 0, 0.1), SMALL, camera_above(0.6))
     np.testing.assert_allclose(view.depth, 0.4, rtol=1e-6)
-    around = Eye(trimesh.creation.box((4.0, 4.0, 4.0)))
-    view = around.look(shifted(0, 0, 2.1), SMALL, above(0.6))
+    around = DepthCamera(trimesh.creation.box((4.0, 4.0, 4.0)))
+    view = around.render(shifted(0, 0, 2.1), SMALL, camera_above(0.6))
     np.testing.assert_allclose(view.depth, 0.5, rtol=1e-6)
 
 
@@ -100,7 +102,9 @@ def test_rays_above_the_horizon_meet_nothing() -> None:
     level = np.eye(4)
     level[:3, :3] = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # forward is +y
     level[2, 3] = 0.3
-    view = Eye(trimesh.creation.box((0.1, 0.1, 0.1))).look(shifted(0, 1.0, 0.05), SMALL, level)
+    view = DepthCamera(trimesh.creation.box((0.1, 0.1, 0.1))).render(
+        shifted(0, 1.0, 0.05), SMALL, level
+    )
     assert np.isnan(view.depth[:50]).all()
     assert np.isfinite(view.depth[51:]).all()
     assert np.nanmin(view.depth) == pytest.approx(0.3 / np.tan(np.radians(20)), rel=0.02)
@@ -119,8 +123,10 @@ def test_what_is_in_the_image() -> None:
 def test_the_mask_is_the_silhouette() -> None:
     """Its pixels are those whose rays meet the ball, whatever the camera's tilt."""
     center, radius = np.array([0.03, -0.02, 0.04]), 0.04
-    for pose in (above(0.6), tilted_camera()):
-        view = Eye(trimesh.creation.icosphere(5, radius)).look(shifted(*center), SMALL, pose)
+    for pose in (camera_above(0.6), tilted_camera()):
+        view = DepthCamera(trimesh.creation.icosphere(5, radius)).render(
+            shifted(*center), SMALL, pose
+        )
         rays = SMALL.rays() @ pose[:3, :3].T
         away = np.cross(rays, center - pose[:3, 3])
         distance = np.linalg.norm(away, axis=-1) / np.linalg.norm(rays, axis=-1)

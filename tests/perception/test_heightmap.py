@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from egad.grasps.collision import TABLE_CLEARANCE
-from egad.perception.heightmap import PROBE, lowest_tip, relief_of
+from egad.perception.heightmap import PROBE, heightmap_of, min_fingertip_height
 from egad.pipeline.config import GRIPPERS
 
 HAND = GRIPPERS["egad_75mm"]
@@ -13,12 +13,12 @@ HAND = GRIPPERS["egad_75mm"]
 
 def test_fingers_reach_the_table_beside_a_box_and_its_top_on_it(look):
     box = trimesh.creation.box((0.03, 0.2, 0.04))
-    relief = relief_of(look(box))
+    relief = heightmap_of(look(box))
     assert relief is not None
     middle, width = np.zeros((2, 2)), np.full(2, 0.06)
-    tips = lowest_tip(middle, np.eye(2), width, relief, HAND)
+    tips = min_fingertip_height(middle, np.eye(2), width, relief, HAND)
     np.testing.assert_allclose(tips, [TABLE_CLEARANCE, 0.04 + TABLE_CLEARANCE], atol=1e-4)
-    assert relief_of(look(trimesh.creation.box((0.1, 0.1, 0.001)))) is None
+    assert heightmap_of(look(trimesh.creation.box((0.1, 0.1, 0.001)))) is None
 
 
 @pytest.mark.parametrize(
@@ -28,12 +28,12 @@ def test_tips_are_those_of_probes_one_by_one(look, gripper):
     hand = GRIPPERS[gripper]
     low = trimesh.creation.box(bounds=[(-0.05, -0.05, 0), (0.05, 0.05, 0.02)])
     tower = trimesh.creation.box(bounds=[(0.02, 0, 0), (0.05, 0.03, 0.09)])
-    relief = relief_of(look(trimesh.util.concatenate([low, tower])))
+    relief = heightmap_of(look(trimesh.util.concatenate([low, tower])))
     assert relief is not None
     rng = np.random.default_rng(0)
     middle, turn = rng.uniform(-0.08, 0.08, (60, 2)), rng.uniform(0, np.pi, 60)
     axis, width = np.column_stack([np.cos(turn), np.sin(turn)]), rng.uniform(0.01, 0.05, 60)
-    found = lowest_tip(middle, axis, width, relief, hand)
+    found = min_fingertip_height(middle, axis, width, relief, hand)
 
     def height(point):
         column, row = np.floor((point - relief.origin) / relief.cell).astype(int)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.perception.camera import Eye, Intrinsics, above
-from egad.perception.noise import BASELINE, noisy, shadowed, spoilt
+from egad.perception.camera import DepthCamera, Intrinsics, camera_above
+from egad.perception.noise import BASELINE, add_disparity_noise, add_sensor_noise, stereo_shadow
 from egad.pipeline.config import ImageNoise
 
 SMALL = Intrinsics.spanning(101, 101, 40.0)
@@ -17,30 +17,32 @@ def shifted(x: float, y: float, z: float) -> np.ndarray:
 
 def test_noise_grows_with_the_square_of_the_depth() -> None:
     """As baseline * focal length / depth errs by a tenth of a pixel."""
-    box = Eye(trimesh.creation.box((0.1, 0.1, 0.1)))
+    box = DepthCamera(trimesh.creation.box((0.1, 0.1, 0.1)))
     camera = Intrinsics.spanning(200, 200, 30.0)
     for height in (0.6, 1.2):
-        view = box.look(shifted(5, 5, 0), camera, above(height))
-        noise = noisy(view, 0.1, np.random.default_rng(0)).depth - view.depth
+        view = box.render(shifted(5, 5, 0), camera, camera_above(height))
+        noise = add_disparity_noise(view, 0.1, np.random.default_rng(0)).depth - view.depth
         expected = height**2 * 0.1 / (BASELINE * camera.focal)
         assert noise.std() == pytest.approx(expected, rel=0.03)
         assert abs(noise.mean()) < expected / 20
 
 
 def test_noise_leaves_the_image_alone_that_it_is_added_to() -> None:
-    view = Eye(trimesh.creation.box()).look(shifted(5, 5, 0), SMALL, above(0.6))
+    view = DepthCamera(trimesh.creation.box()).render(shifted(5, 5, 0), SMALL, camera_above(0.6))
     before = view.depth.copy()
-    first, second = (noisy(view, 0.1, np.random.default_rng(3)).depth for _ in range(2))
+    first, second = (
+        add_disparity_noise(view, 0.1, np.random.default_rng(3)).depth for _ in range(2)
+    )
     np.testing.assert_array_equal(view.depth, before)
     np.testing.assert_array_equal(first, second)
 
 
 def seen(**noise):
     """A box of 100 x 100 x 60 mm in the middle, straight from above, with such noise."""
-    box = Eye(trimesh.creation.box((0.1, 0.1, 0.06)))
+    box = DepthCamera(trimesh.creation.box((0.1, 0.1, 0.06)))
     camera = Intrinsics(300, 300, 417.0, (149.5, 149.5))
-    view = box.look(shifted(0, 0, 0.03), camera, above(0.6))
-    return view, spoilt(view, ImageNoise(**noise), np.random.default_rng(0))
+    view = box.render(shifted(0, 0, 0.03), camera, camera_above(0.6))
+    return view, add_sensor_noise(view, ImageNoise(**noise), np.random.default_rng(0))
 
 
 def test_shadows_lie_beside_edges_as_wide_as_the_disparities_differ() -> None:
@@ -53,7 +55,7 @@ def test_shadows_lie_beside_edges_as_wide_as_the_disparities_differ() -> None:
     assert np.ptp(columns) + 1 == pytest.approx(width, abs=1)
     assert columns.max() == np.floor(left)
     assert np.ptp(rows) + 1 == pytest.approx(0.1 / near * 417, abs=1)
-    assert not shadowed(seen()[0])[:, 200:].any()
+    assert not stereo_shadow(seen()[0])[:, 200:].any()
     there = np.isfinite(found.depth)
     np.testing.assert_array_equal(found.depth[there], view.depth[there])
 

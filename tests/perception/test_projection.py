@@ -5,17 +5,17 @@ import pytest
 import trimesh
 
 from egad.grasps.collision import roomy
-from egad.perception.camera import Eye, Intrinsics, above
-from egad.perception.reachability import Grasped
-from egad.perception.rectangles import half_turn, projected
-from egad.perception.scenes import Scene, drawn_scene
+from egad.perception.camera import DepthCamera, Intrinsics, camera_above
+from egad.perception.reachability import GraspCandidates
+from egad.perception.rectangles import half_turn, project_grasps
+from egad.perception.scenes import Scene, sample_scene
 from egad.pipeline.config import CAMERAS
 
 CAMERA = Intrinsics(300, 300, 417.0, (149.5, 149.5))
 
 
 def one(axis, width=0.03, center=(0, 0, 0)):
-    return Grasped(
+    return GraspCandidates(
         np.array([5]), np.array([center]), np.array([axis]), np.array([width]), np.array([0.2])
     )
 
@@ -25,15 +25,15 @@ def test_angles_are_anticlockwise_from_the_right(degrees, hand):
     """Seen from above x is right and y is up in the image."""
     angle = np.radians(degrees)
     axis = (np.cos(angle), np.sin(angle), 0)
-    scene = Scene(np.eye(4), CAMERA, above(0.6))
-    found = projected(scene, one(axis), np.ones(1, bool), hand.gripper)
+    scene = Scene(np.eye(4), CAMERA, camera_above(0.6))
+    found = project_grasps(scene, one(axis), np.ones(1, bool), hand.gripper)
     assert found.angle[0] == pytest.approx(angle, abs=1e-9)
 
 
 def test_centre_opening_and_depth(hand):
     place = trimesh.transformations.translation_matrix((0.06, 0.03, 0.1))
-    found = projected(
-        Scene(place, CAMERA, above(0.6)), one((1.0, 0, 0)), np.ones(1, bool), hand.gripper
+    found = project_grasps(
+        Scene(place, CAMERA, camera_above(0.6)), one((1.0, 0, 0)), np.ones(1, bool), hand.gripper
     )
     assert found.grasp.tolist() == [5]
     assert found.depth_center[0] == pytest.approx(0.5)
@@ -45,8 +45,8 @@ def test_centre_opening_and_depth(hand):
 def test_what_is_beside_the_image_is_left_out(hand):
     for x, count in ((0.21, 1), (0.22, 0)):
         place = trimesh.transformations.translation_matrix((x, 0, 0))
-        scene = Scene(place, CAMERA, above(0.6))
-        found = projected(scene, one((0, 1.0, 0)), np.ones(1, bool), hand.gripper)
+        scene = Scene(place, CAMERA, camera_above(0.6))
+        found = project_grasps(scene, one((0, 1.0, 0)), np.ones(1, bool), hand.gripper)
         assert len(found.u) == len(found.free) == count
 
 
@@ -56,13 +56,13 @@ def test_the_rectangle_meets_the_object_at_the_contacts(block, hand, name):
 
     The contacts are on the upper edges of the block, so that the camera sees them.
     """
-    eye, top = Eye(block), 0.0199
+    eye, top = DepthCamera(block), 0.0199
     grasp = one((1.0, 0, 0), 0.03, (0, 0.01, top))
     resting = trimesh.transformations.translation_matrix((0, 0, 0.02))
     for seed in range(10):
-        scene = drawn_scene(resting, np.zeros(3), CAMERAS[name], np.random.default_rng(seed))
-        depth = eye.look(*scene).depth
-        found = projected(scene, grasp, np.ones(1, bool), hand.gripper)
+        scene = sample_scene(resting, np.zeros(3), CAMERAS[name], np.random.default_rng(seed))
+        depth = eye.render(*scene).depth
+        found = project_grasps(scene, grasp, np.ones(1, bool), hand.gripper)
         along = np.array([np.cos(found.angle[0]), -np.sin(found.angle[0])])
         half = 0.015 * scene.intrinsics.focal / found.depth_center[0]
         for sign in (-1, 1):

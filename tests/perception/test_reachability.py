@@ -6,7 +6,7 @@ import trimesh
 
 from egad.geometry.rays import RayCaster
 from egad.grasps.collision import LEAST_BITE, TABLE_CLEARANCE
-from egad.perception.reachability import Grasped, reachable
+from egad.perception.reachability import GraspCandidates, reachable
 
 TILT = np.radians(15)
 
@@ -22,7 +22,7 @@ def lying(mesh, turn=None):
 def across(width):
     """A grasp along x whose contacts are so far apart, centred on the origin."""
     centers, axes = np.zeros((1, 3)), np.array([[1.0, 0, 0]])
-    return Grasped(np.array([0]), centers, axes, np.array([width]), np.ones(1))
+    return GraspCandidates(np.array([0]), centers, axes, np.array([width]), np.ones(1))
 
 
 @pytest.fixture

@@ -6,8 +6,8 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from egad.geometry.stable_poses import stable_poses
-from egad.perception.camera import LOOKING_DOWN, Intrinsics, above
-from egad.perception.scenes import drawn_poses, drawn_scene
+from egad.perception.camera import LOOKING_DOWN, Intrinsics, camera_above
+from egad.perception.scenes import sample_object_poses, sample_scene
 from egad.pipeline.config import CAMERAS, Settings
 
 CENTER = np.array([0.001, -0.002, 0.003])
@@ -21,12 +21,12 @@ def poses():
 def scenes(poses, camera, count=300):
     resting = poses[0].transform(CENTER)
     return [
-        drawn_scene(resting, CENTER, camera, np.random.default_rng(seed)) for seed in range(count)
+        sample_scene(resting, CENTER, camera, np.random.default_rng(seed)) for seed in range(count)
     ]
 
 
 def test_poses_come_up_by_their_probabilities(poses):
-    drawn = drawn_poses(poses, 1000, np.random.default_rng(0))
+    drawn = sample_object_poses(poses, 1000, np.random.default_rng(0))
     found = np.bincount(drawn, minlength=len(poses))
     expected = 1000 * np.array([pose.probability for pose in poses])
     assert (np.abs(found - expected) < 1).all()
@@ -34,11 +34,11 @@ def test_poses_come_up_by_their_probabilities(poses):
 
 
 def test_a_single_image_has_any_pose(poses):
-    drawn = [drawn_poses(poses, 1, np.random.default_rng(seed))[0] for seed in range(4000)]
+    drawn = [sample_object_poses(poses, 1, np.random.default_rng(seed))[0] for seed in range(4000)]
     found = np.bincount(drawn, minlength=len(poses)) / 4000
     expected = np.array([pose.probability for pose in poses])
     assert np.abs(found - expected).max() < 4 * np.sqrt(0.25 / 4000)
-    assert len(drawn_poses(poses, 0, np.random.default_rng(0))) == 0
+    assert len(sample_object_poses(poses, 0, np.random.default_rng(0))) == 0
 
 
 @pytest.mark.parametrize("name", CAMERAS)
@@ -98,7 +98,7 @@ def test_a_camera_that_does_not_tilt_is_that_of_the_trials(poses):
     trials = Settings().trials
     upright = CAMERAS["d435"].model_copy(update={"tilt": (0.0, 0.0), "distance": (0.6, 0.6)})
     scene = scenes(poses, upright, 1)[0]
-    np.testing.assert_allclose(scene.camera, above(trials.camera_height), atol=1e-12)
+    np.testing.assert_allclose(scene.camera, camera_above(trials.camera_height), atol=1e-12)
     whole = Intrinsics.spanning(*trials.image, trials.field_of_view)
     assert scene.intrinsics.focal == pytest.approx(whole.focal, abs=0.1)
 

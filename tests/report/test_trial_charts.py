@@ -16,7 +16,7 @@ from egad.report.trial_charts import (
     trial_heat_map,
 )
 from egad.report.trials import reliability_chart, trend_chart
-from egad.stats.rates import Trend, places, trial_grid
+from egad.stats.rates import Trend, object_positions, trial_grid
 from egad.stats.roc import reliability
 from egad.tables.evaluation import RESULTS, TRIALS
 
@@ -77,7 +77,7 @@ def test_every_outcome_of_the_schema_has_its_own_colour():
 
 def drawn_charts(trials):
     grid = trial_grid(trials, 7, 7)
-    objects = places(trials)
+    objects = object_positions(trials)
     trend = Trend(-0.4, -0.6, -0.001)
     return {
         "heat map": trial_heat_map(grid, 7, 7, {"A0", "C4", "G6"}),

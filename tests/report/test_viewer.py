@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from egad.grasps.hand import parts
-from egad.grasps.labels import label
+from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.pipeline.config import GRIPPERS, GraspLabel, Settings
 from egad.pipeline.config.stage_settings import select
@@ -53,7 +53,7 @@ def unpack(item: dict) -> dict[str, np.ndarray]:
 
 @pytest.fixture(scope="module")
 def grasps() -> pd.DataFrame:
-    return label(MESH, MESH.center_mass, SETTINGS, np.random.default_rng(0))
+    return label_grasps(MESH, MESH.center_mass, SETTINGS, np.random.default_rng(0))
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ from egad.detectors.registry import QUICK
 from egad.outcomes import Outcome
 from egad.perception.camera import View
 from egad.pipeline.config import GRIPPERS, Bundle, Gripper, Trials
-from egad.sim.attempts import columns_of, recorded, tried, untried
+from egad.sim.attempts import columns_of, failed_attempts, read_attempt, run_attempts
 from egad.sim.model import Model, build
 from egad.sim.parameters import TrialParameters
-from egad.sim.trial import Bench
+from egad.sim.trial import TrialRunner
 from egad.sim.world import World
 from egad.tables import parquet
 from egad.tables.columns import START
@@ -50,7 +50,9 @@ def attempts(
     **trials: object,
 ) -> pd.DataFrame:
     changed = settings.trials.model_copy(update=trials)
-    return tried(model, "C4", "object", detect, settings.model_copy(update={"trials": changed}))
+    return run_attempts(
+        model, "C4", "object", detect, settings.model_copy(update={"trials": changed})
+    )
 
 
 def nothing(*_: object) -> list[Grasp]:
@@ -111,7 +113,9 @@ def test_every_attempt_can_be_repeated_alone(
     trial = SETTINGS.trials.model_copy(update=changes)
     for row in reversed(parquet.records(parquet.read(path, TRIALS))):
         with World(ell) as world:
-            again = columns_of(Bench(world, SETTINGS.gripper, trial).repeat(*recorded(row)))
+            again = columns_of(
+                TrialRunner(world, SETTINGS.gripper, trial).repeat(*read_attempt(row))
+            )
         again["outcome"] = again["outcome"] or row["outcome"]
         np.testing.assert_equal(again, {name: row[name] for name in again})
 
@@ -169,7 +173,7 @@ def test_a_detector_that_raises_has_failed_and_the_next_attempt_goes_on() -> Non
 def test_what_cannot_be_tried_has_rows_all_the_same(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
-    trials = untried("C4", "object", SETTINGS, Outcome.CRASHED)
+    trials = failed_attempts("C4", "object", SETTINGS, Outcome.CRASHED)
     path = tmp_path_factory.mktemp("trials") / "trials.parquet"
     parquet.write(trials, TRIALS, path)
     pd.testing.assert_frame_equal(parquet.read(path, TRIALS), trials, check_dtype=False)

@@ -12,7 +12,7 @@ from egad.detectors.registry import QUICK
 from egad.pipeline.config import GRIPPERS, Bundle, Trials
 from egad.sim.execution import Execution, Stillness, execute
 from egad.sim.model import build
-from egad.sim.trial import Attempt, Bench
+from egad.sim.trial import Attempt, TrialRunner
 from egad.sim.world import TIME_STEP, Pose, World
 
 BUNDLE = Bundle()
@@ -163,7 +163,9 @@ def test_grasps_near_an_edge_end_as_if_simulated_in_full(monkeypatch: pytest.Mon
 
 def attempts(model: object, count: int) -> list[Attempt]:
     with World(model) as world:  # type: ignore[arg-type]
-        bench = Bench(world, GRIPPERS["egad_75mm"].model_copy(update={"force": 8.0}), Trials())
+        bench = TrialRunner(
+            world, GRIPPERS["egad_75mm"].model_copy(update={"force": 8.0}), Trials()
+        )
         return [bench.attempt(QUICK["random"], seed) for seed in range(count)]
 
 

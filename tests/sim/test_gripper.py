@@ -6,7 +6,7 @@ import pytest
 import trimesh
 
 from egad.pipeline.config import GRIPPERS, Bundle, Gripper
-from egad.sim.arms import CARRIERS, Stance
+from egad.sim.arms import ARMS, HandPose
 from egad.sim.gripper import COLLISION_FORCE, Hand
 from egad.sim.model import Model, build
 from egad.sim.world import Pose, World
@@ -19,8 +19,8 @@ HEAVY = build(trimesh.creation.box((SIDE,) * 3), 3125.0, BUNDLE)  # 200 g
 BALL = build(trimesh.creation.icosphere(3, 0.025), 400.0, BUNDLE)
 
 
-def hung(world: World, gripper: Gripper, stance: Stance, width: float, arm: str = "axis") -> Hand:
-    return Hand(world, gripper, CARRIERS[arm](world, gripper, stance), width)
+def hung(world: World, gripper: Gripper, stance: HandPose, width: float, arm: str = "axis") -> Hand:
+    return Hand(world, gripper, ARMS[arm](world, gripper, stance), width)
 
 
 def gripped(
@@ -37,12 +37,12 @@ def gripped(
     gripper = GRIPPERS["egad_75mm"].model_copy(
         update={"force": force, "pads": "bare", "friction": 0.5}
     )
-    hand = hung(world, gripper, Stance(0.0, y, tip, 0.0), 0.065, arm)
+    hand = hung(world, gripper, HandPose(0.0, y, tip, 0.0), 0.065, arm)
     hand.close()
     return hand, hand.pinches()
 
 
-ARMS = pytest.mark.parametrize("arm", list(CARRIERS))
+ARMS = pytest.mark.parametrize("arm", list(ARMS))
 
 
 @ARMS
@@ -80,7 +80,7 @@ def test_thin_light_plates_are_not_squeezed_flat(thickness: float, force: float)
         world.place(Pose(np.array([0.0, 0.0, 0.0202]), standing))
         world.step(30)
         gripper = GRIPPERS["egad_75mm"].model_copy(update={"force": force})
-        hand = hung(world, gripper, Stance(0.0, 0.0, 0.01, 0.0), 0.07)
+        hand = hung(world, gripper, HandPose(0.0, 0.0, 0.01, 0.0), 0.07)
         hand.close()
         hand.lift(LIFT, 1.0)
         assert hand.opening() == pytest.approx(thickness, abs=0.0005)
@@ -130,7 +130,7 @@ def test_pads_resist_twisting_as_pressed_discs(pads: str, part: float, turns: bo
     torque = part * 2 * friction * force * 2 / 3 * radius
     with World(BALL) as world:
         world.place(Pose(np.array([0, 0, 0.025]), np.array([0, 0, 0, 1.0])))
-        hand = hung(world, gripper, Stance(0.0, 0.0, 0.025, 0.0), 0.065)
+        hand = hung(world, gripper, HandPose(0.0, 0.0, 0.025, 0.0), 0.065)
         hand.close()
         hand.lift(LIFT, 1.0)
         for _ in range(120):
@@ -142,7 +142,7 @@ def test_pads_resist_twisting_as_pressed_discs(pads: str, part: float, turns: bo
 @ARMS
 def test_a_hand_says_whether_it_was_lifted_all_the_way(arm: str) -> None:
     with World(LIGHT) as world:
-        hand = hung(world, GRIPPERS["egad_75mm"], Stance(0.0, 0.0, 0.02, 0.0), 0.07, arm)
+        hand = hung(world, GRIPPERS["egad_75mm"], HandPose(0.0, 0.0, 0.02, 0.0), 0.07, arm)
         assert hand.lift(0.4, 1.0)
         assert hand.lift(0.5, 1.5) is (arm == "axis")  # beyond the reach of a Panda
 
@@ -150,7 +150,7 @@ def test_a_hand_says_whether_it_was_lifted_all_the_way(arm: str) -> None:
 def test_the_fingers_are_mirror_images_even_off_centre() -> None:
     with World(LIGHT) as world:
         world.place(Pose(np.array([0.01, 0, SIDE / 2]), np.array([0, 0, 0, 1.0])))
-        hand = hung(world, GRIPPERS["egad_75mm"], Stance(0.0, 0.0, 0.01, 0.0), 0.07)
+        hand = hung(world, GRIPPERS["egad_75mm"], HandPose(0.0, 0.0, 0.01, 0.0), 0.07)
         hand.close()
         left, right = (
             world.client.getJointState(hand.number, finger)[0] for finger in hand.fingers
@@ -162,7 +162,7 @@ def test_the_fingers_are_mirror_images_even_off_centre() -> None:
 
 def test_a_hand_closes_on_nothing() -> None:
     with World(LIGHT) as world:
-        hand = hung(world, GRIPPERS["yumi"], Stance(0.3, 0.0, 0.01, 0.5), 0.05)
+        hand = hung(world, GRIPPERS["yumi"], HandPose(0.3, 0.0, 0.01, 0.5), 0.05)
         hand.close()
         assert hand.opening() == pytest.approx(0, abs=1e-4)
         assert not hand.pinches()
@@ -172,12 +172,12 @@ def test_a_hand_closes_on_nothing() -> None:
 def test_a_free_descent_arrives_and_a_blocked_one_stops() -> None:
     with World(LIGHT) as world:
         world.place(Pose(np.array([0, 0, SIDE / 2]), np.array([0, 0, 0, 1.0])))
-        hand = hung(world, GRIPPERS["egad_75mm"], Stance(0.0, 0.0, 0.1, 0.0), 0.075)
+        hand = hung(world, GRIPPERS["egad_75mm"], HandPose(0.0, 0.0, 0.1, 0.0), 0.075)
         assert hand.move(0.005, 0.4)
         assert world.client.getJointState(hand.number, 0)[0] == pytest.approx(0.005, abs=0.001)
         world.reset()
         world.place(Pose(np.array([0, 0, SIDE / 2]), np.array([0, 0, 0, 1.0])))
-        onto = hung(world, GRIPPERS["egad_75mm"], Stance(0.035, 0.0, 0.1, 0.0), 0.075)
+        onto = hung(world, GRIPPERS["egad_75mm"], HandPose(0.035, 0.0, 0.1, 0.0), 0.075)
         assert not onto.move(0.005, 0.4)
         assert world.client.getJointState(onto.number, 0)[0] > SIDE - 0.005
         assert world.force(onto.number, world.object) > COLLISION_FORCE

@@ -10,7 +10,13 @@ from egad.grasps.poses import hand_poses
 from egad.outcomes import Outcome
 from egad.pipeline.config import Bundle, Settings
 from egad.pipeline.config.stage_settings import select
-from egad.sim.labelled_trials import afloat, carried_out, not_carried_out, sampled, shares
+from egad.sim.labelled_trials import (
+    execute_labelled_grasps,
+    failed_labelled_grasps,
+    floating_pose,
+    sample_labelled_grasps,
+    shares,
+)
 from egad.sim.model import build
 from egad.sim.parameters import LabelTrialParameters
 from egad.sim.world import GRAVITY, World
@@ -40,12 +46,12 @@ def grasp(center, axis, approach, turn=PLACE, **known):
 
 
 def tried(model, *rows):
-    return carried_out(model, "C4", "id", pd.DataFrame(rows), SETTINGS)
+    return execute_labelled_grasps(model, "C4", "id", pd.DataFrame(rows), SETTINGS)
 
 
 def test_the_object_floats_so_that_the_labelled_hand_points_down():
     row = grasp((0.005, 0.0, 0.01), (1, 0, 0), (0, 0.6, -0.8))
-    pose, wanted = afloat(BOX, row, HAND)
+    pose, wanted = floating_pose(BOX, row, HAND)
     labelled = hand_poses(
         *(
             np.array([[row[n] for n in vector_names(part)]])
@@ -58,7 +64,7 @@ def test_the_object_floats_so_that_the_labelled_hand_points_down():
     np.testing.assert_allclose(world[:3, 2], (0, 0, -1), atol=1e-9)
     assert (wanted.angle, wanted.width) == (0.0, HAND.opening)
     assert wanted.depth == finger_span(HAND)[1]
-    assert not wanted.flaw(HAND)
+    assert not wanted.infeasibility(HAND)
     with World(BOX) as floating:
         floating.place(pose)
         assert floating.vertices()[:, 2].min() > 0.1
@@ -97,17 +103,19 @@ def test_no_grasp_depends_on_those_before():
 def test_the_sample_is_of_free_grasps_and_only_the_object_decides_it():
     table = pd.DataFrame([grasp((0, 0, 0), (1, 0, 0), (0, 0, 1), grasp=n) for n in range(50)])
     table["collision_free"] = table["grasp"] % 2 == 0
-    found = sampled(table, "id", 10, 0)
+    found = sample_labelled_grasps(table, "id", 10, 0)
     assert len(found) == 10
     assert (found["grasp"] % 2 == 0).all()
     assert found["grasp"].is_monotonic_increasing
     assert found["grasp"].is_unique
     assert (found["labelled"] == 50).all()
     assert (found["free"] == 25).all()
-    pd.testing.assert_frame_equal(found, sampled(table, "id", 10, 0))
-    assert sampled(table, "other", 10, 0)["grasp"].tolist() != found["grasp"].tolist()
-    assert len(sampled(table, "id", 99, 0)) == 25
-    assert len(sampled(table.head(0), "id", 10, 0)) == 0
+    pd.testing.assert_frame_equal(found, sample_labelled_grasps(table, "id", 10, 0))
+    assert (
+        sample_labelled_grasps(table, "other", 10, 0)["grasp"].tolist() != found["grasp"].tolist()
+    )
+    assert len(sample_labelled_grasps(table, "id", 99, 0)) == 25
+    assert len(sample_labelled_grasps(table.head(0), "id", 10, 0)) == 0
 
 
 def test_grasps_are_split_evenly():
@@ -118,7 +126,7 @@ def test_grasps_are_split_evenly():
 
 
 def test_an_object_without_a_model_has_its_grasps_marked():
-    table = not_carried_out(
+    table = failed_labelled_grasps(
         "C4", "id", pd.DataFrame([grasp((0, 0, 0), (1, 0, 0), (0, 0, 1))]), Outcome.FAILED
     )
     assert table["outcome"].tolist() == ["failed"]
@@ -128,7 +136,7 @@ def test_an_object_without_a_model_has_its_grasps_marked():
 
 def test_a_pinned_object_stays_and_falls_when_let_go():
     with World(BOX) as world:
-        world.place(afloat(BOX, grasp((0, 0, 0), (1, 0, 0), (0, 0, -1)), HAND)[0])
+        world.place(floating_pose(BOX, grasp((0, 0, 0), (1, 0, 0), (0, 0, -1)), HAND)[0])
         before = world.pose()
         with world.pinned():
             world.step(120)

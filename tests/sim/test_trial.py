@@ -11,7 +11,7 @@ from egad.perception.camera import View
 from egad.pipeline.config import GRIPPERS, Bundle, Gripper, Trials
 from egad.sim.execution import Execution, Stillness, execute
 from egad.sim.model import build
-from egad.sim.trial import Attempt, Bench, Start
+from egad.sim.trial import Attempt, InitialPose, TrialRunner
 from egad.sim.world import Pose, World
 
 BUNDLE = Bundle()
@@ -35,13 +35,13 @@ def outcome(
 ) -> Attempt:
     hand = GRIPPERS["egad_75mm"].model_copy(update=gripper)
     with World(build(mesh, density, BUNDLE)) as world:
-        return Bench(world, hand, Trials()).attempt(detect, 5)
+        return TrialRunner(world, hand, Trials()).attempt(detect, 5)
 
 
 def test_the_drop_does_not_depend_on_the_detector() -> None:
     places = []
     with World(build(CUBE, 400.0, BUNDLE)) as world:
-        bench = Bench(world, GRIPPERS["egad_75mm"], Trials())
+        bench = TrialRunner(world, GRIPPERS["egad_75mm"], Trials())
 
         def thirsty(view: View, _gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
             rng.random(len(places) * 10)
@@ -127,14 +127,14 @@ def test_how_an_attempt_begins(
     upright = [0.0, 0.0, 0.0, 1.0]
     rest = Pose.of([0.0, 0.0, 0.02, *upright])
     last = Pose.of([*end, *upright]) if end else None
-    before = Attempt(Outcome(outcome), Start("dropped", rest), rest, None, 0.0, last)
+    before = Attempt(Outcome(outcome), InitialPose("dropped", rest), rest, None, 0.0, last)
     with World(build(CUBE, 400.0, BUNDLE)) as world:
         trials = Trials()
-        bench = Bench(world, GRIPPERS["egad_75mm"], trials)
+        bench = TrialRunner(world, GRIPPERS["egad_75mm"], trials)
         after = bench.attempt(always((0, 0, -0.03)), 3, before)
     assert after.start is not None
     assert after.rest is not None
-    assert after.start.begun == begun
+    assert after.start.kind == begun
     assert np.linalg.norm(after.rest.position[:2]) < trials.workspace
     if begun == "from_hand":
         start = after.start.pose.matrix
@@ -178,7 +178,7 @@ def test_an_object_that_explodes_has_failed_and_the_next_attempt_begins_anew(
             world.client.resetBaseVelocity(world.object, velocity)
 
     with World(build(CUBE, 400.0, BUNDLE)) as world:
-        bench = Bench(world, GRIPPERS["egad_75mm"], Trials(drop_height=0.05))
+        bench = TrialRunner(world, GRIPPERS["egad_75mm"], Trials(drop_height=0.05))
         world.watch = explode
         first = bench.attempt(always((0, 0, -0.03)), 3)
         world.watch = None
@@ -186,4 +186,4 @@ def test_an_object_that_explodes_has_failed_and_the_next_attempt_begins_anew(
     assert (first.outcome, first.end, first.lifted) == ("failed", None, 0.0)
     assert second.outcome == "success"
     assert second.start is not None
-    assert second.start.begun == "dropped"
+    assert second.start.kind == "dropped"

@@ -15,7 +15,7 @@ from egad.stats.rates import (
     bootstrap,
     by_object,
     mean_rate,
-    places,
+    object_positions,
     rate,
     trend,
     trial_grid,
@@ -126,7 +126,7 @@ def test_objects_that_differ_make_a_mean_less_certain_than_attempts_do() -> None
     same, different = mean_rate(table([10] * 7)), mean_rate(table([20, 0, 20, 0, 10, 20, 0]))
     assert same.value == different.value == 0.5
     assert same.interval == pytest.approx(wilson(70, 140))
-    assert different.interval[1] - different.interval[0] > 2 * (same.high - same.low)
+    assert different.interval[1] - different.interval[0] > 2 * (same.ci_high - same.ci_low)
 
 
 def test_a_perfect_row_is_no_certainty() -> None:
@@ -182,7 +182,7 @@ def test_the_interval_covers_as_often_as_it_says(linear, monkeypatch):
     for _ in range(400):
         x = rng.normal(size=49)
         found = trend(x, linear * x + (1 - linear**2) ** 0.5 * rng.normal(size=49))
-        below, above = below + (truth < found.low), above + (truth > found.high)
+        below, above = below + (truth < found.ci_low), above + (truth > found.ci_high)
     assert 366 <= 400 - below - above <= 394
     assert max(below, above) <= 20
 
@@ -192,19 +192,19 @@ def test_only_ranks_count():
     x, y = rng.normal(size=(2, 30))
     assert trend(np.exp(x), y**3) == trend(x, y)
     turned = trend(x, -y)
-    assert (turned.rho, turned.low) == pytest.approx(
-        (-trend(x, y).rho, -trend(x, y).high), abs=0.03
+    assert (turned.rho, turned.ci_low) == pytest.approx(
+        (-trend(x, y).rho, -trend(x, y).ci_high), abs=0.03
     )
 
 
 def test_a_perfect_order_is_certain():
     found = trend(np.arange(9.0), np.arange(9.0) ** 2)
-    assert (found.rho, found.low, found.high) == pytest.approx((1.0, 1.0, 1.0))
+    assert (found.rho, found.ci_low, found.ci_high) == pytest.approx((1.0, 1.0, 1.0))
 
 
 def test_the_same_rate_everywhere_has_no_trend():
     found = trend(np.arange(9.0), np.ones(9))
-    assert np.isnan([found.rho, found.low, found.high]).all()
+    assert np.isnan([found.rho, found.ci_low, found.ci_high]).all()
     assert np.isnan(trend(np.array([]), np.array([])).rho)
 
 
@@ -214,7 +214,7 @@ FOUR_TRIALS = pd.DataFrame(
 
 
 def test_labels_tell_the_place_where_nothing_else_does():
-    found = places(FOUR_TRIALS)
+    found = object_positions(FOUR_TRIALS)
     assert found.loc["C4"].to_dict() == {"rate": 1.0, "difficulty": 2.0, "complexity": 4.0}
     assert found.loc["A0", "rate"] == 0.5
 
@@ -228,8 +228,8 @@ def test_the_evaluation_set_tells_more():
             "complexity": [4.5, 1.2, 3.0],
         }
     )
-    found = places(FOUR_TRIALS, evalset)
+    found = object_positions(FOUR_TRIALS, evalset)
     assert found.index.tolist() == ["A0", "C4", "G6"]
     assert found["difficulty"].tolist() == [-0.004, -0.003, -0.001]
     assert found["complexity"].tolist() == [1.2, 3.0, 4.5]
-    assert places(FOUR_TRIALS, evalset[:2]).equals(places(FOUR_TRIALS))
+    assert object_positions(FOUR_TRIALS, evalset[:2]).equals(object_positions(FOUR_TRIALS))

@@ -15,8 +15,8 @@ from egad.stats.training_study import (
     by_test,
     check_starts,
     holm,
-    luck,
     references,
+    seed_variance,
     set_pairs,
     set_rate,
 )
@@ -215,7 +215,7 @@ def set_rates(**successes):
 
 
 def test_the_spread_is_that_within_sets_and_f_its_share_by_the_definition():
-    found = luck(set_rates(few=[500, 560], many=[600, 640], given=[900]))
+    found = seed_variance(set_rates(few=[500, 560], many=[600, 640], given=[900]))
     means, squares = [0.53, 0.62], 2 * 0.03**2 + 2 * 0.02**2
     assert found.spread == pytest.approx(np.sqrt(squares / 2))
     assert (found.sets, found.networks) == (2, 4)
@@ -229,7 +229,9 @@ def test_p_is_that_of_shuffled_networks():
     counts = np.sort(rng.integers(400, 700, 12))[[0, 3, 1, 2, 5, 8, 4, 6, 7, 9, 10, 11]]
 
     def of(values):
-        return luck(set_rates(**{str(k): row for k, row in enumerate(values.reshape(3, 4))}))
+        return seed_variance(
+            set_rates(**{str(k): row for k, row in enumerate(values.reshape(3, 4))})
+        )
 
     first = of(counts)
     dealt = [of(rng.permutation(counts)).f >= first.f for _ in range(4000)]
@@ -241,4 +243,4 @@ def test_p_is_that_of_shuffled_networks():
     [set_rates(a=[1], b=[2]), set_rates(a=[1, 2], b=[3]), set_rates(a=[5, 5], b=[7, 7]), {}],
 )
 def test_nothing_is_said_where_no_luck_was_seen(rates):
-    assert luck(rates) is None
+    assert seed_variance(rates) is None

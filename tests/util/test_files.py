@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from egad._util.files import replacing, write_text
+from egad._util.files import atomic_output, write_text
 from egad.errors import UserError
 
 
@@ -14,7 +14,7 @@ def test_a_failed_write_leaves_the_old_file_and_the_temporary(tmp_path):
     write_text(path, "old")
     with (
         pytest.raises(UserError, match=r"file\.txt cannot be written: No space left on device"),
-        replacing(path) as temporary,
+        atomic_output(path) as temporary,
     ):
         temporary.write_text("half")
         raise OSError(28, "No space left on device")
@@ -57,7 +57,7 @@ def test_a_failed_write_need_not_leave_the_temporary(tmp_path):
     for make in (Path.touch, Path.mkdir):
         with (
             pytest.raises(UserError, match="full"),
-            replacing(tmp_path / "a", keep=False) as temporary,
+            atomic_output(tmp_path / "a", keep=False) as temporary,
         ):
             make(temporary)
             raise OSError(errno.ENOSPC, "full")
@@ -67,7 +67,7 @@ def test_a_failed_write_need_not_leave_the_temporary(tmp_path):
 def test_a_folder_replaces_a_folder(tmp_path):
     path = tmp_path / "meshes"
     for names in (["a", "b"], ["c"]):
-        with replacing(path) as folder:
+        with atomic_output(path) as folder:
             folder.mkdir()
             for name in names:
                 (folder / name).touch()
@@ -76,9 +76,9 @@ def test_a_folder_replaces_a_folder(tmp_path):
 
 def test_a_failed_folder_leaves_the_old_one(tmp_path):
     path = tmp_path / "meshes"
-    with replacing(path) as folder:
+    with atomic_output(path) as folder:
         folder.mkdir()
-    with pytest.raises(RuntimeError), replacing(path) as folder:
+    with pytest.raises(RuntimeError), atomic_output(path) as folder:
         folder.mkdir()
         raise RuntimeError
     assert list(path.iterdir()) == []
@@ -87,10 +87,10 @@ def test_a_failed_folder_leaves_the_old_one(tmp_path):
 
 def test_a_folder_is_never_missing_while_it_is_replaced(tmp_path):
     path = tmp_path / "meshes"
-    with replacing(path) as folder:
+    with atomic_output(path) as folder:
         folder.mkdir()
         (folder / "old").touch()
-    with replacing(path) as folder:
+    with atomic_output(path) as folder:
         folder.mkdir()
         assert (path / "old").exists()
     assert [entry.name for entry in tmp_path.iterdir()] == ["meshes"]
@@ -109,5 +109,5 @@ def test_a_lock_that_was_removed_while_it_was_taken_is_none(tmp_path, monkeypatc
 
 
 def test_what_fails_otherwise_is_not_taken_for_a_full_disk(tmp_path):
-    with pytest.raises(OSError, match="cannot identify"), replacing(tmp_path / "file.txt"):
+    with pytest.raises(OSError, match="cannot identify"), atomic_output(tmp_path / "file.txt"):
         raise OSError("cannot identify image file")

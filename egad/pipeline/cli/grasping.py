@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from egad.errors import UserError, known
+from egad.errors import UserError, check_name
 from egad.pipeline.cli.common import (
     CORES,
     TOOL,
@@ -52,7 +52,7 @@ def size_effect(
     for path in out:
         check_ending(path, (".svg", ".parquet", ".csv"))
     whole = changed(settings_in(config), "size_effect", grasps=grasps)
-    name = known("gripper", gripper or whole.targets.grippers[0], whole.grippers)
+    name = check_name("gripper", gripper or whole.targets.grippers[0], whole.grippers)
     files = object_names(files_in(meshes))
     table, reasons = stage.curves(select(whole, SizeEffectParameters, name), files, units, jobs)
     complain(reasons, len(files))
@@ -86,7 +86,7 @@ def view(
 
     check_ending(out, (".html",))
     whole = changed(settings_in(config), "grasp_label", grasps=grasps)
-    name = known("gripper", gripper or whole.targets.grippers[0], whole.grippers)
+    name = check_name("gripper", gripper or whole.targets.grippers[0], whole.grippers)
     if Path(item).suffix.lower() not in ENDINGS and not Path(item).is_file():
         shown = stage.from_dataset(dataset, name, item, whole.grippers[name].opening)
     elif units is None:

@@ -104,7 +104,7 @@ def locate(
 ) -> None:
     """Show where any meshes lie in the space of a dataset, and the objects most like them."""
     from egad._util.files import write_text
-    from egad.data import named
+    from egad.data import archive_path
     from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_frame
     from egad.pipeline.cli.show import located
@@ -118,7 +118,7 @@ def locate(
         check_ending(path, (".html", ".parquet", ".csv"))
     whole = changed(settings_in(config), "postprocess", grasps=grasps)
     settings = select(whole, LocateMeshes)
-    objects = stage.reference(named(among), settings)
+    objects = stage.reference(archive_path(among), settings)
     table, shown = stage.run(settings, objects, object_names(files_in(meshes)), units, jobs)
     for path in out:
         if path.suffix.lower() == ".html":

@@ -45,9 +45,9 @@ def located(table: pd.DataFrame, axes: AxisPair) -> None:
 
 def size_curves(table: pd.DataFrame) -> None:
     """Print columns of `tables.grasping.SIZE_EFFECT`: means, lowest to highest in brackets."""
-    from egad.measures.size_effect import summarised
+    from egad.measures.size_effect import summarize
 
-    numbers = summarised(table)
+    numbers = summarize(table)
     percents = [f"{percent:g}" for percent in numbers["percentile"].unique()]
     show(
         ["name", "side/opening", "possible %", *(f"quality/1000 p{each}" for each in percents)],

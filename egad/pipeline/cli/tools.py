@@ -118,13 +118,13 @@ def bundle(
 @app.command(rich_help_panel=TOOL)
 def materialise(archive: ArchiveFile, out: OutFolder, config: Config = None) -> None:
     """Write the meshes of an archive as ID.obj, in metres, as they came out of evolution."""
-    from egad.data import named
+    from egad.data import archive_path
     from egad.pipeline.archive_settings import check_provenance
     from egad.pipeline.config.stage_settings import LocateMeshes, select
     from egad.pipeline.stages import materialise as stage
 
     _spare(out)
-    archive, settings = named(archive), settings_in(config)
+    archive, settings = archive_path(archive), settings_in(config)
     check_provenance(archive, select(settings, LocateMeshes), ("shape",))
     typer.echo(f"{stage.run(archive, out, settings.shape)} meshes in {out}")
 
@@ -146,7 +146,7 @@ def collage(
 def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
     """Draw how many elites each cell of an archive holds, as SVG."""
     from egad._util.files import write_text
-    from egad.data import named
+    from egad.data import archive_path
     from egad.pipeline.archive_settings import check_provenance
     from egad.pipeline.config.stage_settings import LocateMeshes, select
     from egad.report.axes import axis_pair
@@ -155,8 +155,8 @@ def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
     from egad.tables.evolution import ARCHIVE
 
     settings = settings_in(config)
-    check_provenance(named(archive), select(settings, LocateMeshes), ("space",))
-    objects = parquet.read(named(archive), ARCHIVE)
+    check_provenance(archive_path(archive), select(settings, LocateMeshes), ("space",))
+    objects = parquet.read(archive_path(archive), ARCHIVE)
     maps = dataset_maps({archive.stem: objects}, settings.space, axis_pair(settings.axes))
     write_text(out, maps)
 

@@ -54,6 +54,6 @@ def train(
         parsed = select(whole, TrainNetwork)
     score = run_recorded(run, settings=parsed, images=images, out=out, jobs=jobs)
     typer.echo(
-        f"{out}: right in {score.right} of {score.count} images of held-out objects, "
+        f"{out}: right in {score.n_correct} of {score.n_images} images of held-out objects, "
         f"{score.rate:.0%} ({score.interval[0]:.0%} to {score.interval[1]:.0%})"
     )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from egad.errors import UserError, known
+from egad.errors import UserError, check_name
 from egad.pipeline.cli.common import TOOL, Config, GripperName, app, settings_in
 from egad.pipeline.config import Settings
 
@@ -97,8 +97,8 @@ def replay(
     film = out or Path(f"{label}-{attempt}.gif")
     check_ending(film, ENDINGS)
     settings = with_networks(settings_in(config))
-    hand = known("gripper", gripper or settings.targets.grippers[0], settings.grippers)
-    detector = known("policy", policy or settings.targets.policies[0], settings.policies)
+    hand = check_name("gripper", gripper or settings.targets.grippers[0], settings.grippers)
+    detector = check_name("policy", policy or settings.targets.policies[0], settings.policies)
     outcome = stage.run(
         select(settings, SimulatedTrials, hand, detector),
         dataset / "trials" / hand / f"{detector}.parquet",
@@ -120,7 +120,7 @@ def template(
     config: Config = None,
 ) -> None:
     """Write a CSV file to fill in at the robot: a row an attempt, `success` to be 1 or 0."""
-    from egad._util.files import replacing
+    from egad._util.files import atomic_output
     from egad.evalset.datasheet import ATTEMPTS
     from egad.evalset.selection import labels_of
     from egad.exchange.frames import check_ending
@@ -136,7 +136,7 @@ def template(
     if evaluation is not None:
         labels = parquet.read(evaluation, EVAL49)["label"].tolist()
     frame = empty(labels, ATTEMPTS, detector)
-    with replacing(out) as temporary:
+    with atomic_output(out) as temporary:
         frame.to_csv(temporary, index=False)
     typer.echo(f"{out}: {len(frame)} attempts at {len(labels)} objects")
 
@@ -156,14 +156,14 @@ def _write(
     out: Path, found: "Mapping[str, pd.DataFrame]", evaluation: Path | None, settings: Settings
 ) -> None:
     from egad._util.files import write_text
-    from egad.evalset.selection import place
+    from egad.evalset.selection import cell_of_label
     from egad.report.axes import axis_pair
     from egad.report.trials import EvaluationSet, page
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49
 
     chosen = None if evaluation is None else parquet.read(evaluation, EVAL49)
-    places = [place(label) for table in found.values() for label in table["label"].unique()]
+    places = [cell_of_label(label) for table in found.values() for label in table["label"].unique()]
     rows = max(settings.select_eval.rows, *(row + 1 for row, _ in places))
     columns = max(settings.select_eval.columns, *(column + 1 for _, column in places))
     tried = EvaluationSet(rows, columns, chosen, axis_pair(settings.axes))

@@ -7,7 +7,7 @@ Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles de
 
 from egad._util.parameters import Axis, Name, Parameters, Range, ScaleRule
 from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Region, Shape, Symmetry
-from egad.detectors.parameters import POLICIES, Policy
+from egad.detectors.parameters import POLICIES, DetectorConfig
 from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange.parameters import Acronym, DexNet
 from egad.geometry.parameters import Material
@@ -44,6 +44,7 @@ __all__ = [
     "Camera",
     "Complexity",
     "Dataset",
+    "DetectorConfig",
     "DexNet",
     "Difficulty",
     "Diversity",
@@ -61,7 +62,6 @@ __all__ = [
     "Neat",
     "Parameters",
     "Part",
-    "Policy",
     "Postprocess",
     "PrintCheck",
     "PrintExport",

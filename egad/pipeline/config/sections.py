@@ -10,7 +10,7 @@ from egad._util.parameters import (
     Parameters,
     PositiveFraction,
     ScaleRule,
-    ascending,
+    check_ascending,
 )
 from egad.pipeline.config.formats import Format
 
@@ -146,7 +146,7 @@ class TrainingSet(Parameters):
             raise ValueError(
                 "a training set with `weights` takes no `complexity`, `part` or `hold_out`"
             )
-        ascending(self, "complexity")
+        check_ascending(self, "complexity")
         return self
 
 

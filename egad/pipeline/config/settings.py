@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from egad._util.parameters import Name, Parameters
 from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Shape, Symmetry
-from egad.detectors.parameters import POLICIES, Policy
+from egad.detectors.parameters import POLICIES, DetectorConfig
 from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange.parameters import Acronym, DexNet
 from egad.geometry.parameters import Material
@@ -83,7 +83,7 @@ class Settings(Parameters):
     cameras: dict[Name, Camera] = Field(
         CAMERAS, min_length=1, description="all cameras of rendered images, by name"
     )
-    policies: dict[Name, Policy] = Field(
+    policies: dict[Name, DetectorConfig] = Field(
         POLICIES, min_length=1, description="all grasp detectors, by name"
     )
     training_sets: dict[Name, TrainingSet] = Field(

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from egad.errors import UserError
-from egad.pipeline.config import Policy, Settings, TrainingSet
+from egad.pipeline.config import DetectorConfig, Settings, TrainingSet
 
 FOLDER = Path("results/diversity")
 WEIGHTS = "weights.safetensors"
@@ -66,7 +66,7 @@ def with_networks(settings: Settings) -> Settings:
             )
         given = settings.training_sets[network.training_set].weights
         trained = (FOLDER / "networks" / network.folder / WEIGHTS).as_posix()
-        policies[network.name] = Policy(detector="ggcnn", weights=given or trained)
+        policies[network.name] = DetectorConfig(detector="ggcnn", weights=given or trained)
     return settings.model_copy(update={"policies": policies})
 
 

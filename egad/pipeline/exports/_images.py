@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.errors import UserError
 from egad.perception.image_shards import Images, files, shards
@@ -44,7 +44,7 @@ def write_by_split(images: Path, out: Path, write: Callable[[Picture, Path], boo
     """
     check_empty(out)
     written, total = 0, 0
-    with replacing(out, keep=False) as folder:
+    with atomic_output(out, keep=False) as folder:
         folder.mkdir()
         for split in SPLITS:
             (folder / split).mkdir()

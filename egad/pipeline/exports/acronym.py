@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.errors import UserError
 from egad.exchange.acronym import COLUMNS, Body, Jaws, is_ours, write_acronym
@@ -66,7 +66,7 @@ def run(
     known = {row["label"]: row for row in parquet.records(table) if row["label"] in factors}
     jaws = Jaws(gripper, settings.gripper.opening, finger_span(settings.gripper)[1])
     written = 0
-    with replacing(out, keep=False) as folder:
+    with atomic_output(out, keep=False) as folder:
         folder.mkdir()
         rows = by_object(grasps, COLUMNS)
         for label, found in progress(rows, "writing ACRONYM files", len(known)):

@@ -4,7 +4,7 @@ import logging
 from pathlib import Path
 from typing import Annotated
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad.exchange.gqcnn import write_gqcnn
 from egad.pipeline.exports._images import IMAGES, ImageLayouts, check_empty, pictures
 from egad.pipeline.parameters import Output
@@ -30,6 +30,6 @@ def run(
     """
     del settings
     check_empty(out)
-    with replacing(out, keep=False) as folder:
+    with atomic_output(out, keep=False) as folder:
         folder.mkdir()
         log.info("%d rows", write_gqcnn(pictures(images), folder))

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from egad import __version__
 from egad.errors import UserError
-from egad.exchange.sums import sum_of, write_sums
+from egad.exchange.sums import checksum, write_sums
 from egad.pipeline.code_version import code_version
 from egad.pipeline.parameters import Declared, Input, Renamed, ShardOf, declared
 from egad.plugins import source_file
@@ -62,7 +62,7 @@ def origin_of_run(function: Callable[..., Any], given: Mapping[str, Any]) -> Ori
         settings=settings_hash(settings) if settings else None,
         seed=getattr(settings, "seed", None),
         arguments=noted,
-        inputs=tuple((path, sum_of(path)) for path in inputs if path.exists()),
+        inputs=tuple((path, checksum(path)) for path in inputs if path.exists()),
     )
 
 

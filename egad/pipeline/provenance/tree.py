@@ -7,7 +7,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
-from egad.exchange.sums import sum_of
+from egad.exchange.sums import checksum
 from egad.pipeline.provenance.lookup import Noted, is_near, origin_of
 
 
@@ -35,7 +35,7 @@ def tree(path: Path) -> Iterator[str]:
     root = [Node(path, origin_of(path))]
     folders = (Path.cwd(), path if path.is_dir() else path.parent)
     yield _line(root)
-    look = partial(_node, folders=folders, digest_of=cache(sum_of))
+    look = partial(_node, folders=folders, digest_of=cache(checksum))
     yield from _below(root, "", set(), cache(look))
 
 

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 from egad.errors import TableError, UserError
-from egad.exchange.sums import ENDING, NAME, files_of, read_sums, sum_of
+from egad.exchange.sums import ENDING, NAME, checksum, files_of, read_sums
 from egad.pipeline.provenance.lookup import TABLE, is_near, origin_of
 from egad.tables.seal import is_whole
 
@@ -49,7 +49,7 @@ def verify(folder: Path) -> Verdict:
     files = [*files_of(folder), *(path for path in [folder / NAME] if path.is_file())]
     records = [path for path in files if path.name == NAME or path.suffix == ENDING]
     tables = [path for path in files if path.suffix == TABLE]
-    digest = cache(sum_of)
+    digest = cache(checksum)
     found = [*_tables(tables), *_others(records, digest)]
     if not found:
         raise UserError(f"{folder}: nothing is noted of any file in it")

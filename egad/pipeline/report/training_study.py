@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from egad.learning.model_card import taken
+from egad.learning.model_card import best_epoch
 from egad.pipeline.config.sections import TrainingSet
 from egad.pipeline.config.stage_settings import DiversityReport
 from egad.pipeline.config.training_study import Network
@@ -16,14 +16,14 @@ from egad.report.trial_charts import outcome_chart, rate_bars, trial_heat_map
 from egad.report.trials import EvaluationSet
 from egad.stats.rates import Mean, TrialGrid, trial_grid
 from egad.stats.training_study import (
-    Luck,
+    SeedVariance,
     SetPair,
     SetRate,
-    Tried,
+    TestAttempts,
     by_set,
     by_test,
-    luck,
     references,
+    seed_variance,
     set_pairs,
 )
 
@@ -62,7 +62,7 @@ class Training:
     @property
     def kept(self) -> pd.Series:
         """The epoch whose weights were kept."""
-        return taken(self.history)
+        return best_epoch(self.history)
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class TestView:
     sets: list[SetView]
     references: dict[str, Mean]
     pairs: list[SetPair]
-    noise: Luck | None
+    noise: SeedVariance | None
     rows_figure: str
     columns_figure: str
     outcome_figure: str
@@ -148,7 +148,7 @@ def describe(training_set: TrainingSet) -> str:
     return f"dataset `{training_set.dataset}`, {objects}{left_out}"
 
 
-def _test(name: str, tried: Tried, study: Study) -> TestView:
+def _test(name: str, tried: TestAttempts, study: Study) -> TestView:
     area = study.tests[name]
     sets = by_set(tried.rows)
     grids = {key: trial_grid(rows, area.rows, area.columns) for key, rows in sets.items()}
@@ -162,7 +162,7 @@ def _test(name: str, tried: Tried, study: Study) -> TestView:
         sets=[_set(key, name, tried, grid, study) for key, grid in grids.items()],
         references=tried.references,
         pairs=set_pairs(sets),
-        noise=luck(tried.sets),
+        noise=seed_variance(tried.sets),
         rows_figure=svg_uri(rate_bars(rows)),
         columns_figure=svg_uri(rate_bars(columns, digits)),
         outcome_figure=svg_uri(outcome_chart({**sets, **references(tried.rows)})),
@@ -170,7 +170,7 @@ def _test(name: str, tried: Tried, study: Study) -> TestView:
     )
 
 
-def _set(name: str, test: str, tried: Tried, grid: TrialGrid, study: Study) -> SetView:
+def _set(name: str, test: str, tried: TestAttempts, grid: TrialGrid, study: Study) -> SetView:
     area, table = study.tests[test], tried.rows
     present = set((table if area.objects is None else area.objects)["label"])
     return SetView(

@@ -60,9 +60,11 @@ def run(
     with Survivor(partial(executor, settings, bundle), limit) as execute:
         for row in progress(chosen, "trying", len(chosen)):
             label, name = row["label"], row["id"]
-            sample = t.sampled(labelled[labelled["id"] == name], name, share[name], settings.seed)
+            sample = t.sample_labelled_grasps(
+                labelled[labelled["id"] == name], name, share[name], settings.seed
+            )
             task = (known[name], sample) if name in known else None
-            failed = partial(t.not_carried_out, label, name, sample)
+            failed = partial(t.failed_labelled_grasps, label, name, sample)
             parts.append(outlived(row, execute, task, failed))
     filled = [table for table in parts if len(table)]
     whole = pd.concat(filled) if filled else parquet.empty(AGREEMENT)
@@ -75,11 +77,11 @@ def executor(
     settings: LabelTrialParameters, bundle: Path
 ) -> Iterator[Callable[[Task], pd.DataFrame]]:
     """What carries out grasps at an object of the bundle: its row there, and the grasps."""
-    from egad.sim.labelled_trials import carried_out  # noqa: PLC0415
+    from egad.sim.labelled_trials import execute_labelled_grasps  # noqa: PLC0415
 
     def carry_out(task: Task) -> pd.DataFrame:
         row, sample = task
         model = model_in(bundle, row)
-        return carried_out(model, row["label"], row["id"], sample, settings)
+        return execute_labelled_grasps(model, row["label"], row["id"], sample, settings)
 
     yield carry_out

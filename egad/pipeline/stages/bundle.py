@@ -8,11 +8,11 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
-from egad.evalset.bundle import Bundled, bundled, page
+from egad.evalset.bundle import SimulationObject, make_simulation_object, page
 from egad.exchange.folders import object_names
 from egad.exchange.meshes import read_mesh
 from egad.exchange.simulators import write_simulation_object
@@ -105,7 +105,7 @@ def run(
         How many objects could not be used; `rejected.parquet` names them.
     """
     rows, left_out = [], []
-    with workers(worker_count) as mapper, replacing(out) as folder:
+    with workers(worker_count) as mapper, atomic_output(out) as folder:
         folder.mkdir()
         paths = [item.path for item in objects]
         results = mapper(partial(_made, units=units, settings=settings), paths)
@@ -130,15 +130,17 @@ def run(
     return len(left_out)
 
 
-def _made(path: Path, units: str, settings: SimulationBundle) -> Bundled | str:
+def _made(path: Path, units: str, settings: SimulationBundle) -> SimulationObject | str:
     """An object ready for simulators, or the reason why there is none."""
     try:
-        return bundled(read_mesh(path, units), settings.material.density, settings.bundle)
+        return make_simulation_object(
+            read_mesh(path, units), settings.material.density, settings.bundle
+        )
     except RejectedError as reason:
         return str(reason)
 
 
-def _row(item: Item, made: Bundled, settings: SimulationBundle) -> dict[str, Any]:
+def _row(item: Item, made: SimulationObject, settings: SimulationBundle) -> dict[str, Any]:
     physics, inertia = made.physics, made.physics.inertia
     moments = (*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2])
     return {

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.exchange.meshes import read_mesh
 from egad.pipeline.config import Axes, Space
@@ -29,5 +29,5 @@ def run(dataset: Path, out: Path, space: Space, axes: Axes) -> None:
         label: png_bytes(render(read_mesh(dataset / "meshes" / f"{label}.obj", "m"), SIZE))
         for label in progress(shown["label"], "drawing", len(shown))
     }
-    with replacing(out) as temporary:
+    with atomic_output(out) as temporary:
         temporary.write_bytes(collage(shown, pictures, space, axes=axis_pair(axes)))

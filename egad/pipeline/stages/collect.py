@@ -12,7 +12,7 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.exchange.meshes import write_obj
@@ -62,7 +62,7 @@ def run(
     """
     evolved = source in ("evolved", "archive")
     frame = arrange(join(solids, SOLIDS, ["id"]), settings, evolved, jobs)
-    with workers(jobs) as mapper, replacing(meshes) as folder:
+    with workers(jobs) as mapper, atomic_output(meshes) as folder:
         folder.mkdir()
         columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
         written = mapper(partial(_write, folder), columns)

@@ -6,7 +6,7 @@ from typing import Annotated
 import pandas as pd
 import typer
 
-from egad._util.files import replacing, write_text
+from egad._util.files import atomic_output, write_text
 from egad._util.progress import phase
 from egad.evalset.datasheet import ATTEMPTS, ForGripper, page
 from egad.evalset.selection import empty_cells
@@ -73,7 +73,7 @@ def run(
     write_text(out / "README.md", text)
     empty_results = template(chosen["label"].tolist(), ATTEMPTS, "")
     write_text(out / "trials.csv", empty_results.to_csv(index=False))
-    with replacing(out / "contact-sheet.pdf") as temporary:
+    with atomic_output(out / "contact-sheet.pdf") as temporary:
         temporary.write_bytes(picture)
 
 

@@ -11,7 +11,7 @@ from egad.errors import RejectedError
 from egad.exchange.grippers import palm_mesh
 from egad.exchange.meshes import read_mesh
 from egad.geometry.rays import RayCaster
-from egad.grasps.labels import found, rated, tally_row
+from egad.grasps.labels import rate_grasps, sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters
 from egad.measures.difficulty import center_of_mass
 from egad.pipeline.parameters import Input, Output, Shard, command
@@ -60,14 +60,14 @@ def run(
             continue
         rng = generator(settings.seed, "grasps", object_id)
         caster = RayCaster(mesh)
-        grasps, counts = found(caster, settings, rng)
+        grasps, counts = sample_for_labels(caster, settings, rng)
         if len(grasps):
-            rows = rated(caster, center_of_mass(mesh), grasps, settings, rng, palm)
+            rows = rate_grasps(caster, center_of_mass(mesh), grasps, settings, rng, palm)
             labelled.append(rows.assign(**named))
         else:
             rows = parquet.empty(GRASPS)
             left_out.append(rejection(object_id, "grasp-label", f"no grasp ({counts})"))
-        tallies.append(named | tally_row(settings.grasp_label.grasps, counts, rows))
+        tallies.append(named | statistics_row(settings.grasp_label.grasps, counts, rows))
     table = pd.concat(labelled) if labelled else parquet.empty(GRASPS)
     parquet.write(table, GRASPS, out)
     parquet.write(pd.DataFrame(tallies), TALLY, tally)

@@ -19,7 +19,7 @@ from egad.measures.grid import labels
 from egad.pipeline.archive_settings import check_provenance
 from egad.pipeline.config import Shape, Similarity
 from egad.pipeline.config.stage_settings import LocateMeshes
-from egad.pipeline.stages.measure import measured, warn_of_units
+from egad.pipeline.stages.measure import measure_row, warn_of_units
 from egad.reeb import graph as reeb
 from egad.reeb.neighbours import Neighbourhood
 from egad.report.locations import Located, Neighbour
@@ -142,7 +142,7 @@ class _Mine(NamedTuple):
 def _mine(item: tuple[str, Path], units: str, settings: LocateMeshes) -> _Mine:
     name, path = item
     try:
-        solid, row = measured(read_mesh(path, units), settings)
+        solid, row = measure_row(read_mesh(path, units), settings)
         graph = reeb.pack(reeb.extract(solid, settings.similarity))
     except RejectedError as reason:
         return _Mine({"name": name, "reason": str(reason)})

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.cppn.surface import packed_surface
 from egad.exchange.meshes import write_obj
@@ -29,7 +29,7 @@ def run(archive: Path, out: Path, shape: Shape) -> int:
     frame = parquet.read(archive, ARCHIVE)
     check_names(frame, archive, ["id"])
     objects = zip(frame["id"], frame["voxels"], strict=True)
-    with replacing(out) as folder:
+    with atomic_output(out) as folder:
         folder.mkdir()
         for object_id, packed in progress(objects, "writing meshes", len(frame)):
             write_obj(packed_surface(packed, shape), folder / f"{object_id}.obj")

@@ -13,9 +13,9 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange.meshes import read_mesh
-from egad.geometry.mass import body
+from egad.geometry.mass import repair_and_weigh
 from egad.measures.grid import complexity_cells, difficulty_cells
-from egad.measures.measure import graded
+from egad.measures.measure import measure_repeatably
 from egad.pipeline.config.stage_settings import MeasureMeshes
 from egad.tables.objects import MEASURED
 
@@ -46,7 +46,7 @@ def run(
     return table
 
 
-def measured(
+def measure_row(
     mesh: trimesh.Trimesh, settings: MeasureMeshes
 ) -> tuple[trimesh.Trimesh, dict[str, Any]]:
     """The repaired mesh and its row of `tables.objects.MEASURED`.
@@ -54,8 +54,10 @@ def measured(
     Raises:
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
     """
-    solid, repaired, _ = body(mesh, settings.material.density, settings.postprocess.min_volume)
-    place = graded(solid, settings, settings.postprocess.grasps)
+    solid, repaired, _ = repair_and_weigh(
+        mesh, settings.material.density, settings.postprocess.min_volume
+    )
+    place = measure_repeatably(solid, settings, settings.postprocess.grasps)
     return solid, {
         **place._asdict(),
         "complexity_cell": int(complexity_cells(place.complexity, settings.space)),
@@ -68,7 +70,7 @@ def measured(
 def _row(item: tuple[str, Path], units: str, settings: MeasureMeshes) -> dict[str, Any]:
     name, path = item
     try:
-        _, row = measured(read_mesh(path, units), settings)
+        _, row = measure_row(read_mesh(path, units), settings)
     except RejectedError as reason:
         return {"name": name, "reason": str(reason)}
     return {"name": name, **row, "reason": ""}

@@ -16,9 +16,9 @@ from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError, UserError
 from egad.exchange.folders import EVERY_FILE, objects_in
 from egad.exchange.meshes import read_mesh
-from egad.geometry.mass import body
+from egad.geometry.mass import repair_and_weigh
 from egad.geometry.primitives import joined_primitives
-from egad.measures.measure import graded
+from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import MeasureParameters
 from egad.pipeline.archive_settings import MEASURING, check_provenance, differences
 from egad.pipeline.config import Material, Postprocess, Shape
@@ -181,8 +181,10 @@ def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids
     Raises:
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
     """
-    solid, repaired, mass = body(mesh, settings.material.density, settings.postprocess.min_volume)
-    place = graded(solid, settings, settings.postprocess.grasps)
+    solid, repaired, mass = repair_and_weigh(
+        mesh, settings.material.density, settings.postprocess.min_volume
+    )
+    place = measure_repeatably(solid, settings, settings.postprocess.grasps)
     return {
         "id": object_id,
         **place._asdict(),

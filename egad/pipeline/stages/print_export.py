@@ -10,7 +10,7 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.errors import RejectedError
 from egad.evalset.engraving import engrave
@@ -85,7 +85,7 @@ def run(
         if label in items:
             found = _printed(label, items[label], label in engraved, settings)
         rows.append(_base_row(row, factor, settings.print_export) | found)
-    with replacing(out) as folder:
+    with atomic_output(out) as folder:
         folder.mkdir()
         _write(folder, items, rows, gripper, settings)
     _log_result(rows, gripper, settings)

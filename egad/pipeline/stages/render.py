@@ -15,7 +15,7 @@ from egad.exchange.meshes import read_mesh
 from egad.grasps.grasps import vectors
 from egad.perception.image_rows import encoded
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import Grasped, Hand
+from egad.perception.reachability import GraspCandidates, Hand
 from egad.perception.rendering import pictures
 from egad.perception.splits import Share, shares
 from egad.pipeline.parameters import Input, Output, Shard, command
@@ -110,7 +110,7 @@ def _names(path: Path, column: str) -> set[str]:
     return {name for rows in parquet.batches(path, [column]) for name in rows[column]}
 
 
-def _labelled(path: Path, ids: set[str]) -> dict[str, Grasped]:
+def _labelled(path: Path, ids: set[str]) -> dict[str, GraspCandidates]:
     """The grasps of some objects; of one without grasps, none."""
     parts = [batch[batch["id"].isin(ids)] for batch in parquet.batches(path, GRASP_COLUMNS)]
     table = pd.concat(parts) if parts else pd.DataFrame(columns=GRASP_COLUMNS)
@@ -118,8 +118,8 @@ def _labelled(path: Path, ids: set[str]) -> dict[str, Grasped]:
     return {name: _grasped(groups.get(name, table.iloc[:0])) for name in ids}
 
 
-def _grasped(rows: pd.DataFrame) -> Grasped:
-    return Grasped(
+def _grasped(rows: pd.DataFrame) -> GraspCandidates:
+    return GraspCandidates(
         rows["grasp"].to_numpy(np.int64),
         vectors(rows, "center"),
         vectors(rows, "axis"),

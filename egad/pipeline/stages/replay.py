@@ -9,9 +9,9 @@ import numpy as np
 from egad.errors import UserError
 from egad.pipeline.stages.bundled import model_in, rows_by_id
 from egad.pipeline.stages.simulate import SimulatedTrials
-from egad.sim.attempts import END, columns_of, recorded
+from egad.sim.attempts import END, columns_of, read_attempt
 from egad.sim.film import Film, Pixels, write_film
-from egad.sim.trial import Attempt, Bench
+from egad.sim.trial import Attempt, TrialRunner
 from egad.sim.world import World
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
@@ -41,13 +41,13 @@ def run(
     row = _row(trials, label, attempt)
     if not row["begun"]:
         raise UserError(f"{label}, attempt {attempt} never began: {row['outcome']}")
-    again, frames = repeated(settings, row, bundle)
+    again, frames = repeat_attempt(settings, row, bundle)
     write_film(frames, out)
     _check(row, columns_of(again))
     return str(row["outcome"])
 
 
-def repeated(
+def repeat_attempt(
     settings: SimulatedTrials, row: Mapping[str, Any], bundle: Path
 ) -> tuple[Attempt, list[Pixels]]:
     """An attempt again, and the frames of its film.
@@ -62,7 +62,7 @@ def repeated(
         raise UserError(f"{bundle}: no object {row['label']}")
     with World(model_in(bundle, known[row["id"]])) as world:
         film = Film(world)
-        again = Bench(world, settings.gripper, settings.trials).repeat(*recorded(row))
+        again = TrialRunner(world, settings.gripper, settings.trials).repeat(*read_attempt(row))
     return again, film.frames
 
 

@@ -8,14 +8,14 @@ from typing import Annotated, Any
 import numpy as np
 import pandas as pd
 
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange.folders import object_names
 from egad.exchange.meshes import read_mesh, write_obj, write_stl_mm
 from egad.geometry.scaling import rescale
-from egad.grasps.opening import fitting_part, pinch_widths
+from egad.grasps.opening import graspable_fraction, graspable_widths
 from egad.pipeline.config import Gripper, Rescale
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Jobs, NotNoted, Output, Renamed
@@ -68,7 +68,7 @@ def run(
     found = [sorted(path.glob("*.obj")) if path.is_dir() else [path] for path in meshes]
     named = object_names([file for files in found for file in files])
     scales, left_out = [], []
-    with workers(jobs) as mapper, replacing(out) as folder:
+    with workers(jobs) as mapper, atomic_output(out) as folder:
         folder.mkdir()
         work = partial(
             _scaled, units=units, settings=settings, folder=folder, tail=f"{suffix}.{ending}"
@@ -105,12 +105,12 @@ def _scaled(
         scaled, row = rescale(mesh, rule.rule, settings.gripper.opening, rule.side_fraction)
     except RejectedError as reason:
         return str(reason)
-    widths, areas = pinch_widths(mesh)
+    widths, areas = graspable_widths(mesh)
     opening = settings.gripper.opening
     file = folder / f"{name}{tail}"
     WRITERS[file.suffix](scaled, file)
     return row | {
-        "fit_before": fitting_part(widths, areas, opening),
-        "fit_after": fitting_part(row["factor"] * widths, areas, opening),
+        "fit_before": graspable_fraction(widths, areas, opening),
+        "fit_after": graspable_fraction(row["factor"] * widths, areas, opening),
         "file": file.name,
     }

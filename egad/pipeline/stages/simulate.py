@@ -13,7 +13,7 @@ from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
 from egad.detectors.base import Detector
 from egad.detectors.labels import Labels
-from egad.detectors.parameters import Policy
+from egad.detectors.parameters import DetectorConfig
 from egad.detectors.registry import QUICK
 from egad.detectors.subprocess import Child
 from egad.errors import UserError
@@ -31,7 +31,7 @@ log = logging.getLogger(__name__)
 class SimulatedTrials(TrialParameters):
     """Simulated trials of a grasp detector."""
 
-    policy: Policy
+    policy: DetectorConfig
 
 
 @command()
@@ -57,16 +57,16 @@ def run(
         out: Simulated trials of detector P with gripper G, one attempt a row.
         grasps: Labelled grasps of the objects, for the detector `labels`.
     """
-    from egad.sim.attempts import untried  # noqa: PLC0415 (PyBullet greets on stderr)
+    from egad.sim.attempts import failed_attempts  # noqa: PLC0415 (PyBullet greets on stderr)
 
     chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
     known = rows_by_id(bundle)
     parts = []
     limit = settings.trials.attempts * (settings.trials.planning_time + ENGINE_TIME)
     phase("starting the simulator")
-    with Survivor(partial(trier, settings, bundle, grasps), limit) as attempt:
+    with Survivor(partial(open_runner, settings, bundle, grasps), limit) as attempt:
         for row in progress(parquet.records(chosen), "trying", len(chosen)):
-            failed = partial(untried, row["label"], row["id"], settings)
+            failed = partial(failed_attempts, row["label"], row["id"], settings)
             parts.append(outlived(row, attempt, known.get(row["id"]), failed))
     whole = pd.concat(parts) if parts else parquet.empty(TRIALS)
     parquet.write(whole, TRIALS, out)
@@ -74,23 +74,23 @@ def run(
 
 
 @contextmanager
-def trier(
+def open_runner(
     settings: SimulatedTrials, bundle: Path, grasps: Path | None
 ) -> Iterator[Callable[[Mapping[str, Any]], pd.DataFrame]]:
     """What makes all attempts at an object of the bundle, by its row there."""
-    from egad.sim.attempts import tried  # noqa: PLC0415
+    from egad.sim.attempts import run_attempts  # noqa: PLC0415
 
-    with opened(settings, grasps) as detector_of:
+    with open_detector(settings, grasps) as detector_of:
 
         def attempts(row: Mapping[str, Any]) -> pd.DataFrame:
             detect = detector_of(row["id"])
-            return tried(model_in(bundle, row), row["label"], row["id"], detect, settings)
+            return run_attempts(model_in(bundle, row), row["label"], row["id"], detect, settings)
 
         yield attempts
 
 
 @contextmanager
-def opened(
+def open_detector(
     settings: SimulatedTrials, grasps: Path | None
 ) -> Iterator[Callable[[str], Detector | Labels]]:
     """The detector for each object, by its id; for as long as the block lasts.

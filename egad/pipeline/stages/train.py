@@ -9,10 +9,10 @@ import pandas as pd
 
 from egad._util.files import write_text
 from egad.errors import UserError
-from egad.exchange.sums import sum_of
-from egad.learning.dataset import LearningSet, Rule
-from egad.learning.evaluation import Score, reached, right, scored
-from egad.learning.model_card import Trained, card
+from egad.exchange.sums import checksum
+from egad.learning.dataset import Dataset, PositiveFilter
+from egad.learning.evaluation import Score, count_correct, score_table, total_score
+from egad.learning.model_card import TrainedNetwork, card
 from egad.perception import image_shards as folder
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config import Training
@@ -70,21 +70,21 @@ def run(
     except ModuleNotFoundError as error:
         raise UserError(NEEDED) from error
     plan, seed = settings.training, settings.seed
-    shards = opened(images, settings)
-    network = networks.untrained(plan.network, seed)
+    shards = open_dataset(images, settings)
+    network = networks.new_network(plan.network, seed)
     kept = training.Checkpoint(out / CHECKPOINT, meaning(settings, images))
     rows = training.train(network, shards, plan, seed, jobs, kept)
-    held, judgements = training.examined(network, shards, plan.test, jobs)
-    score = scored(shards.index.loc[held], judgements)
+    held, judgements = training.evaluate_split(network, shards, plan.test, jobs)
+    score = total_score(shards.index.loc[held], judgements)
     weights.write(network, out / WEIGHTS, {"network": plan.network, "seed": seed})
-    trained = Trained(
+    trained = TrainedNetwork(
         networks.TITLES[plan.network],
         networks.parameters(network),
         images.name if images.is_absolute() else images.as_posix(),
         shards.index,
         pd.DataFrame(rows),
         score,
-        right(shards, held),
+        count_correct(shards, held),
         {"seed": seed, **plan.model_dump(mode="json")},
     )
     tell(trained, out)
@@ -92,7 +92,7 @@ def run(
     return score
 
 
-def opened(images: Path, settings: TrainNetwork) -> LearningSet:
+def open_dataset(images: Path, settings: TrainNetwork) -> Dataset:
     """The images to learn from.
 
     Raises:
@@ -100,10 +100,10 @@ def opened(images: Path, settings: TrainNetwork) -> LearningSet:
         TableError: A shard cannot be read.
     """
     plan = settings.training
-    shards = LearningSet(images, Rule(plan.quality, plan.breadth))
+    shards = Dataset(images, PositiveFilter(plan.quality, plan.breadth))
     for split in ("validation", "test"):
-        shards.numbers(split)
-    if not shards.index.loc[shards.numbers("train"), "positive"].any():
+        shards.indices(split)
+    if not shards.index.loc[shards.indices("train"), "positive"].any():
         raise UserError(
             f"{images}: no image of the split train has a grasp that is free of collision with a "
             f"robust quality above training.quality, {plan.quality}"
@@ -117,16 +117,16 @@ def meaning(settings: TrainNetwork, images: Path) -> str:
 
     known = {
         "settings": settings.model_dump(mode="json"),
-        "images": [sum_of(path) for path in folder.files(images)],
+        "images": [checksum(path) for path in folder.files(images)],
         "torch": torch.__version__,
         "code": [code_version(f"egad.learning.{name}") for name in ("networks", "training")],
     }
     return json.dumps(known, sort_keys=True)
 
 
-def tell(trained: Trained, out: Path) -> None:
+def tell(trained: TrainedNetwork, out: Path) -> None:
     """Write the history, its chart, the score and the model card."""
     parquet.write(trained.history, HISTORY, out / TABLE)
-    parquet.write(reached(trained.score), SCORE, out / REACHED)
+    parquet.write(score_table(trained.score), SCORE, out / REACHED)
     write_text(out / CHART, training_chart(trained.history))
     write_text(out / CARD, card(trained))

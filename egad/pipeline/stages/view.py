@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from egad.errors import RejectedError, UserError, known
+from egad.errors import RejectedError, UserError, check_name
 from egad.exchange.grasps import check_opening
 from egad.exchange.grippers import palm_mesh
 from egad.exchange.meshes import read_mesh
 from egad.geometry.repair import repair
 from egad.geometry.scaling import rescale
-from egad.grasps.labels import label
+from egad.grasps.labels import label_grasps
 from egad.pipeline.config.stage_settings import ViewMesh
 from egad.pipeline.stages.scenes import scene
 from egad.random import generator
@@ -44,7 +44,7 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> Scene
     if evaluation.is_file():
         chosen = parquet.read(evaluation, EVAL49)
         labels = dict(zip(chosen["label"], chosen["object_label"], strict=True)) | labels
-    known("object", name, labels, f" in {folder} for {gripper}")
+    check_name("object", name, labels, f" in {folder} for {gripper}")
     return scene(folder, gripper, labels[name], parquet.read(table, GRASPS))
 
 
@@ -68,7 +68,7 @@ def from_mesh(path: Path, units: str, settings: ViewMesh) -> Scene:
     title = f"{path.name}, scaled by {row['factor']:.3g}"
     rng = generator(settings.seed, "grasps", path.stem)
     try:
-        rows = label(mesh, mesh.center_mass, settings, rng, palm_mesh(settings.gripper))
+        rows = label_grasps(mesh, mesh.center_mass, settings, rng, palm_mesh(settings.gripper))
         return Scene(path.stem, title, mesh, rows)
     except RejectedError as reason:
         return Scene(path.stem, title, mesh, parquet.empty(GRASPS), str(reason))

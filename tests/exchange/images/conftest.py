@@ -6,7 +6,7 @@ import trimesh
 
 from egad.grasps.collision import SIDE_CLEARANCE
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import Grasped, Hand
+from egad.perception.reachability import GraspCandidates, Hand
 from egad.perception.rendering import pictures
 from egad.perception.splits import Share
 from egad.pipeline.config import CAMERAS, GRIPPERS, Settings
@@ -24,7 +24,7 @@ def sets():
     The latter collides: the fingers would stand in the block.
     """
     block = trimesh.creation.box(SIDES)
-    grasps = Grasped(np.arange(4), np.zeros((4, 3)), AXES, WIDTHS, np.full(4, 0.003))
+    grasps = GraspCandidates(np.arange(4), np.zeros((4, 3)), AXES, WIDTHS, np.full(4, 0.003))
     hand = Hand(GRIPPERS["egad_75mm"], None, 0.1)
 
     def made(camera, **noise):

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from egad import __version__
-from egad.exchange.sums import sum_of, write_sums
+from egad.exchange.sums import checksum, write_sums
 from egad.map_elites.parameters import EvolutionParameters
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config import Settings
@@ -35,7 +35,7 @@ def recorded(stage, settings, reads, writes=(), **arguments):
         settings=settings_hash(settings) if settings else None,
         seed=getattr(settings, "seed", None),
         arguments=arguments,
-        inputs=tuple((path, sum_of(path)) for path in reads),
+        inputs=tuple((path, checksum(path)) for path in reads),
     )
     with made_by(origin):
         yield

@@ -8,7 +8,7 @@ import pyarrow as pa
 import pytest
 
 from egad.errors import TableError, UserError
-from egad.learning.evaluation import Score, reached
+from egad.learning.evaluation import Score, score_table
 from egad.pipeline.cli import main
 from egad.pipeline.config.check import check
 from egad.pipeline.config.stage_settings import DiversityReport, select
@@ -72,7 +72,7 @@ def results(tmp_path):
             folder / "history.parquet",
         )
         score = Score(3, 4, 2, (0.2, 0.9), 0.1)
-        parquet.write(reached(score), SCORE, folder / "score.parquet")
+        parquet.write(score_table(score), SCORE, folder / "score.parquet")
     return tmp_path
 
 

@@ -7,7 +7,7 @@ import trimesh
 
 from egad.perception.image_rows import encoded
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import Grasped, Hand
+from egad.perception.reachability import GraspCandidates, Hand
 from egad.perception.rendering import pictures
 from egad.perception.splits import SPLITS, Share
 from egad.pipeline.cli import main
@@ -25,7 +25,7 @@ def dataset(tmp_path_factory):
     settings = select(Settings(), RenderParameters, "egad_75mm")
     block, hand = trimesh.creation.box((0.03, 0.03, 0.03)), Hand(settings.gripper, None, 0.1)
     same = np.full(3, 0.03), np.full(3, 0.002)
-    grasps = Grasped(np.arange(3), np.zeros((3, 3)), np.eye(3), *same)
+    grasps = GraspCandidates(np.arange(3), np.zeros((3, 3)), np.eye(3), *same)
     rows = [
         encoded(picture)
         for number, split in enumerate(SPLITS)

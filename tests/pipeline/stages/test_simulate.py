@@ -10,7 +10,7 @@ import trimesh
 from PIL import Image
 
 from egad.errors import UserError
-from egad.evalset.bundle import bundled
+from egad.evalset.bundle import make_simulation_object
 from egad.exchange.meshes import write_obj
 from egad.outcomes import Outcome
 from egad.pipeline.cli import main
@@ -20,7 +20,7 @@ from egad.pipeline.stages import bundle, replay, simulate
 from egad.pipeline.stages.bundle import SimulationBundle
 from egad.pipeline.stages.bundled import model_in
 from egad.pipeline.stages.simulate import SimulatedTrials
-from egad.sim.attempts import untried
+from egad.sim.attempts import failed_attempts
 from egad.sim.film import write_film
 from egad.sim.model import model_of
 from egad.tables import parquet
@@ -71,7 +71,7 @@ def test_a_model_is_that_of_the_bundle(dataset):
     rows = parquet.records(parquet.read(made / "bundle.parquet", BUNDLE))
     for row in rows:
         mesh = MESHES[row["label"]].copy().apply_translation((0.1, 0.2, 0.3))
-        whole = bundled(mesh, WHOLE.material.density, WHOLE.bundle)
+        whole = make_simulation_object(mesh, WHOLE.material.density, WHOLE.bundle)
         expected = model_of(whole.mesh, whole.parts, whole.physics, whole.volume_error)
         found = model_in(made, row)
         assert found.mass == expected.mass
@@ -104,7 +104,7 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
             return lambda row: (
                 None
                 if row["label"] == "A0"
-                else untried(row["label"], row["id"], SETTINGS, Outcome.MISSED)
+                else failed_attempts(row["label"], row["id"], SETTINGS, Outcome.MISSED)
             )
 
         def __exit__(self, *_):
