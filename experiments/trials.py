@@ -27,10 +27,10 @@ WIDTH, HEIGHT, TEXT = 180, 200, 16
 HAND = (120, 205)  # its shades of grey; nothing else is as dark and without colour
 
 
-def main(folder: Path, gripper: str, *policies: str) -> None:
+def main(folder: Path, gripper: str, *detectors: str) -> None:
     """Write the picture beside this file."""
     settings = select(Settings(), SimulatedTrials, gripper)
-    tables = [folder / "trials" / gripper / f"{policy}.parquet" for policy in policies]
+    tables = [folder / "trials" / gripper / f"{detector}.parquet" for detector in detectors]
     trials = pd.concat(parquet.read(path, TRIALS) for path in tables)
     shown = [trials[trials["outcome"] == outcome].head(1) for outcome in EXECUTION]
     rows = parquet.records(pd.concat(shown))

@@ -15,7 +15,7 @@ from egad.perception.camera import View
 Floats = NDArray[np.float64]
 
 MOST_GRASPS = 50  # kept of the candidates of a detector
-WHERE = "policies"
+WHERE = "detectors"
 
 
 @dataclass(frozen=True)

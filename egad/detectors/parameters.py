@@ -33,4 +33,4 @@ class DetectorConfig(Parameters):
         return self
 
 
-POLICIES = {name: DetectorConfig(detector=name) for name in SHIPPED}
+DETECTORS = {name: DetectorConfig(detector=name) for name in SHIPPED}

@@ -20,22 +20,22 @@ QUICK: dict[str, Detector] = {"antipodal-depth": antipodal_depth, "random": rand
 """Detectors that need nothing but the image, and no process of their own to be stopped."""
 
 
-def make_detector(policy: DetectorConfig) -> Detector:
+def make_detector(config: DetectorConfig) -> Detector:
     """Make a detector.
 
     Args:
-        policy: One that is shipped, but `labels`, or the user's own class: it is made without
+        config: One that is shipped, but `labels`, or the user's own class: it is made without
             arguments, or with the path of the weights if these are given. A function will do.
 
     Raises:
         UserError: It cannot be found or made.
     """
-    name = policy.detector
+    name = config.detector
     if name in QUICK:
         return QUICK[name]
     if name == "labels":
         raise UserError("labels: knows where the object is and answers in simulated trials only")
-    return with_checked_answers(GGCNN(policy.weights) if name == "ggcnn" else _own(policy))
+    return with_checked_answers(GGCNN(config.weights) if name == "ggcnn" else _own(config))
 
 
 def with_checked_answers(detect: Callable[..., Any]) -> Detector:
@@ -55,31 +55,31 @@ def _plain(grasp: Any) -> Grasp:  # noqa: ANN401 (whatever the user's code gives
     return Grasp((x, y, z), *numbers)
 
 
-def _own(policy: DetectorConfig) -> Callable[..., Any]:
-    found = own_code.find(policy.detector, WHERE, "class or function")
+def _own(config: DetectorConfig) -> Callable[..., Any]:
+    found = own_code.find(config.detector, WHERE, "class or function")
     if not isinstance(found, type):
-        if policy.weights:
-            raise UserError(f"{WHERE}: {policy.detector} is no class that takes `weights`")
+        if config.weights:
+            raise UserError(f"{WHERE}: {config.detector} is no class that takes `weights`")
         return found  # type: ignore[no-any-return]
-    arguments = [policy.weights] if policy.weights else []
+    arguments = [config.weights] if config.weights else []
     try:
         made: Callable[..., Any] = found(*arguments)
     except Exception as error:
-        message = f"{WHERE}: {policy.detector} cannot be made: {type(error).__name__}: {error}"
+        message = f"{WHERE}: {config.detector} cannot be made: {type(error).__name__}: {error}"
         raise UserError(message) from error
     if not callable(made):
-        raise UserError(f"{WHERE}: {policy.detector} has no __call__(view, gripper, rng)")
+        raise UserError(f"{WHERE}: {config.detector} has no __call__(view, gripper, rng)")
     return made
 
 
-def fingerprint(policy: DetectorConfig) -> list[str]:
+def fingerprint(config: DetectorConfig) -> list[str]:
     """What else than the library and the settings decides the answers; the detector is not run.
 
     Raises:
         UserError: A file is missing.
     """
-    if policy.detector == "ggcnn":
-        check_ggcnn(policy.weights)
-    own = [own_code.source_hash(policy.detector, WHERE)] if ":" in policy.detector else []
-    weights = [own_code.file_hash(policy.weights, WHERE)] if policy.weights else []
+    if config.detector == "ggcnn":
+        check_ggcnn(config.weights)
+    own = [own_code.source_hash(config.detector, WHERE)] if ":" in config.detector else []
+    weights = [own_code.file_hash(config.weights, WHERE)] if config.weights else []
     return [*own, *weights]

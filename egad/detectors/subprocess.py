@@ -32,15 +32,15 @@ class DetectorTimeoutError(Exception):
 class Child:
     """A detector that answers from another process, started anew whenever it had to be stopped."""
 
-    def __init__(self, policy: DetectorConfig, limit: float) -> None:
+    def __init__(self, config: DetectorConfig, limit: float) -> None:
         """Prepare; the process starts with the first question, or with the `with` block.
 
         Args:
-            policy: The detector.
+            config: The detector.
             limit: Seconds that an answer may take.
         """
-        name = f"the process of the detector {policy.detector}"
-        self._worker = Worker(partial(_answering, policy), limit, STARTING_TIME, name)
+        name = f"the process of the detector {config.detector}"
+        self._worker = Worker(partial(_answering, config), limit, STARTING_TIME, name)
         self._was_ready = False
 
     def __enter__(self) -> Self:
@@ -85,9 +85,9 @@ class Child:
 
 
 @contextmanager
-def _answering(policy: DetectorConfig) -> Iterator[Callable[[Question], Answer]]:
+def _answering(config: DetectorConfig) -> Iterator[Callable[[Question], Answer]]:
     """Make the detector, in its own process."""
-    yield partial(_answer, make_detector(policy))
+    yield partial(_answer, make_detector(config))
 
 
 def _answer(detect: Detector, question: Question) -> Answer:

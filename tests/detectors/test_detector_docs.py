@@ -46,7 +46,7 @@ def test_its_configurations_are_allowed():
     for text in re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL):
         config = yaml.safe_load(text)
         shipped = {"antipodal-depth": {"detector": "antipodal-depth"}}
-        check({**config, "policies": shipped | config["policies"]})
+        check({**config, "detectors": shipped | config["detectors"]})
 
 
 def test_every_column_of_a_robots_file_is_explained():

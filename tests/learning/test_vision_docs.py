@@ -33,4 +33,4 @@ def test_its_configuration_is_allowed():
     (text,) = re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL)
     config = yaml.safe_load(text)
     shipped = {"antipodal-depth": {"detector": "antipodal-depth"}}
-    check({**config, "policies": shipped | config["policies"]})
+    check({**config, "detectors": shipped | config["detectors"]})

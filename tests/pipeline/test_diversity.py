@@ -43,18 +43,18 @@ def test_a_set_has_a_network_a_seed_and_given_weights_one(asked):
 
 def test_networks_are_detectors_like_any_other(asked):
     tried = with_networks(asked)
-    assert set(tried.policies) == {*asked.policies, "complex-0", "complex-1", "given-0"}
-    policy = select(tried, SimulatedTrials, policy="complex-1").policy
-    assert policy.detector == "ggcnn"
-    assert policy.weights == "results/diversity/networks/complex/1/weights.safetensors"
-    assert tried.policies["given-0"].weights == "given.pt"
+    assert set(tried.detectors) == {*asked.detectors, "complex-0", "complex-1", "given-0"}
+    detector = select(tried, SimulatedTrials, detector="complex-1").detector
+    assert detector.detector == "ggcnn"
+    assert detector.weights == "results/diversity/networks/complex/1/weights.safetensors"
+    assert tried.detectors["given-0"].weights == "given.pt"
 
 
 def test_the_trials_of_all_networks_have_the_same_seed(asked):
     """And so the same drops: they follow from the seed, the object and the attempt."""
     tried = with_networks(asked)
     parts = [
-        select(tried, SimulatedTrials, policy=network.name).model_dump(exclude={"policy"})
+        select(tried, SimulatedTrials, detector=network.name).model_dump(exclude={"detector"})
         for network in networks_of(asked)
     ]
     assert all(part == parts[0] for part in parts)
@@ -86,11 +86,11 @@ def test_a_detector_with_the_name_of_a_network_is_refused():
     taken = check(
         {
             **ASKED,
-            "policies": {"complex-1": {"detector": "random"}},
-            "targets": {"policies": ["complex-1"]},
+            "detectors": {"complex-1": {"detector": "random"}},
+            "targets": {"detectors": ["complex-1"]},
         }
     )
-    with pytest.raises(UserError, match=r"policies.complex-1: .* training set complex"):
+    with pytest.raises(UserError, match=r"detectors.complex-1: .* training set complex"):
         with_networks(taken)
 
 

@@ -10,7 +10,7 @@ RULES = "".join(path.read_text() for path in (ROOT / "workflow/rules").glob("*.s
 WILDCARDS = {
     "D": "{dataset}",
     "G": "{gripper}",
-    "P": "{policy}",
+    "P": "{detector}",
     "SET": "{training_set}",
     "SEED": "{seed}",
     "N": "{shard}",

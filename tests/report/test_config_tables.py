@@ -23,7 +23,7 @@ def test_values_keep_all_their_digits():
 
 def test_grippers_stand_side_by_side():
     tables = {table.name: table for table in entry_tables(Settings())}
-    assert set(tables) == {"datasets", "grippers", "cameras", "policies", "training_sets"}
+    assert set(tables) == {"datasets", "grippers", "cameras", "detectors", "training_sets"}
     names = [column.name for column in tables["grippers"].columns]
     row = dict(zip(names, tables["grippers"].rows["panda"], strict=True))
     assert (row["opening"], row["palm"]) == ("0.08", "0.2, 0.063, 0.06")

@@ -72,7 +72,7 @@ def test_nothing_of_it_is_made_unless_it_is_named(clean, configs):
     [
         (
             {"training_sets": {"given": {"weights": "lost.pt"}}},
-            "The detector given-0 cannot be used: policies: there is no file lost.pt",
+            "The detector given-0 cannot be used: detectors: there is no file lost.pt",
         ),
         ({"diversity": {"sets": []}}, "diversity.sets names no training set"),
         ({"diversity": {"tests": []}}, "diversity.tests names no dataset"),

@@ -9,9 +9,9 @@ import numpy as np
 import psutil
 import pytest
 
-GRIPPER, POLICY = "egad_75mm", "antipodal-depth"
-TRIALS = f"egad/trials/{GRIPPER}/{POLICY}.parquet"
-PART = f"egad/parts/trials-{GRIPPER}-{POLICY}-0.parquet"
+GRIPPER, DETECTOR = "egad_75mm", "antipodal-depth"
+TRIALS = f"egad/trials/{GRIPPER}/{DETECTOR}.parquet"
+PART = f"egad/parts/trials-{GRIPPER}-{DETECTOR}-0.parquet"
 
 
 @contextmanager

@@ -148,8 +148,8 @@ def test_an_edited_detector_of_ones_own_tries_again(copy):
     code = "def nothing(view, gripper, rng): return []\n"
     detector = copy.folder / "mine.py"
     detector.write_text(code)
-    own = {"policies": {name: {"detector": f"{name}.py:nothing"} for name in ("mine", "lost")}}
-    wanted = {"targets": {"policies": ["antipodal-depth", "mine"]}}
+    own = {"detectors": {name: {"detector": f"{name}.py:nothing"} for name in ("mine", "lost")}}
+    wanted = {"targets": {"detectors": ["antipodal-depth", "mine"]}}
     configs = ["config/test.yaml", copy.overlay("own.yaml", own)]
     everything = [*configs, copy.overlay("wanted.yaml", wanted)]
     target = "results/egad/trials/egad_75mm/{}.parquet"
@@ -164,7 +164,7 @@ def test_an_edited_detector_of_ones_own_tries_again(copy):
     assert set(copy.planned(configs=everything)) == {"simulated_trial"} | AFTER_TRIALS
     status, said = copy.snakemake("--dry-run", target.format("lost"), configs=configs)
     assert status != 0
-    assert "The detector lost cannot be used: policies: lost.py:nothing: there is no such" in said
+    assert "The detector lost cannot be used: detectors: lost.py:nothing: there is no such" in said
 
 
 def test_the_labels_detector_waits_for_the_grasps(copy):
@@ -184,7 +184,7 @@ def test_engraved_labels_wait_for_the_grasps_that_they_keep_away_from(copy):
 
 
 def test_weights_that_are_not_there_stop_the_run(clean):
-    wanted = clean.overlay("ggcnn.yaml", {"targets": {"policies": ["ggcnn"]}})
+    wanted = clean.overlay("ggcnn.yaml", {"targets": {"detectors": ["ggcnn"]}})
     status, said = clean.snakemake("--dry-run", "--cores", 1, configs=[wanted])
     assert status != 0
     assert "ggcnn needs `weights: FILE`" in said

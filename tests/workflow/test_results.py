@@ -28,7 +28,7 @@ from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT, TALLY
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED, SOLIDS
 
-GRIPPER, POLICY = "egad_75mm", "antipodal-depth"
+GRIPPER, DETECTOR = "egad_75mm", "antipodal-depth"
 SHARDS = EPOCHS = ISLANDS = 2
 PUBLISHED = {
     "comparison.parquet": COMPARISON,
@@ -47,7 +47,7 @@ PUBLISHED = {
     f"egad/print/{GRIPPER}/manifest.parquet": MANIFEST,
     f"egad/bundle/{GRIPPER}/bundle.parquet": BUNDLE,
     f"egad/bundle/{GRIPPER}/rejected.parquet": REJECTED,
-    f"egad/trials/{GRIPPER}/{POLICY}.parquet": TRIALS,
+    f"egad/trials/{GRIPPER}/{DETECTOR}.parquet": TRIALS,
 }
 EPOCH_TABLES = {
     f"egad/epochs/epoch-{epoch}/{name}.parquet": schema
@@ -69,7 +69,7 @@ PARTS = {
         f"grasps-{GRIPPER}": GRASPS,
         f"tally-{GRIPPER}": TALLY,
         f"ungraspable-{GRIPPER}": REJECTED,
-        f"trials-{GRIPPER}-{POLICY}": TRIALS,
+        f"trials-{GRIPPER}-{DETECTOR}": TRIALS,
     }.items()
 }
 TABLES = PUBLISHED | EPOCH_TABLES | PARTS
@@ -127,7 +127,7 @@ def test_a_finished_run_is_as_it_was_made(finished):
     "path",
     [
         "egad/archive.parquet",
-        f"egad/trials/{GRIPPER}/{POLICY}.parquet",
+        f"egad/trials/{GRIPPER}/{DETECTOR}.parquet",
         f"egad/print/{GRIPPER}/plate-1.3mf",
         "egad/eval49/contact-sheet.pdf",
         "egad/parts/solids-0.parquet",
@@ -215,7 +215,7 @@ def test_the_evaluation_set_is_printed_and_tried(finished, load):
     assert set(manifest["label"]) == set(evalset["label"])
     for name in manifest["file"]:
         assert (finished.results / f"egad/print/{GRIPPER}" / name).stat().st_size > 84
-    trials = load(f"egad/trials/{GRIPPER}/{POLICY}.parquet")
+    trials = load(f"egad/trials/{GRIPPER}/{DETECTOR}.parquet")
     assert trials.groupby("label").size().to_dict() == dict.fromkeys(evalset["label"], 2)
 
 

@@ -34,8 +34,8 @@ try:
     # The user's own measures by their code, so that editing it re-runs what they measure.
     MEASURES = [source_hash(measure) for measure in SETTINGS.axes.functions().values()]
     # Files of detectors that are targets have to be there before anything runs.
-    for name in SETTINGS.targets.policies:
-        fingerprint(SETTINGS.policies[name])
+    for name in SETTINGS.targets.detectors:
+        fingerprint(SETTINGS.detectors[name])
 except UserError as error:
     raise WorkflowError(f"The configuration cannot be used:\n{error}")
 
@@ -69,7 +69,7 @@ CLOCK_SKEW = 60  # seconds that the clocks of a cluster may differ
 wildcard_constraints:
     dataset="|".join(SETTINGS.datasets),
     gripper="|".join(SETTINGS.grippers),
-    policy="|".join(TRIED.policies),
+    detector="|".join(TRIED.detectors),
     training_set="|".join(SETTINGS.training_sets),
     epoch=r"\d+",
     island=r"\d+",
@@ -92,7 +92,7 @@ def settings_of_export(name=None):
 
 
 def _chosen(function, wildcards):
-    names = wildcards.get("gripper"), wildcards.get("policy")
+    names = wildcards.get("gripper"), wildcards.get("detector")
     return _as_json(select(TRIED, settings_type(function), *names))
 
 
@@ -122,7 +122,7 @@ def _as_json(part):
 
 def labelled(wildcards):
     """The grasps that the detector `labels` knows; none for others."""
-    knows = TRIED.policies[wildcards.policy].detector == "labels"
+    knows = TRIED.detectors[wildcards.detector].detector == "labels"
     return [f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"] if knows else []
 
 

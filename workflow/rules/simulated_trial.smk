@@ -20,13 +20,13 @@ rule simulated_trial:
         weights=learnt,
     output:
         ensure(
-            "results/{dataset}/parts/trials-{gripper}-{policy}-{shard}.parquet",
+            "results/{dataset}/parts/trials-{gripper}-{detector}-{shard}.parquet",
             non_empty=True,
         ),
     log:
-        "logs/{dataset}/simulated_trial/{gripper}-{policy}-{shard}.log",
+        "logs/{dataset}/simulated_trial/{gripper}-{detector}-{shard}.log",
     benchmark:
-        "benchmarks/{dataset}/simulated_trial/{gripper}-{policy}-{shard}.tsv"
+        "benchmarks/{dataset}/simulated_trial/{gripper}-{detector}-{shard}.tsv"
     # Start these first: one can take five times as long as another.
     priority: 1
     conda:
@@ -42,7 +42,7 @@ rule simulated_trial:
         code=code_of("simulate"),
         detector=detector_code,
     message:
-        "Trying {wildcards.policy} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
+        "Trying {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
         "egad simulate --settings {params.settings:q}"
         " --shard {wildcards.shard} --shards {params.shards} --eval {input.evaluation:q}"
@@ -52,16 +52,16 @@ rule simulated_trial:
 use rule join as join_trials with:
     input:
         parts(
-            "results/{dataset}/parts/trials-{gripper}-{policy}-{shard}.parquet", EVALUATION_SHARDS
+            "results/{dataset}/parts/trials-{gripper}-{detector}-{shard}.parquet", EVALUATION_SHARDS
         ),
     output:
-        ensure("results/{dataset}/trials/{gripper}/{policy}.parquet", non_empty=True),
+        ensure("results/{dataset}/trials/{gripper}/{detector}.parquet", non_empty=True),
     log:
-        "logs/{dataset}/join_trials/{gripper}-{policy}.log",
+        "logs/{dataset}/join_trials/{gripper}-{detector}.log",
     benchmark:
-        "benchmarks/{dataset}/join_trials/{gripper}-{policy}.tsv"
+        "benchmarks/{dataset}/join_trials/{gripper}-{detector}.tsv"
     params:
         by=["--by", "label", "--by", "attempt"],
         code=code_of("join"),
     message:
-        "Joining the trials of {wildcards.policy} with {wildcards.gripper} on {wildcards.dataset}"
+        "Joining the trials of {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}"

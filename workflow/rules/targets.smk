@@ -15,7 +15,7 @@ def published():
     ]
     if targets.agreement:
         of_gripper.append("agreement/{gripper}.parquet")
-    trials = "trials/{gripper}/{policy}.parquet"
+    trials = "trials/{gripper}/{detector}.parquet"
     of_target = [
         "eval49.parquet",
         "eval49.rejected.parquet",
@@ -23,7 +23,7 @@ def published():
         "eval49/contact-sheet.pdf",
         "eval49/trials.csv",
         *expand(of_gripper, gripper=targets.grippers),
-        *expand(trials, gripper=targets.grippers, policy=targets.policies),
+        *expand(trials, gripper=targets.grippers, detector=targets.detectors),
     ]
     return [
         "results/comparison.parquet",

@@ -14,8 +14,8 @@ def settings_of_set(stage):
 
 def learnt(wildcards):
     """The weights that are trained for a detector; none for others."""
-    network = NETWORKS.get(wildcards.policy)
-    return [TRIED.policies[network.name].weights] if network and is_trained(network) else []
+    network = NETWORKS.get(wildcards.detector)
+    return [TRIED.detectors[network.name].weights] if network and is_trained(network) else []
 
 
 def is_trained(network):
@@ -28,9 +28,9 @@ def detector_code(wildcards):
     if learnt(wildcards):
         return []
     try:
-        return fingerprint(TRIED.policies[wildcards.policy])
+        return fingerprint(TRIED.detectors[wildcards.detector])
     except UserError as error:
-        raise WorkflowError(f"The detector {wildcards.policy} cannot be used: {error}")
+        raise WorkflowError(f"The detector {wildcards.detector} cannot be used: {error}")
 
 
 def of_set(file):
@@ -67,10 +67,10 @@ def compared(wildcards):
     sets = sorted({network.training_set for network in trained})
     return [
         *expand(
-            "results/{dataset}/trials/{gripper}/{policy}.parquet",
+            "results/{dataset}/trials/{gripper}/{detector}.parquet",
             dataset=asked.tests,
             gripper=GRIPPER,
-            policy=[*NETWORKS, *asked.references],
+            detector=[*NETWORKS, *asked.references],
         ),
         *of_datasets(asked.tests, ["eval49.parquet"]),
         *[

@@ -83,7 +83,7 @@ def replay(
         Path, typer.Option("--in", help="folder of the dataset that has the label")
     ] = Path("results/egad"),
     gripper: GripperName = None,
-    policy: Annotated[str | None, typer.Option(help="detector; else the first target")] = None,
+    detector: Annotated[str | None, typer.Option(help="detector; else the first target")] = None,
     config: Config = None,
 ) -> None:
     """Repeat an attempt of the simulation, bit by bit, and film it."""
@@ -98,7 +98,7 @@ def replay(
     check_ending(film, ENDINGS)
     settings = with_networks(settings_in(config))
     hand = check_name("gripper", gripper or settings.targets.grippers[0], settings.grippers)
-    detector = check_name("policy", policy or settings.targets.policies[0], settings.policies)
+    detector = check_name("detector", detector or settings.targets.detectors[0], settings.detectors)
     outcome = stage.run(
         select(settings, SimulatedTrials, hand, detector),
         dataset / "trials" / hand / f"{detector}.parquet",

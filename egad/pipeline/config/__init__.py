@@ -7,7 +7,7 @@ Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles de
 
 from egad._util.parameters import Axis, Name, Parameters, Range, ScaleRule
 from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Region, Shape, Symmetry
-from egad.detectors.parameters import POLICIES, DetectorConfig
+from egad.detectors.parameters import DETECTORS, DetectorConfig
 from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange.parameters import Acronym, DexNet
 from egad.geometry.parameters import Material
@@ -33,8 +33,8 @@ from egad.sim.parameters import Agreement, Lifting, Trials
 
 __all__ = [
     "CAMERAS",
+    "DETECTORS",
     "GRIPPERS",
-    "POLICIES",
     "TRAINING_SETS",
     "Acronym",
     "Agreement",

@@ -20,7 +20,7 @@ _SOUND_ENTRY: dict[str, dict[str, Any]] = {
     "datasets": {"source": "meshes", "folder": ".", "units": "m"},
     "grippers": {"opening": 0.05},
     "cameras": {"focal": [400.0, 400.0], "distance": [0.6, 0.6], "tilt": [0.0, 0.0]},
-    "policies": {"detector": "random"},
+    "detectors": {"detector": "random"},
     "training_sets": {"weights": "weights"},
 }
 

@@ -101,7 +101,7 @@ class Targets(Parameters):
     grippers: list[Name] = Field(
         ["egad_75mm"], min_length=1, description="grippers of the table below to do this for"
     )
-    policies: list[Name] = Field(
+    detectors: list[Name] = Field(
         ["antipodal-depth"],
         min_length=1,
         description="grasp detectors of the table below to try in simulation",

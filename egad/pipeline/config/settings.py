@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from egad._util.parameters import Name, Parameters
 from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Shape, Symmetry
-from egad.detectors.parameters import POLICIES, DetectorConfig
+from egad.detectors.parameters import DETECTORS, DetectorConfig
 from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange.parameters import Acronym, DexNet
 from egad.geometry.parameters import Material
@@ -83,8 +83,8 @@ class Settings(Parameters):
     cameras: dict[Name, Camera] = Field(
         CAMERAS, min_length=1, description="all cameras of rendered images, by name"
     )
-    policies: dict[Name, DetectorConfig] = Field(
-        POLICIES, min_length=1, description="all grasp detectors, by name"
+    detectors: dict[Name, DetectorConfig] = Field(
+        DETECTORS, min_length=1, description="all grasp detectors, by name"
     )
     training_sets: dict[Name, TrainingSet] = Field(
         TRAINING_SETS, min_length=1, description="all that networks can learn from, by name"
@@ -95,7 +95,7 @@ class Settings(Parameters):
         problems = [
             *_unknown("targets.datasets", self.targets.datasets, self.datasets),
             *_unknown("targets.grippers", self.targets.grippers, self.grippers),
-            *_unknown("targets.policies", self.targets.policies, self.policies),
+            *_unknown("targets.detectors", self.targets.detectors, self.detectors),
             *_unknown("render.camera", [self.render.camera], self.cameras),
             *_unknown("difficulty.gripper", [self.difficulty.gripper], self.grippers),
             *_unknown(
@@ -105,7 +105,7 @@ class Settings(Parameters):
             ),
             *_unknown("diversity.sets", self.diversity.sets, self.training_sets),
             *_unknown("diversity.tests", self.diversity.tests, self.datasets),
-            *_unknown("diversity.references", self.diversity.references, self.policies),
+            *_unknown("diversity.references", self.diversity.references, self.detectors),
             *self._unknown_datasets_of_sets(),
         ]
         evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]

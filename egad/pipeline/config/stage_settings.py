@@ -28,7 +28,7 @@ from egad.pipeline.config import (
 
 
 class StageSettings(ParameterGroup):
-    """The sections that one stage reads; `gripper`, `camera`, `policy` are entries of tables."""
+    """The sections that one stage reads; `gripper`, `camera`, `detector` are entries of tables."""
 
 
 class MeasureMeshes(MeasureParameters):
@@ -67,7 +67,7 @@ S = TypeVar("S", bound=ParameterGroup)
 
 
 def select(
-    settings: Settings, stage: type[S], gripper: str | None = None, policy: str | None = None
+    settings: Settings, stage: type[S], gripper: str | None = None, detector: str | None = None
 ) -> S:
     """The part of a configuration that a stage reads.
 
@@ -75,9 +75,9 @@ def select(
         settings: The whole configuration.
         stage: The class of the settings that the stage reads.
         gripper: Name of the gripper, for stages that read one.
-        policy: Name of the grasp detector, for the stage that tries one.
+        detector: Name of the grasp detector, for the stage that tries one.
     """
-    names = [name for name in stage.model_fields if name not in ("gripper", "camera", "policy")]
+    names = [name for name in stage.model_fields if name not in ("gripper", "camera", "detector")]
     values = {name: getattr(settings, name) for name in names}
     if issubclass(stage, MeasureParameters) and settings.difficulty.metric == "plain":
         values["robust"] = None
@@ -91,8 +91,8 @@ def select(
         values["gripper"] = settings.grippers[gripper or own]
     if "camera" in stage.model_fields:
         values["camera"] = settings.cameras[settings.render.camera]
-    if "policy" in stage.model_fields:
-        values["policy"] = settings.policies[policy or settings.targets.policies[0]]
+    if "detector" in stage.model_fields:
+        values["detector"] = settings.detectors[detector or settings.targets.detectors[0]]
     return stage(**values)
 
 

@@ -57,17 +57,17 @@ def with_networks(settings: Settings) -> Settings:
     Raises:
         UserError: Another detector has the name of one.
     """
-    policies = dict(settings.policies)
+    detectors = dict(settings.detectors)
     for network in networks_of(settings):
-        if network.name in settings.policies:
+        if network.name in settings.detectors:
             raise UserError(
-                f"policies.{network.name}: that is what a network of the training set "
+                f"detectors.{network.name}: that is what a network of the training set "
                 f"{network.training_set} is called; rename one of them"
             )
         given = settings.training_sets[network.training_set].weights
         trained = (FOLDER / "networks" / network.folder / WEIGHTS).as_posix()
-        policies[network.name] = DetectorConfig(detector="ggcnn", weights=given or trained)
-    return settings.model_copy(update={"policies": policies})
+        detectors[network.name] = DetectorConfig(detector="ggcnn", weights=given or trained)
+    return settings.model_copy(update={"detectors": detectors})
 
 
 def settings_for(settings: Settings, network: Network) -> Settings:

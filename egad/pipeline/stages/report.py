@@ -104,11 +104,11 @@ def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> Dat
         scenes=scenes(folder, grippers[0], evalset, grasps[grippers[0]]),
         manifests=_each(grippers, folder / "print", "{}/manifest.parquet", MANIFEST),
         trials={
-            (gripper, policy): parquet.read(
-                folder / "trials" / gripper / f"{policy}.parquet", TRIALS
+            (gripper, detector): parquet.read(
+                folder / "trials" / gripper / f"{detector}.parquet", TRIALS
             )
             for gripper in grippers
-            for policy in settings.targets.policies
+            for detector in settings.targets.detectors
         },
         agreement=_each(
             grippers if settings.targets.agreement else [],

@@ -31,7 +31,7 @@ log = logging.getLogger(__name__)
 class SimulatedTrials(TrialParameters):
     """Simulated trials of a grasp detector."""
 
-    policy: DetectorConfig
+    detector: DetectorConfig
 
 
 @command()
@@ -98,13 +98,13 @@ def open_detector(
     Raises:
         UserError: It cannot be found or made.
     """
-    policy = settings.policy
-    if policy.detector == "labels":
+    config = settings.detector
+    if config.detector == "labels":
         yield _labels(grasps)
-    elif policy.detector in QUICK:
-        yield lambda _: QUICK[policy.detector]
+    elif config.detector in QUICK:
+        yield lambda _: QUICK[config.detector]
     else:
-        with Child(policy, settings.trials.planning_time) as child:
+        with Child(config, settings.trials.planning_time) as child:
             yield lambda _: child
 
 

@@ -71,8 +71,8 @@ def test_files_that_settings_name_are_inputs(tmp_path):
     own = {
         "axes": {"complexity": f"{code}:size"},
         "part": {"kind": "mesh", "mesh": str(mesh), "size": [0.3, 0.3, 0.3]},
-        "policies": {"net": {"detector": "ggcnn", "weights": str(weights)}},
-        "targets": {"policies": ["net"]},
+        "detectors": {"net": {"detector": "ggcnn", "weights": str(weights)}},
+        "targets": {"detectors": ["net"]},
     }
     whole = Settings.model_validate(own)
     assert set(record.named_files(select(whole, EvolutionParameters))) == {mesh, code}

@@ -118,13 +118,13 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
 
 
 def test_a_detector_that_cannot_be_made_stops_the_run(dataset, tmp_path):
-    policy = SETTINGS.policy.model_copy(update={"detector": "lost.py:Lost"})
+    detector = SETTINGS.detector.model_copy(update={"detector": "lost.py:Lost"})
     with pytest.raises(UserError, match="there is no such file"):
         tried(
             dataset,
             tmp_path / "out.parquet",
             (0, 1),
-            SETTINGS.model_copy(update={"policy": policy}),
+            SETTINGS.model_copy(update={"detector": detector}),
         )
 
 

@@ -9,7 +9,7 @@ from egad.detectors.parameters import SHIPPED
 from egad.detectors.registry import QUICK, fingerprint, make_detector
 from egad.detectors.subprocess import Child, DetectorError, DetectorTimeoutError
 from egad.errors import UserError
-from egad.pipeline.config import GRIPPERS, POLICIES, DetectorConfig
+from egad.pipeline.config import DETECTORS, GRIPPERS, DetectorConfig
 
 HAND = GRIPPERS["egad_75mm"]
 CODE = """
@@ -64,7 +64,7 @@ def asked(detect, view, seed=0):
 
 
 def test_every_shipped_detector_has_a_policy_of_its_name():
-    assert {name: policy.detector for name, policy in POLICIES.items()} == {
+    assert {name: detector.detector for name, detector in DETECTORS.items()} == {
         name: name for name in SHIPPED
     }
     assert set(QUICK) < set(SHIPPED)
@@ -84,8 +84,8 @@ def test_a_function_or_a_package_will_do(file, view):
 def test_weights_go_to_the_class(file, view, tmp_path):
     weights = tmp_path / "weights.txt"
     weights.write_text("0.033")
-    policy = DetectorConfig(detector=f"{file}:Weighted", weights=str(weights))
-    assert asked(make_detector(policy), view)[0].width == 0.033
+    detector = DetectorConfig(detector=f"{file}:Weighted", weights=str(weights))
+    assert asked(make_detector(detector), view)[0].width == 0.033
 
 
 @pytest.mark.parametrize(
@@ -101,9 +101,9 @@ def test_weights_go_to_the_class(file, view, tmp_path):
     ],
 )
 def test_a_detector_that_cannot_be_made_is_the_users_mistake(file, name, words):
-    policy = DetectorConfig(detector=name.format(file=file))
+    detector = DetectorConfig(detector=name.format(file=file))
     with pytest.raises(UserError, match=words):
-        make_detector(policy)
+        make_detector(detector)
 
 
 def test_weights_for_a_function_are_a_mistake(file):
@@ -128,13 +128,13 @@ def test_edited_code_or_weights_have_another_fingerprint(tmp_path):
     code, weights = tmp_path / "mine.py", tmp_path / "w"
     code.write_text(CODE)
     weights.write_text("1")
-    policy = DetectorConfig(detector=f"{code}:Weighted", weights=str(weights))
-    before = fingerprint(policy)
+    detector = DetectorConfig(detector=f"{code}:Weighted", weights=str(weights))
+    before = fingerprint(detector)
     code.write_text(CODE + "\n")
-    edited = fingerprint(policy)
+    edited = fingerprint(detector)
     weights.write_text("2")
-    assert len({tuple(before), tuple(edited), tuple(fingerprint(policy))}) == 3
-    assert fingerprint(POLICIES["random"]) == []
+    assert len({tuple(before), tuple(edited), tuple(fingerprint(detector))}) == 3
+    assert fingerprint(DETECTORS["random"]) == []
 
 
 @pytest.mark.parametrize(
@@ -148,10 +148,10 @@ def test_missing_weights_of_ggcnn_are_found_missing_before_anything_runs(weights
 
 def test_a_child_answers_as_the_detector_itself(file, view):
     for name in ("Chancy", "Sees"):
-        policy = DetectorConfig(detector=f"{file}:{name}")
-        with Child(policy, 60) as child:
+        detector = DetectorConfig(detector=f"{file}:{name}")
+        with Child(detector, 60) as child:
             for seed in (1, 2):
-                assert asked(child, view, seed) == asked(make_detector(policy), view, seed)
+                assert asked(child, view, seed) == asked(make_detector(detector), view, seed)
 
 
 @pytest.mark.parametrize(
