@@ -20,7 +20,13 @@ from egad.grasps.labels import label_grasps, label_parameters
 from egad.grasps.parameters import Quality, Sampling
 from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
 from egad.measures.measure import measure_repeatably
-from egad.measures.parameters import Axes, Complexity, Difficulty, MeasureParameters, Space
+from egad.measures.parameters import (
+    Complexity,
+    CustomMeasures,
+    Difficulty,
+    MeasureParameters,
+    Space,
+)
 from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.reeb import similarity as matching
@@ -86,7 +92,7 @@ def _measure_parameters(gripper: Gripper, seed: int) -> MeasureParameters:
     return MeasureParameters(
         seed=seed,
         gripper=gripper,
-        axes=Axes(),
+        measures=CustomMeasures(),
         complexity=Complexity(),
         difficulty=Difficulty(),
         similarity=Similarity(),
@@ -217,7 +223,7 @@ def stable_poses(
         At least one pose; the probabilities add up to 1.
 
     Raises:
-        RejectedError: The mesh is flat, or the centre of mass is not inside its hull.
+        RejectedError: The mesh is flat, or the center of mass is not inside its hull.
 
     Source: after Goldberg et al., Part pose statistics, 1999.
     """
@@ -225,7 +231,7 @@ def stable_poses(
 
 
 def _center(mesh: trimesh.Trimesh, given: ArrayLike | None) -> Floats:
-    """The centre of mass that is given, or that of the solid."""
+    """The center of mass that is given, or that of the solid."""
     if given is None:
         return mass_properties(mesh, 1.0).com
     found = np.asarray(given, dtype=np.float64)

@@ -106,7 +106,9 @@ def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) ->
         friction=parameters.quality.friction,
     )
     jaws = Jaws(job.name, job.gripper.opening, finger_span(job.gripper)[1])
-    write_acronym(folder / f"{item.label}.h5", body, jaws, grasps, Acronym().held)
+    write_acronym(
+        folder / f"{item.label}.h5", body, jaws, grasps, Acronym().min_robust_success_rate
+    )
 
 
 def _simulation(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:

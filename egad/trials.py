@@ -11,7 +11,7 @@ from egad._util.progress import progress
 from egad.detectors.base import Detector
 from egad.detectors.parameters import DetectorConfig
 from egad.detectors.registry import make_detector, with_checked_answers
-from egad.errors import RejectedError, check_name
+from egad.errors import RejectedError
 from egad.evalset.parameters import Bundle
 from egad.geometry.parameters import Material
 from egad.geometry.scaling import rescale
@@ -29,7 +29,6 @@ from egad.stats.records import results
 log = logging.getLogger(__name__)
 SIDE_FRACTION = 0.8  # of the opening, that scaled objects have as their smallest side
 UNSCALED = "none"
-RESETS: dict[str, Literal["hand", "anew"]] = {"continue": "hand", "redrop": "anew"}
 
 
 class Trials:
@@ -75,7 +74,7 @@ def run_trials(
     *,
     seed: int = 0,
     rule: str = "paper",
-    reset: str = "continue",
+    reset: Literal["continue", "redrop"] = "continue",
     depth_noise: float = 0.0,
 ) -> Trials:
     """Let a detector grasp objects in simulation, as in EGAD, section V.
@@ -101,8 +100,7 @@ def run_trials(
         UserError: There is no such gripper, detector or rule, or there are no objects.
     """
     hand = as_gripper(gripper)
-    between = RESETS[check_name("reset", reset, RESETS)]
-    trials = Protocol(attempts=attempts, between=between, depth_noise=depth_noise)
+    trials = Protocol(attempts=attempts, reset=reset, depth_noise=depth_noise)
     parameters = TrialParameters(seed=seed, gripper=hand, trials=trials)
     targets = named_meshes(objects)
     ask = (

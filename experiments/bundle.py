@@ -1,7 +1,7 @@
 """Numbers and picture of docs/bundle.md: `python experiments/bundle.py results/D/bundle/G ...`.
 
 The first bundle is drawn: of the objects with most parts, with the largest errors and a middling
-one, the convex parts in colours. A line of numbers is printed for every bundle.
+one, the convex parts in colors. A line of numbers is printed for every bundle.
 """
 
 import colorsys
@@ -60,7 +60,7 @@ def drawn(bundle: Path) -> Image.Image:
         pen.text((SIZE * place + 8, 4), text, fill="#1c2430")
         files = sorted((bundle / name / "parts").glob("*.obj"))
         parts = [read_mesh(file, "m") for file in files]
-        for line, picture in enumerate((whole(bundle / name / "visual.obj"), coloured(parts))):
+        for line, picture in enumerate((whole(bundle / name / "visual.obj"), colored(parts))):
             sheet.paste(picture, (SIZE * place, 20 + SIZE * line), picture)
     return sheet
 
@@ -77,15 +77,15 @@ def whole(file: Path) -> Image.Image:
     return Image.fromarray(render(read_mesh(file, "m"), SIZE))
 
 
-def coloured(parts: list[trimesh.Trimesh]) -> Image.Image:
-    """Parts, a little apart, in colours that are far from those of their neighbours."""
+def colored(parts: list[trimesh.Trimesh]) -> Image.Image:
+    """Parts, a little apart, in colors that are far from those of their neighbors."""
     middle = np.mean([part.centroid for part in parts], axis=0)
     moved = [part.copy().apply_translation(APART * (part.centroid - middle)) for part in parts]
     shades = np.asarray(render(trimesh.util.concatenate(moved), SIZE), dtype=float)
-    hues = generator(0, "part colours").permutation(len(parts)) / len(parts)
-    colours = np.array([colorsys.hsv_to_rgb(hue, 0.55, 1.0) for hue in hues])
+    hues = generator(0, "part colors").permutation(len(parts)) / len(parts)
+    colors = np.array([colorsys.hsv_to_rgb(hue, 0.55, 1.0) for hue in hues])
     index = seen(moved)
-    shades[..., :3] *= np.where(index[..., None] >= 0, colours[index], 1.0)
+    shades[..., :3] *= np.where(index[..., None] >= 0, colors[index], 1.0)
     return Image.fromarray(shades.round().astype(np.uint8))
 
 
@@ -96,8 +96,8 @@ def seen(parts: list[trimesh.Trimesh]) -> np.ndarray:
     low, high = points.min(axis=0), points.max(axis=0)
     points = (points - (low + high) / 2) * (2 * FILL / (high - low)[:2].max())
     scene = TriangleScene(points, together.faces)
-    centres = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1
-    x, y = np.meshgrid(centres, -centres)
+    centers = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1
+    x, y = np.meshgrid(centers, -centers)
     origins = np.stack([x.ravel(), y.ravel(), np.full(x.size, points[:, 2].max() + 1)], axis=1)
     towards = np.tile(np.array([0, 0, -1], dtype=np.float32), (x.size, 1))
     faces = scene.intersections(origins, towards).faces

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 ROOT = Path(__file__).parents[1]
-INHERITED = {"render_set": "render", "set_card": "image_card"}  # rules of diversity.smk
+INHERITED = {"render_set": "render", "set_card": "image_card"}  # rules of training_study.smk
 RULE = re.compile(r"^(?:use rule (\w+) as|rule) (\w+)(.*?)(?=^\S|\Z)", re.DOTALL | re.MULTILINE)
 ASKED = re.compile(r"needs\(mb=(\d+)(?:, mb_per_thread=(\d+))?, minutes=(\d+)\)")
 

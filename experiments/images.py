@@ -47,13 +47,13 @@ def drawn(picture: Picture) -> Image.Image:
     order = np.argsort(-grasps.quality, kind="stable")
     for number in [*order[~grasps.free[order]][:1], *_apart(picture, order[grasps.free[order]])]:
         ends = (grasps.ends()[number] - corner[::-1] + 0.5) * SCALE
-        colour = FREE if grasps.free[number] else COLLIDING
-        pen.line([tuple(end) for end in ends.tolist()], fill=colour, width=3)
+        color = FREE if grasps.free[number] else COLLIDING
+        pen.line([tuple(end) for end in ends.tolist()], fill=color, width=3)
         angle = grasps.angle[number]
         across = JAW * SCALE * np.array([np.sin(angle), np.cos(angle)])
         for end in ends:
             jaw = [tuple((end + sign * across).tolist()) for sign in (-1, 1)]
-            pen.line(jaw, fill=colour, width=3)
+            pen.line(jaw, fill=color, width=3)
     pen.text((6, 4), f"{picture.label}, pose {picture.pose}", "white")
     return image
 

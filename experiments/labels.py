@@ -1,4 +1,4 @@
-"""What networks learn from: `python experiments/labels.py results/diversity/images`."""
+"""What networks learn from: `python experiments/labels.py results/training_study/images`."""
 
 import sys
 from pathlib import Path
@@ -11,7 +11,7 @@ from egad.perception.image_shards import files
 from egad.pipeline.config import Training
 from egad.tables import parquet
 
-COLUMNS = ["id", "split", "focal", "opening", "depth_center", "quality", "free"]
+COLUMNS = ["id", "split", "focal", "opening", "depth_center", "quality", "collision_free"]
 NARROW = 0.05  # metres
 RULE = PositiveFilter(Training().quality, Training().breadth)
 

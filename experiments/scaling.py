@@ -70,10 +70,10 @@ def figure() -> str:
     """Time over cores, beside what it were if all could be shared."""
     with new_figure(5.6, 3.2) as drawing:
         axes = drawing.figure.subplots()
-        for colour, (name, stages) in zip(LINES, RUNS.items(), strict=False):
+        for color, (name, stages) in zip(LINES, RUNS.items(), strict=False):
             minutes = [seconds(stages, cores) / 60 for cores in CORES]
             ideal = [minutes[0] / cores for cores in CORES]
-            axes.loglog(CORES, minutes, color=colour, marker="o", ms=4, label=name)
+            axes.loglog(CORES, minutes, color=color, marker="o", ms=4, label=name)
             axes.loglog(CORES, ideal, color=SOFT, lw=0.8, ls="--")
         axes.plot([], [], color=SOFT, lw=0.8, ls="--", label="if cores could share all")
         axes.set_xticks(CORES, [str(cores) for cores in CORES])

@@ -24,7 +24,7 @@ from egad.tables.evaluation import TRIALS
 DOCS = Path(__file__).parents[1] / "docs"
 FRAMES = 6
 WIDTH, HEIGHT, TEXT = 180, 200, 16
-HAND = (120, 205)  # its shades of grey; nothing else is as dark and without colour
+HAND = (120, 205)  # its shades of grey; nothing else is as dark and without color
 
 
 def main(folder: Path, gripper: str, *detectors: str) -> None:

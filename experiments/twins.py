@@ -1,4 +1,4 @@
-"""The table of docs/diversity.md on twins: `python experiments/twins.py results/egad GRIPPER`.
+"""The table of docs/training-study.md on twins: `python experiments/twins.py results/egad GRIPPER`.
 
 Of each object of the evaluation set, and each object that a training set learns from, the voxels
 that both fill / those that either fills, as the two evolved, neither turned nor moved.
@@ -20,7 +20,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import ARCHIVE
 
-CONFIG = Path(__file__).parents[1] / "config/diversity.yaml"
+CONFIG = Path(__file__).parents[1] / "config/training_study.yaml"
 TWIN = 0.9
 
 
@@ -33,7 +33,7 @@ def main(folder: Path, gripper: str) -> None:
     tried = np.array([solids[name] for name in parquet.read(folder / "eval49.parquet", EVAL49).id])
     print(f"| set | objects learnt from | median | above {TWIN}, of {len(tried)} |")
     print("| --- | --- | --- | --- |")
-    for name in settings.diversity.sets:
+    for name in settings.training_study.sets:
         if settings.training_sets[name].dataset == folder.name:
             known = np.array([solids[each] for each in learnt(settings, name, folder, gripper)])
             best = overlaps(tried, known).max(axis=1)

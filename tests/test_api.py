@@ -103,7 +103,7 @@ def test_poses_close_along_x_about_the_middle_of_the_contacts(grasps):
     assert np.linalg.det(poses) == pytest.approx(np.ones(len(grasps)))
 
 
-def test_quality_is_ferrari_canny_about_the_centre_of_mass(mug, grasps):
+def test_quality_is_ferrari_canny_about_the_center_of_mass(mug, grasps):
     axes = grasps.poses[:, :3, 0]
     expected = ferrari_canny(grasps.contacts, grasps.normals, axes, mug.center_mass)
     assert grasps.quality == pytest.approx(expected)

@@ -17,7 +17,7 @@ from egad.pipeline.archive_settings import check_provenance
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
-from egad.reeb.neighbours import diversities
+from egad.reeb.neighbors import diversities
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME
 
@@ -87,7 +87,7 @@ def test_its_diversities_are_what_the_code_computes(archive):
     with workers(2) as mapper:
         packed = mapper(_graph, archive["voxels"])
         graphs = [reeb.unpack(graph) for graph in packed]
-    found = diversities(graphs, SETTINGS.similarity.weight, SETTINGS.space.neighbours)
+    found = diversities(graphs, SETTINGS.similarity.weight, SETTINGS.space.neighbors)
     assert found == pytest.approx(archive["diversity"].to_numpy(), abs=1e-6)
 
 

@@ -1,4 +1,4 @@
-"""Constraints on shapes (ours): envelope, required part, hole, symmetry, limits."""
+"""Constraints on shapes (ours): envelope, required solid, hole, symmetry, limits."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -26,7 +26,7 @@ def folded(points: Points, symmetry: Symmetry) -> Points:
     """Where a network is asked in the place of each point.
 
     A mirror takes the absolute value of a coordinate. A turn multiplies the angle about its axis
-    by the fold: points a fold of a turn apart meet, neighbours stay neighbours, and shapes may
+    by the fold: points a fold of a turn apart meet, neighbors stay neighbors, and shapes may
     still be twisted. With a mirror along the axis, all mirrors that the turn makes of it are
     obeyed.
 
@@ -100,7 +100,7 @@ def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None 
     Raises:
         UserError: The region is a mesh, and there is none.
     """
-    points = voxel_middles(resolution) - np.array(region.centre)
+    points = voxel_middles(resolution) - np.array(region.center)
     if region.kind == "mesh":
         if mesh is None:
             raise UserError(f"the mesh {region.mesh} of a region was not read")
@@ -140,19 +140,19 @@ class Rules:
 
     Attributes:
         allowed: Voxels that may be solid; None: all.
-        part: Voxels that must be solid, all of them allowed; None: none.
+        required: Voxels that must be solid, all of them allowed; None: none.
         symmetry: Mirrors and turn.
         limits: Aspect ratio and volume.
     """
 
     allowed: Solid | None = None
-    part: Solid | None = None
+    required: Solid | None = None
     symmetry: Symmetry = field(default_factory=Symmetry)
     limits: Limits = field(default_factory=Limits)
 
     def clip(self, solid: Solid) -> Solid:
-        """The solid with the part, and without what is not allowed."""
-        joined = solid if self.part is None else solid | self.part
+        """The solid with what is required, and without what is not allowed."""
+        joined = solid if self.required is None else solid | self.required
         return joined if self.allowed is None else joined & self.allowed
 
 
@@ -164,7 +164,7 @@ def build_rules(
     read: Reader,
     *,
     envelope: Region,
-    part: Region,
+    keep_solid: Region,
     hole: Region,
     symmetry: Symmetry,
     limits: Limits,
@@ -174,8 +174,8 @@ def build_rules(
     Args:
         resolution: Voxels along each side of the cube.
         read: Gives the closed mesh of a file, for regions of that kind.
-        envelope: Shapes stay inside it, except for their part.
-        part: Shapes contain it, except for the hole.
+        envelope: Shapes stay inside it, except for what is kept solid.
+        keep_solid: Shapes contain it, except for the hole.
         hole: Shapes stay out of it.
         symmetry: Mirrors and turn.
         limits: Allowed values of numbers that describe a shape.
@@ -191,13 +191,13 @@ def build_rules(
         return region_voxels(region, resolution, mesh)
 
     mirror, shape = symmetry.mirror, (resolution,) * 3
-    inside, solid, hollow = map(grid, (envelope, part, hole))
+    inside, solid, hollow = map(grid, (envelope, keep_solid, hole))
     void = np.zeros(shape, dtype=bool) if hollow is None else with_images(hollow, mirror)
     outside = np.zeros(shape, dtype=bool) if inside is None else with_images(~inside, mirror)
     kept = np.zeros(shape, dtype=bool) if solid is None else with_images(solid, mirror) & ~void
     allowed = (kept | ~outside) & ~void
     if solid is not None and not kept.any():
-        raise UserError("part: no voxel of it lies outside the hole")
+        raise UserError("keep_solid: no voxel of it lies outside the hole")
     if not allowed.any():
         raise UserError("envelope and hole leave no voxel of the cube to grow in")
     return Rules(
@@ -218,8 +218,8 @@ def with_images(solid: Solid, mirror: tuple[str, ...]) -> Solid:
 def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
     """The one solid body that the output of a network describes within the rules.
 
-    As `egad.cppn.voxels.solid`; the part is added and what is not allowed cut away both before
-    hidden voxels are filled and after thin parts are removed.
+    As `egad.cppn.voxels.solid`; what is required is added and what is not allowed cut away both
+    before hidden voxels are filled and after thin parts are removed.
 
     Returns:
         Boolean array of its shape, not empty.
@@ -227,7 +227,7 @@ def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
     Raises:
         RejectedError: Nothing is left, or what is left is against the rules.
     """
-    if rules.allowed is None and rules.part is None:
+    if rules.allowed is None and rules.required is None:
         body = voxels.solid(output, threshold)
     else:
         filled = voxels.fill_orthographic(rules.clip(output > threshold))
@@ -235,8 +235,8 @@ def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
         body = _without_voids(voxels.largest_body(opened), rules)
     if not body.any():
         raise RejectedError("empty")
-    if rules.part is not None and not body[rules.part].all():
-        raise RejectedError("apart from its part")
+    if rules.required is not None and not body[rules.required].all():
+        raise RejectedError("apart from what is kept solid")
     if not is_whole(body, rules.symmetry):
         raise RejectedError("one of several mirror or turned images")
     _check_limits(body, rules.limits)
@@ -258,8 +258,8 @@ def _check_limits(body: Solid, limits: Limits) -> None:
     volume = int(body.sum())
     values = {
         "aspect ratio": (sides.max() / sides.min(), limits.aspect_ratio),
-        "part of its box": (volume / sides.prod(), limits.box_part),
-        "part of the cube": (volume / body.size, limits.cube_part),
+        "fraction of its box": (volume / sides.prod(), limits.box_fraction),
+        "fraction of the cube": (volume / body.size, limits.cube_fraction),
     }
     for name, (value, (low, high)) in values.items():
         if not low <= value <= high:

@@ -39,7 +39,7 @@ class Region(Parameters):
     size: tuple[PositiveFraction, PositiveFraction, PositiveFraction] = Field(
         (1, 1, 1), description="its sides along x, y, z, as parts of the cube"
     )
-    centre: tuple[Offset, Offset, Offset] = Field(
+    center: tuple[Offset, Offset, Offset] = Field(
         (0, 0, 0), description="its middle, as parts of the cube from the middle of that"
     )
     axis: Axis = Field("z", description="axis of a cylinder")
@@ -61,7 +61,7 @@ class Envelope(Region):
     """What shapes must stay in, but for their part."""
 
 
-class Part(Region):
+class KeepSolid(Region):
     """What every shape must contain, but for the hole. It may stick out of the envelope."""
 
 
@@ -85,12 +85,12 @@ class Limits(Parameters):
     aspect_ratio: Range = Field(
         (1, 64), description="longest by shortest side of the axis-aligned box, in voxels"
     )
-    box_part: FractionRange = Field((0, 1), description="volume as part of that box")
-    cube_part: FractionRange = Field((0, 1), description="volume as part of the cube")
+    box_fraction: FractionRange = Field((0, 1), description="volume as part of that box")
+    cube_fraction: FractionRange = Field((0, 1), description="volume as part of the cube")
 
     @model_validator(mode="after")
     def _ranges_ascend(self) -> Self:
-        check_ascending(self, "aspect_ratio", "box_part", "cube_part")
+        check_ascending(self, "aspect_ratio", "box_fraction", "cube_fraction")
         if self.aspect_ratio[1] < 1:
             raise ValueError("aspect_ratio must reach 1 at least: no box is shorter than itself")
         return self

@@ -22,7 +22,7 @@ def grid_inputs(resolution: int, symmetry: Symmetry = NO_SYMMETRY) -> Field:
     """The seven network inputs at every grid point.
 
     The coordinates x, y, z run over [-1, 1]; the others are distances from the axes and from the
-    centre (EGAD, Table II).
+    center (EGAD, Table II).
 
     Returns:
         (7, resolution^3) float32, points in C order of (x, y, z).

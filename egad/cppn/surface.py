@@ -25,7 +25,7 @@ def packed_surface(packed: bytes, shape: Shape) -> trimesh.Trimesh:
 
 
 def surface(voxels: Solid, shape: Shape) -> trimesh.Trimesh:
-    """The surface of a solid: marching cubes, Humphrey smoothing, scaled and centred.
+    """The surface of a solid: marching cubes, Humphrey smoothing, scaled and centerd.
 
     Source: EGAD, section III-B; smoothing by Vollmer, Mencl, Mueller 1999.
 
@@ -34,7 +34,7 @@ def surface(voxels: Solid, shape: Shape) -> trimesh.Trimesh:
         shape: Smoothing and size.
 
     Returns:
-        A mesh in metres with outward normals, its axis-aligned box centred on the origin.
+        A mesh in metres with outward normals, its axis-aligned box centerd on the origin.
     """
     padded = np.pad(voxels, 1).astype(np.float32)
     vertices, faces, _, _ = marching_cubes(padded, 0.5, gradient_direction="ascent")
@@ -44,15 +44,15 @@ def surface(voxels: Solid, shape: Shape) -> trimesh.Trimesh:
         alpha=shape.smoothing_alpha,
         beta=shape.smoothing_beta,
         iterations=shape.smoothing_iterations,
-        laplacian_operator=_neighbour_mean(mesh.faces, len(vertices)),
+        laplacian_operator=_neighbor_mean(mesh.faces, len(vertices)),
     )
     low, high = mesh.bounds
     mesh.vertices = (mesh.vertices - (low + high) / 2) * (shape.longest_side / (high - low).max())
     return mesh
 
 
-def _neighbour_mean(faces: NDArray[np.int64], count: int) -> sparse.csr_matrix:
-    """The matrix that replaces each vertex by the mean of its neighbours on a closed surface."""
+def _neighbor_mean(faces: NDArray[np.int64], count: int) -> sparse.csr_matrix:
+    """The matrix that replaces each vertex by the mean of its neighbors on a closed surface."""
     pairs = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)  # the other face has the way back
     ones = np.ones(len(pairs))
     adjacency = sparse.csr_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))

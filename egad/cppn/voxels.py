@@ -15,7 +15,7 @@ def solid(field: NDArray[np.float32], threshold: float) -> Solid:
     """The one solid body that a field describes.
 
     Voxels above the threshold, with holes filled that no axis-parallel view shows, thin parts
-    removed by an opening with the 6-neighbourhood, and only the largest body kept.
+    removed by an opening with the 6-neighborhood, and only the largest body kept.
 
     Returns:
         Boolean array of the field's shape; all false if nothing is left.

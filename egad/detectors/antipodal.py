@@ -48,7 +48,7 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     An edge is where the surface falls by at least 1 / friction: less steep sides slip out between
     vertical pads. Two edges are a candidate if the line between them lies in the friction cones
     of both (in the plane), and the hand opens wide enough. The hand goes as deep as table,
-    neighbouring surface and palm allow. The quality, from 0 to 1, is
+    neighboring surface and palm allow. The quality, from 0 to 1, is
 
         cos^2(angle) / sqrt(1 + (100 / m * distance)^2) * min(bite / 20 mm, 1),
 
@@ -101,7 +101,7 @@ def _edges(view: View, window: Window, friction: float) -> _Edges:
 def _uneven(view: View, friction: float) -> Window:
     """The part of an image that has all steep pixels, and around them what blurring mixes in.
 
-    Where no pixel and no neighbour of it differs from the table by a quarter of the least steep
+    Where no pixel and no neighbor of it differs from the table by a quarter of the least steep
     fall, the gradient is at most 0.71 of it.
     """
     pitch = float(np.nan_to_num(view.depth, nan=np.inf).min()) / view.intrinsics.focal

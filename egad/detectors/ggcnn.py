@@ -29,7 +29,7 @@ GGCNN_WEIGHTS = (
 )
 Floats = NDArray[np.float64]
 Infer = Callable[[NDArray[np.float32]], NDArray[np.float32]]
-BITE = 0.02  # the fingertips go this far below the surface seen at the centre of the grasp
+BITE = 0.02  # the fingertips go this far below the surface seen at the center of the grasp
 
 
 def check_ggcnn(weights: str | None) -> str:
@@ -92,7 +92,7 @@ class MapDetector:
         The middle 300 x 300 pixels go in, a smaller image enlarged; pixels without depth get that
         of the nearest one with it. The four images that come out are smoothed. The hand opens as
         wide as the network says or as it can; its fingertips go 20 mm below the surface seen at
-        the centre, but not onto the table. Half way between the two are the contacts.
+        the center, but not onto the table. Half way between the two are the contacts.
         """
         if not np.isfinite(view.depth).any():
             return []

@@ -105,14 +105,14 @@ PAGE = """# Objects for simulators
 | `rejected.parquet` | what could not be made ready, and why |
 | `SHA256SUMS` | `sha256sum --check SHA256SUMS` |
 
-All files of an object share one frame, that of its mesh; the origin is not the centre of mass. Mass
+All files of an object share one frame, that of its mesh; the origin is not the center of mass. Mass
 and inertia are those of the solid at {density:g} kg/m3, not of its parts; the sliding friction is
 {friction:g}.
 
 A pose has its `probability` (a drop in a random orientation, without bouncing), the `transform`
-from the frame of the mesh to that of the table (4 x 4; the table is z = 0, the centre of mass above
+from the frame of the mesh to that of the table (4 x 4; the table is z = 0, the center of mass above
 its origin), the outward `face_normal` of the resting face in the frame of the mesh, the `height` of
-the centre of mass, and the `margin`, by how many degrees the table must be tilted for it to topple.
+the center of mass, and the `margin`, by how many degrees the table must be tilted for it to topple.
 Poses less than 5 degrees apart count as one; those with a probability below 0.001 are left out.
 
 ## Loading

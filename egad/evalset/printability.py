@@ -81,22 +81,22 @@ def _behind(
     return np.where(film, 0.0, hits.distances + skin), film | (facing >= PARALLEL)
 
 
-def _balls(mesh: trimesh.Trimesh, centres: Floats, radius: float) -> tuple[Floats, Bools]:
-    """Centres of balls that fit, and which of those given do.
+def _balls(mesh: trimesh.Trimesh, centers: Floats, radius: float) -> tuple[Floats, Bools]:
+    """Centers of balls that fit, and which of those given do.
 
     Where one does not, it is pushed away from the surface that it meets, to find the narrow room
     that it may have, as in a square rod.
     """
-    distances, met = nearest(centres, mesh)
+    distances, met = nearest(centers, mesh)
     fits = distances >= SLACK * radius
     pushed = ~fits & (distances > (1 - SLACK) * radius)  # nearer, it might leave the solid
-    away = (centres[pushed] - met[pushed]) / distances[pushed, None]
+    away = (centers[pushed] - met[pushed]) / distances[pushed, None]
     others = met[pushed] + radius * away
-    return np.concatenate([centres[fits], others[_fits(mesh, others, radius)]]), fits
+    return np.concatenate([centers[fits], others[_fits(mesh, others, radius)]]), fits
 
 
-def _fits(mesh: trimesh.Trimesh, centres: Floats, radius: float) -> Bools:
-    return np.asarray(nearest(centres, mesh)[0] >= SLACK * radius)
+def _fits(mesh: trimesh.Trimesh, centers: Floats, radius: float) -> Bools:
+    return np.asarray(nearest(centers, mesh)[0] >= SLACK * radius)
 
 
 def _apart(mesh: trimesh.Trimesh, balls: Floats, radius: float) -> Floats:

@@ -18,7 +18,7 @@ QUALITIES = (
     "quality",
     "robust_quality",
     "robust_quality_std",
-    "held",
+    "robust_success_rate",
     "fits",
     "collision_free",
     "needed_opening",
@@ -40,8 +40,8 @@ class Body:
         scale: Factor to scale it by.
         volume: m3.
         mass: kg.
-        com: (3,) centre of mass.
-        inertia: (3, 3) about the centre of mass.
+        com: (3,) center of mass.
+        inertia: (3, 3) about the center of mass.
         friction: Coulomb coefficient that the grasps were rated with.
     """
 
@@ -113,7 +113,7 @@ def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, held: float) 
     for name in QUALITIES:
         values = grasps[name].to_numpy()
         add_array(own, name, values.astype(np.int64) if values.dtype == bool else values)
-    success = grasps["collision_free"] & (grasps["held"] >= held)
+    success = grasps["collision_free"] & (grasps["robust_success_rate"] >= held)
     add_array(own, "success", success.to_numpy(dtype=np.int64))
     own["success"].attrs["meaning"] = (
         "not simulated: 1 if the open hand touches nothing at the grasp nor on its straight way "

@@ -42,7 +42,7 @@ def write_cornell(picture: Picture, gripper: Gripper, folder: Path) -> bool:
         raise UserError(
             f"Cornell's images have {WIDTH} x {HEIGHT} pixels, these {width} x {height}"
         )
-    if not picture.grasps.free.any():
+    if not picture.grasps.collision_free.any():
         return False
     place = folder / picture.label
     place.mkdir(parents=True, exist_ok=True)
@@ -52,7 +52,7 @@ def write_cornell(picture: Picture, gripper: Gripper, folder: Path) -> bool:
     grasps = picture.grasps
     moved = grasps._replace(u=grasps.u + left, v=grasps.v + top)
     breadth = gripper.finger_width * picture.view.intrinsics.focal / grasps.depth_center
-    for ending, which in (("cpos", grasps.free), ("cneg", ~grasps.free)):
+    for ending, which in (("cpos", grasps.collision_free), ("cneg", ~grasps.collision_free)):
         text = _lines(moved.chosen(which), breadth[which])
         (place / f"{name}{ending}.txt").write_text(text)
     return True

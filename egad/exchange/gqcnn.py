@@ -80,7 +80,7 @@ def write_gqcnn(pictures: Iterable[Picture], folder: Path) -> int:
 def tensors(picture: Picture, object_number: int, pose_number: int) -> Tensors:
     """The rows of an image: `FIELDS`, each with a row a grasp.
 
-    `hand_poses` are row, column and depth of the centre, the angle of the axis in the image,
+    `hand_poses` are row, column and depth of the center, the angle of the axis in the image,
     clockwise from its x axis in [0, 2 pi), row and column from the optical axis, and the opening in
     pixels. Qualities are 0 for grasps that collide, as in Dex-Net.
     """
@@ -103,11 +103,11 @@ def tensors(picture: Picture, object_number: int, pose_number: int) -> Tensors:
         "depth_ims_tf_table": cut_out(depth, picture, 1),
         "obj_masks": cut_out(mask, picture, 0),
         "hand_poses": np.stack(hands, axis=1),
-        "collision_free": grasps.free,
+        "collision_free": grasps.collision_free,
         "obj_labels": np.full(count, object_number),
         "pose_labels": np.full(count, pose_number),
         "image_labels": np.full(count, picture.image),
-        "robust_ferrari_canny": np.where(grasps.free, grasps.quality, 0),
+        "robust_ferrari_canny": np.where(grasps.collision_free, grasps.quality, 0),
         "camera_poses": np.tile(pose, (count, 1)),
         "camera_intrs": np.tile([camera.focal, camera.focal, *camera.center], (count, 1)),
     }
@@ -117,7 +117,7 @@ def tensors(picture: Picture, object_number: int, pose_number: int) -> Tensors:
 def cut_out(image: Image, picture: Picture, order: Literal[0, 1]) -> Image:
     """The surroundings of each grasp, its axis along the rows: (n, 32, 32, 1).
 
-    96 x 96 pixels about the centre, of which every third is taken; what is beyond the image has
+    96 x 96 pixels about the center, of which every third is taken; what is beyond the image has
     the values of its edge.
 
     Args:

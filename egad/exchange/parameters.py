@@ -36,7 +36,7 @@ class DexNet(Parameters):
 class Acronym(Parameters):
     """ACRONYM files."""
 
-    held: Fraction = Field(
+    min_robust_success_rate: Fraction = Field(
         0.5,
         description="a grasp is a success if the open hand touches nothing at the grasp nor on its "
         "straight way in, at the best of the approach angles tried, and at least this part of its "

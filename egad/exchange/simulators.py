@@ -67,7 +67,7 @@ def urdf(
         name: Of the robot and its only link.
         visual: File of the visual mesh, relative to the description; metres.
         parts: Files of the convex parts.
-        physics: Mass, centre of mass and inertia about it.
+        physics: Mass, center of mass and inertia about it.
         friction: Sliding friction.
     """
     robot = ElementTree.Element("robot", name=name)

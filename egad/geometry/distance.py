@@ -70,7 +70,7 @@ class DistanceField(NamedTuple):
     Attributes:
         values: (n, n, n) metres along x, y, z; negative within the solid.
         origin: (3,) place of the first node, metres.
-        resolution: Distance of two neighbouring nodes, metres.
+        resolution: Distance of two neighboring nodes, metres.
     """
 
     values: NDArray[np.float32]

@@ -59,7 +59,7 @@ def hull_mesh(hull: Hull) -> trimesh.Trimesh:
     if abs(solid.volume() - hull.volume) <= EQUAL * hull.volume:
         return to_mesh(solid)
     mesh = trimesh.Trimesh(hull.points, ConvexHull(hull.points).simplices, process=False)
-    trimesh.repair.fix_normals(mesh)  # by neighbours: slivers have no normal to go by
+    trimesh.repair.fix_normals(mesh)  # by neighbors: slivers have no normal to go by
     return mesh
 
 

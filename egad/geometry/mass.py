@@ -16,9 +16,9 @@ class MassProperties(NamedTuple):
     Attributes:
         volume: Volume.
         area: Surface area.
-        com: Centre of mass, (3,).
+        com: Center of mass, (3,).
         mass: Mass.
-        inertia: Inertia tensor about the centre of mass, along the axes of the mesh, (3, 3).
+        inertia: Inertia tensor about the center of mass, along the axes of the mesh, (3, 3).
     """
 
     volume: float

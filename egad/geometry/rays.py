@@ -36,7 +36,7 @@ class Intersections(NamedTuple):
 class TriangleScene:
     """Triangles that Embree casts rays at, in single precision.
 
-    No ray slips through between neighbours.
+    No ray slips through between neighbors.
     """
 
     def __init__(self, vertices: NDArray[Any], faces: NDArray[Any]) -> None:
@@ -103,7 +103,7 @@ class Hits(NamedTuple):
 class RayCaster:
     """Casts many rays at one mesh.
 
-    Embree finds the triangle in single precision, and without gaps between neighbours; the
+    Embree finds the triangle in single precision, and without gaps between neighbors; the
     distance is then computed from the triangle's plane in double precision.
 
     Attributes:

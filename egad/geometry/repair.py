@@ -71,12 +71,12 @@ def simple_loops(edges: Ints) -> list[Loop] | None:
 
 def _triangles(rim: Floats) -> Ints:
     """Triangles between the points of a rim (n, 3), wound as the rim is; (n - 2, 3)."""
-    centred = rim - rim.mean(axis=0)
-    normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
+    centerd = rim - rim.mean(axis=0)
+    normal = np.cross(centerd, np.roll(centerd, -1, axis=0)).sum(axis=0)
     if not normal.any():
         return np.empty((0, 3), dtype=np.int64)
     to_plane = trimesh.geometry.align_vectors(normal, [0, 0, 1])
-    seen = np.ascontiguousarray((centred @ to_plane[:3, :3].T)[:, :2])
+    seen = np.ascontiguousarray((centerd @ to_plane[:3, :3].T)[:, :2])
     return np.asarray(manifold3d.triangulate([seen])).astype(np.int64).reshape(-1, 3)
 
 

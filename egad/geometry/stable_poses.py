@@ -15,7 +15,7 @@ Ints = NDArray[np.int64]
 
 
 class StablePose(NamedTuple):
-    """An object at rest on the table z = 0, its centre of mass above the origin.
+    """An object at rest on the table z = 0, its center of mass above the origin.
 
     The turn about the vertical is free; it is the one that comes from the shortest turn that
     brings the resting face down.
@@ -25,7 +25,7 @@ class StablePose(NamedTuple):
         face: Indices of the vertices of the mesh at the corners of the resting face, ascending.
         normal: Outward normal of this face in the frame of the mesh, (3,).
         rotation: From the frame of the mesh to that of the table, (3, 3).
-        height: Of the centre of mass above the table, in the unit of the mesh.
+        height: Of the center of mass above the table, in the unit of the mesh.
         margin: The least angle by which the table must be tilted for it to topple, radians.
     """
 
@@ -40,7 +40,7 @@ class StablePose(NamedTuple):
         """The (4, 4) transform from the frame of the mesh to that of the table.
 
         Args:
-            center: Centre of mass in the frame of the mesh, (3,).
+            center: Center of mass in the frame of the mesh, (3,).
         """
         matrix = np.eye(4)
         matrix[:3, :3] = self.rotation
@@ -70,20 +70,20 @@ class _Facets(NamedTuple):
 def stable_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
     """All faces of the convex hull that a solid can rest on, the most probable first.
 
-    An object in a random orientation comes down on the face that the vertical through its centre
-    of mass meets: with a chance of that face's solid angle / 4 pi. If the centre of mass is not
+    An object in a random orientation comes down on the face that the vertical through its center
+    of mass meets: with a chance of that face's solid angle / 4 pi. If the center of mass is not
     above the face, it rolls over the edge nearest to the foot of the vertical, and on from there:
-    every roll lowers the centre of mass. Nothing slides, bounces or swings through.
+    every roll lowers the center of mass. Nothing slides, bounces or swings through.
 
     Args:
         mesh: Any surface, in any unit; only its hull counts.
-        center: Centre of mass, (3,), strictly inside the hull.
+        center: Center of mass, (3,), strictly inside the hull.
 
     Returns:
         At least one pose; the probabilities add up to 1.
 
     Raises:
-        RejectedError: The mesh is flat, or the centre is not inside its hull.
+        RejectedError: The mesh is flat, or the center is not inside its hull.
 
     Source: after Goldberg et al., Part pose statistics, 1999 (quasi-static estimate).
     """
@@ -147,12 +147,12 @@ def _facets(vertices: Floats, center: Floats) -> _Facets:
     face = face.ravel()
     heights = -(planes[:, :3] @ center + planes[:, 3])
     if not heights.min() > 0:
-        raise RejectedError("the centre of mass is not inside the hull")
-    triangles, neighbours = _outward(hull, vertices)
+        raise RejectedError("the center of mass is not inside the hull")
+    triangles, neighbors = _outward(hull, vertices)
     angles = np.zeros(len(planes))
     np.add.at(angles, face, _solid_angles(vertices[triangles] - center))
     sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2)  # 01, 12, 20
-    behind = face[np.roll(neighbours, -2, axis=1)]  # a neighbour is named after the far corner
+    behind = face[np.roll(neighbors, -2, axis=1)]  # a neighbor is named after the far corner
     rim = behind != face[:, None]
     ends = vertices[sides[rim]] - center
     owner = np.broadcast_to(face[:, None], behind.shape)[rim]
@@ -161,13 +161,13 @@ def _facets(vertices: Floats, center: Floats) -> _Facets:
 
 
 def _outward(hull: ConvexHull, vertices: Floats) -> tuple[Ints, Ints]:
-    """The triangles of a hull, anticlockwise seen from outside, and their neighbours."""
-    triangles, neighbours = hull.simplices.astype(np.int64), hull.neighbors.astype(np.int64)
+    """The triangles of a hull, anticlockwise seen from outside, and their neighbors."""
+    triangles, neighbors = hull.simplices.astype(np.int64), hull.neighbors.astype(np.int64)
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
     inward = _dot(np.cross(b - a, c - a), hull.equations[:, :3]) < 0
     triangles[inward] = triangles[inward][:, ::-1]
-    neighbours[inward] = neighbours[inward][:, ::-1]
-    return triangles, neighbours
+    neighbors[inward] = neighbors[inward][:, ::-1]
+    return triangles, neighbors
 
 
 def _rolls(facets: _Facets) -> tuple[Floats, Ints]:

@@ -29,14 +29,14 @@ class Approaches(NamedTuple):
         fits: (n,) whether the hand touches nothing when it is there.
         free: (n,) whether it touches nothing on the way in either.
         angles_fit: (n,) angles that fit.
-        angles_free: (n,) angles that are free.
+        angles_collision_free: (n,) angles that are free.
     """
 
     directions: Floats
     fits: Flags
     free: Flags
     angles_fit: Indices
-    angles_free: Indices
+    angles_collision_free: Indices
 
 
 def best_approaches(

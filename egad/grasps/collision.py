@@ -69,7 +69,7 @@ def blocked_turns(
 
 
 def spheres(triangles: Floats) -> tuple[Floats, Floats]:
-    """Centres (m, 3) and radii (m,) of spheres around triangles."""
+    """Centers (m, 3) and radii (m,) of spheres around triangles."""
     centers = triangles.mean(axis=1)
     radii = np.linalg.norm(triangles - centers[:, None], axis=2).max(axis=1)
     return np.ascontiguousarray(centers), radii

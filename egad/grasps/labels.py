@@ -45,7 +45,7 @@ def label_grasps(
 
     Args:
         mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
-        com: (3,) centre of mass, metres.
+        com: (3,) center of mass, metres.
         settings: The gripper, how many grasps, and how to rate them.
         rng: Where chance comes from.
         palm: A mesh in the place of the gripper's palm box, see `egad.grasps.hand.parts`.
@@ -119,17 +119,17 @@ def rate_grasps(
             "quality": quality,
             "robust_quality": mean,
             "robust_quality_std": deviation,
-            "held": held,
+            "robust_success_rate": held,
             "fits": approach.fits,
             "collision_free": approach.free,
             "angles_fit": approach.angles_fit,
-            "angles_free": approach.angles_free,
+            "angles_collision_free": approach.angles_collision_free,
         }
     )
 
 
 def statistics_row(wanted: int, tally: SamplingStatistics, grasps: pd.DataFrame) -> dict[str, int]:
-    """What became of the candidates of an object: a row of `tables.grasping.TALLY`.
+    """What became of the candidates of an object: a row of `tables.grasping.SAMPLING`.
 
     Args:
         wanted: Grasps wanted.
@@ -140,14 +140,14 @@ def statistics_row(wanted: int, tally: SamplingStatistics, grasps: pd.DataFrame)
     tried = failed.pop("tried")
     fits, free = (grasps[name].to_numpy(bool) for name in ("fits", "collision_free"))
     return {
-        "wanted": wanted,
-        "tried": tried,
-        **failed,
-        "surplus": tried - sum(failed.values()) - len(grasps),
-        "grasps": len(grasps),
-        "slipped": int((grasps["quality"] == 0).sum()),
-        "without_room": int(np.sum(~fits)),
-        "without_way": int(np.sum(fits & ~free)),
+        "n_wanted": wanted,
+        "n_candidates": tried,
+        **{f"n_{name}": count for name, count in failed.items()},
+        "n_surplus": tried - sum(failed.values()) - len(grasps),
+        "n_grasps": len(grasps),
+        "n_slipping": int((grasps["quality"] == 0).sum()),
+        "n_in_collision": int(np.sum(~fits)),
+        "n_unreachable": int(np.sum(fits & ~free)),
     }
 
 

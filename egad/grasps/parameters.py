@@ -20,11 +20,11 @@ class Robust(Parameters):
 
     samples: int = Field(25, ge=1, description="disturbed copies of a grasp")
     torque_scaling: float = Field(1000.0, gt=0, description="torque units a force unit, 1/m")
-    grasp_translation_sigma: Sigma = Field(0.001, description="grasp centre, metres an axis")
+    grasp_translation_sigma: Sigma = Field(0.001, description="grasp center, metres an axis")
     grasp_rotation_sigma: Sigma = Field(0.001, description="grasp axis, radians an axis")
     object_translation_sigma: Sigma = Field(0.005, description="object position, metres an axis")
     object_rotation_sigma: Sigma = Field(0.01, description="object rotation, radians an axis")
-    com_sigma: Sigma = Field(0.01, description="centre of mass, metres an axis")
+    com_sigma: Sigma = Field(0.01, description="center of mass, metres an axis")
     friction_sigma: Sigma = Field(0.1, description="friction coefficient")
 
 

@@ -1,6 +1,6 @@
 """Poses of the hand at a grasp, in the frames of different programs.
 
-A grasp has a centre, a closing axis and an approach (see `egad.grasps.hand`). All poses map
+A grasp has a center, a closing axis and an approach (see `egad.grasps.hand`). All poses map
 from the frame of the hand to that of the object.
 """
 
@@ -73,7 +73,7 @@ def dexnet_configurations(
 ) -> Floats:
     """The ten numbers of Dex-Net's parallel-jaw grasps: (n, 10).
 
-    Centre, closing axis, widest opening, approach angle, width of the jaws (points: 0) and least
+    Center, closing axis, widest opening, approach angle, width of the jaws (points: 0) and least
     opening (0).
     """
     rest = np.zeros((len(centers), 4))

@@ -29,7 +29,7 @@ def ferrari_canny(
     The value is exact: the smallest distance from the origin to a facet of the convex hull of all
     wrenches; 0 if the origin is not strictly inside, or if a finger slips because the angle
     between the axis and its normal exceeds the friction angle. With `a` that angle and `d` the
-    distance of the centre of mass from the line of contacts it is at most
+    distance of the center of mass from the line of contacts it is at most
     `pi finger_radius^2 friction torque_scaling cos(a)^2 / sqrt(1 + (torque_scaling d)^2)`
     for the better of the two contacts.
 
@@ -37,7 +37,7 @@ def ferrari_canny(
         points: (n, 2, 3) contacts, metres.
         normals: (n, 2, 3) outward unit normals there.
         axis: (n, 3) unit vectors from the first contact to the second.
-        com: (3,) or (n, 3) centre of mass, metres.
+        com: (3,) or (n, 3) center of mass, metres.
         friction: Coulomb friction coefficient, one for all or (n,).
         torque_scaling: What a torque counts beside a force, 1/m.
         finger_radius: Radius of the soft contact, metres; it resists torsion.
@@ -87,7 +87,7 @@ def wrenches(
     `cone_faces` edges, the first leaning towards x; torsion acts either way about the normal.
 
     Args:
-        arms: (n, 2, 3) contacts from the centre of mass, times the torque scaling.
+        arms: (n, 2, 3) contacts from the center of mass, times the torque scaling.
         normals: (n, 2, 3) outward unit normals.
         axis: (n, 3) closing axes.
         friction: (n,) friction coefficients.

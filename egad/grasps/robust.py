@@ -1,7 +1,7 @@
 """Grasp quality under uncertainty: the mean over disturbed copies of a grasp.
 
 The random variables are those that Dex-Net documents (Mahler et al., RSS 2017). Ours: every copy
-has its own object pose, the centre of mass is disturbed around its true place, and a finger that
+has its own object pose, the center of mass is disturbed around its true place, and a finger that
 meets the object beyond the middle pushes it along instead of missing it.
 """
 
@@ -29,14 +29,14 @@ def robust_ferrari_canny(
 ) -> tuple[Floats, Floats, Floats]:
     """Quality of each of n grasps over disturbed copies.
 
-    In every copy the object and the hand are a little off, the centre of mass and the friction
+    In every copy the object and the hand are a little off, the center of mass and the friction
     differ, and the open fingers close again on what is there. A copy counts 0 if a finger starts
     inside the object or meets nothing.
 
     Args:
         caster: Of the object, metres.
         grasps: The n grasps.
-        com: (3,) centre of mass, metres.
+        com: (3,) center of mass, metres.
         opening: Distance of the open fingers, metres.
         quality: Contact model; its torque scaling gives way to that of `robust`.
         robust: Number of copies and their spread.
@@ -69,7 +69,7 @@ def robust_ferrari_canny(
 def close_fingers(
     caster: RayCaster, centers: Floats, axes: Floats, opening: float
 ) -> tuple[ContactPairs, NDArray[np.bool_]]:
-    """Close fingers from half an opening either side of n centres.
+    """Close fingers from half an opening either side of n centers.
 
     Args:
         caster: The object.
@@ -94,9 +94,9 @@ def close_fingers(
 def _disturb(
     grasps: ContactPairs, com: Floats, robust: Robust, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
-    """Centres and axes of the copies, grasp by grasp, in the frame of the disturbed object.
+    """Centers and axes of the copies, grasp by grasp, in the frame of the disturbed object.
 
-    The object turns about its centre of mass and shifts; the hand turns and shifts. Instead of
+    The object turns about its center of mass and shifts; the hand turns and shifts. Instead of
     moving the mesh, the hand is moved back.
     """
     copies = len(grasps) * robust.samples

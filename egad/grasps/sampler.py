@@ -234,7 +234,7 @@ def _spread(centers: Floats, axes: Floats, old: int, spacing: float) -> Indices:
 
 @numba.njit(cache=True, inline="always")
 def _gap(centers: Floats, axes: Floats, i: int, j: int, spacing: float) -> float:
-    """How far apart two grasps are; without their turn if their centres are `spacing` apart."""
+    """How far apart two grasps are; without their turn if their centers are `spacing` apart."""
     square = 0.0
     for k in range(3):
         square += (centers[i, k] - centers[j, k]) ** 2

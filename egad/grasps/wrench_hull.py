@@ -1,7 +1,7 @@
 """How far the origin lies inside the convex hull of a few points in six dimensions.
 
 The hull is built only where it matters: the facet nearest to the origin is expanded until no point
-lies beyond it. Facets are simplices; neighbour k of a facet lies opposite to its vertex k. The
+lies beyond it. Facets are simplices; neighbor k of a facet lies opposite to its vertex k. The
 plane of a new facet is a convex combination of the planes of the two facets that meet in its
 horizon ridge: a point that is coplanar with an old facet continues exactly that plane, so coplanar
 points need no special case.
@@ -26,7 +26,7 @@ class Workspace(NamedTuple):
     """Memory of one hull, to be used again for the next one."""
 
     vertices: NDArray[np.int64]
-    neighbours: NDArray[np.int64]
+    neighbors: NDArray[np.int64]
     normals: NDArray[np.float64]
     offsets: NDArray[np.float64]
     heights: NDArray[np.float64]  # of the new point above each facet
@@ -35,7 +35,7 @@ class Workspace(NamedTuple):
     horizon: NDArray[np.int64]  # facet and vertex opposite to the ridge
     free: NDArray[np.int64]
     ridges: NDArray[np.int64]  # bit masks of vertices
-    ends: NDArray[np.int64]  # facet and vertex that wait at this ridge for a neighbour
+    ends: NDArray[np.int64]  # facet and vertex that wait at this ridge for a neighbor
 
 
 @numba.njit(cache=True)
@@ -141,7 +141,7 @@ def _start(points: NDArray[np.float64], space: Workspace, tolerance: float) -> b
         space.normals[k] = -gradients[k] / np.sqrt(_dot(gradients[k], gradients[k]))
         for j in range(6):
             space.vertices[k, j] = chosen[j if j < k else j + 1]
-            space.neighbours[k, j] = j if j < k else j + 1
+            space.neighbors[k, j] = j if j < k else j + 1
         space.offsets[k] = _dot(space.normals[k], points[space.vertices[k, 0]])
     return True
 
@@ -164,7 +164,7 @@ def _find_horizon(
         facet = space.stack[done]
         done += 1
         for k in range(6):
-            other = space.neighbours[facet, k]
+            other = space.neighbors[facet, k]
             if space.heights[other] <= tolerance:
                 if edges < _OPEN_RIDGES:
                     space.horizon[edges, 0], space.horizon[edges, 1] = facet, k
@@ -185,14 +185,14 @@ def _raise_facets(
         How many facets are in use and how many of them are free again; -1 free if the ridges
         do not close.
     """
-    vertices, neighbours = space.vertices, space.neighbours
+    vertices, neighbors = space.vertices, space.neighbors
     normals, offsets, heights = space.normals, space.offsets, space.heights
     horizon, ridges, ends = space.horizon, space.ridges, space.ends
     ridges[:] = 0
     unmatched = 0
     for e in range(edges):
         old, k = horizon[e, 0], horizon[e, 1]
-        other = neighbours[old, k]
+        other = neighbors[old, k]
         if free > 0:
             free -= 1
             new = space.free[free]
@@ -208,13 +208,13 @@ def _raise_facets(
         for j in range(6):
             vertices[new, j] = apex if j == k else vertices[old, j]
             mask |= 1 << vertices[new, j]
-            if neighbours[other, j] == old:
-                neighbours[other, j] = new
-        neighbours[new, k] = other
+            if neighbors[other, j] == old:
+                neighbors[other, j] = new
+        neighbors[new, k] = other
         for j in range(6):
             if j != k:
                 ridge = mask ^ (1 << vertices[new, j])
-                unmatched += _match(ridge, new, j, ridges, ends, neighbours)
+                unmatched += _match(ridge, new, j, ridges, ends, neighbors)
     return used, free if unmatched == 0 else -1
 
 
@@ -250,7 +250,7 @@ def _match(
     k: int,
     ridges: NDArray[np.int64],
     ends: NDArray[np.int64],
-    neighbours: NDArray[np.int64],
+    neighbors: NDArray[np.int64],
 ) -> int:
     """Link two new facets at their common ridge: 1 for the first of them, -1 for the second."""
     slot = ((ridge * _HASH_FACTOR) >> (64 - _SLOTS_LOG2)) & (_SLOTS - 1)
@@ -260,8 +260,8 @@ def _match(
         ridges[slot] = ridge
         ends[slot, 0], ends[slot, 1] = facet, k
         return 1
-    neighbours[facet, k] = ends[slot, 0]
-    neighbours[ends[slot, 0], ends[slot, 1]] = facet
+    neighbors[facet, k] = ends[slot, 0]
+    neighbors[ends[slot, 0], ends[slot, 1]] = facet
     return -1
 
 

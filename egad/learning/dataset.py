@@ -26,7 +26,7 @@ from egad.perception.splits import SPLITS
 from egad.random import generator
 from egad.tables.row_groups import RowGroups
 
-GRASP = ["u", "v", "angle", "opening", "depth_center", "quality", "free"]
+GRASP = ["u", "v", "angle", "opening", "depth_center", "quality", "collision_free"]
 NAMES = ["image", "id", "split", "depth", "mask", "height", "width", "focal", *GRASP]
 WINDOW = 2048  # images that are mixed with each other; about so many are kept in memory, packed
 FARTHEST = 1e5  # pixels; numbers of grasps beyond this are no pixels of an image
@@ -137,10 +137,12 @@ class Dataset:
             return self._kept[key]
 
     def _indexed(self, shard: int, group: int) -> pd.DataFrame:
-        frame = self._files[shard].read(group, ["image", "id", "split", "quality", "free"])
+        frame = self._files[shard].read(
+            group, ["image", "id", "split", "quality", "collision_free"]
+        )
         good = [
             int(positive(quality, free, self.rule).sum())
-            for quality, free in zip(frame["quality"], frame["free"], strict=True)
+            for quality, free in zip(frame["quality"], frame["collision_free"], strict=True)
         ]
         return frame[["image", "id", "split"]].assign(
             shard=shard,

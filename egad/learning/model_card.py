@@ -80,7 +80,7 @@ class TrainedNetwork:
 
 def best_epoch(history: pd.DataFrame) -> pd.Series:
     """The row of a history (`tables.training.HISTORY`) of the epoch whose weights were taken."""
-    return history[history["taken"]].iloc[0]
+    return history[history["kept"]].iloc[0]
 
 
 def card(trained: TrainedNetwork) -> str:

@@ -134,7 +134,7 @@ def train(
     if settings.patience is not None:
         network.load_state_dict(state.best)
     taken = len(state.rows) - 1 if settings.patience is None else _lowest(state.rows)
-    return [{**row, "taken": row["epoch"] == taken} for row in state.rows]
+    return [{**row, "kept": row["epoch"] == taken} for row in state.rows]
 
 
 def evaluate(

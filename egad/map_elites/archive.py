@@ -16,7 +16,7 @@ from egad.cppn.genome import Row
 from egad.measures.grid import complexity_cells, coverage_of, difficulty_cells
 from egad.measures.parameters import Space
 from egad.reeb import graph as reeb
-from egad.reeb.neighbours import Neighbourhood
+from egad.reeb.neighbors import Neighborhood
 from egad.reeb.parameters import Similarity
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, GENOME
@@ -55,7 +55,7 @@ class Archive:
             threads: Diversities found at once; no result depends on it.
         """
         self.space = space
-        self._neighbourhood = Neighbourhood(similarity.weight, space.neighbours, threads)
+        self._neighborhood = Neighborhood(similarity.weight, space.neighbors, threads)
         self._elites: dict[int, Elite] = {}
         self._cells: dict[int, Cell] = {}
         self._ids: dict[str, int] = {}
@@ -79,7 +79,7 @@ class Archive:
     @property
     def qd_score(self) -> float:
         """The sum of the diversities of all elites (as pyribs; the objective is diversity)."""
-        return sum(self._neighbourhood.diversities(list(self._elites)))
+        return sum(self._neighborhood.diversities(list(self._elites)))
 
     def counts(self) -> NDArray[np.int64]:
         """How many elites each cell holds: (cells, cells), by difficulty, then complexity."""
@@ -104,7 +104,7 @@ class Archive:
         that are left in overfull cells are computed again.
         """
         fresh = {elite.id: elite for elite in newcomers if elite.id not in self}
-        indices = self._neighbourhood.add([elite.graph for elite in fresh.values()])
+        indices = self._neighborhood.add([elite.graph for elite in fresh.values()])
         for index, elite in zip(indices, fresh.values(), strict=True):
             self._elites[index] = elite
             self._cells[index] = self.cell(elite)
@@ -114,7 +114,7 @@ class Archive:
     def _trim(self) -> None:
         """Remove the least diverse elite of an overfull cell until every cell fits.
 
-        While there are more others than neighbours, a removal can only raise a diversity: one that
+        While there are more others than neighbors, a removal can only raise a diversity: one that
         is stored is then a lower bound, and is found again when it is the least of the heap.
         """
         counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
@@ -123,20 +123,20 @@ class Archive:
             value, name, index = heapq.heappop(queue)
             if counts[self._cells[index]] <= limit:
                 continue
-            now = self._neighbourhood.diversity(index)
+            now = self._neighborhood.diversity(index)
             if now != value:
                 heapq.heappush(queue, (now, name, index))
                 continue
             counts[self._cells[index]] -= 1
             self._remove(index)
-            if len(self) <= self.space.neighbours + 1:
+            if len(self) <= self.space.neighbors + 1:
                 queue = self._queue(counts)
 
     def _queue(self, counts: Counter[Cell]) -> list[tuple[float, str, int]]:
         """The elites of overfull cells as a heap, the least diverse first."""
         limit = self.space.elites_per_cell
         crowded = [index for index, cell in self._cells.items() if counts[cell] > limit]
-        values = self._neighbourhood.diversities(crowded)
+        values = self._neighborhood.diversities(crowded)
         names = [self._elites[index].id for index in crowded]
         queue = list(zip(values, names, crowded, strict=True))
         heapq.heapify(queue)
@@ -145,7 +145,7 @@ class Archive:
     def _remove(self, index: int) -> None:
         del self._ids[self._elites.pop(index).id]
         del self._cells[index]
-        self._neighbourhood.remove(index)
+        self._neighborhood.remove(index)
 
     def to_frame(self) -> pd.DataFrame:
         """The archive as a table with the columns of `tables.evolution.EPOCH`.
@@ -153,7 +153,7 @@ class Archive:
         Rows are sorted by cell, then slot; slot 0 is the most diverse of its cell.
         """
         rows = []
-        diversities = self._neighbourhood.diversities(list(self._elites))
+        diversities = self._neighborhood.diversities(list(self._elites))
         for (index, elite), diversity in zip(self._elites.items(), diversities, strict=True):
             complexity_cell, difficulty_cell = self._cells[index]
             rows.append(

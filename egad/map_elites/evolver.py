@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Shape, Symmetry
+from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
 from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError, UserError
 from egad.grasps.gripper import gripper
@@ -18,7 +18,7 @@ from egad.grasps.parameters import Quality, Sampling
 from egad.map_elites.archive import Archive
 from egad.map_elites.island import Candidate, Island, Measured, Solid
 from egad.map_elites.parameters import Evolution, EvolutionParameters
-from egad.measures.parameters import Axes, Complexity, Difficulty, Space
+from egad.measures.parameters import Complexity, CustomMeasures, Difficulty, Space
 from egad.reeb import graph as reeb
 from egad.reeb.parameters import Similarity
 
@@ -152,7 +152,7 @@ def _parameters(
     return EvolutionParameters(
         seed=seed,
         gripper=gripper(Difficulty().gripper),
-        axes=Axes(),
+        measures=CustomMeasures(),
         complexity=Complexity(),
         difficulty=Difficulty(),
         similarity=Similarity(),
@@ -163,7 +163,7 @@ def _parameters(
         neat=Neat(),
         shape=Shape(),
         envelope=Envelope(),
-        part=Part(),
+        keep_solid=KeepSolid(),
         hole=Hole(),
         symmetry=Symmetry(),
         limits=Limits(),

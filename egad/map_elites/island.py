@@ -112,7 +112,7 @@ def reevaluate(solid: Solid, settings: EvolutionParameters) -> float | str:
     mesh = packed_surface(solid.packed, settings.shape)
     rng = generator(settings.seed, "newcomer", solid.id)
     try:
-        return measure_mesh(mesh, settings, settings.evolution.regrade, rng).difficulty
+        return measure_mesh(mesh, settings, settings.evolution.reevaluation_grasps, rng).difficulty
     except RejectedError as error:
         return str(error)
 
@@ -199,8 +199,8 @@ class Island:
         candidates = self.ask()
         solids = [each.solid for each in candidates]
         results = list(self._mapper(self._evaluate, solids))
-        if self._settings.evolution.regrade:
-            results = _regraded(solids, results, self.archive, self._settings, self._mapper)
+        if self._settings.evolution.reevaluation_grasps:
+            results = _reevaluated(solids, results, self.archive, self._settings, self._mapper)
         self.tell(candidates, results)
         return self.outcomes - before
 
@@ -273,7 +273,7 @@ def _standing(rows: list[dict[str, Any]]) -> str:
     return LINE.format(**rows[-1]) + score if rows else ""
 
 
-def _regraded(
+def _reevaluated(
     solids: list[Solid],
     results: list[Measured | str],
     archive: Archive,

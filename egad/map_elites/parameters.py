@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from egad._util.parameters import SEARCH_ONLY, Archived, Fraction, Parameters
-from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Shape, Symmetry
+from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
 from egad.measures.parameters import MeasureParameters, Space
 
 
@@ -24,7 +24,7 @@ class Evolution(Parameters):
     )
     siblings: int = Field(1, ge=1, description="children of the same parents, one after another")
     restart: Fraction = Field(0.0, description="chance that a child is a random genome instead")
-    regrade: int = Field(
+    reevaluation_grasps: int = Field(
         0,
         ge=0,
         description="grasps that a newcomer to a full cell is graded again by, against lucky "
@@ -35,11 +35,11 @@ class Evolution(Parameters):
 class EvolutionParameters(MeasureParameters):
     """What one epoch of an island depends on."""
 
-    evolution: Annotated[Evolution, Archived(keys=frozenset({"regrade"}))]
+    evolution: Annotated[Evolution, Archived(keys=frozenset({"reevaluation_grasps"}))]
     neat: Annotated[Neat, SEARCH_ONLY]
     shape: Shape
     envelope: Annotated[Envelope, SEARCH_ONLY]
-    part: Annotated[Part, SEARCH_ONLY]
+    keep_solid: Annotated[KeepSolid, SEARCH_ONLY]
     hole: Annotated[Hole, SEARCH_ONLY]
     symmetry: Annotated[Symmetry, SEARCH_ONLY]
     limits: Annotated[Limits, SEARCH_ONLY]

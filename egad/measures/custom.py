@@ -9,13 +9,13 @@ import trimesh
 
 from egad import plugins as own_code
 from egad.errors import RejectedError
-from egad.measures.parameters import Axes
+from egad.measures.parameters import CustomMeasures
 
 Measure = Callable[..., Any]  # of a trimesh.Trimesh, and of parameters by name
-WHERE = "axes"
+WHERE = "measures"
 
 
-def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: Axes | None = None) -> float:
+def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: CustomMeasures | None = None) -> float:
     """The value of a user's measure.
 
     Args:
@@ -29,7 +29,7 @@ def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: Axes | None = None) 
     """
     function, name = _function(measure), plugin_name(measure)
     try:
-        given = function(mesh.copy(), **_parameters(function, axes or Axes()))
+        given = function(mesh.copy(), **_parameters(function, axes or CustomMeasures()))
         value = float(given)
     except MemoryError:
         raise  # says nothing of the object
@@ -45,7 +45,7 @@ def plugin_name(measure: str) -> str:
     return measure.rpartition(":")[2].replace("_", " ").strip()
 
 
-def check_measures(axes: Axes) -> None:
+def check_measures(axes: CustomMeasures) -> None:
     """Make sure that the user's measures are there.
 
     Raises:
@@ -69,7 +69,7 @@ def _function(measure: str) -> Measure:
     return found
 
 
-def _parameters(function: Measure, axes: Axes) -> dict[str, Any]:
+def _parameters(function: Measure, axes: CustomMeasures) -> dict[str, Any]:
     """The parameters of the axes that are arguments of a function."""
     parameters = axes.parameters()
     names = inspect.signature(function).parameters if parameters else {}

@@ -54,7 +54,7 @@ def difficulty(
         settings: Gripper, metric, percentile, and how grasps are sampled and rated.
         grasps: Grasps to sample.
         rng: Where chance comes from.
-        com: Centre of mass in the frame of the mesh; else the centroid of the volume.
+        com: Center of mass in the frame of the mesh; else the centroid of the volume.
 
     Raises:
         RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
@@ -66,12 +66,12 @@ def difficulty(
     opening = settings.gripper.opening
     place = _alignment(np.asarray(mesh.vertices), settings.difficulty.side_fraction * opening)
     scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
-    centre = _apply(place, center_of_mass(mesh) if com is None else com)
+    center = _apply(place, center_of_mass(mesh) if com is None else com)
     caster = RayCaster(scaled)
     found, tally = sample_contacts(caster, opening, grasps, settings.sampling, rng)
     if len(found) == 0:
         raise RejectedError(f"no grasp ({tally})")
-    qualities = _qualities(caster, found, centre, settings, rng)
+    qualities = _qualities(caster, found, center, settings, rng)
     percent = settings.difficulty.percentile
     return GraspDifficulty(
         percentile(qualities, percent), percentile_std(qualities, percent), len(found)
@@ -86,7 +86,7 @@ def _qualities(
     rng: np.random.Generator,
 ) -> Floats:
     """Quality of each grasp by the metric of the settings."""
-    if settings.difficulty.metric == "plain" or settings.robust is None:
+    if settings.difficulty.metric == "nominal" or settings.robust is None:
         rated: Floats = ferrari_canny(
             grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()
         )
@@ -124,10 +124,10 @@ def percentile_std(values: Floats, percent: float) -> float:
 
 def center_of_mass(mesh: trimesh.Trimesh) -> Floats:
     """The centroid of the volume; that of the surface where the volume has none within bounds."""
-    centre = _volume_centroid(np.asarray(mesh.triangles), np.asarray(mesh.triangles_cross))
+    center = _volume_centroid(np.asarray(mesh.triangles), np.asarray(mesh.triangles_cross))
     low, high = np.asarray(mesh.bounds)
-    inside = bool(np.all((centre >= low) & (centre <= high)))  # False for NaN
-    return centre if inside else np.asarray(mesh.centroid)
+    inside = bool(np.all((center >= low) & (center <= high)))  # False for NaN
+    return center if inside else np.asarray(mesh.centroid)
 
 
 def _volume_centroid(triangles: Floats, normals: Floats) -> Floats:

@@ -45,7 +45,7 @@ def measure_mesh(
         RejectedError: The mesh cannot be measured, or has no grasp.
         UserError: A measure of the user cannot be found.
     """
-    axes = settings.axes
+    axes = settings.measures
     along = (
         GraspDifficulty(plugin_value(axes.difficulty, mesh, axes), math.nan, 0)
         if axes.difficulty

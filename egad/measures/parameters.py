@@ -30,7 +30,7 @@ class Space(Parameters):
     )
     cells: int = Field(25, ge=1, le=26, description="cells along each axis")
     elites_per_cell: int = Field(4, ge=1, le=255, description="most objects kept in a cell")
-    neighbours: int = Field(
+    neighbors: int = Field(
         10, ge=1, description="diversity is the mean distance to this many nearest objects"
     )
 
@@ -43,7 +43,7 @@ class Space(Parameters):
 AXES = ("complexity", "difficulty")
 
 
-class Axes(Parameters):
+class CustomMeasures(Parameters):
     """Measures of your own as the axes of the space, in the place of complexity or difficulty.
 
     `FILE.py:FUNCTION` or `package.module:FUNCTION` names a function from a closed
@@ -86,8 +86,8 @@ class Difficulty(Parameters):
     """Grasp difficulty: a percentile of the quality of sampled grasps. High values are easy."""
 
     gripper: Name = Field("yumi", description="gripper of the table that grasps are sampled for")
-    metric: Literal["plain", "robust"] = Field(
-        "plain",
+    metric: Literal["nominal", "robust"] = Field(
+        "nominal",
         description="quality of a grasp, or its mean over disturbed copies; the published letters "
         "follow the plain one (rank correlation 0.94 against 0.43, docs/measures.md)",
     )
@@ -126,13 +126,13 @@ class MeasureParameters(ParameterGroup):
 
     seed: Annotated[int, Archived(difficulty=False)]
     gripper: Annotated[Gripper, Archived(keys=frozenset({"opening"}))]  # the rest is for the hand
-    axes: Axes
+    measures: CustomMeasures
     complexity: Annotated[Complexity, Archived(difficulty=False)]
     difficulty: Difficulty
     similarity: Annotated[Similarity, Archived(difficulty=False)]
     sampling: Sampling
     quality: Quality
-    robust: Robust | None  # none if the metric is plain: then its settings do not matter
+    robust: Robust | None  # none if the metric is nominal: then its settings do not matter
 
 
 class SizeEffectParameters(ParameterGroup):

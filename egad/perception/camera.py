@@ -20,7 +20,7 @@ WHOLE = (slice(None), slice(None))
 
 
 class Intrinsics(NamedTuple):
-    """A pinhole camera; pixel (0, 0) has its centre at u = v = 0.
+    """A pinhole camera; pixel (0, 0) has its center at u = v = 0.
 
     Attributes:
         width: Pixels.

@@ -13,7 +13,7 @@ COUNTS = {
     "without_reachable": "images without a reachable grasp",
     "without_free": "images without a free grasp",
     "grasps": "reachable grasps",
-    "free": "free grasps",
+    "collision_free": "free grasps",
 }
 
 
@@ -21,9 +21,9 @@ def summary(rows: pd.DataFrame) -> pd.DataFrame:
     """What each split and the whole have of `COUNTS`: a row each, also of splits without images.
 
     Args:
-        rows: Columns `id`, `split`, `pose` and `free` of `tables.images.IMAGES`.
+        rows: Columns `id`, `split`, `pose` and `collision_free` of `tables.images.IMAGES`.
     """
-    flags = [np.asarray(each, dtype=bool) for each in rows["free"]]
+    flags = [np.asarray(each, dtype=bool) for each in rows["collision_free"]]
     counted = rows[["id", "split", "pose"]].assign(
         grasps=[len(each) for each in flags], free=[int(each.sum()) for each in flags]
     )
@@ -37,9 +37,9 @@ def _counts(rows: pd.DataFrame) -> dict[str, int]:
         "images": len(rows),
         "poses": len(rows.drop_duplicates(["id", "pose"])),
         "without_reachable": int((rows["grasps"] == 0).sum()),
-        "without_free": int((rows["free"] == 0).sum()),
+        "without_free": int((rows["collision_free"] == 0).sum()),
         "grasps": int(rows["grasps"].sum()),
-        "free": int(rows["free"].sum()),
+        "collision_free": int(rows["collision_free"].sum()),
     }
 
 
@@ -86,23 +86,23 @@ def _table(counts: pd.DataFrame) -> str:
     lines = [f"| | {' | '.join(names)} |", "| --- |" + " --- |" * len(names)]
     for column, title in COUNTS.items():
         lines.append(f"| {title} | {' | '.join(str(counts.at[name, column]) for name in names)} |")
-    pairs = zip(counts.loc[names, "free"], counts.loc[names, "grasps"], strict=True)
+    pairs = zip(counts.loc[names, "collision_free"], counts.loc[names, "grasps"], strict=True)
     shares = " | ".join(f"{100 * free / max(grasps, 1):.0f} %" for free, grasps in pairs)
     return "\n".join([*lines, f"| free, of the reachable | {shares} |"])
 
 
 def _objects(render: Render) -> str:
     low, high = (100 * rank for rank in render.complexity)
-    if (low, high, render.part) == (0, 100, 1):
+    if (low, high, render.subset) == (0, 100, 1):
         return ""
-    drawn = f"{100 * render.part:g} %, drawn by chance, of the objects" * (render.part < 1)
+    drawn = f"{100 * render.subset:g} %, drawn by chance, of the objects" * (render.subset < 1)
     ranks = f"from {low:g} to {high:g} % of the ranks in complexity"
     return f"Only {drawn or 'objects'} {ranks}."
 
 
 def _camera(camera: Camera) -> list[str]:
     width, height = camera.image
-    around = ", cut out around the object's centre of mass" if camera.centered else ""
+    around = ", cut out around the object's center of mass" if camera.centered else ""
     return [
         f"{width} x {height} pixels{around}; focal length {_range(camera.focal)} pixels; "
         f"{_range(camera.distance)} m from the middle of the table, {_range(camera.tilt)} degrees "

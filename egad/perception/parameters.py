@@ -37,7 +37,7 @@ class Camera(Parameters):
         description="how far the object may lie from the middle, along x and along y, metres",
     )
     centered: bool = Field(
-        False, description="whether the image is cut out around the object's centre of mass"
+        False, description="whether the image is cut out around the object's center of mass"
     )
 
     @model_validator(mode="after")
@@ -82,7 +82,7 @@ class Render(Parameters):
         (0.0, 1.0),
         description="which objects, by their rank in complexity: [0, 0.33] is the simplest third",
     )
-    part: PositiveFraction = Field(1.0, description="how many of these, drawn by chance")
+    subset: PositiveFraction = Field(1.0, description="how many of these, drawn by chance")
     validation: Fraction = Field(0.1, description="part of the objects, and of the images")
     test: Fraction = Field(0.1, description="the same")
     hold_out: bool = Field(

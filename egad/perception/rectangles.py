@@ -1,7 +1,7 @@
 """Grasp rectangles in an image: projected from grasps in 3D, and compared with each other.
 
-Rectangles are rows of an array (n, 5): u and v of the centre, pixels, pixel (0, 0) having its
-centre at 0, 0; the angle of the closing axis, radians anticlockwise as seen from the image's x
+Rectangles are rows of an array (n, 5): u and v of the center, pixels, pixel (0, 0) having its
+center at 0, 0; the angle of the closing axis, radians anticlockwise as seen from the image's x
 axis, in [-pi/2, pi/2); the opening along that axis and the breadth of the jaws across it, pixels.
 """
 
@@ -25,18 +25,18 @@ MOST_TURN = np.pi / 6
 
 
 class ImageGrasps(NamedTuple):
-    """Grasps in an image; pixel (0, 0) has its centre at u = v = 0.
+    """Grasps in an image; pixel (0, 0) has its center at u = v = 0.
 
     Attributes:
         grasp: (n,) numbers of the labels.
-        u: (n,) column of the centre, pixels.
-        v: (n,) row of the centre, pixels.
+        u: (n,) column of the center, pixels.
+        v: (n,) row of the center, pixels.
         angle: (n,) of the closing axis, anticlockwise as seen in the image, from its x axis
             (right), radians in [-pi/2, pi/2).
-        opening: (n,) how far the hand opens, at the depth of the centre, pixels.
-        depth_center: (n,) of the centre, along the optical axis, metres.
+        opening: (n,) how far the hand opens, at the depth of the center, pixels.
+        depth_center: (n,) of the center, along the optical axis, metres.
         quality: (n,).
-        free: (n,) whether the hand touches neither object nor table.
+        collision_free: (n,) whether the hand touches neither object nor table.
     """
 
     grasp: Ints
@@ -46,7 +46,7 @@ class ImageGrasps(NamedTuple):
     opening: Floats
     depth_center: Floats
     quality: Floats
-    free: Flags
+    collision_free: Flags
 
     def chosen(self, which: Flags | Ints) -> "ImageGrasps":
         """Some of them."""
@@ -63,7 +63,7 @@ class ImageGrasps(NamedTuple):
 def project_grasps(
     scene: Scene, grasps: GraspCandidates, free: Flags, gripper: Gripper
 ) -> ImageGrasps:
-    """Grasps in the image of a scene; those whose centres are beside it are left out.
+    """Grasps in the image of a scene; those whose centers are beside it are left out.
 
     Args:
         scene: Object and camera.
@@ -84,7 +84,7 @@ def project_grasps(
         opening=roomy(grasps.widths, gripper) * camera.focal / centers[:, 2],
         depth_center=centers[:, 2],
         quality=grasps.qualities,
-        free=free,
+        collision_free=free,
     )
     inside = (np.abs(u - (camera.width - 1) / 2) <= camera.width / 2) & (
         np.abs(v - (camera.height - 1) / 2) <= camera.height / 2

@@ -53,8 +53,8 @@ def sample_scene(
     All is uniform within its range, as in Dex-Net (Mahler et al. 2017).
 
     Args:
-        resting: (4, 4) `StablePose.transform`, centre of mass above the origin.
-        center: (3,) centre of mass in the frame of the mesh.
+        resting: (4, 4) `StablePose.transform`, center of mass above the origin.
+        center: (3,) center of mass in the frame of the mesh.
         settings: The ranges.
         rng: Source of chance.
     """

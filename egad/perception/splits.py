@@ -48,7 +48,7 @@ def shares(
         seed: Of the configuration.
     """
     split = split_of(objects["id"].tolist(), evaluation, settings, seed)
-    wanted = _drawn(objects[_within(objects, settings.complexity)], settings.part, seed)
+    wanted = _drawn(objects[_within(objects, settings.complexity)], settings.subset, seed)
     chosen = sorted(
         zip(wanted["id"], wanted["label"], strict=True),
         key=lambda names: entropy(seed, "image order", names[0]),

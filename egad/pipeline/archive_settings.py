@@ -33,7 +33,7 @@ def provenance(settings: Parameters) -> dict[str, Any]:
     included = {name: keys for name, keys in counts.items() if keys}
     notes: dict[str, Any] = settings.model_dump(mode="json", include=included)
     if isinstance(settings, MeasureParameters):
-        functions = settings.axes.functions()
+        functions = settings.measures.functions()
         notes["source"] = {axis: source_hash(name) for axis, name in functions.items()}
     return notes
 

@@ -21,7 +21,7 @@ from egad.pipeline.config.stage_settings import select
 from egad.random import generator
 from egad.reeb.forest import Forest
 from egad.reeb.graph import extract
-from egad.reeb.neighbours import diversities
+from egad.reeb.neighbors import diversities
 from egad.reeb.similarity import similarities
 
 

@@ -41,8 +41,8 @@ opens with `pandas.read_parquet`. Columns carry their `unit` and `meaning` as Ar
 
 Lengths are metres and masses kilograms unless a unit says otherwise. Cells count from 0 = simplest
 and 0 = easiest, while `difficulty` itself is a grasp quality: high for easy objects. With measures
-of your own (`axes` in the settings), `complexity` and `difficulty` hold their values, and `grasps`
-is 0.
+of your own (`measures` in the settings), `complexity` and `difficulty` hold their values, and
+`grasps` is 0.
 
 `egad provenance FILE` shows what a file was made from, and `egad verify results` whether anything
 was altered since. For that, folders have a `SHA256SUMS`, and files that are not tables a

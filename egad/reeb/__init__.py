@@ -1,1 +1,1 @@
-"""Multiresolution Reeb graphs of shapes, their matching, and exact nearest neighbours."""
+"""Multiresolution Reeb graphs of shapes, their matching, and exact nearest neighbors."""

@@ -21,9 +21,9 @@ class Nodes(NamedTuple):
     """Nodes of many graphs in one row; in each graph the coarsest one is the last."""
 
     values: Floats  # (n, 2): weighted area and length
-    around: Floats  # (n, 4): their sums over the neighbours below, and above
+    around: Floats  # (n, 4): their sums over the neighbors below, and above
     rows: Ints  # (n, 5): where in `links` a node's children begin, those in the upper half of its
-    # range begin, and all of them end; where its neighbours begin and end
+    # range begin, and all of them end; where its neighbors begin and end
     links: Ints
 
 
@@ -38,8 +38,8 @@ class Space(NamedTuple):
 
 STATE = 0  # numbers of matches, of their nodes and of visits; what to add to nodes of either graph
 FREE = 1  # by node so shifted: whether it may still be matched in this contest
-SEEN = 2  # likewise: last visit as a neighbour that runs are taken from
-ADDED = 3  # likewise: last visit as a neighbour of a run
+SEEN = 2  # likewise: last visit as a neighbor that runs are taken from
+ADDED = 3  # likewise: last visit as a neighbor of a run
 MATCHED = 4  # nodes of all matches
 FIRST, SECOND, END = 5, 6, 7  # by match: where in MATCHED either side begins, and where it ends
 SIDE = 8  # and 9: nodes of a contest
@@ -103,11 +103,11 @@ class Forest:
         for graph in graphs:
             values = np.stack((graph.areas, graph.lengths), axis=1) * self._weights
             start = len(self._values.view)
-            links = np.concatenate((graph.children, graph.neighbours)) + start
+            links = np.concatenate((graph.children, graph.neighbors)) + start
             self._rows.extend(_rows(graph) + len(self._links.view))
             self._links.extend(links)
             self._values.extend(values)
-            self._around.extend(_around(graph.neighbour_starts, graph.neighbours, values))
+            self._around.extend(_around(graph.neighbor_starts, graph.neighbors, values))
             self._profiles.extend(_profile(graph, values)[None])
             self._starts.extend(np.array([start + len(values)], np.int32))
             self._keys.extend(np.array([_key(graph)]))
@@ -145,19 +145,19 @@ class _Rows:
 def _key(graph: ReebGraph) -> np.uint64:
     """A digest of all that a graph says: two graphs are put in order by it."""
     digest = hashlib.blake2b(digest_size=8)
-    for array in (graph.areas, graph.lengths, graph.ranges, graph.neighbours):
+    for array in (graph.areas, graph.lengths, graph.ranges, graph.neighbors):
         digest.update(array.tobytes())
     return np.uint64(int.from_bytes(digest.digest(), "little"))
 
 
 def _rows(graph: ReebGraph) -> Ints:
-    """`Nodes.rows` of a graph alone, with its neighbours after its children."""
+    """`Nodes.rows` of a graph alone, with its neighbors after its children."""
     lower = graph.ranges[graph.children] % 2 == 0
     before = np.concatenate(([0], np.cumsum(lower)))
     starts, ends = graph.child_starts[:-1], graph.child_starts[1:]
     middles = starts + before[ends] - before[starts]
-    neighbours = graph.neighbour_starts + len(graph.children)
-    rows = np.stack((starts, middles, ends, neighbours[:-1], neighbours[1:]), axis=1)
+    neighbors = graph.neighbor_starts + len(graph.children)
+    rows = np.stack((starts, middles, ends, neighbors[:-1], neighbors[1:]), axis=1)
     return rows.astype(np.int32)
 
 
@@ -171,12 +171,12 @@ def _profile(graph: ReebGraph, values: Floats) -> Floats:
 
 
 @numba.njit(cache=True)
-def _around(starts: Ints, neighbours: Ints, values: Floats) -> Floats:
-    """Sums of values over the neighbours of each node in the range below, and above."""
+def _around(starts: Ints, neighbors: Ints, values: Floats) -> Floats:
+    """Sums of values over the neighbors of each node in the range below, and above."""
     result = np.zeros((len(values), 4))
     for node in range(len(values)):
-        for neighbour in neighbours[starts[node] : starts[node + 1]]:
-            place = 0 if neighbour < node else 2
+        for neighbor in neighbors[starts[node] : starts[node + 1]]:
+            place = 0 if neighbor < node else 2
             for k in range(2):
-                result[node, place + k] += values[neighbour, k]
+                result[node, place + k] += values[neighbor, k]
     return result

@@ -27,7 +27,7 @@ class EdgeGraph(NamedTuple):
     """
 
     starts: NDArray[np.uint32]  # (n + 1,) of the rows
-    neighbours: NDArray[np.uint32]  # (2 e,)
+    neighbors: NDArray[np.uint32]  # (2 e,)
     lengths: Floats  # (2 e,)
     scale: float  # buckets a unit of length
     first: Ints  # (power of 2,): the first vertex in each bucket, or -1
@@ -55,18 +55,18 @@ def edge_graph(mesh: Triangulation, shortcuts: bool) -> EdgeGraph:
         starts[end + 1] += 1
     starts = np.cumsum(starts)
     place = starts[:-1].copy()
-    neighbours, distances = np.empty(ends.size, np.uint32), np.empty(ends.size)
+    neighbors, distances = np.empty(ends.size, np.uint32), np.empty(ends.size)
     for edge in range(len(ends)):
         for k in range(2):
             row = place[ends[edge, k]]
-            neighbours[row], distances[row] = ends[edge, 1 - k], lengths[edge]
+            neighbors[row], distances[row] = ends[edge, 1 - k], lengths[edge]
             place[ends[edge, k]] += 1
     width = _WIDTH * lengths.mean()
     buckets = 2 ** int(np.ceil(np.log2(lengths.max() / width + 2)))
     first = np.full(buckets, -1, np.int32)
     following, preceding = np.empty(count, np.int32), np.empty(count, np.int32)
     return EdgeGraph(
-        starts.astype(np.uint32), neighbours, distances, 1 / width, first, following, preceding
+        starts.astype(np.uint32), neighbors, distances, 1 / width, first, following, preceding
     )
 
 
@@ -124,7 +124,7 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
     some vertices become those to the nearest of these and the source, and the search ends where
     it brings nothing nearer.
     """
-    starts, neighbours, lengths, scale, first, following, preceding = graph
+    starts, neighbors, lengths, scale, first, following, preceding = graph
     mask = len(first) - 1
     preceding[:] = _ABSENT
     distances[source] = 0.0
@@ -143,12 +143,12 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
         waiting -= 1
         travelled = distances[vertex]
         for i in range(starts[vertex], starts[vertex + 1]):
-            neighbour, distance = neighbours[i], travelled + lengths[i]
-            if distance >= distances[neighbour]:
+            neighbor, distance = neighbors[i], travelled + lengths[i]
+            if distance >= distances[neighbor]:
                 continue
-            distances[neighbour] = distance
+            distances[neighbor] = distance
             bucket = int(distance * scale) & mask
-            before, after = preceding[neighbour], following[neighbour]
+            before, after = preceding[neighbor], following[neighbor]
             if before == _ABSENT:
                 waiting += 1
             else:  # unlink it from its bucket
@@ -159,13 +159,13 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
                 if after >= 0:
                     preceding[after] = before
             after = first[bucket]
-            first[bucket], following[neighbour], preceding[neighbour] = (
-                neighbour,
+            first[bucket], following[neighbor], preceding[neighbor] = (
+                neighbor,
                 after,
                 -1 - bucket,
             )
             if after >= 0:
-                preceding[after] = neighbour
+                preceding[after] = neighbor
 
 
 @numba.njit(cache=True)
@@ -174,7 +174,7 @@ def even_integral(
 ) -> Floats:
     """The integral from farthest-point bases, each of which stands for the vertices nearest to it.
 
-    The first base is the vertex farthest from the centre of the surface, so neither the order of
+    The first base is the vertex farthest from the center of the surface, so neither the order of
     the vertices nor the place of the mesh matters; every other one is the vertex farthest from
     those before it. The choice of bases is ours: the paper leaves it open.
 
@@ -189,7 +189,7 @@ def even_integral(
         (n,).
     """
     share = _shares(faces, areas, len(vertices))
-    base = _farthest_from_centre(vertices, share)
+    base = _farthest_from_center(vertices, share)
     distances = np.full((min(count, len(vertices)), len(vertices)), np.inf)
     nearest = np.full(len(vertices), np.inf)
     owner = np.zeros(len(vertices), np.int64)
@@ -218,11 +218,11 @@ def _shares(faces: Ints, areas: Floats, count: int) -> Floats:
 
 
 @numba.njit(cache=True)
-def _farthest_from_centre(vertices: Floats, share: Floats) -> int:
+def _farthest_from_center(vertices: Floats, share: Floats) -> int:
     squares = np.zeros(len(vertices))
     for k in range(3):
-        centre = np.sum(vertices[:, k] * share) / np.sum(share)
-        squares += (vertices[:, k] - centre) ** 2
+        center = np.sum(vertices[:, k] * share) / np.sum(share)
+        squares += (vertices[:, k] - center) ** 2
     return int(np.argmax(squares))
 
 

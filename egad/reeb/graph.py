@@ -60,7 +60,7 @@ def levels(
     inner = np.arange(starts[-2]).astype(np.int32)
     low, high = links[:linked, 0].copy(), links[:linked, 1].copy()
     child_starts, children = _rows(parents[: starts[-2]], inner, nodes)
-    neighbour_starts, neighbours = _rows(
+    neighbor_starts, neighbors = _rows(
         np.concatenate((high, low)), np.concatenate((low, high)), nodes
     )
     return (
@@ -71,8 +71,8 @@ def levels(
         parents[:nodes].copy(),
         child_starts,
         children,
-        neighbour_starts,
-        neighbours,
+        neighbor_starts,
+        neighbors,
     )
 
 
@@ -127,8 +127,8 @@ class ReebGraph:
     parents: Ints  # (n,): node of the next coarser level; -1 at the coarsest
     child_starts: Ints  # (n + 1,): children of node i are children[child_starts[i]:...[i + 1]]
     children: Ints
-    neighbour_starts: Ints  # (n + 1,): likewise
-    neighbours: Ints  # parts of the same level that a node touches; the lower range first
+    neighbor_starts: Ints  # (n + 1,): likewise
+    neighbors: Ints  # parts of the same level that a node touches; the lower range first
 
 
 def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
@@ -210,9 +210,9 @@ def _graph(parts: Parts, ranges: int) -> ReebGraph:
 def pack(graph: ReebGraph) -> bytes:
     """A graph as bytes: its finest level, from which all the others follow."""
     count = graph.level_starts[1]
-    starts = graph.neighbour_starts[: count + 1]
+    starts = graph.neighbor_starts[: count + 1]
     owners = np.repeat(np.arange(count), np.diff(starts))
-    others = graph.neighbours[: starts[-1]]
+    others = graph.neighbors[: starts[-1]]
     links = np.stack((owners, others), axis=1)[others > owners]
     ranges = 2 ** (len(graph.level_starts) - 2)
     data = b"".join(

@@ -2,7 +2,7 @@
 
 Hilaga et al., "Topology Matching for Fully Automatic Similarity Estimation of 3D Shapes", SIGGRAPH
 2001, section 5, with two differences that agree better with the program that the published values
-come from: the neighbours of a node count less, and a node can be matched to a run of nodes.
+come from: the neighbors of a node count less, and a node can be matched to a run of nodes.
 
 Children of matched nodes are matched among themselves, in each half of the range apart. Nothing
 outside such a bout decides who matches whom in it, so bouts are fought one by one.
@@ -37,7 +37,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Pair = tuple[float, float]  # area and length
 
-NEIGHBOUR_WEIGHT = 0.1
+NEIGHBOR_WEIGHT = 0.1
 MOST_RUNS = 64  # that one node is compared to: a bound that does not depend on time
 
 
@@ -213,18 +213,18 @@ def _choose(nodes: Nodes, space: Space, node: int, side: int, count: int) -> int
 def _choose_run(
     nodes: Nodes, space: Space, node: int, side: int, count: int, least: float, chosen: int
 ) -> int:
-    """Like `_choose`, for runs: free nodes that are consecutive at one common neighbour."""
+    """Like `_choose`, for runs: free nodes that are consecutive at one common neighbor."""
     left, visit = MOST_RUNS, _tick(space)
     for i in range(count):
         other = space.ints[SIDE + side, i]
         if not space.ints[FREE, other + space.ints[STATE, 3 + side]]:
             continue
         for j in range(nodes.rows[other, 3], nodes.rows[other, 4]):
-            neighbour = nodes.links[j]
-            if space.ints[SEEN, neighbour + space.ints[STATE, 3 + side]] == visit:
+            neighbor = nodes.links[j]
+            if space.ints[SEEN, neighbor + space.ints[STATE, 3 + side]] == visit:
                 continue
-            space.ints[SEEN, neighbour + space.ints[STATE, 3 + side]] = visit
-            length = _line(nodes, space, neighbour, other, side)
+            space.ints[SEEN, neighbor + space.ints[STATE, 3 + side]] = visit
+            length = _line(nodes, space, neighbor, other, side)
             for start in range(length - 1):
                 end = min(length, start + LONGEST_RUN, start + 1 + left)
                 cost, best = _best_end(nodes, space, node, side, start, end)
@@ -246,12 +246,12 @@ def _tick(space: Space) -> int:
 
 
 @numba.njit(cache=True, inline="always")
-def _line(nodes: Nodes, space: Space, neighbour: int, other: int, side: int) -> int:
-    """List the free nodes that a neighbour has in the range of another; returns their number."""
+def _line(nodes: Nodes, space: Space, neighbor: int, other: int, side: int) -> int:
+    """List the free nodes that a neighbor has in the range of another; returns their number."""
     length = 0
-    for j in range(nodes.rows[neighbour, 3], nodes.rows[neighbour, 4]):
+    for j in range(nodes.rows[neighbor, 3], nodes.rows[neighbor, 4]):
         node = nodes.links[j]
-        same_side = (node < neighbour) == (other < neighbour)
+        same_side = (node < neighbor) == (other < neighbor)
         if same_side and space.ints[FREE, node + space.ints[STATE, 3 + side]]:
             space.ints[LINE, length] = node
             length += 1
@@ -271,16 +271,16 @@ def _best_end(
         area += nodes.values[other, 0]
         length += nodes.values[other, 1]
         for j in range(nodes.rows[other, 3], nodes.rows[other, 4]):
-            neighbour = nodes.links[j]
-            if space.ints[ADDED, neighbour + space.ints[STATE, 3 + side]] == visit:
+            neighbor = nodes.links[j]
+            if space.ints[ADDED, neighbor + space.ints[STATE, 3 + side]] == visit:
                 continue
-            space.ints[ADDED, neighbour + space.ints[STATE, 3 + side]] = visit
-            if neighbour < other:
-                area_below += nodes.values[neighbour, 0]
-                length_below += nodes.values[neighbour, 1]
+            space.ints[ADDED, neighbor + space.ints[STATE, 3 + side]] = visit
+            if neighbor < other:
+                area_below += nodes.values[neighbor, 0]
+                length_below += nodes.values[neighbor, 1]
             else:
-                area_above += nodes.values[neighbour, 0]
-                length_above += nodes.values[neighbour, 1]
+                area_above += nodes.values[neighbor, 0]
+                length_above += nodes.values[neighbor, 1]
         if i > start:
             below, above = (area_below, length_below), (area_above, length_above)
             cost = _cost(nodes, node, (area, length), below, above)
@@ -295,7 +295,7 @@ def _cost(nodes: Nodes, node: int, values: Pair, below: Pair, above: Pair) -> fl
     cost: float = abs(nodes.around[node, 0] - below[0]) + abs(nodes.around[node, 1] - below[1])
     cost += abs(nodes.around[node, 2] - above[0])
     cost += abs(nodes.around[node, 3] - above[1])
-    cost *= NEIGHBOUR_WEIGHT
+    cost *= NEIGHBOR_WEIGHT
     cost += abs(nodes.values[node, 0] - values[0])
     cost += abs(nodes.values[node, 1] - values[1])
     return cost

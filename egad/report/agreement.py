@@ -19,7 +19,7 @@ from egad.stats.roc import Area, Bin, area, gain, reliability
 QUALITIES = {
     "quality": "nominal quality",
     "robust_quality": "robust quality",
-    "held": "robust success rate",
+    "robust_success_rate": "robust success rate",
 }
 CHARTED = ("quality", "robust_quality")
 NOT_TRIED = ("collided", "failed", "crashed")
@@ -101,8 +101,8 @@ def agreement(table: pd.DataFrame, rows: int) -> Agreement:
     return Agreement(
         rates=[rate(each) for each in groups],
         outcomes=outcome_counts(table),
-        labelled=int(objects["labelled"].sum()),
-        free=int(objects["free"].sum()),
+        labelled=int(objects["n_labelled"].sum()),
+        free=int(objects["n_collision_free"].sum()),
         objects=tried["label"].nunique(),
         failing=[each.loc[~each["success"], "label"].nunique() for each in groups],
         areas={
@@ -167,7 +167,7 @@ def _ranks(rates: Sequence[Rate]) -> list[float]:
     return ranks
 
 
-def _draw_areas(axes: Axes, areas: Sequence[Area], colour: str, offset: float) -> None:
+def _draw_areas(axes: Axes, areas: Sequence[Area], color: str, offset: float) -> None:
     for row, each in enumerate(areas):
-        axes.plot(row + offset, each.value, "o", color=colour, ms=5)
-        axes.vlines(row + offset, *each.interval, color=colour, lw=1)
+        axes.plot(row + offset, each.value, "o", color=color, ms=5)
+        axes.vlines(row + offset, *each.interval, color=color, lw=1)

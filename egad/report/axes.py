@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from egad.measures.custom import plugin_name
-from egad.measures.parameters import Axes
+from egad.measures.parameters import CustomMeasures
 
 ARROW = "\N{RIGHTWARDS ARROW}"
 COMPARATIVES = {"simple": "simpler", "easy": "easier", "low": "lower", "high": "higher"}
@@ -60,7 +60,7 @@ DIFFICULTY = Axis("grasp difficulty", "difficulty", "easy", "hard", "quality", f
 USUAL = AxisPair(COMPLEXITY, DIFFICULTY)
 
 
-def axis_pair(axes: Axes) -> AxisPair:
+def axis_pair(axes: CustomMeasures) -> AxisPair:
     """The axes that a configuration asks for; high values of difficulty come first."""
     across, upwards = plugin_name(axes.complexity), plugin_name(axes.difficulty)
     return AxisPair(

@@ -119,11 +119,11 @@ def comparison_chart(comparison: pd.DataFrame) -> str:
 
 
 def _comparison_row(left: Axes, right: Axes, y: float, row: Mapping[Any, Any], own: bool) -> None:
-    colour = LINES[0] if own else SOFT
-    left.barh(y, row["coverage"], height=0.55, color=colour, alpha=1 if own else 0.55)
-    right.hlines(y, row["diversity_min"], row["diversity_max"], color=colour, lw=2)
-    face = colour if own else "white"
-    right.plot(row["diversity_mean"], y, "o", color=colour, markerfacecolor=face, ms=6)
+    color = LINES[0] if own else SOFT
+    left.barh(y, row["coverage"], height=0.55, color=color, alpha=1 if own else 0.55)
+    right.hlines(y, row["diversity_min"], row["diversity_max"], color=color, lw=2)
+    face = color if own else "white"
+    right.plot(row["diversity_mean"], y, "o", color=color, markerfacecolor=face, ms=6)
 
 
 def dataset_maps(
@@ -137,7 +137,7 @@ def dataset_maps(
         names: What is written along the axes.
 
     Returns:
-        SVG text: a map of each dataset, on the same axes and colour scale.
+        SVG text: a map of each dataset, on the same axes and color scale.
     """
     counts = {name: objects.groupby(CELL).size() for name, objects in datasets.items()}
     most = max([2, *(int(count.max()) for count in counts.values() if len(count))])
@@ -156,13 +156,13 @@ def dataset_maps(
             axes.set_axis_off()
         drawing.figure.supxlabel(names.across.label, size=10)
         drawing.figure.supylabel(names.upwards.label, size=10)
-        _colour_bar(drawing.figure, grid, most)
+        _color_bar(drawing.figure, grid, most)
     return drawing.svg
 
 
-def _colour_bar(figure: Figure, grid: NDArray[np.object_], most: int) -> None:
-    colours = ScalarMappable(LogNorm(1, most), MAP)
-    bar = figure.colorbar(colours, ax=grid, label="objects in a cell", shrink=0.8, aspect=25)
+def _color_bar(figure: Figure, grid: NDArray[np.object_], most: int) -> None:
+    colors = ScalarMappable(LogNorm(1, most), MAP)
+    bar = figure.colorbar(colors, ax=grid, label="objects in a cell", shrink=0.8, aspect=25)
     ticks = [2**power for power in range(most.bit_length())]
     bar.set_ticks(ticks, labels=list(map(str, ticks)))
     bar.ax.minorticks_off()

@@ -1,4 +1,4 @@
-"""The look of charts: colours, fonts, and SVG text that is the same for the same data."""
+"""The look of charts: colors, fonts, and SVG text that is the same for the same data."""
 
 import base64
 import io
@@ -69,15 +69,15 @@ def show_percent(axis: Axis) -> None:
     axis.set_major_formatter(lambda value, _: f"{value:.0%}")
 
 
-def line_colour(number: int) -> str:
-    """Colour of a line of a chart, by its number; after the last one they repeat."""
+def line_color(number: int) -> str:
+    """Color of a line of a chart, by its number; after the last one they repeat."""
     return LINES[number % len(LINES)]
 
 
-def scale_colour(value: float, low: float, high: float) -> str:
-    """Colour of a value on the viridis scale from `low` to `high`, as `#rrggbb`.
+def scale_color(value: float, low: float, high: float) -> str:
+    """Color of a value on the viridis scale from `low` to `high`, as `#rrggbb`.
 
-    Values outside have the colours of the ends; NaN is grey.
+    Values outside have the colors of the ends; NaN is grey.
     """
     if math.isnan(value):
         return UNKNOWN
@@ -85,9 +85,9 @@ def scale_colour(value: float, low: float, high: float) -> str:
     return to_hex(matplotlib.colormaps["viridis"](min(max(share, 0.0), 1.0)))
 
 
-def ink_on(colour: str) -> str:
-    """Dark or white, whichever reads better on a colour."""
-    red, green, blue = to_rgb(colour)
+def ink_on(color: str) -> str:
+    """Dark or white, whichever reads better on a color."""
+    red, green, blue = to_rgb(color)
     return INK if 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.25 else "white"
 
 

@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw
 from egad.measures.grid import coverage, difficulty_cells
 from egad.measures.parameters import Space
 from egad.report.axes import AxisPair
-from egad.report.drawing import data_uri, line_colour, new_figure, show_percent, svg_uri
+from egad.report.drawing import data_uri, line_color, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 
 THIN = "\N{NARROW NO-BREAK SPACE}"
@@ -156,8 +156,8 @@ def coverage_curves(histories: Mapping[str, pd.DataFrame]) -> str:
         for axes, (column, title) in zip(grid, panels.items(), strict=True):
             for number, (name, run) in enumerate(runs.items()):
                 known = run.dropna(subset=[column])
-                colour = line_colour(number)
-                axes.plot(known["offspring"], known[column], color=colour, lw=1.6, label=name)
+                color = line_color(number)
+                axes.plot(known["offspring"], known[column], color=color, lw=1.6, label=name)
             _finish(axes, title, share=column != "qd_score")
         if len(runs) > 1:
             handles, names = grid[0].get_legend_handles_labels()
@@ -202,7 +202,7 @@ def coverage_animation(history: pd.DataFrame, space: Space) -> bytes:
 
 def _frame(cells: bytes, offspring: int, space: Space) -> Image.Image:
     counts = np.frombuffer(cells, np.uint8).reshape(space.cells, space.cells)[::-1]
-    pixels = np.kron(_colours(counts, space), np.ones((UNIT, UNIT, 1))).astype(np.uint8)
+    pixels = np.kron(_colors(counts, space), np.ones((UNIT, UNIT, 1))).astype(np.uint8)
     image = Image.new("RGB", (pixels.shape[1], pixels.shape[0] + 2 * UNIT), GROUND)
     image.paste(Image.fromarray(pixels))
     text = f"{offspring} evaluations, {int(counts.sum())} objects"
@@ -210,7 +210,7 @@ def _frame(cells: bytes, offspring: int, space: Space) -> Image.Image:
     return image.quantize(32)
 
 
-def _colours(counts: NDArray[np.uint8], space: Space) -> NDArray[np.float64]:
+def _colors(counts: NDArray[np.uint8], space: Space) -> NDArray[np.float64]:
     share = np.minimum(counts / space.elites_per_cell, 1)[..., None]
     full = np.where(share > 0, 0.15 + 0.85 * share, 0)
     return np.asarray(EMPTY + full * (FULL - EMPTY))

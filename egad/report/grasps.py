@@ -14,7 +14,7 @@ from egad.report.drawing import (
     INK,
     SOFT,
     THOUSANDTHS,
-    line_colour,
+    line_color,
     new_figure,
     show_percent,
     svg_uri,
@@ -161,7 +161,7 @@ def grasp_numbers(grasps: pd.DataFrame) -> GraspNumbers:
         per_object=per_object.median() if len(per_object) else np.nan,
         quality=grasps["quality"].quantile(QUARTILES).tolist(),
         robust_quality=grasps["robust_quality"].quantile(QUARTILES).tolist(),
-        robust_success_rate=grasps["held"].mean(),
+        robust_success_rate=grasps["robust_success_rate"].mean(),
         collision_free=grasps["collision_free"].mean(),
     )
 
@@ -217,10 +217,10 @@ def _draw_histograms(axes: Axes, values: Mapping[str, "pd.Series[float]"]) -> No
     top = known.max() if len(known) and known.max() > 0 else 1.0
     bins = np.linspace(min(0, known.min(initial=0)), top, 41)
     for number, (name, series) in enumerate(values.items()):
-        colour = line_colour(number)
+        color = line_color(number)
         share = np.histogram(series.dropna(), bins)[0] / max(len(series), 1)
-        axes.stairs(share, bins, color=colour, lw=1.6, label=name)
-        axes.stairs(share, bins, color=colour, fill=True, alpha=0.12)
+        axes.stairs(share, bins, color=color, lw=1.6, label=name)
+        axes.stairs(share, bins, color=color, fill=True, alpha=0.12)
     axes.set(xlim=(bins[0], bins[-1]))
     axes.set_ylim(bottom=0)
     show_percent(axes.yaxis)
@@ -272,15 +272,15 @@ def size_chart(table: pd.DataFrame) -> str:
 def _draw_quality(axes: Axes, numbers: pd.DataFrame, highest: float, *, labelled: bool) -> None:
     for number, (percent, line) in enumerate(numbers.groupby("percentile")):
         known = line.dropna(subset=["mean"])
-        colour = line_colour(number)
+        color = line_color(number)
         size = known["fraction"]
-        axes.fill_between(size, 1000 * known["low"], 1000 * known["high"], color=colour, alpha=0.2)
+        axes.fill_between(size, 1000 * known["low"], 1000 * known["high"], color=color, alpha=0.2)
         label = f"percentile {percent:g}" if labelled else None
-        axes.plot(size, 1000 * known["mean"], color=colour, lw=1.6, label=label)
-        for whole, face in ((True, colour), (False, "white")):
+        axes.plot(size, 1000 * known["mean"], color=color, lw=1.6, label=label)
+        for whole, face in ((True, color), (False, "white")):
             points = known[(known["found"] == 1) == whole]
             across, height = points["fraction"], 1000 * points["mean"]
-            axes.plot(across, height, "o", ms=4, color=colour, mfc=face, zorder=3)
+            axes.plot(across, height, "o", ms=4, color=color, mfc=face, zorder=3)
     axes.axvline(1, color=SOFT, lw=0.8, ls=":")
     axes.set_ylim(0, 1.05 * highest)
     axes.grid(axis="y")

@@ -1,4 +1,4 @@
-"""A page that shows where objects lie in the space of a dataset, and their nearest neighbours."""
+"""A page that shows where objects lie in the space of a dataset, and their nearest neighbors."""
 
 import string
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ FEW = 3
 
 
 @dataclass(frozen=True)
-class Neighbour:
+class Neighbor:
     """An object of the dataset that is similar to the one shown.
 
     Attributes:
@@ -42,12 +42,12 @@ class Located:
     Attributes:
         row: Columns of `tables.objects.LOCATED`.
         picture: PNG.
-        neighbours: The most similar objects, the nearest first.
+        neighbors: The most similar objects, the nearest first.
     """
 
     row: Mapping[str, Any]
     picture: bytes
-    neighbours: Sequence[Neighbour]
+    neighbors: Sequence[Neighbor]
 
 
 def page(
@@ -90,8 +90,8 @@ def _view(item: Located) -> dict[str, Any]:
         **row,
         "cell": cell_name(row["complexity_cell"], row["difficulty_cell"]),
         "picture": data_uri(item.picture),
-        "neighbours": [
-            (each.label, each.distance, data_uri(each.picture)) for each in item.neighbours
+        "neighbors": [
+            (each.label, each.distance, data_uri(each.picture)) for each in item.neighbors
         ],
     }
 

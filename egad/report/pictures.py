@@ -85,8 +85,8 @@ def render(mesh: trimesh.Trimesh, size: int = 96) -> Pixels:
 def png_bytes(picture: Pixels) -> bytes:
     """Compress a picture to a small PNG with a palette.
 
-    Colours are rounded to 5 bits and alpha to 6 levels, which is not visible at this size. A
-    picture that still has more than 256 colours keeps full colour.
+    Colors are rounded to 5 bits and alpha to 6 levels, which is not visible at this size. A
+    picture that still has more than 256 colors keeps full color.
 
     Args:
         picture: As from `render`, (height, width, 4).
@@ -99,12 +99,12 @@ def png_bytes(picture: Pixels) -> bytes:
     coarse[coarse[..., 3] == 0] = 0
     codes = np.ascontiguousarray(coarse).view("<u4").ravel()
     found, index = np.unique(codes, return_inverse=True)
-    colours = found.view(np.uint8).reshape(-1, 4)
-    if len(colours) > 256:
+    colors = found.view(np.uint8).reshape(-1, 4)
+    if len(colors) > 256:
         return _encode(Image.fromarray(coarse), optimize=True)
     image = Image.fromarray(index.reshape(picture.shape[:2]).astype(np.uint8), mode="P")
-    image.putpalette(colours[:, :3].tobytes())
-    return _encode(image, optimize=True, transparency=colours[:, 3].tobytes())
+    image.putpalette(colors[:, :3].tobytes())
+    return _encode(image, optimize=True, transparency=colors[:, 3].tobytes())
 
 
 def voxel_png(picture: Pixels) -> bytes:
@@ -119,18 +119,18 @@ def _encode(image: Image.Image, **options: Any) -> bytes:  # noqa: ANN401 (as Pi
 
 
 def _to_view(vertices: NDArray[np.float64]) -> Floats:
-    """Camera coordinates, centred, the wider of width and height between -FILL and FILL."""
+    """Camera coordinates, centerd, the wider of width and height between -FILL and FILL."""
     seen = vertices @ CAMERA.T
     low, high = seen.min(axis=0), seen.max(axis=0)
     reach = max((high - low)[:2].max() / 2, np.finfo(np.float64).tiny)
-    centred: Floats = ((seen - (low + high) / 2) * (FILL / reach)).astype(np.float32)
-    return centred
+    centerd: Floats = ((seen - (low + high) / 2) * (FILL / reach)).astype(np.float32)
+    return centerd
 
 
 def _cast(scene: TriangleScene, vertices: Floats, faces: NDArray[np.int32], side: int) -> _Hits:
     """First hit of every ray of a grid of `side` x `side`, top row first."""
-    centres = ((np.arange(side, dtype=np.float32) + 0.5) / side) * 2 - 1
-    x, y = np.meshgrid(centres, -centres)
+    centers = ((np.arange(side, dtype=np.float32) + 0.5) / side) * 2 - 1
+    x, y = np.meshgrid(centers, -centers)
     front = vertices[:, 2].max() + 1
     origins = np.stack([x.ravel(), y.ravel(), np.full(side * side, front)], axis=1)
     towards = np.tile(np.array([0, 0, -1], dtype=np.float32), (side * side, 1))
@@ -213,16 +213,16 @@ def _sky() -> Floats:
 
 
 def _average(rays: NDArray[np.int64], bright: Floats, size: int) -> Pixels:
-    """Colours of the subsamples, averaged over each pixel."""
+    """Colors of the subsamples, averaged over each pixel."""
     side = size * SUBSAMPLES
     samples = np.zeros((side * side, 4), dtype=np.float32)
     samples[rays, :3] = DARK + (LIGHT - DARK) * bright[:, None]
     samples[rays, 3] = 1
     total = samples.reshape(size, SUBSAMPLES, size, SUBSAMPLES, 4).sum(axis=(1, 3))
     covered = total[..., 3:]
-    colour = total[..., :3] / np.maximum(covered, 1)
+    color = total[..., :3] / np.maximum(covered, 1)
     alpha = covered * (255 / SUBSAMPLES**2)
-    return np.round(np.concatenate([colour, alpha], axis=2)).astype(np.uint8)
+    return np.round(np.concatenate([color, alpha], axis=2)).astype(np.uint8)
 
 
 def voxel_picture(voxels: NDArray[np.bool_], size: int) -> Pixels:
@@ -259,7 +259,7 @@ def voxel_picture(voxels: NDArray[np.bool_], size: int) -> Pixels:
 
 
 def _interior(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Voxels whose six neighbours are solid; the margin is empty."""
+    """Voxels whose six neighbors are solid; the margin is empty."""
     inside = np.ones_like(solid)
     for axis in range(3):
         inside &= np.roll(solid, 1, axis) & np.roll(solid, -1, axis)

@@ -15,7 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 from egad.measures.grid import cell_name
 from egad.measures.parameters import Space
 from egad.report.axes import USUAL, AxisPair
-from egad.report.drawing import data_uri, scale_colour
+from egad.report.drawing import data_uri, scale_color
 from egad.report.page import Section, section_of
 
 SHOWN = 4  # objects of a cell with a picture
@@ -28,27 +28,27 @@ GROUND = (236, 238, 242)
 
 @dataclass(frozen=True)
 class Cell:
-    """A filled cell of the map: position, colour, and its most diverse object."""
+    """A filled cell of the map: position, color, and its most diverse object."""
 
     column: int
     row: int
     name: str
     count: int
     diversity: float
-    colour: str
+    color: str
     picture: str
 
 
 @dataclass(frozen=True)
 class SpaceMap:
-    """The cells of a dataset, the colour bar, and what a click on a cell shows.
+    """The cells of a dataset, the color bar, and what a click on a cell shows.
 
     Attributes:
         size: Cells along each axis.
         cells: The filled ones.
-        low: Mean diversity at the lower end of the colour bar; few cells lie below.
+        low: Mean diversity at the lower end of the color bar; few cells lie below.
         high: Mean diversity at its upper end.
-        stops: Colours of the bar, from low to high.
+        stops: Colors of the bar, from low to high.
         details: Objects of each cell by its name: label, id, complexity, difficulty, diversity
             and picture (base64; None for the first, which the map shows); then how many more.
         first: Name of the cell whose objects are shown first.
@@ -94,7 +94,7 @@ def _by_diversity(objects: pd.DataFrame) -> pd.DataFrame:
 def space_map(objects: pd.DataFrame, pictures: Mapping[str, bytes], space: Space) -> SpaceMap:
     """Lay out the objects of a dataset over the space.
 
-    A cell has the colour of the mean diversity of its objects and the picture of the most
+    A cell has the color of the mean diversity of its objects and the picture of the most
     diverse one.
 
     Args:
@@ -109,10 +109,10 @@ def space_map(objects: pd.DataFrame, pictures: Mapping[str, bytes], space: Space
     low, high = np.quantile(known, [CLIPPED, 1 - CLIPPED]) if known else (0.0, 0.0)
     cells, details = [], {}
     for (_, group), mean in zip(groups, means, strict=True):
-        cell = _cell(group, mean, scale_colour(mean, low, high), pictures)
+        cell = _cell(group, mean, scale_color(mean, low, high), pictures)
         cells.append(cell)
         details[cell.name] = _details(group, pictures)
-    stops = [scale_colour(stop, 0, STOPS - 1) for stop in range(STOPS)]
+    stops = [scale_color(stop, 0, STOPS - 1) for stop in range(STOPS)]
     first = _name(ordered.iloc[0]) if len(ordered) else ""
     return SpaceMap(
         space.cells, cells, float(low), float(high), stops, details, first, bool(pictures)
@@ -123,7 +123,7 @@ def _name(item: Mapping[str, Any] | pd.Series) -> str:
     return cell_name(item["complexity_cell"], item["difficulty_cell"])
 
 
-def _cell(group: pd.DataFrame, mean: float, colour: str, pictures: Mapping[str, bytes]) -> Cell:
+def _cell(group: pd.DataFrame, mean: float, color: str, pictures: Mapping[str, bytes]) -> Cell:
     best = group.iloc[0]
     return Cell(
         column=int(best["complexity_cell"]),
@@ -131,7 +131,7 @@ def _cell(group: pd.DataFrame, mean: float, colour: str, pictures: Mapping[str, 
         name=_name(best),
         count=len(group),
         diversity=mean,
-        colour=colour,
+        color=color,
         picture=data_uri(pictures.get(best["label"], b"")),
     )
 

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from egad.learning.model_card import best_epoch
-from egad.report.drawing import DASHED, INK, LINES, SOFT, line_colour, new_figure, show_percent
+from egad.report.drawing import DASHED, INK, LINES, SOFT, line_color, new_figure, show_percent
 from egad.stats.rates import Mean
 from egad.stats.training_study import TestAttempts
 
@@ -47,23 +47,23 @@ def training_chart(history: pd.DataFrame) -> str:
 
 
 def training_curves(
-    histories: Mapping[str, Sequence[pd.DataFrame]], colours: Mapping[str, str]
+    histories: Mapping[str, Sequence[pd.DataFrame]], colors: Mapping[str, str]
 ) -> str:
     """Validation loss and score of all networks, over the images trained on.
 
     Args:
         histories: Columns of `tables.training.HISTORY` of each network, by training set.
-        colours: From `set_colours`.
+        colors: From `set_colors`.
 
     Returns:
-        SVG text: a colour a set, a line style a network.
+        SVG text: a color a set, a line style a network.
     """
     with new_figure(8.6, 3.2) as drawing:
         left, right = drawing.figure.subplots(1, 2)
         for name, each in histories.items():
             for number, history in enumerate(each):
                 images = history["images"]
-                line: dict[str, Any] = {"ls": STYLES[number % len(STYLES)], "color": colours[name]}
+                line: dict[str, Any] = {"ls": STYLES[number % len(STYLES)], "color": colors[name]}
                 label = name if number == 0 else None
                 left.plot(images, history["validation_loss"], label=label, **line)
                 right.plot(images, history["validation_score"], **line)
@@ -83,9 +83,9 @@ def _label_axes(left: Axes, right: Axes, loss: str) -> None:
     left.set_ylim(bottom=0)
 
 
-def set_colours(names: Sequence[str]) -> dict[str, str]:
-    """The colour of each training set, the same in all charts."""
-    return {name: line_colour(number) for number, name in enumerate(names)}
+def set_colors(names: Sequence[str]) -> dict[str, str]:
+    """The color of each training set, the same in all charts."""
+    return {name: line_color(number) for number, name in enumerate(names)}
 
 
 def success_chart(tests: Mapping[str, TestAttempts]) -> str:
@@ -114,28 +114,28 @@ def success_chart(tests: Mapping[str, TestAttempts]) -> str:
 
 def _draw_success(axes: Axes, tried: TestAttempts) -> None:
     """A row for each set, and then for each other detector."""
-    colours = set_colours(list(tried.sets))
+    colors = set_colors(list(tried.sets))
     for row, (name, found) in enumerate(tried.sets.items()):
-        _draw_rate(axes, row, found.pooled, colours[name])
+        _draw_rate(axes, row, found.pooled, colors[name])
         each = [one.value for one in found.each.values()]
         axes.plot(each, [row + 0.22] * len(each), "o", ms=4, color=INK, mfc="none", mew=0.8)
     for row, mean in enumerate(tried.references.values(), len(tried.sets)):
         _draw_rate(axes, row, mean, SOFT)
 
 
-def _draw_rate(axes: Axes, row: int, mean: Mean, colour: str) -> None:
-    axes.hlines(row, *mean.interval, color=colour, lw=1.6)
-    axes.plot([mean.value], [row], "o", ms=6, color=colour)
+def _draw_rate(axes: Axes, row: int, mean: Mean, color: str) -> None:
+    axes.hlines(row, *mean.interval, color=color, lw=1.6)
+    axes.plot([mean.value], [row], "o", ms=6, color=color)
 
 
 def score_chart(
-    points: Mapping[str, Sequence[tuple[float, float]]], colours: Mapping[str, str]
+    points: Mapping[str, Sequence[tuple[float, float]]], colors: Mapping[str, str]
 ) -> str:
     """Success in trials against the score on images of held-out objects, a dot a network.
 
     Args:
         points: Score and success of each network, by training set.
-        colours: From `set_colours`.
+        colors: From `set_colors`.
 
     Returns:
         SVG text.
@@ -143,7 +143,7 @@ def score_chart(
     with new_figure(4.6, 3.4) as drawing:
         axes = drawing.figure.add_subplot()
         for name, each in points.items():
-            axes.plot(*zip(*each, strict=True), "o", ms=6, color=colours[name], label=name)
+            axes.plot(*zip(*each, strict=True), "o", ms=6, color=colors[name], label=name)
         axes.set(xlim=(0, 1), ylim=(0, 1), xlabel="correct grasps, test images of its own set")
         axes.set_ylabel("success in trials")
         for axis in (axes.xaxis, axes.yaxis):

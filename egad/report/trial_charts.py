@@ -17,7 +17,7 @@ from egad.report.drawing import (
     INK,
     SOFT,
     ink_on,
-    line_colour,
+    line_color,
     new_figure,
     show_percent,
 )
@@ -79,7 +79,7 @@ def trial_heat_map(
     return drawing.svg
 
 
-def rate_colour(value: float) -> str:
+def rate_color(value: float) -> str:
     """The blue of a success rate, as `#rrggbb`: the higher, the darker."""
     return to_hex(matplotlib.colormaps["Blues"](0.06 + 0.84 * value))
 
@@ -89,12 +89,12 @@ def _heat_cell(
 ) -> None:
     margin = x != int(x) or y != int(y)
     tried = rate is not None and rate.attempts > 0
-    colour = rate_colour(rate.value) if rate is not None and tried else "#ffffff"
-    box = Rectangle((x + 0.02, y + 0.02), width - 0.04, 0.96, facecolor=colour, lw=0)
+    color = rate_color(rate.value) if rate is not None and tried else "#ffffff"
+    box = Rectangle((x + 0.02, y + 0.02), width - 0.04, 0.96, facecolor=color, lw=0)
     if not tried:
         box.set(edgecolor=FAINT, lw=0.8, hatch=None if present else "////")
     axes.add_patch(box)
-    ink = ink_on(colour)
+    ink = ink_on(color)
     middle = x + width / 2
     if not tried or rate is None:
         axes.text(middle, y + 0.5, DASH if present else "", ha="center", va="center", color=SOFT)
@@ -147,7 +147,7 @@ def rate_bars(
             x = np.arange(count) + (number - (len(rates) - 1) / 2) * step
             x[-1] += 0.35
             heights = [mean.value for mean in means]
-            axes.bar(x, heights, 0.88 * step, color=line_colour(number), label=name)
+            axes.bar(x, heights, 0.88 * step, color=line_color(number), label=name)
             draw_intervals(axes, x, means, INK)
         names = [*groups[: count - 1], "all"]
         axes.set_xticks([*range(count - 1), count - 1 + 0.35], names)
@@ -160,20 +160,20 @@ def rate_bars(
     return drawing.svg
 
 
-def draw_intervals(axes: Axes, x: Iterable[float], means: Sequence[Mean], colour: str) -> None:
+def draw_intervals(axes: Axes, x: Iterable[float], means: Sequence[Mean], color: str) -> None:
     """Vertical lines from the lower to the upper end of rates; none where nothing is known."""
     for at, mean in zip(x, means, strict=True):
         low, high = mean.interval
         if (low, high) != (0.0, 1.0):
-            axes.vlines(at, low, high, color=colour, lw=1)
+            axes.vlines(at, low, high, color=color, lw=1)
 
 
 def draw_rates(
-    axes: Axes, x: Sequence[float], rates: Sequence[Rate], colour: str, name: str
+    axes: Axes, x: Sequence[float], rates: Sequence[Rate], color: str, name: str
 ) -> None:
     """A line through rates, with the interval of each."""
-    axes.vlines(x, *zip(*(rate.interval for rate in rates), strict=True), color=colour, lw=1)
-    axes.plot(x, [rate.value for rate in rates], "o-", color=colour, ms=4.5, lw=1.4, label=name)
+    axes.vlines(x, *zip(*(rate.interval for rate in rates), strict=True), color=color, lw=1)
+    axes.plot(x, [rate.value for rate in rates], "o-", color=color, ms=4.5, lw=1.4, label=name)
 
 
 def outcome_counts(trials: pd.DataFrame) -> dict[str, int]:
@@ -211,9 +211,9 @@ def outcome_chart(trials: Mapping[str, pd.DataFrame]) -> str:
 
 def _outcome_bar(axes: Axes, y: float, counts: Mapping[str, int]) -> None:
     total, start = sum(counts.values()), 0.0
-    for name, colour in OUTCOMES.items():
+    for name, color in OUTCOMES.items():
         share = counts.get(name, 0) / total
-        axes.barh(y, share, left=start, height=0.62, color=colour, edgecolor="white", lw=0.6)
+        axes.barh(y, share, left=start, height=0.62, color=color, edgecolor="white", lw=0.6)
         if share > 0.03:
             ink = "white" if name in DARK else INK
             middle = start + share / 2

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from egad.evalset.selection import cell_of_label
 from egad.report.axes import USUAL, AxisPair
-from egad.report.drawing import DASHED, LINES, SOFT, line_colour, new_figure, show_percent, svg_uri
+from egad.report.drawing import DASHED, LINES, SOFT, line_color, new_figure, show_percent, svg_uri
 from egad.report.page import Section, render_template, section_of
 from egad.report.trial_charts import (
     draw_intervals,
@@ -197,7 +197,7 @@ def reliability_chart(bins: Mapping[str, Sequence[Bin]]) -> str:
         axes = drawing.figure.add_subplot()
         for number, (name, each) in enumerate(shown.items()):
             x, rates = [b.quality for b in each], [b.rate for b in each]
-            draw_rates(axes, x, rates, line_colour(number), name)
+            draw_rates(axes, x, rates, line_color(number), name)
         qualities = [b.quality for each in shown.values() for b in each]
         if qualities and min(qualities) >= 0 and 0.1 < max(qualities) <= 1:
             axes.plot([0, 1], [0, 1], color=SOFT, lw=0.8, ls=DASHED, zorder=0)

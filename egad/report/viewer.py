@@ -22,7 +22,7 @@ from egad.report.page import render_template
 STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm
 UNIT = 2**15 - 1
 METRICS = {"quality": "quality", "robust_quality": "robust quality"}
-TOP = 0.98  # quantile of the quality that has the last colour
+TOP = 0.98  # quantile of the quality that has the last color
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def viewer_data(scenes: Sequence[Scene], gripper: Gripper) -> dict[str, Any]:
 
     Returns:
         `finger`: from the contacts back to the palm, metres; `objects`: each packed; `metrics`:
-        key, name, and the value that has the last colour, the same for all objects.
+        key, name, and the value that has the last color, the same for all objects.
     """
     return {
         "finger": gripper.finger_length - min(gripper.finger_width, gripper.finger_length) / 2,

@@ -14,7 +14,7 @@ from egad.sim.model import Model
 from egad.sim.parameters import TrialParameters
 from egad.sim.trial import Attempt, InitialPose, TrialRunner
 from egad.sim.world import Pose, World
-from egad.tables.columns import POSE_PARTS, START
+from egad.tables.columns import INITIAL, POSE_PARTS
 from egad.tables.evaluation import TRIALS
 
 CENTER = ("grasp_x", "grasp_y", "grasp_z")
@@ -60,7 +60,7 @@ def read_attempt(row: Mapping[str, Any]) -> tuple[InitialPose, Grasp | None]:
     Args:
         row: Columns of `tables.evaluation.TRIALS`, of an attempt that began.
     """
-    start = InitialPose(row["begun"], Pose.of([row[name] for name in START]))
+    start = InitialPose(row["initial_pose"], Pose.of([row[name] for name in INITIAL]))
     if np.isnan(row["width"]):
         return start, None
     x, y, z = (float(row[name]) for name in CENTER)
@@ -97,8 +97,8 @@ def columns_of(attempt: Attempt) -> dict[str, Any]:
     return {
         "success": attempt.outcome == Outcome.SUCCESS,
         "outcome": attempt.outcome.value if attempt.outcome else "",
-        "begun": start.kind if start else "",
-        **dict(zip(START, _numbers(start.pose if start else None), strict=True)),
+        "initial_pose": start.kind if start else "",
+        **dict(zip(INITIAL, _numbers(start.pose if start else None), strict=True)),
         **dict(zip(CENTER, grasp.center if grasp else (np.nan,) * 3, strict=True)),
         **{name: getattr(grasp, name) if grasp else np.nan for name in NUMBERS},
         "lifted": attempt.lifted,

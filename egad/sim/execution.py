@@ -31,7 +31,7 @@ class Execution(NamedTuple):
 
     Attributes:
         outcome: One of `egad.outcomes.EXECUTION`, or failed.
-        lifted: Height that the object's centre of mass gained, metres.
+        lifted: Height that the object's center of mass gained, metres.
         end: Where the object is at last; None if the simulation broke down. Of an object that lay
             still in the hand before it was lifted all the way, where it would be then.
     """
@@ -132,7 +132,7 @@ class Stillness:
             end: Seconds from now until which it must stay in the hand.
         """
         self._hand = hand
-        points = hand.world.model.mesh.vertices  # the origin is the centre of mass
+        points = hand.world.model.mesh.vertices  # the origin is the center of mass
         self._reach = float(np.linalg.norm(points, axis=1).max())
         self._early, self._left = round(start / TIME_STEP), round(end / TIME_STEP)
         self._window = round(WINDOW / TIME_STEP)

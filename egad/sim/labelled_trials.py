@@ -30,7 +30,7 @@ from egad.tables.evaluation import AGREEMENT
 Floats = NDArray[np.float64]
 
 CLEAR = 0.1  # metres of air below the object at least
-RATINGS = ("quality", "robust_quality", "held")
+RATINGS = ("quality", "robust_quality", "robust_success_rate")
 
 
 def shares(total: int, objects: int) -> list[int]:
@@ -50,13 +50,13 @@ def sample_labelled_grasps(
         seed: Of the configuration.
 
     Returns:
-        Rows of the table in their order, and how many they were drawn from: `labelled`, of these
-        `free`.
+        Rows of the table in their order, and how many they were drawn from: `n_labelled`, of these
+        `n_collision_free`.
     """
     free = grasps[grasps["collision_free"]]
     rng = generator(seed, "agreement", object_id)
     chosen = np.sort(rng.permutation(len(free))[:count])
-    return free.iloc[chosen].assign(labelled=len(grasps), free=len(free))
+    return free.iloc[chosen].assign(n_labelled=len(grasps), n_collision_free=len(free))
 
 
 def execute_labelled_grasps(
@@ -107,7 +107,7 @@ def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[
         np.array([[row[name] for name in vector_names(part)]])
         for part in ("center", "axis", "approach")
     )
-    height = float(model.mesh.scale) + CLEAR  # no point of it is further from the centre
+    height = float(model.mesh.scale) + CLEAR  # no point of it is further from the center
     above = hand_poses(
         np.array([[0.0, 0.0, height]]), np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, -1.0]])
     )
@@ -123,7 +123,7 @@ def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[
 def _table(
     label: str, object_id: str, sample: pd.DataFrame, found: list[Execution]
 ) -> pd.DataFrame:
-    known = sample[["grasp", *RATINGS, "labelled", "free"]].reset_index(drop=True)
+    known = sample[["grasp", *RATINGS, "n_labelled", "n_collision_free"]].reset_index(drop=True)
     table = known.assign(
         label=label,
         id=object_id,

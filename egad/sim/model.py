@@ -21,13 +21,13 @@ MIN_MASS = 0.05
 
 @dataclass(frozen=True)
 class Model:
-    """An object in its principal frame: origin in the centre of mass, axes those of inertia.
+    """An object in its principal frame: origin in the center of mass, axes those of inertia.
 
     Attributes:
         mesh: The true surface, for depth images. Metres.
         parts: Convex meshes that stand for it in contacts. Metres.
         mass: Kilograms.
-        inertia: Principal moments about the centre of mass, (3,), kg m2.
+        inertia: Principal moments about the center of mass, (3,), kg m2.
         volume_error: Volume of the parts / volume of the mesh - 1.
         to_principal: (4, 4) transform from the frame that the object was given in.
     """

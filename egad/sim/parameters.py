@@ -27,10 +27,10 @@ class Trials(Lifting):
     """Simulated grasping trials."""
 
     attempts: int = Field(10, ge=1, description="attempts an object")
-    between: Literal["hand", "anew"] = Field(
-        "hand",
-        description="hand: after a success the hand tilts the object and lets it fall, after a "
-        "failure it stays where it lies, as with a real robot; anew: every attempt begins with a "
+    reset: Literal["continue", "redrop"] = Field(
+        "continue",
+        description="continue: after a success the hand tilts the object and lets it fall, after a "
+        "failure it stays where it lies, as with a real robot; redrop: every attempt begins with a "
         "drop in a random orientation, the same for all detectors",
     )
     drop_height: Length = Field(0.1, description="from the table to the lowest point, metres")

@@ -29,7 +29,7 @@ SETTLING_TIME = 4.0  # seconds, at most
 REST_SPEED = 0.003  # m/s
 REST_TURNING = 0.05  # rad/s
 REST_TIME = 0.1  # seconds that it must be slower than that
-DROP_SPREAD = 0.03  # the centre of mass is dropped at most this far from the middle, both ways
+DROP_SPREAD = 0.03  # the center of mass is dropped at most this far from the middle, both ways
 DROPS = 5
 # Let go upright, six of seven objects lie as before, and the same grasp works 20 times.
 TILT = np.pi / 2
@@ -109,7 +109,7 @@ class Attempt:
         start: Where the object fell from; None if it never lay still.
         rest: Where it lay when the camera looked.
         grasp: What was tried, if it came to that.
-        lifted: Height that the object's centre of mass gained, metres.
+        lifted: Height that the object's center of mass gained, metres.
         end: Where it was at last; None if the simulation broke down.
     """
 
@@ -220,7 +220,7 @@ class TrialRunner:
     def _begin(self, rng: np.random.Generator, before: Attempt | None) -> Ready | None:
         """Drop the object, or leave it, until it lies still in the workspace."""
         mesh = self.world.model.mesh
-        left = None if self.trials.between == "anew" or before is None else self._left_by(before)
+        left = None if self.trials.reset == "redrop" or before is None else self._left_by(before)
         for start in initial_poses(mesh, self.trials.drop_height, left, rng):
             rest = self._settled(start)
             if rest is not None and self._in_workspace(rest):

@@ -40,7 +40,7 @@ class UnstableError(Exception):
 
 
 class Pose(NamedTuple):
-    """Where the object is: its centre of mass in metres, and a quaternion (x, y, z, w)."""
+    """Where the object is: its center of mass in metres, and a quaternion (x, y, z, w)."""
 
     position: Floats
     quaternion: Floats
@@ -165,7 +165,7 @@ class World:
         return moved
 
     def speeds(self) -> tuple[float, float]:
-        """Speed of the object's centre of mass in m/s, and its turning speed in rad/s."""
+        """Speed of the object's center of mass in m/s, and its turning speed in rad/s."""
         linear, angular = self.client.getBaseVelocity(self.object)
         return float(np.linalg.norm(linear)), float(np.linalg.norm(angular))
 

@@ -72,7 +72,7 @@ def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
     one, other = (pairs[f"success_{i}"].to_numpy(dtype=np.int64) for i in (1, 2))
     objects = by_object(pairs.assign(success=one - other))
     gains, counts = objects["successes"].to_numpy(), objects["attempts"].to_numpy()
-    alike = np.logical_and.reduce([_same(pairs, key) for key in ("id", "start")])
+    alike = np.logical_and.reduce([_same(pairs, key) for key in ("id", "initial_pose")])
     only_first, only_second = (int((alike & each).sum()) for each in (one > other, other > one))
     return Comparison(
         objects=len(objects),

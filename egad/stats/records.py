@@ -18,7 +18,7 @@ from egad.errors import UserError
 from egad.evalset.selection import LABEL
 from egad.outcomes import Outcome
 from egad.tables import parquet
-from egad.tables.columns import START
+from egad.tables.columns import INITIAL
 from egad.tables.evaluation import RESULTS, TRIALS
 
 NEEDED = ("label", "attempt", "success")
@@ -42,7 +42,7 @@ def read(path: Path) -> dict[str, pd.DataFrame]:
     """Read results.
 
     Args:
-        path: `.parquet`, written by the simulation or by `egad trials import`; or `.csv`.
+        path: `.parquet`, written by the simulation or by `egad trials report`; or `.csv`.
 
     Returns:
         Columns of `tables.evaluation.RESULTS`, by detector. Tables of the simulation and rows
@@ -88,9 +88,9 @@ def results(trials: pd.DataFrame, detector: str) -> pd.DataFrame:
     Returns:
         Columns of `tables.evaluation.RESULTS`.
     """
-    poses = trials[list(START)].to_numpy(np.float64)
+    poses = trials[list(INITIAL)].to_numpy(np.float64)
     starts = ["" if np.isnan(pose).any() else pose.tobytes().hex() for pose in poses]
-    return trials.assign(detector=detector, start=starts).loc[:, list(RESULTS.names)]
+    return trials.assign(detector=detector, initial_pose=starts).loc[:, list(RESULTS.names)]
 
 
 def _csv(path: Path) -> pd.DataFrame:
@@ -177,5 +177,5 @@ def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
         "outcome": Outcome(outcome).value,
         "quality": quality,
         "detector": row["detector"] or path.stem,
-        "start": "",
+        "initial_pose": "",
     }

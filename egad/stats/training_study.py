@@ -117,14 +117,14 @@ def check_starts(rows: pd.DataFrame) -> None:
     Raises:
         UserError: A detector met an object in another pose than those before it.
     """
-    begun = rows[rows["start"] != ""]
-    usual = begun.groupby(["label", "attempt"])["start"].transform("first")
-    odd = begun[begun["start"] != usual]
+    begun = rows[rows["initial_pose"] != ""]
+    usual = begun.groupby(["label", "attempt"])["initial_pose"].transform("first")
+    odd = begun[begun["initial_pose"] != usual]
     if len(odd):
         detector, label, attempt = odd.iloc[0][["detector", "label", "attempt"]]
         raise UserError(
             f"{detector} began attempt {attempt} at {label} with another drop than the detectors "
-            "before it: with trials.between anew all must have the same, so make the trials again"
+            "before it: with trials.reset redrop all must have the same, so make the trials again"
         )
 
 

@@ -29,7 +29,7 @@ def vector_names(name: str) -> list[str]:
 
 
 POSE_PARTS = ("x", "y", "z", "qx", "qy", "qz", "qw")
-START = tuple(f"start_{part}" for part in POSE_PARTS)
+INITIAL = tuple(f"initial_{part}" for part in POSE_PARTS)
 
 
 def pose(name: str, meaning: str) -> list[pa.Field]:
@@ -52,7 +52,9 @@ CELLS = [
 ]
 QUALITY = column("quality", FLOAT, "Ferrari-Canny quality")
 ROBUST_QUALITY = column("robust_quality", FLOAT, "mean quality over disturbed copies of the grasp")
-HELD = column(
-    "held", FLOAT, "robust success rate: fraction of disturbed copies with positive quality"
+ROBUST_SUCCESS_RATE = column(
+    "robust_success_rate",
+    FLOAT,
+    "robust success rate: fraction of disturbed copies with positive quality",
 )
-DIVERSITY = column("diversity", FLOAT, "mean distance to the nearest objects of the dataset")
+TRAINING_STUDY = column("diversity", FLOAT, "mean distance to the nearest objects of the dataset")

@@ -9,11 +9,11 @@ from egad.tables.columns import (
     COMPLEXITY,
     DIFFICULTY,
     FLOAT,
-    HELD,
     ID,
     INT,
     QUALITY,
     ROBUST_QUALITY,
+    ROBUST_SUCCESS_RATE,
     STRING,
     column,
     pose,
@@ -33,7 +33,7 @@ EVAL49 = pa.schema(
         column(
             "borrowed",
             BOOL,
-            "whether it comes from a neighbouring cell, as this one had no object",
+            "whether it comes from a neighboring cell, as this one had no object",
         ),
         COMPLEXITY,
         DIFFICULTY,
@@ -99,7 +99,9 @@ RESULTS = pa.schema(
         column("quality", FLOAT, "quality that the detector predicted; null if it gave none"),
         column("detector", STRING, "name of the grasp detector"),
         column(
-            "start", STRING, "initial pose of the object, in hexadecimal; empty on a real robot"
+            "initial_pose",
+            STRING,
+            "initial pose of the object, in hexadecimal; empty on a real robot",
         ),
     ]
 )
@@ -117,11 +119,11 @@ TRIALS = pa.schema(
             listed((*EXECUTION, *SIMULATION_FAILURES, *DETECTOR_FAILURES)),
         ),
         column(
-            "begun",
+            "initial_pose",
             STRING,
             "how the attempt began: dropped, released by the hand (from_hand) or left",
         ),
-        *pose("start", "initial pose (center of mass, principal axes) in the world frame"),
+        *pose("initial", "initial pose (center of mass, principal axes) in the world frame"),
         *vector("grasp", "center of the grasp that was tried, world frame", "m"),
         column("angle", FLOAT, "angle of the closing axis about the vertical", "rad"),
         column("width", FLOAT, "opening that the detector asked for", "m"),
@@ -141,11 +143,15 @@ AGREEMENT = pa.schema(
         column("grasp", INT, "number of the grasp on its object, as in the table of grasps"),
         QUALITY,
         ROBUST_QUALITY,
-        HELD,
+        ROBUST_SUCCESS_RATE,
         SUCCESS,
         column("outcome", STRING, listed((*EXECUTION, *SIMULATION_FAILURES))),
         column("lifted", FLOAT, "height gained by the object at the end", "m"),
-        column("labelled", INT, "number of labelled grasps of the object"),
-        column("free", INT, "of these, the collision-free ones, from which the sample was drawn"),
+        column("n_labelled", INT, "number of labelled grasps of the object"),
+        column(
+            "n_collision_free",
+            INT,
+            "of these, the collision-free ones, from which the sample was drawn",
+        ),
     ]
 )

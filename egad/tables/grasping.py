@@ -5,12 +5,12 @@ import pyarrow as pa
 from egad.tables.columns import (
     BOOL,
     FLOAT,
-    HELD,
     ID,
     INT,
     LABEL,
     QUALITY,
     ROBUST_QUALITY,
+    ROBUST_SUCCESS_RATE,
     STRING,
     column,
     vector,
@@ -43,7 +43,7 @@ GRASPS = pa.schema(
             FLOAT,
             "standard deviation over disturbed copies",
         ),
-        HELD,
+        ROBUST_SUCCESS_RATE,
         column(
             "fits",
             BOOL,
@@ -57,26 +57,32 @@ GRASPS = pa.schema(
             "best of the approach angles tried",
         ),
         column("angles_fit", INT, "number of approach angles tried at which the hand fits"),
-        column("angles_free", INT, "number of approach angles tried that are collision-free"),
+        column(
+            "angles_collision_free", INT, "number of approach angles tried that are collision-free"
+        ),
     ]
 )
 
-TALLY = pa.schema(
+SAMPLING = pa.schema(
     [
         ID,
         LABEL,
-        column("wanted", INT, "number of grasps requested"),
-        column("tried", INT, "number of candidates sampled"),
-        column("too_wide", INT, "of these, rejected: no opposite surface within the opening"),
-        column("not_antipodal", INT, "of these, rejected: second contact faces away from the axis"),
-        column("blocked", INT, "of these, rejected: something blocks the open fingers"),
-        column("too_close", INT, "of these, rejected: too similar to a grasp found before"),
-        column("surplus", INT, "of these, not needed: enough grasps had been found"),
-        column("grasps", INT, "of these, kept: the rows in the table of grasps"),
-        column("slipped", INT, "of the grasps, with quality 0: the axis leaves a friction cone"),
-        column("without_room", INT, "of the grasps, in collision at every approach angle"),
+        column("n_wanted", INT, "number of grasps requested"),
+        column("n_candidates", INT, "number of candidates sampled"),
+        column("n_too_wide", INT, "of these, rejected: no opposite surface within the opening"),
         column(
-            "without_way", INT, "of the grasps, those that fit but have no collision-free approach"
+            "n_not_antipodal", INT, "of these, rejected: second contact faces away from the axis"
+        ),
+        column("n_blocked", INT, "of these, rejected: something blocks the open fingers"),
+        column("n_too_close", INT, "of these, rejected: too similar to a grasp found before"),
+        column("n_surplus", INT, "of these, not needed: enough grasps had been found"),
+        column("n_grasps", INT, "of these, kept: the rows in the table of grasps"),
+        column("n_slipping", INT, "of the grasps, with quality 0: the axis leaves a friction cone"),
+        column("n_in_collision", INT, "of the grasps, in collision at every approach angle"),
+        column(
+            "n_unreachable",
+            INT,
+            "of the grasps, those that fit but have no collision-free approach",
         ),
     ]
 )
@@ -90,12 +96,12 @@ SCALES = pa.schema(
         *vector("before", "sides of the minimum-volume box before, ascending", "m", "123"),
         *vector("after", "sides of the minimum-volume box after, ascending", "m", "123"),
         column(
-            "fit_before",
+            "graspable_fraction_before",
             FLOAT,
             "graspable fraction before: fraction of the surface with opposite surface along the "
             "normal within the opening",
         ),
-        column("fit_after", FLOAT, "graspable fraction after"),
+        column("graspable_fraction_after", FLOAT, "graspable fraction after"),
         column("file", STRING, "file of the scaled mesh"),
     ]
 )

@@ -39,7 +39,11 @@ IMAGES = pa.schema(
         _listed("opening", SINGLE, "opening of the hand, at the depth of the center", "px"),
         _listed("depth_center", SINGLE, "depth of the center along the optical axis", "m"),
         _listed("quality", SINGLE, "robust quality of the labelled grasp"),
-        _listed("free", pa.bool_(), "whether the hand touches neither the object nor the table"),
+        _listed(
+            "collision_free",
+            pa.bool_(),
+            "whether the hand touches neither the object nor the table",
+        ),
     ]
 )
 LISTS = [field.name for field in IMAGES if pa.types.is_list(field.type)]

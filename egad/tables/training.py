@@ -20,19 +20,21 @@ HISTORY = pa.schema(
             FLOAT,
             "fraction of the validation images whose best grasp agrees with a positive one",
         ),
-        column("taken", BOOL, "whether the weights of this epoch were kept"),
+        column("kept", BOOL, "whether the weights of this epoch were kept"),
     ]
 )
 
 SCORE = pa.schema(
     [
-        column("right", INT, "number of test images whose best grasp agrees with a positive one"),
-        column("count", INT, "number of test images with a positive grasp"),
+        column(
+            "n_correct", INT, "number of test images whose best grasp agrees with a positive one"
+        ),
+        column("n_images", INT, "number of test images with a positive grasp"),
         column("objects", INT, "number of objects in these images"),
         column(
-            "low", FLOAT, "lower end of the 95 % confidence interval of the fraction that agrees"
+            "ci_low", FLOAT, "lower end of the 95 % confidence interval of the fraction that agrees"
         ),
-        column("high", FLOAT, "upper end of this interval"),
+        column("ci_high", FLOAT, "upper end of this interval"),
         column("loss", FLOAT, "mean loss over all test images"),
     ]
 )

@@ -24,7 +24,7 @@ from egad.measures import measure as coordinates
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
-from egad.reeb import neighbours
+from egad.reeb import neighbors
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 
@@ -39,8 +39,8 @@ STEPS = {
     "rest of difficulty": (coordinates, "difficulty"),
     "complexity": (coordinates, "complexity"),
     "Reeb graph": (reeb, "extract"),
-    "neighbours": (neighbours.Neighbourhood, "_look_up"),
-    "adding new shapes to the index": (neighbours.Neighbourhood, "add"),
+    "neighbors": (neighbors.Neighborhood, "_look_up"),
+    "adding new shapes to the index": (neighbors.Neighborhood, "add"),
     "rest of insertion": (archive.Archive, "add"),
     "history": (island, "snapshot"),
 }

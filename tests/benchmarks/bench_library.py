@@ -28,7 +28,7 @@ from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
 from egad.reeb.forest import Forest
-from egad.reeb.neighbours import Neighbourhood
+from egad.reeb.neighbors import Neighborhood
 from egad.reeb.similarity import similarities, similarity_matrix
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
@@ -133,17 +133,17 @@ def test_similarities(meshes):
     rate("similarity", "pairs", lambda: similarity_matrix(graphs, weight), pairs)
 
 
-def test_nearest_neighbours(graphs):
-    """Exact neighbours of newcomers by bounds, beside comparing with everything."""
-    weight, count = SETTINGS.similarity.weight, SETTINGS.space.neighbours
+def test_nearest_neighbors(graphs):
+    """Exact neighbors of newcomers by bounds, beside comparing with everything."""
+    weight, count = SETTINGS.similarity.weight, SETTINGS.space.neighbors
     archive, newcomers = graphs[:-100], graphs[-100:]
-    neighbourhood = Neighbourhood(weight, count)
-    neighbourhood.add(archive)
+    neighborhood = Neighborhood(weight, count)
+    neighborhood.add(archive)
     times = []
     for newcomer in newcomers:
-        (index,) = neighbourhood.add([newcomer])
-        times.append(1000 * cpu(lambda index=index: neighbourhood.nearest(index)))
-        neighbourhood.remove(index)
+        (index,) = neighborhood.add([newcomer])
+        times.append(1000 * cpu(lambda index=index: neighborhood.nearest(index)))
+        neighborhood.remove(index)
     forest = Forest(weight, [*archive, newcomers[0]])
     pairs = np.array([(len(archive), other) for other in range(len(archive))])
     similarities(forest, pairs[:2])

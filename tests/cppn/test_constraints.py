@@ -11,7 +11,7 @@ from egad.cppn.constraints import (
     voxel_middles,
     with_images,
 )
-from egad.cppn.parameters import Envelope, Hole, Limits, Part, Symmetry
+from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Symmetry
 from egad.errors import RejectedError, UserError
 from egad.pipeline.config import Region
 
@@ -19,7 +19,7 @@ R = 12
 
 
 def rules(**regions):
-    free = {"envelope": Envelope(), "part": Part(), "hole": Hole()}
+    free = {"envelope": Envelope(), "keep_solid": KeepSolid(), "hole": Hole()}
     free |= {"symmetry": Symmetry(), "limits": Limits()}
     return build_rules(R, lambda path: pytest.fail(f"{path} was read"), **(free | regions))
 
@@ -62,7 +62,7 @@ def test_everything_is_cut_to_the_envelope():
 
 
 def test_the_part_is_contained_or_the_shape_rejected():
-    bound = rules(part=Part(kind="box", size=(0.2, 0.2, 0.5), centre=(0, 0, -0.25)))
+    bound = rules(keep_solid=KeepSolid(kind="box", size=(0.2, 0.2, 0.5), center=(0, 0, -0.25)))
     assert bound.part.sum() == 2 * 2 * 6
     for seed in range(20):
         try:
@@ -76,7 +76,7 @@ def test_the_part_is_contained_or_the_shape_rejected():
 def test_a_larger_body_apart_from_the_part_is_rejected():
     field = np.full((R, R, R), -1, dtype=np.float32)
     field[7:] = 1
-    bound = rules(part=Part(kind="box", size=(0.25, 0.25, 0.25), centre=(-0.375, 0, 0)))
+    bound = rules(keep_solid=KeepSolid(kind="box", size=(0.25, 0.25, 0.25), center=(-0.375, 0, 0)))
     with pytest.raises(RejectedError, match="apart from its part"):
         solid(field, bound)
     field[3:7, 4:8, 4:8] = 1
@@ -84,7 +84,7 @@ def test_a_larger_body_apart_from_the_part_is_rejected():
 
 
 def test_an_empty_genome_grows_just_the_part():
-    bound = rules(part=Part(kind="ellipsoid", size=(0.5, 0.5, 0.5)))
+    bound = rules(keep_solid=KeepSolid(kind="ellipsoid", size=(0.5, 0.5, 0.5)))
     nothing = np.full((R, R, R), np.nan, dtype=np.float32)
     assert np.array_equal(solid(nothing, bound), bound.part)
     with pytest.raises(RejectedError, match="empty"):
@@ -93,8 +93,8 @@ def test_an_empty_genome_grows_just_the_part():
 
 def test_the_part_may_stick_out_of_the_envelope_but_the_hole_goes_through_it():
     bound = rules(
-        envelope=Envelope(kind="box", size=(1, 1, 0.5), centre=(0, 0, 0.25)),
-        part=Part(kind="cylinder", size=(0.5, 0.5, 1)),
+        envelope=Envelope(kind="box", size=(1, 1, 0.5), center=(0, 0, 0.25)),
+        keep_solid=KeepSolid(kind="cylinder", size=(0.5, 0.5, 1)),
         hole=Hole(kind="cylinder", size=(0.2, 0.2, 1)),
     )
     full = solid(np.ones((R, R, R), dtype=np.float32), bound)
@@ -109,14 +109,14 @@ def test_a_hole_must_not_be_closed_in():
     hole = {"kind": "ellipsoid", "size": (0.4, 0.4, 0.4)}
     with pytest.raises(RejectedError, match="closed around"):
         solid(full, rules(hole=Hole(**hole)))
-    at_the_side = solid(full, rules(hole=Hole(**hole, centre=(0.4, 0, 0))))
+    at_the_side = solid(full, rules(hole=Hole(**hole, center=(0.4, 0, 0))))
     assert at_the_side.any()
 
 
 def test_mirrors_hold_for_regions_too():
     bound = rules(
-        part=Part(kind="box", size=(0.25, 0.25, 0.25), centre=(0.3, 0, 0)),
-        envelope=Envelope(kind="box", size=(1, 0.5, 1), centre=(0, 0.1, 0)),
+        keep_solid=KeepSolid(kind="box", size=(0.25, 0.25, 0.25), center=(0.3, 0, 0)),
+        envelope=Envelope(kind="box", size=(1, 0.5, 1), center=(0, 0.1, 0)),
         symmetry=Symmetry(mirror=("x", "y")),
     )
     for grid in (bound.part, bound.allowed):
@@ -129,8 +129,8 @@ def test_mirrors_hold_for_regions_too():
     [
         (Limits(aspect_ratio=(1, 1.5)), "aspect ratio"),
         (Limits(aspect_ratio=(5, 9)), "aspect ratio"),
-        (Limits(box_part=(0, 0.5)), "part of its box"),
-        (Limits(cube_part=(0.2, 1)), "part of the cube"),
+        (Limits(box_fraction=(0, 0.5)), "part of its box"),
+        (Limits(cube_fraction=(0.2, 1)), "part of the cube"),
     ],
 )
 def test_shapes_out_of_the_limits_are_rejected_with_the_value(limits, word):
@@ -139,7 +139,7 @@ def test_shapes_out_of_the_limits_are_rejected_with_the_value(limits, word):
     found = solid(bar, UNBOUND)
     with pytest.raises(RejectedError, match=rf"{word} out of limits \(.+\)"):
         solid(bar, Rules(limits=limits))
-    wide = Limits(aspect_ratio=(2, 2.5), box_part=(0.6, 1), cube_part=(0, 0.18))
+    wide = Limits(aspect_ratio=(2, 2.5), box_fraction=(0.6, 1), cube_fraction=(0, 0.18))
     assert np.array_equal(solid(bar, Rules(limits=wide)), found)
 
 
@@ -149,8 +149,8 @@ def test_a_shape_right_at_its_limits_is_within_them():
     found = solid(bar, UNBOUND)
     box, cube = found.sum() / (12 * 6 * 6), found.sum() / R**3
     for limits in (
-        Limits(aspect_ratio=(2, 9), box_part=(box, 1), cube_part=(cube, 1)),
-        Limits(aspect_ratio=(1, 2), box_part=(0, box), cube_part=(0, cube)),
+        Limits(aspect_ratio=(2, 9), box_fraction=(box, 1), cube_fraction=(cube, 1)),
+        Limits(aspect_ratio=(1, 2), box_fraction=(0, box), cube_fraction=(0, cube)),
     ):
         assert np.array_equal(solid(bar, Rules(limits=limits)), found)
 
@@ -160,11 +160,14 @@ def test_a_shape_right_at_its_limits_is_within_them():
     [
         ({"hole": Hole(kind="box")}, "no voxel of the cube to grow in"),
         (
-            {"part": Part(kind="ellipsoid", size=(0.4, 0.4, 0.4)), "hole": Hole(kind="box")},
+            {
+                "keep_solid": KeepSolid(kind="ellipsoid", size=(0.4, 0.4, 0.4)),
+                "hole": Hole(kind="box"),
+            },
             "outside the hole",
         ),
         (
-            {"envelope": Envelope(kind="box", size=(0.01, 1, 1), centre=(0.5, 0, 0))},
+            {"envelope": Envelope(kind="box", size=(0.01, 1, 1), center=(0.5, 0, 0))},
             "no voxel of the cube to grow in",
         ),
     ],
@@ -192,7 +195,7 @@ def test_volumes_are_those_of_the_bodies(kind, part):
 
 @pytest.mark.parametrize("kind", ["box", "cylinder", "ellipsoid"])
 def test_bodies_fill_their_box_and_lie_where_they_should(kind):
-    voxels = made(kind=kind, size=(0.5, 0.3, 0.4), centre=(0.25, 0, -0.1), axis="y")
+    voxels = made(kind=kind, size=(0.5, 0.3, 0.4), center=(0.25, 0, -0.1), axis="y")
     places = np.argwhere(voxels)
     assert places.min(axis=0).tolist() == [10, 7, 4]
     assert places.max(axis=0).tolist() == [19, 12, 11]
@@ -214,7 +217,7 @@ def test_a_mesh_of_a_body_has_the_voxels_of_the_body(kind):
     }
     size = np.array([0.73, 0.51, 0.62])
     mesh = meshes[kind].apply_scale(70 * size).apply_translation([1, -40, 8])
-    place = {"size": tuple(size), "centre": (0.07, -0.11, 0.03)}
+    place = {"size": tuple(size), "center": (0.07, -0.11, 0.03)}
     of_mesh = region_voxels(Region(kind="mesh", mesh="file", **place), 31, mesh)
     of_body = region_voxels(Region(kind=kind, **place), 31)
     assert (of_mesh != of_body).sum() < 0.01 * of_body.sum()

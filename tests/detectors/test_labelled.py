@@ -21,7 +21,7 @@ INTO_BOX = trimesh.transformations.rotation_matrix(0.5, (1, 1, 0))
 
 
 def labelled(rows):
-    """Grasps in the frame of the box's sides: centre, axis, quality, free."""
+    """Grasps in the frame of the box's sides: center, axis, quality, free."""
     frame = []
     for center, axis, quality, free in rows:
         placed_center, placed_axis = INTO_BOX[:3, :3] @ center, INTO_BOX[:3, :3] @ axis

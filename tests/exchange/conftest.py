@@ -74,7 +74,7 @@ def dataset(meshes, settings, tmp_path_factory):
     wide = trimesh.creation.box((0.2, 0.2, 0.2))
     write_obj(wide, scaled / "C02_0.obj")
     wanted = select(settings, LabelParameters, GRIPPER)
-    tables = [grasps / f"{GRIPPER}{kind}.parquet" for kind in ("", ".tally", ".rejected")]
+    tables = [grasps / f"{GRIPPER}{kind}.parquet" for kind in ("", ".sampling", ".rejected")]
     grasp_label.run(wanted, folder / "objects.parquet", scaled, (0, 1), *tables)
     return folder
 

@@ -86,7 +86,7 @@ def test_success_is_what_its_attribute_says(files, labelled):
     for path in files.iterdir():
         rows = labelled[labelled["label"] == path.stem]
         _, success = read_grasps_of(path)
-        expected = rows["collision_free"] & (rows["held"] >= 0.5)
+        expected = rows["collision_free"] & (rows["robust_success_rate"] >= 0.5)
         assert success.tolist() == expected.astype(int).tolist()
         with h5py.File(path) as file:
             assert "not simulated" in file["grasps/qualities/egad/success"].attrs["meaning"]

@@ -213,14 +213,14 @@ def test_an_object_without_stable_poses_is_written(
     dataset, tmp_path, settings, monkeypatch, caplog
 ):
     def none(*_):
-        raise RejectedError("its centre of mass is not inside its convex hull")
+        raise RejectedError("its center of mass is not inside its convex hull")
 
     monkeypatch.setattr(dexnet_objects, "stable_poses", none)
     with h5py.File(export(settings, dataset, tmp_path, 1)) as file:
         group = file["datasets/tiny/objects/A00_0"]
         assert group["stable_poses"].attrs["num_stable_poses"] == 0
         assert group["grasps"][GRIPPER].attrs["num_grasps"] > 5
-    assert "A00_0 is written without stable poses: its centre of mass" in caplog.text
+    assert "A00_0 is written without stable poses: its center of mass" in caplog.text
 
 
 def test_grasps_of_an_object_that_is_not_there_are_refused(dataset, tmp_path, settings):

@@ -17,7 +17,9 @@ def export(dataset, tmp_path):
     def run(style, out, folder=dataset, **settings):
         config = tmp_path / "config.yaml"
         config.write_text(
-            yaml.safe_dump({"dexnet": {"field_size": 16}, "acronym": {"held": 0}, **settings})
+            yaml.safe_dump(
+                {"dexnet": {"field_size": 16}, "acronym": {"robust_success_rate": 0}, **settings}
+            )
         )
         given = ["--gripper", GRIPPER, "--format", style, "--out", out, "--config", config]
         return egad("export", folder, *given)

@@ -32,7 +32,7 @@ def test_random_triangles_cross_where_the_linear_systems_say():
 def test_a_closed_surface_does_not_cross_itself():
     ball = trimesh.creation.icosphere(subdivisions=3)
     assert len(crossings(ball.vertices, ball.faces, 0.0)) == 0
-    block = trimesh.creation.box()  # neighbours lie in one plane
+    block = trimesh.creation.box()  # neighbors lie in one plane
     assert len(crossings(block.vertices, block.faces, 0.0)) == 0
 
 
@@ -40,9 +40,9 @@ def test_two_balls_in_one_mesh_cross_in_a_ring():
     ball = trimesh.creation.icosphere(subdivisions=3)
     both = trimesh.util.concatenate([ball, ball.copy().apply_translation([1.0, 0.03, 0.02])])
     found = crossings(both.vertices, both.faces, 1e-6)
-    centres = both.triangles_center[np.unique(found)]
+    centers = both.triangles_center[np.unique(found)]
     assert len(found) > 30
-    assert np.allclose(centres[:, 0], 0.5, atol=0.15)
+    assert np.allclose(centers[:, 0], 0.5, atol=0.15)
 
 
 def test_shallow_crossings_are_noise():

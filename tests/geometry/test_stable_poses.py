@@ -99,7 +99,7 @@ def test_poses_stand_on_the_table_and_their_chances_add_up(seed):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_at_rest_the_centre_of_mass_is_lower_than_in_any_pose_nearby(seed):
+def test_at_rest_the_center_of_mass_is_lower_than_in_any_pose_nearby(seed):
     mesh = blob(seed)
     center = mass_properties(mesh, 1.0).com
     nearby = np.random.default_rng(seed).normal(scale=1e-3, size=(500, 3))
@@ -129,9 +129,9 @@ def test_units_and_order_do_not_matter():
 
 
 @pytest.mark.parametrize("center", [(0, 0, 0.06), (0, 0, 0.05), (1, 1, 1), (np.nan, 0, 0)])
-def test_a_centre_of_mass_that_is_not_inside_is_rejected(center):
+def test_a_center_of_mass_that_is_not_inside_is_rejected(center):
     bar = trimesh.creation.box((0.02, 0.02, 0.1))
-    with pytest.raises(RejectedError, match="centre of mass is not inside"):
+    with pytest.raises(RejectedError, match="center of mass is not inside"):
         stable_poses(bar, np.array(center, dtype=float))
 
 

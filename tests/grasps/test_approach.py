@@ -153,7 +153,7 @@ def test_an_obstacle_on_the_way_in_counts():
     found = best_approaches(RayCaster(both), across_x([0, 0, 0]), HAND, way=0.1)
     assert found.fits[0]
     assert not found.free[0]
-    assert (found.angles_fit[0], found.angles_free[0]) == (16, 0)
+    assert (found.angles_fit[0], found.angles_collision_free[0]) == (16, 0)
 
 
 def test_approach_is_a_unit_vector_at_right_angles_to_the_axis():
@@ -183,7 +183,7 @@ def test_a_hand_all_inside_the_object_is_not_free():
     block = trimesh.creation.box([2, 2, 2])
     found = best_approaches(RayCaster(block), across_x([0, 0, 0]), HAND)
     assert not found.fits[0]
-    assert (found.angles_fit[0], found.angles_free[0]) == (0, 0)
+    assert (found.angles_fit[0], found.angles_collision_free[0]) == (0, 0)
 
 
 def test_a_box_as_a_mesh_is_the_palm_box():

@@ -109,10 +109,10 @@ def test_contacts_and_quality_equal_the_reference(labelled):
         expected = quality(*pair, axes[i], mesh.center_mass, 0.5, 100)
         assert row["quality"] == pytest.approx(expected, rel=1e-6, abs=1e-9)
     row = statistics_row(10, tally, frame)
-    causes = ["too_wide", "not_antipodal", "blocked", "too_close", "surplus", "grasps"]
-    assert sum(row[cause] for cause in causes) == row["tried"] == 200
-    assert row["grasps"] == len(frame) == 10
-    assert row["slipped"] == (frame["quality"] == 0).sum()
+    causes = ["n_too_wide", "n_not_antipodal", "n_blocked", "n_too_close", "n_surplus", "n_grasps"]
+    assert sum(row[cause] for cause in causes) == row["n_candidates"] == 200
+    assert row["n_grasps"] == len(frame) == 10
+    assert row["n_slipping"] == (frame["quality"] == 0).sum()
 
 
 def test_robust_quality_equals_the_reference(labelled):
@@ -148,7 +148,7 @@ def test_robust_quality_equals_the_reference(labelled):
     table = values.reshape(len(frame), samples)
     np.testing.assert_allclose(frame["robust_quality"], table.mean(axis=1), rtol=1e-5, atol=1e-8)
     np.testing.assert_allclose(frame["robust_quality_std"], table.std(axis=1), rtol=1e-5, atol=1e-8)
-    np.testing.assert_allclose(frame["held"], (table > 0).mean(axis=1))
+    np.testing.assert_allclose(frame["robust_success_rate"], (table > 0).mean(axis=1))
 
 
 def quality_turned(points, normals, axis, com, friction, rotation):
@@ -206,10 +206,10 @@ def test_collisions_equal_points_on_the_surface(labelled):
                 best = blocked[:, :, k]
         free = 16 - blocked.sum(axis=2)
         assert free[0, 1] <= row["angles_fit"] <= free[0, 0]
-        assert free[1, 1] <= row["angles_free"] <= free[1, 0]
+        assert free[1, 1] <= row["angles_collision_free"] <= free[1, 0]
         assert best[0, 0] <= (not row["fits"]) <= best[0, 1]
         assert best[1, 0] <= (not row["collision_free"]) <= best[1, 1]
-        assert row["collision_free"] == (row["angles_free"] > 0)
+        assert row["collision_free"] == (row["angles_collision_free"] > 0)
         assert row["fits"] == (row["angles_fit"] > 0)
         assert row["width"] <= row["needed_opening"]
         assert not row["fits"] or row["needed_opening"] <= HAND.opening

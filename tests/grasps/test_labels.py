@@ -46,8 +46,8 @@ def test_columns_agree_with_each_other():
     np.testing.assert_allclose(np.einsum("nk,nk->n", axis, approach), 0, atol=1e-12)
     assert (np.einsum("nk,nk->n", vectors(frame, "normal0"), axis) < 0).all()
     assert (np.einsum("nk,nk->n", vectors(frame, "normal1"), axis) > 0).all()
-    assert frame["held"].between(0, 1).all()
-    assert ((frame["held"] > 0) == (frame["robust_quality"] > 0)).all()
+    assert frame["robust_success_rate"].between(0, 1).all()
+    assert ((frame["robust_success_rate"] > 0) == (frame["robust_quality"] > 0)).all()
     assert frame["collision_free"].any()
     assert (frame["quality"] > 0).any()
 

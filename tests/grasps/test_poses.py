@@ -14,7 +14,7 @@ from egad.grasps.poses import (
 
 @pytest.fixture
 def grasps():
-    """Centres, axes and approaches at right angles to them; some axes are vertical."""
+    """Centers, axes and approaches at right angles to them; some axes are vertical."""
     rng = np.random.default_rng(4)
     axes = rng.normal(size=(50, 3))
     axes[:2] = [[0, 0, 1], [0, 0, -1]]

@@ -73,8 +73,8 @@ def test_a_turned_object_slips_beyond_the_friction_angle(turned):
     assert inner - 0.02 < held[0] < outer + 0.02
 
 
-def test_the_object_turns_about_its_centre_of_mass():
-    # far from the centre of mass a small turn carries the object out of the fingers
+def test_the_object_turns_about_its_center_of_mass():
+    # far from the center of mass a small turn carries the object out of the fingers
     mesh = trimesh.creation.box([0.04, 2, 2])
     near = rate(mesh, pinch(0.04), samples=500, object_rotation_sigma=0.01)[2]
     far = rate(mesh, pinch(0.04), com=[0, 1, 0], samples=4000, object_rotation_sigma=0.01)[2]
@@ -88,7 +88,7 @@ def test_thin_objects_are_pushed_along_not_missed():
     assert held == 1
 
 
-def test_disturbed_centre_of_mass_follows_the_closed_form():
+def test_disturbed_center_of_mass_follows_the_closed_form():
     mesh = trimesh.creation.box([0.04, 0.5, 0.5])
     mean, deviation, _ = rate(mesh, pinch(0.04), samples=4000, com_sigma=0.01)
     radius = np.abs(np.random.default_rng(1).normal(0, 0.01, (2, 200_000)))

@@ -107,7 +107,7 @@ def test_wide_objects_have_no_grasp_and_say_why():
     grasps, tally = draw(box(0.06, 0.06, 0.06), rounds=3)
     assert len(grasps) == 0
     assert tally.tried == 600
-    # rays from face to neighbouring face may be short, but are not antipodal
+    # rays from face to neighboring face may be short, but are not antipodal
     assert tally.too_wide + tally.not_antipodal == 600
     assert tally.too_wide > tally.not_antipodal
     assert str(tally).startswith(f"of 600 candidates: {tally.too_wide} too wide, ")

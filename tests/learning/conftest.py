@@ -90,7 +90,7 @@ def rows(objects, each, seed, empty=0):
                 "opening": opening,
                 "depth_center": np.full(count + 2, FAR - 0.02, np.float32),
                 "quality": np.array([0.004 * good] * count + [0.004, 0.001], np.float32),
-                "free": np.array([True] * count + [False, True]),
+                "collision_free": np.array([True] * count + [False, True]),
             }
 
 

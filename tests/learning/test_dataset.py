@@ -49,7 +49,7 @@ def test_depths_and_grasps_come_back(images, pictures):
         assert depth.shape == (300, 300)
         assert 0.005 < np.isnan(depth).mean() < 0.015
         assert 0.53 < np.nanmin(depth) < np.nanmax(depth) < 0.61
-        good = (row["quality"] > 0.002) & row["free"]
+        good = (row["quality"] > 0.002) & row["collision_free"]
         np.testing.assert_allclose(grasps[:, 0], row["u"][good])
         np.testing.assert_allclose(grasps[:, 3], row["opening"][good])
         np.testing.assert_allclose(grasps[:, 4], 0.02 * 417 / 0.58, rtol=1e-6)

@@ -103,7 +103,7 @@ def test_the_weights_of_the_lowest_validation_loss_are_taken(shards):
         judgements = training.judge(network, shards, held, workers)
     assert np.mean([each.losses.sum() for each in judgements]) == pytest.approx(min(losses))
     assert int(np.argmin(losses)) < len(losses) - 1
-    assert [row["taken"] for row in rows] == [loss == min(losses) for loss in losses]
+    assert [row["kept"] for row in rows] == [loss == min(losses) for loss in losses]
 
 
 def test_without_patience_it_goes_to_its_end_and_the_last_weights_are_taken(shards):
@@ -116,7 +116,7 @@ def test_without_patience_it_goes_to_its_end_and_the_last_weights_are_taken(shar
         judgements = training.judge(network, shards, held, workers)
     assert np.mean([each.losses.sum() for each in judgements]) == pytest.approx(losses[-1])
     assert losses[-1] > min(losses)
-    assert [row["taken"] for row in rows] == [False] * (len(rows) - 1) + [True]
+    assert [row["kept"] for row in rows] == [False] * (len(rows) - 1) + [True]
 
 
 def test_it_ends_when_nothing_gets_better(shards, monkeypatch):
@@ -129,7 +129,7 @@ def test_it_ends_when_nothing_gets_better(shards, monkeypatch):
     settings = SHORT.model_copy(update={"images": 20, "patience": 2})
     rows = training.train(Tiny(), shards, settings, 0)
     assert [row["validation_loss"] for row in rows] == [3, 2, 2.5, 2]
-    assert [row["taken"] for row in rows] == [False, True, False, False]
+    assert [row["kept"] for row in rows] == [False, True, False, False]
     assert math.isnan(rows[0]["validation_score"])
 
 

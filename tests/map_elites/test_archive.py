@@ -14,7 +14,7 @@ from egad.tables import parquet
 from egad.tables.evolution import EPOCH, GENOME
 
 SIMILARITY = Similarity(vertices=200, ranges=16, base_count=10)
-SPACE = Space(cells=2, elites_per_cell=2, neighbours=3)
+SPACE = Space(cells=2, elites_per_cell=2, neighbors=3)
 GENOME = {name: [] for name in GENOME.names}
 
 
@@ -43,7 +43,7 @@ def slow_archive(batches, space):
 
     def diversity(one):
         distances = sorted(1 - similarity(one.graph, o.graph, 0.5) for o in kept if o is not one)
-        return np.mean(distances[: space.neighbours])
+        return np.mean(distances[: space.neighbors])
 
     kept = []
     for batch in batches:
@@ -61,9 +61,9 @@ def slow_archive(batches, space):
     return {k.id for k in kept}
 
 
-@pytest.mark.parametrize("neighbours", [1, 3, 8, 30])
-def test_equals_the_rule_done_slowly(elites, neighbours):
-    space = SPACE.model_copy(update={"neighbours": neighbours})
+@pytest.mark.parametrize("neighbors", [1, 3, 8, 30])
+def test_equals_the_rule_done_slowly(elites, neighbors):
+    space = SPACE.model_copy(update={"neighbors": neighbors})
     batches = [elites[:7], elites[5:12], elites[10:]]
     archive = Archive(space, SIMILARITY)
     for batch in batches:

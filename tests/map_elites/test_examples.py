@@ -139,8 +139,8 @@ def test_the_coordinates_are_the_measures_in_archive_and_dataset():
     archive, config, _ = evolved("measures")
     for each in archive.elites[:3]:
         mesh = packed_surface(each.voxels, config.shape)
-        assert each.complexity == plugin_value(config.axes.complexity, mesh)
-        assert each.difficulty == plugin_value(config.axes.difficulty, mesh)
+        assert each.complexity == plugin_value(config.measures.complexity, mesh)
+        assert each.difficulty == plugin_value(config.measures.difficulty, mesh)
         row = solid_row(mesh, each.id, select(config, PostprocessSolids))
         assert row["complexity"] == pytest.approx(each.complexity, rel=1e-6)
         assert row["difficulty"] == pytest.approx(each.difficulty, abs=1e-6)

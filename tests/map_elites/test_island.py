@@ -155,7 +155,7 @@ def test_restarts_have_no_parents(island):
 def test_newcomers_to_full_cells_are_graded_again(monkeypatch):
     """Here all objects share one cell, which the first ones fill."""
     one_cell = SETTINGS.space.model_copy(update={"cells": 1, "elites_per_cell": 1})
-    settings = with_search(regrade=20).model_copy(update={"space": one_cell})
+    settings = with_search(reevaluation_grasps=20).model_copy(update={"space": one_cell})
     archive = Archive(one_cell, settings.similarity)
     told = []
     tell = Island.tell
@@ -173,7 +173,7 @@ def test_newcomers_to_full_cells_are_graded_again(monkeypatch):
 
 def test_a_newcomer_is_graded_again_by_other_grasps(island):
     """As many as before: the same ones would be as lucky again."""
-    settings = with_search(regrade=SETTINGS.difficulty.grasps)
+    settings = with_search(reevaluation_grasps=SETTINGS.difficulty.grasps)
     for each in island[0].elites[:3]:
         solid = Solid(each.id, each.voxels)
         assert reevaluate(solid, settings) != measure(solid, settings).difficulty

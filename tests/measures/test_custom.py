@@ -5,7 +5,7 @@ from egad.errors import RejectedError, UserError
 from egad.measures.custom import check_measures, plugin_name, plugin_value, source_hash
 from egad.measures.measure import measure_mesh
 from egad.measures.parameters import MeasureParameters
-from egad.pipeline.config import Axes, Settings
+from egad.pipeline.config import CustomMeasures, Settings
 from egad.pipeline.config.stage_settings import select
 from egad.random import generator
 
@@ -34,7 +34,7 @@ def file(tmp_path):
 
 
 def placed(axes):
-    settings = select(Settings(axes=axes), MeasureParameters)
+    settings = select(Settings(measures=axes), MeasureParameters)
     return measure_mesh(BOX, settings, 20, generator(0, "test"))
 
 
@@ -77,21 +77,21 @@ def test_want_of_memory_is_no_reason_to_reject_an_object(file):
 )
 def test_a_measure_that_is_not_there_is_the_users_mistake(file, measure, words):
     with pytest.raises(UserError, match=words):
-        check_measures(Axes(complexity=measure.format(file=file)))
+        check_measures(CustomMeasures(complexity=measure.format(file=file)))
 
 
 def test_a_file_that_cannot_be_run_is_the_users_mistake(tmp_path):
     (tmp_path / "broken.py").write_text("def f(:")
     with pytest.raises(UserError, match="SyntaxError"):
-        check_measures(Axes(difficulty=f"{tmp_path}/broken.py:f"))
+        check_measures(CustomMeasures(difficulty=f"{tmp_path}/broken.py:f"))
 
 
 def test_own_measures_take_the_place_of_the_coordinates(file):
-    usual = placed(Axes())
-    across = placed(Axes(complexity=f"{file}:longest"))
+    usual = placed(CustomMeasures())
+    across = placed(CustomMeasures(complexity=f"{file}:longest"))
     assert across.complexity == pytest.approx(0.1)
     assert (across.difficulty, across.grasps) == (usual.difficulty, usual.grasps)
-    upwards = placed(Axes(difficulty=f"{file}:longest"))
+    upwards = placed(CustomMeasures(difficulty=f"{file}:longest"))
     assert (upwards.complexity, upwards.grasps) == (usual.complexity, 0)
     assert upwards.difficulty == pytest.approx(0.1)
 
@@ -105,7 +105,7 @@ def test_a_changed_file_has_another_fingerprint(file):
 
 def test_a_module_that_is_installed_will_do():
     measure = "egad.measures.complexity:complexity"
-    assert plugin_value(measure, BOX) == pytest.approx(placed(Axes()).complexity)
+    assert plugin_value(measure, BOX) == pytest.approx(placed(CustomMeasures()).complexity)
     assert len(source_hash(measure)) == 16
 
 

@@ -75,7 +75,7 @@ def test_place_and_pose_matter_no_more_than_chance():
     assert measure(turned, 2000)[0] == pytest.approx(measure(mesh, 2000)[0], abs=1e-4)
 
 
-def test_a_given_centre_of_mass_moves_with_the_mesh():
+def test_a_given_center_of_mass_moves_with_the_mesh():
     box = trimesh.creation.box([0.04, 0.04, 0.2])
     box.apply_transform(trimesh.transformations.rotation_matrix(1.0, [0.3, 0.6, 0.9]))
     box.apply_translation([1, 2, 3])
@@ -108,13 +108,13 @@ def test_same_seed_gives_the_same_value():
     assert measure(wedge()) != measure(wedge(), seed=1)
 
 
-def test_centre_of_mass_of_an_open_surface_is_within_its_bounds():
+def test_center_of_mass_of_an_open_surface_is_within_its_bounds():
     sheet = trimesh.creation.icosphere(subdivisions=2)
     sheet.update_faces(sheet.triangles_center[:, 2] > 0)
     sheet.apply_translation([0, 0, -0.9])
-    centre = center_of_mass(sheet)
-    assert (centre >= sheet.bounds[0]).all()
-    assert (centre <= sheet.bounds[1]).all()
+    center = center_of_mass(sheet)
+    assert (center >= sheet.bounds[0]).all()
+    assert (center <= sheet.bounds[1]).all()
 
 
 def test_inside_out_mesh_is_rejected():

@@ -56,7 +56,7 @@ def test_the_table_has_what_its_schema_says(folder, rendered):
     assert table["image"].tolist() == list(range(10, 16))
     first = table.iloc[0]
     assert (first["height"], first["width"]) == (300, 300)
-    lengths = {name: len(first[name]) for name in ("grasp", "u", "free")}
+    lengths = {name: len(first[name]) for name in ("grasp", "u", "collision_free")}
     assert set(lengths.values()) == {len(rendered[0].grasps.u)}
 
 

@@ -20,7 +20,7 @@ def answers(block, grasped, hand, rendering):
     across = grasped.chosen(grasped.numbers == 4)
     for picture in pictures(block, across, SHARE, hand, rendering()):
         seen = picture.grasps
-        if not seen.free.any():
+        if not seen.collision_free.any():
             continue
         breadth = 0.02 * picture.view.intrinsics.focal / seen.depth_center
         painted = targets(np.column_stack([seen.u, seen.v, seen.angle, seen.opening, breadth]))

@@ -30,7 +30,7 @@ def test_angles_are_anticlockwise_from_the_right(degrees, hand):
     assert found.angle[0] == pytest.approx(angle, abs=1e-9)
 
 
-def test_centre_opening_and_depth(hand):
+def test_center_opening_and_depth(hand):
     place = trimesh.transformations.translation_matrix((0.06, 0.03, 0.1))
     found = project_grasps(
         Scene(place, CAMERA, camera_above(0.6)), one((1.0, 0, 0)), np.ones(1, bool), hand.gripper
@@ -47,7 +47,7 @@ def test_what_is_beside_the_image_is_left_out(hand):
         place = trimesh.transformations.translation_matrix((x, 0, 0))
         scene = Scene(place, CAMERA, camera_above(0.6))
         found = project_grasps(scene, one((0, 1.0, 0)), np.ones(1, bool), hand.gripper)
-        assert len(found.u) == len(found.free) == count
+        assert len(found.u) == len(found.collision_free) == count
 
 
 @pytest.mark.parametrize("name", CAMERAS)

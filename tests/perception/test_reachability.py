@@ -20,7 +20,7 @@ def lying(mesh, turn=None):
 
 
 def across(width):
-    """A grasp along x whose contacts are so far apart, centred on the origin."""
+    """A grasp along x whose contacts are so far apart, centerd on the origin."""
     centers, axes = np.zeros((1, 3)), np.array([[1.0, 0, 0]])
     return GraspCandidates(np.array([0]), centers, axes, np.array([width]), np.ones(1))
 
@@ -55,7 +55,7 @@ def test_on_its_side_the_other_grasp_is_reachable(block, grasped, hand):
     assert free.all()
 
 
-def test_a_neighbour_within_the_room_of_a_finger_is_in_the_way(block, grasped, hand):
+def test_a_neighbor_within_the_room_of_a_finger_is_in_the_way(block, grasped, hand):
     """A wall beside the block: free beyond the finger's outer face, not at it."""
     outer = 0.015 + 0.008 + hand.gripper.finger_thickness
     for gap, expected in ((-0.001, False), (0.001, True)):

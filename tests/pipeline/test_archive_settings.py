@@ -30,14 +30,14 @@ def test_the_same_settings_pass(archive):
 
 
 def test_newcomers_that_were_graded_again_matter(archive):
-    with pytest.raises(UserError, match=r"evolution\.regrade: 0 in the archive, 300"):
-        check_provenance(archive, settings(evolution={"regrade": 300}))
+    with pytest.raises(UserError, match=r"evolution\.reevaluation_grasps: 0 in the archive, 300"):
+        check_provenance(archive, settings(evolution={"reevaluation_grasps": 300}))
 
 
 def test_an_edited_measure_of_ones_own_is_another_one(tmp_path):
     source = tmp_path / "mine.py"
     source.write_text("def area(mesh): return mesh.area\n")
-    own = settings(axes={"complexity": f"{source}:area"})
+    own = settings(measures={"complexity": f"{source}:area"})
     path = tmp_path / "archive.parquet"
     parquet.write(parquet.empty(EPOCH), EPOCH, path, provenance(own))
     check_provenance(path, own)
@@ -69,7 +69,7 @@ def test_other_measures_are_refused_and_both_are_named(archive):
 
 
 def test_the_robust_metric_against_the_plain_one_is_refused(archive):
-    with pytest.raises(UserError, match=r"difficulty\.metric: plain in the archive, robust in"):
+    with pytest.raises(UserError, match=r"difficulty\.metric: nominal in the archive, robust in"):
         check_provenance(archive, settings(difficulty={"metric": "robust"}))
 
 
@@ -114,7 +114,7 @@ def test_difficulties_by_another_gripper_are_not_compared(tmp_path):
 def test_an_evolution_that_keeps_nothing_says_why(tmp_path):
     (tmp_path / "mine.py").write_text("def area(mesh): return mesh.aera\n")
     nothing = settings(
-        axes={"complexity": f"{tmp_path}/mine.py:area"},
+        measures={"complexity": f"{tmp_path}/mine.py:area"},
         evolution={"steps_per_epoch": 1, "population": 20},
         difficulty={"grasps": 5},
     )

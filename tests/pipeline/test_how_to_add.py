@@ -156,19 +156,19 @@ def test_a_measure_has_its_setting_and_takes_it(copy):
     code = """
 import sys, trimesh
 from egad.measures.custom import own_value
-from egad.measures.parameters import Axes
+from egad.measures.parameters import CustomMeasures
 from egad.pipeline.archive_settings import provenance
 from egad.pipeline.config.check import check
 from egad.pipeline.config.schema import node_at
 from egad.pipeline.config.stage_settings import select
 from egad.map_elites.parameters import EvolutionParameters
 name = "egad.measures.compactness:compactness"
-axes = Axes(complexity=name, compactness_power=2)
-print(node_at(("axes", "compactness_power"))["description"])
+axes = CustomMeasures(complexity=name, compactness_power=2)
+print(node_at(("measures", "compactness_power"))["description"])
 print(own_value(name, trimesh.creation.box(), axes))
-whole = check({"axes": {"complexity": name, "compactness_power": 3.0}})
+whole = check({"measures": {"complexity": name, "compactness_power": 3.0}})
 notes = provenance(select(whole, EvolutionParameters))
-print(notes["axes"]["compactness_power"], len(notes["source"]["complexity"]))
+print(notes["measures"]["compactness_power"], len(notes["source"]["complexity"]))
 """
     done = subprocess.run(
         [sys.executable, "-c", code],

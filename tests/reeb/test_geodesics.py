@@ -13,7 +13,7 @@ def fine(lumpy, triangulate):
 
 
 def dijkstra(graph, sources):
-    rows = (graph.lengths, graph.neighbours.astype(np.int32), graph.starts.astype(np.int32))
+    rows = (graph.lengths, graph.neighbors.astype(np.int32), graph.starts.astype(np.int32))
     return scipy.sparse.csgraph.dijkstra(scipy.sparse.csr_array(rows), indices=sources)
 
 
@@ -26,7 +26,7 @@ def search(graph, source):
 def test_the_graph_has_the_edges_of_the_mesh(fine):
     graph = edge_graph(fine, shortcuts=False)
     owners = np.repeat(np.arange(600), np.diff(graph.starts.astype(int)))
-    pairs = np.stack((owners, graph.neighbours), axis=1)
+    pairs = np.stack((owners, graph.neighbors), axis=1)
     both = np.concatenate((fine.edges, fine.edges[:, ::-1]))
     assert np.array_equal(np.unique(pairs, axis=0), np.unique(both, axis=0))
     straight = np.linalg.norm(fine.vertices[pairs[:, 0]] - fine.vertices[pairs[:, 1]], axis=1)
@@ -113,8 +113,8 @@ def test_even_bases_at_every_vertex_give_the_integral_as_defined(coarse, distanc
 @pytest.mark.parametrize("count", [1, 2, 20])
 def test_even_bases_are_the_farthest_points(coarse, distances, count):
     share = shares(coarse)
-    centre = share @ coarse.vertices / share.sum()
-    bases = [np.linalg.norm(coarse.vertices - centre, axis=1).argmax()]
+    center = share @ coarse.vertices / share.sum()
+    bases = [np.linalg.norm(coarse.vertices - center, axis=1).argmax()]
     while len(bases) < count:
         bases.append(distances[bases].min(axis=0).argmax())
     owner = distances[bases].argmin(axis=0)

@@ -269,7 +269,7 @@ def test_a_node_is_a_connected_union_of_finest_ones(graph, finest, level):
 
 
 @pytest.mark.parametrize("level", range(5))
-def test_neighbours_are_the_parts_that_touch(graph, finest, level):
+def test_neighbors_are_the_parts_that_touch(graph, finest, level):
     found = members(graph, level)
     owner = {node: top for top, part in found.items() for node in part}
     expected = {top: set() for top in found}
@@ -278,7 +278,7 @@ def test_neighbours_are_the_parts_that_touch(graph, finest, level):
             expected[owner[a]].add(owner[b])
             expected[owner[b]].add(owner[a])
     for node in found:
-        row = graph.neighbours[graph.neighbour_starts[node] : graph.neighbour_starts[node + 1]]
+        row = graph.neighbors[graph.neighbor_starts[node] : graph.neighbor_starts[node + 1]]
         assert row.tolist() == sorted(expected[node])
 
 

@@ -81,10 +81,10 @@ class SlowMatcher:
     def runs(self, side, rivals):
         found, seen = [], set()
         for rival in rivals:
-            for neighbour in self.row(side, rival, "neighbour"):
-                if neighbour not in seen:
-                    seen.add(neighbour)
-                    line = [n for n in self.row(side, neighbour, "neighbour") if n in rivals]
+            for neighbor in self.row(side, rival, "neighbor"):
+                if neighbor not in seen:
+                    seen.add(neighbor)
+                    line = [n for n in self.row(side, neighbor, "neighbor") if n in rivals]
                     for start in range(len(line)):
                         ends = range(start + 2, min(start + 5, len(line)) + 1)
                         found += [tuple(line[start:end]) for end in ends]
@@ -103,13 +103,13 @@ class SlowMatcher:
 
     def around(self, side, nodes, step):
         ranges = self.graphs[side].ranges
-        near = {n: m for m in nodes for n in self.row(side, m, "neighbour")}
+        near = {n: m for m in nodes for n in self.row(side, m, "neighbor")}
         return [n for n, m in near.items() if ranges[n] == ranges[m] + step]
 
     def row(self, side, node, kind):
         graph = self.graphs[side]
-        items = graph.children if kind == "child" else graph.neighbours
-        starts = graph.child_starts if kind == "child" else graph.neighbour_starts
+        items = graph.children if kind == "child" else graph.neighbors
+        starts = graph.child_starts if kind == "child" else graph.neighbor_starts
         return items[starts[node] : starts[node + 1]].tolist()
 
 

@@ -104,7 +104,11 @@ def agreement() -> pd.DataFrame:
     frame = pd.DataFrame({"label": ["A0"] * 20 + ["C4"] * 20, "success": success})
     outcome = np.where(success, "success", "dropped").astype(object)
     outcome[[21, 23]] = "collided"
-    ratings = {"quality": 0.0, "robust_quality": np.where(success, 0.002, 0.001), "held": 0.5}
+    ratings = {
+        "quality": 0.0,
+        "robust_quality": np.where(success, 0.002, 0.001),
+        "robust_success_rate": 0.5,
+    }
     return filled(frame.assign(outcome=outcome, labelled=50, free=30, **ratings), AGREEMENT)
 
 
@@ -125,7 +129,7 @@ def grasps(objects: pd.DataFrame) -> pd.DataFrame:
             "label": names,
             "quality": random.uniform(0, 0.004, len(names)),
             "robust_quality": random.uniform(0, 0.002, len(names)),
-            "held": 0.5,
+            "robust_success_rate": 0.5,
             "collision_free": np.arange(len(names)) % 4 == 0,
         }
     )

@@ -5,7 +5,7 @@ import pytest
 
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.pipeline.cli.show import measured
-from egad.pipeline.config import Axes, Space
+from egad.pipeline.config import CustomMeasures, Space
 from egad.pipeline.report.page import build
 from egad.report.axes import USUAL, axis_pair
 from egad.report.locations import location_map
@@ -13,11 +13,11 @@ from egad.report.space_map import collage
 from egad.report.trial_charts import trial_heat_map
 from egad.stats.rates import trial_grid
 
-OWN = Axes(complexity="a.py:wall_thickness", difficulty="b.c:slenderness")
+OWN = CustomMeasures(complexity="a.py:wall_thickness", difficulty="b.c:slenderness")
 
 
 def test_the_usual_axes_are_those_of_the_paper():
-    assert axis_pair(Axes()) == USUAL
+    assert axis_pair(CustomMeasures()) == USUAL
     assert USUAL.across.long_label == "shape complexity: simple → complex"
     assert USUAL.upwards.long_label == "grasp difficulty: easy → hard"
 
@@ -27,7 +27,7 @@ def test_an_own_measure_gives_its_name_and_the_other_axis_stays():
     assert across.label == "wall thickness: low → high"
     assert upwards.label == "slenderness: high → low"
     assert (upwards.factor, across.unit) == (1, "")
-    assert axis_pair(Axes(complexity="a.py:f")).upwards == USUAL.upwards
+    assert axis_pair(CustomMeasures(complexity="a.py:f")).upwards == USUAL.upwards
 
 
 @pytest.fixture(params=[10, 26])

@@ -9,14 +9,14 @@ from egad.pipeline.config import Space
 from egad.report.comparison import PUBLISHED, comparison_chart, comparison_text, dataset_maps
 
 
-def colours(svg: str) -> list[list[str]]:
-    """The colours of the squares of each map."""
+def colors(svg: str) -> list[list[str]]:
+    """The colors of the squares of each map."""
     root = ElementTree.fromstring(svg)  # noqa: S314
     maps = []
     for group in root.iter(f"{SVG}g"):
         if group.get("id", "").startswith("PatchCollection"):
             styles = [path.get("style") or "" for path in group.iter(f"{SVG}path")]
-            maps.append([colour for each in styles for colour in re.findall(r"fill: (#\w+)", each)])
+            maps.append([color for each in styles for color in re.findall(r"fill: (#\w+)", each)])
     return maps
 
 
@@ -27,19 +27,19 @@ def test_every_dataset_is_named_and_counted(objects):
     assert "objects in a cell" in shown
 
 
-def test_a_square_for_every_filled_cell_in_the_colour_of_its_count(objects):
+def test_a_square_for_every_filled_cell_in_the_color_of_its_count(objects):
     cells = objects.groupby(["complexity_cell", "difficulty_cell"]).size()
     assert cells.max() == 5
-    (alone,) = colours(dataset_maps({"egad": objects}, Space()))
+    (alone,) = colors(dataset_maps({"egad": objects}, Space()))
     assert len(alone) == len(cells)
-    colour_of = dict(zip(cells, alone, strict=True))
-    assert [colour_of[count] for count in cells] == alone
-    assert len(set(colour_of.values())) == cells.nunique()
+    color_of = dict(zip(cells, alone, strict=True))
+    assert [color_of[count] for count in cells] == alone
+    assert len(set(color_of.values())) == cells.nunique()
 
 
-def test_the_colour_scale_is_the_same_for_all(objects):
+def test_the_color_scale_is_the_same_for_all(objects):
     crowded, sparse = objects.tail(5), objects.head(3)
-    first, second = colours(dataset_maps({"a": crowded, "b": sparse}, Space()))
+    first, second = colors(dataset_maps({"a": crowded, "b": sparse}, Space()))
     assert set(first) == {"#fde725"}  # the end of viridis
     assert set(second) == {"#440154"}  # its start, for one object a cell
 
@@ -47,13 +47,13 @@ def test_the_colour_scale_is_the_same_for_all(objects):
 @pytest.mark.parametrize("count", [1, 2, 4, 7])
 def test_any_number_of_datasets_has_a_map_each(objects, count):
     svg = dataset_maps({f"set{k}": objects for k in range(count)}, Space())
-    assert len(colours(svg)) == count
+    assert len(colors(svg)) == count
     assert {f"set{k}" for k in range(count)} <= set(texts(svg))
 
 
 def test_an_empty_dataset_has_an_empty_map(objects):
     svg = dataset_maps({"none": objects.head(0)}, Space())
-    assert colours(svg) in ([], [[]])
+    assert colors(svg) in ([], [[]])
     assert "0 objects, coverage 0.0 %" in texts(svg)
 
 

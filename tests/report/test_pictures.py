@@ -70,10 +70,10 @@ def test_a_floor_is_darker_beside_a_wall():
     scene = trimesh.util.concatenate([floor, wall])
     picture = render(scene, 96)
     seen = scene.vertices @ CAMERA.T
-    centre, reach = (seen.max(0) + seen.min(0)) / 2, np.ptp(seen[:, :2], axis=0).max() / 2
+    center, reach = (seen.max(0) + seen.min(0)) / 2, np.ptp(seen[:, :2], axis=0).max() / 2
 
     def tone(x: float) -> int:
-        place = (CAMERA @ [x, -0.3, 0.05] - centre) / reach * FILL
+        place = (CAMERA @ [x, -0.3, 0.05] - center) / reach * FILL
         column, row = (place[:2] * [1, -1] + 1) / 2 * 96
         return int(picture[int(row), int(column), 0])
 

@@ -32,12 +32,12 @@ def test_objects_lie_in_their_cells_and_the_most_diverse_is_on_top():
     image = drawn(objects, {"a": square(10), "b": square(90), "c": square(170)})
     assert image.shape == (120, 120, 3)
 
-    def centre(column: int, row: int) -> list[int]:
+    def center(column: int, row: int) -> list[int]:
         return image[(4 - row) * 20 + 10, 20 + column * 20 + 10].tolist()
 
-    assert centre(0, 0) == [90] * 3
-    assert centre(4, 4) == [170] * 3
-    assert centre(2, 2) == centre(4, 0) == [255] * 3
+    assert center(0, 0) == [90] * 3
+    assert center(4, 4) == [170] * 3
+    assert center(2, 2) == center(4, 0) == [255] * 3
 
 
 def test_transparent_parts_show_the_ground_and_axes_are_written():

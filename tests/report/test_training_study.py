@@ -9,7 +9,7 @@ from scipy.stats import f_oneway
 
 from egad.pipeline.config import TrainingSet
 from egad.pipeline.config.check import check
-from egad.pipeline.config.stage_settings import DiversityReport, select
+from egad.pipeline.config.stage_settings import TrainingStudyReport, select
 from egad.pipeline.config.training_study import networks_of
 from egad.pipeline.report.training_study import Images, Study, Training, describe, page
 from egad.report.trials import EvaluationSet
@@ -20,7 +20,7 @@ CONFIG = {
         "egad": {"source": "evolved"},
         "own": {"source": "meshes", "folder": ".", "units": "m"},
     },
-    "diversity": {
+    "training_study": {
         "sets": ["simple", "own", "given"],
         "seeds": 2,
         "tests": ["egad", "own"],
@@ -43,7 +43,7 @@ def tried(test, name, seed, detector):
         for label in LABELS
         for n, won in enumerate(rng.random(10) < RATES[name])
     ]
-    columns = [*COMPARED.names[:6], "success", "detector", "start"]
+    columns = [*COMPARED.names[:6], "success", "detector", "initial_pose"]
     table = pd.DataFrame(rows, columns=columns).assign(quality=0.5)
     outcome = np.where(table["success"], "success", "collided")
     return table.assign(outcome=outcome)[COMPARED.names]
@@ -52,16 +52,23 @@ def tried(test, name, seed, detector):
 def history(seed):
     numbers = {name: np.linspace(0.5, 0.1 + 0.01 * seed, 3) for name in HISTORY.names}
     taken = [False, False, True]
-    return pd.DataFrame(numbers | {"epoch": [0, 1, 2], "images": [8, 16, 24], "taken": taken})
+    return pd.DataFrame(numbers | {"epoch": [0, 1, 2], "images": [8, 16, 24], "kept": taken})
 
 
 def study(config=CONFIG):
     whole = check(config)
     found = networks_of(whole)
     names = [(each.training_set, each.seed, each.name) for each in found] + [("", 0, "random")]
-    score = {"right": 6, "count": 8, "objects": 4, "low": 0.3, "high": 0.9, "loss": 0.1}
+    score = {
+        "n_correct": 6,
+        "n_images": 8,
+        "objects": 4,
+        "ci_low": 0.3,
+        "ci_high": 0.9,
+        "loss": 0.1,
+    }
     trained = [each for each in found if each.training_set != "given"]
-    settings = select(whole, DiversityReport)
+    settings = select(whole, TrainingStudyReport)
     by_name = dict(sorted(settings.training_sets.items()))  # as the workflow hands them over
     return Study(
         settings=settings.model_copy(update={"training_sets": by_name}),

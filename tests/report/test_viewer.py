@@ -96,7 +96,7 @@ def test_a_mesh_without_grasps_can_be_packed():
     assert all(top > 0 for _, _, top in data["metrics"])
 
 
-def test_colours_mean_the_same_for_all_objects(grasps):
+def test_colors_mean_the_same_for_all_objects(grasps):
     poor = grasps.assign(quality=grasps["quality"] / 10)
     scenes = [Scene("good", "", MESH, grasps), Scene("poor", "", MESH, poor)]
     data = viewer.viewer_data(scenes, GRIPPERS["yumi"])

@@ -16,7 +16,7 @@ from egad.sim.parameters import TrialParameters
 from egad.sim.trial import TrialRunner
 from egad.sim.world import World
 from egad.tables import parquet
-from egad.tables.columns import START
+from egad.tables.columns import INITIAL
 from egad.tables.evaluation import TRIALS
 
 BUNDLE = Bundle()
@@ -101,7 +101,7 @@ def test_the_same_settings_give_the_same_bytes(ell: Model) -> None:
     pd.testing.assert_frame_equal(attempts(ell), attempts(ell), check_exact=True)
 
 
-@pytest.mark.parametrize("changes", [{}, {"arm": "panda"}, {"between": "anew"}], ids=str)
+@pytest.mark.parametrize("changes", [{}, {"arm": "panda"}, {"reset": "redrop"}], ids=str)
 def test_every_attempt_can_be_repeated_alone(
     ell: Model, changes: dict[str, str], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
@@ -122,21 +122,21 @@ def test_every_attempt_can_be_repeated_alone(
 
 def test_the_object_goes_on_where_the_attempt_before_left_it() -> None:
     trials = attempts(BALL, clumsy, attempts=20)
-    begun = trials["begun"].tolist()
+    begun = trials["initial_pose"].tolist()
     assert begun[0] == "dropped"
     assert set(begun) == {"dropped", "from_hand", "left"}
     for before, after in zip(trials.itertuples(), list(trials.itertuples())[1:], strict=False):
         assert (after.begun == "from_hand") <= (before.outcome == "success")
         assert (before.outcome == "no_grasp") <= (after.begun == "dropped")
         if after.begun == "left":
-            ends = [getattr(before, name.replace("start", "end")) for name in START]
-            assert ends == [getattr(after, name) for name in START]
+            ends = [getattr(before, name.replace("initial", "end")) for name in INITIAL]
+            assert ends == [getattr(after, name) for name in INITIAL]
 
 
 def test_without_a_chain_two_detectors_face_the_same_drops(ell: Model) -> None:
-    ways = [attempts(ell, detect, between="anew") for detect in (clumsy, nothing)]
-    assert set(ways[0]["begun"]) == {"dropped"}
-    for name in START:
+    ways = [attempts(ell, detect, reset="redrop") for detect in (clumsy, nothing)]
+    assert set(ways[0]["initial_pose"]) == {"dropped"}
+    for name in INITIAL:
         assert ways[0][name].tolist() == ways[1][name].tolist()
 
 
@@ -151,7 +151,7 @@ def test_noise_of_the_camera_is_that_of_the_seed() -> None:
     sigmas = (0.0, 0.05, 0.05)
     plain, first, second = (attempts(CUBE, depth_noise=each, attempts=2) for each in sigmas)
     pd.testing.assert_frame_equal(first, second, check_exact=True)
-    assert plain["start_x"][0] == first["start_x"][0]
+    assert plain["initial_x"][0] == first["initial_x"][0]
     assert plain["quality"][0] != first["quality"][0]
 
 

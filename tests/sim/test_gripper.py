@@ -100,7 +100,7 @@ def test_a_cube_held_only_at_its_rim_falls(arm: str) -> None:
     assert outcomes == [(True, True, True), (True, False, False)]
 
 
-@pytest.mark.parametrize(("mass", "held"), [(1.0, True), (1.5, True), (2.5, False)])
+@pytest.mark.parametrize(("mass", "robust_success_rate"), [(1.0, True), (1.5, True), (2.5, False)])
 def test_friction_carries_what_coulomb_allows(mass: float, held: bool) -> None:
     """Two pads with 20 N and a coefficient of 0.5 carry 20 N, 2.04 kg."""
     model = build(trimesh.creation.box((SIDE,) * 3), mass / SIDE**3, BUNDLE)
@@ -111,7 +111,9 @@ def test_friction_carries_what_coulomb_allows(mass: float, held: bool) -> None:
         assert hand.carries() is held
 
 
-@pytest.mark.parametrize(("above", "held"), [(0.0, True), (0.005, True), (0.014, False)])
+@pytest.mark.parametrize(
+    ("above", "robust_success_rate"), [(0.0, True), (0.005, True), (0.014, False)]
+)
 def test_a_ball_slips_out_below_pads_beyond_the_friction_angle(above: float, held: bool) -> None:
     """5 mm above the equator the sides lean by 12 degrees, 14 mm above by 34; friction: 27."""
     with World(BALL) as world:
@@ -147,7 +149,7 @@ def test_a_hand_says_whether_it_was_lifted_all_the_way(arm: str) -> None:
         assert hand.lift(0.5, 1.5) is (arm == "axis")  # beyond the reach of a Panda
 
 
-def test_the_fingers_are_mirror_images_even_off_centre() -> None:
+def test_the_fingers_are_mirror_images_even_off_center() -> None:
     with World(LIGHT) as world:
         world.place(Pose(np.array([0.01, 0, SIDE / 2]), np.array([0, 0, 0, 1.0])))
         hand = hung(world, GRIPPERS["egad_75mm"], HandPose(0.0, 0.0, 0.01, 0.0), 0.07)

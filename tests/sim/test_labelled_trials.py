@@ -39,10 +39,16 @@ WEDGE = build(
 
 def grasp(center, axis, approach, turn=PLACE, **known):
     """A row of the table of grasps, given in the frame of an upright object."""
-    row = {"grasp": 0, "quality": 0.0, "robust_quality": 0.5, "held": 0.1, "collision_free": True}
+    row = {
+        "grasp": 0,
+        "quality": 0.0,
+        "robust_quality": 0.5,
+        "robust_success_rate": 0.1,
+        "collision_free": True,
+    }
     for name, vector, free in (("center", center, 1), ("axis", axis, 0), ("approach", approach, 0)):
         row |= dict(zip(vector_names(name), turn @ [*vector, free], strict=False))
-    return row | {"labelled": 9, "free": 7} | known
+    return row | {"n_labelled": 9, "n_collision_free": 7} | known
 
 
 def tried(model, *rows):
@@ -108,8 +114,8 @@ def test_the_sample_is_of_free_grasps_and_only_the_object_decides_it():
     assert (found["grasp"] % 2 == 0).all()
     assert found["grasp"].is_monotonic_increasing
     assert found["grasp"].is_unique
-    assert (found["labelled"] == 50).all()
-    assert (found["free"] == 25).all()
+    assert (found["n_labelled"] == 50).all()
+    assert (found["n_collision_free"] == 25).all()
     pd.testing.assert_frame_equal(found, sample_labelled_grasps(table, "id", 10, 0))
     assert (
         sample_labelled_grasps(table, "other", 10, 0)["grasp"].tolist() != found["grasp"].tolist()

@@ -1,4 +1,4 @@
-"""Models: true mass, centre of mass and inertia, in the principal frame."""
+"""Models: true mass, center of mass and inertia, in the principal frame."""
 
 import numpy as np
 import pytest

@@ -78,7 +78,7 @@ def test_the_hole_of_a_ring_is_free() -> None:
             closest = client.getClosestPoints(probe, world.object, 1.0)
             distances.append(min(point[8] for point in closest))
             client.removeBody(probe)
-    # Of 20 mm from the centre to the ring the probe takes 5, and the hulls of the parts some.
+    # Of 20 mm from the center to the ring the probe takes 5, and the hulls of the parts some.
     assert 0.011 < distances[0] < 0.0151
     assert max(distances[1:]) < -0.005
 

@@ -19,7 +19,7 @@ def tried(rates, attempts=20, seed=0, drops="drop"):
         for i, rate in enumerate(rates)
         for n in range(attempts)
     ]
-    return pd.DataFrame(rows, columns=["label", "id", "attempt", "success", "start"])
+    return pd.DataFrame(rows, columns=["label", "id", "attempt", "success", "initial_pose"])
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_only_attempts_that_both_made_count():
 @pytest.mark.parametrize("drops", ["other", ""])
 def test_other_drops_are_no_pairs_of_attempts(drops):
     second = tried([0.5] * 7, drops=drops)
-    second["start"] = drops and second["start"]
+    second["initial_pose"] = drops and second["initial_pose"]
     found = compare(tried([0.5] * 7), second)
     assert np.isnan(found.p_attempts)
     assert 0 <= found.p_objects <= 1
@@ -139,7 +139,7 @@ def test_objects_known_by_label_only_are_no_pairs_of_attempts(first_too):
 def test_attempts_that_began_differently_are_no_pairs():
     """One table goes on from its own successes: only the first attempts began alike."""
     first, second = tried([0.9] * 7), tried([0.2] * 7, seed=1)
-    second.loc[second["attempt"] > 0, "start"] += "-elsewhere"
+    second.loc[second["attempt"] > 0, "initial_pose"] += "-elsewhere"
     found, alone = compare(first, second), [t[t["attempt"] == 0] for t in (first, second)]
     assert (found.attempts, found.alike) == (140, 7)
     assert found.p_attempts == compare(*alone).p_attempts

@@ -62,7 +62,7 @@ def test_semicolons_separate_what_has_commas_in_it(written):
 
 def test_a_robots_objects_are_known_by_their_label_only(written):
     table = read(written(GOOD))["mine"]
-    assert set(table["id"]) == set(table["start"]) == {""}
+    assert set(table["id"]) == set(table["initial_pose"]) == {""}
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_tables_of_the_simulation_have_the_name_of_their_file(tmp_path):
         path = tmp_path / folder / "antipodal-depth.parquet"
         parquet.write(pd.DataFrame([row]), TRIALS, path)
     (found,) = parquet.records(read(path)["antipodal-depth"])
-    assert (found["id"], found["start"]) == ("some/object", "00" * 56)  # seven zeros
+    assert (found["id"], found["initial_pose"]) == ("some/object", "00" * 56)  # seven zeros
     files = [tmp_path / folder / "antipodal-depth.parquet" for folder in ("one", "two")]
     assert list(gather(files)) == ["antipodal-depth", "two/antipodal-depth"]
     with pytest.raises(UserError, match="two tables of the detector two/antipodal-depth"):

@@ -31,7 +31,7 @@ def tried(name, seed, rate, rng, attempts=6):
         for label in OBJECTS
         for n in range(attempts)
     ]
-    columns = ["training_set", "seed", "label", "id", "attempt", "success", "start"]
+    columns = ["training_set", "seed", "label", "id", "attempt", "success", "initial_pose"]
     detector = f"{name}-{seed}" if name else "random"
     return pd.DataFrame(rows, columns=columns).assign(detector=detector)
 
@@ -149,7 +149,7 @@ def test_two_single_networks_count_once_whatever_the_other_sets_have(table):
 def test_what_began_alike_is_counted_and_what_should_have_is_refused(table):
     sets = by_set(table)
     moved = sets["poor"].copy()
-    moved.iloc[:3, moved.columns.get_loc("start")] = "elsewhere"
+    moved.iloc[:3, moved.columns.get_loc("initial_pose")] = "elsewhere"
     (pair,) = set_pairs({"good": sets["good"], "poor": moved})
     assert (pair.result.attempts, pair.result.alike) == (len(moved), len(moved) - 3)
     check_starts(table)

@@ -15,7 +15,7 @@ from egad.tables.objects import OBJECTS
 TRIED = {"simulated_trial", "join_trials"}
 AFTER_TRIALS = {"join_trials", "report", "all"}
 AFTER_PRINTS = {"datasheet", "report", "all"}
-AFTER_GRASPS = {"join_grasps", "join_tallies", "join_ungraspable"} | AFTER_PRINTS
+AFTER_GRASPS = {"join_grasps", "join_sampling", "join_ungraspable"} | AFTER_PRINTS
 AFTER_SIZES = {"size_effect", "report", "all"}
 AFTER_BUNDLE = {"bundle", "simulated_trial"} | AFTER_TRIALS
 AFTER_SELECTION = {"print_export"} | AFTER_BUNDLE | AFTER_PRINTS | AFTER_SIZES
@@ -125,7 +125,7 @@ def test_an_edited_measure_or_mesh_of_ones_own_evolves_again(clean):
     measure.write_text(code)
     trimesh.creation.box().export(mesh)
     own = {
-        "axes": {"complexity": "mine.py:size"},
+        "measures": {"complexity": "mine.py:size"},
         "part": {"kind": "mesh", "mesh": "part.stl", "size": [0.3, 0.3, 0.3]},
         "schedule": {"islands": 1, "epochs": 1},
         "evolution": {"steps_per_epoch": 1, "population": 2},
@@ -200,7 +200,7 @@ def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean):
         {
             "rescaled/mine/scales.parquet": "rescale",
             "grasps/mine.parquet": "grasp_label",
-            "grasps/mine.tally.parquet": "grasp_label",
+            "grasps/mine.sampling.parquet": "grasp_label",
             "print/mine/manifest.parquet": "print_export",
             "trials/mine/antipodal-depth.parquet": "simulated_trial",
             "agreement/mine.parquet": "agreement",
@@ -226,7 +226,7 @@ def test_an_edited_mesh_of_a_gripper_labels_again(copy):
 
 
 def test_a_measure_that_is_not_there_stops_the_run(clean):
-    own = clean.overlay("own.yaml", {"axes": {"difficulty": "nowhere.py:size"}})
+    own = clean.overlay("own.yaml", {"measures": {"difficulty": "nowhere.py:size"}})
     status, said = clean.snakemake("--dry-run", "--cores", 1, configs=[own])
     assert status != 0
     assert "nowhere.py:size: there is no such file or module" in said
@@ -248,7 +248,7 @@ def test_exports_are_made_if_they_are_asked_for(copy):
     assert labels
     for setting, rules in (
         ({"dexnet": {"field_size": 24}}, {"dexnet_objects", "dexnet"}),
-        ({"acronym": {"held": 0.9}}, {"export"}),
+        ({"acronym": {"robust_success_rate": 0.9}}, {"export"}),
     ):
         changed = copy.overlay("changed.yaml", setting)
         assert set(copy.planned(configs=[*configs, changed])) == rules | {"report", "all"}

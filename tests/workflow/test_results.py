@@ -25,7 +25,7 @@ from egad.pipeline.provenance.verify import verify
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY
-from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT, TALLY
+from egad.tables.grasping import GRASPS, SAMPLING, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED, SOLIDS
 
 GRIPPER, DETECTOR = "egad_75mm", "antipodal-depth"
@@ -39,7 +39,7 @@ PUBLISHED = {
     "egad/eval49.parquet": EVAL49,
     "egad/eval49.rejected.parquet": REJECTED,
     f"egad/grasps/{GRIPPER}.parquet": GRASPS,
-    f"egad/grasps/{GRIPPER}.tally.parquet": TALLY,
+    f"egad/grasps/{GRIPPER}.sampling.parquet": SAMPLING,
     f"egad/grasps/{GRIPPER}.rejected.parquet": REJECTED,
     f"egad/rescaled/{GRIPPER}/scales.parquet": SCALES,
     f"egad/rescaled/{GRIPPER}/rejected.parquet": REJECTED,
@@ -67,7 +67,7 @@ PARTS = {
         "solids": SOLIDS,
         "rejected": REJECTED,
         f"grasps-{GRIPPER}": GRASPS,
-        f"tally-{GRIPPER}": TALLY,
+        f"tally-{GRIPPER}": SAMPLING,
         f"ungraspable-{GRIPPER}": REJECTED,
         f"trials-{GRIPPER}-{DETECTOR}": TRIALS,
     }.items()
@@ -198,13 +198,13 @@ def test_grasps_are_in_the_order_of_their_objects_and_numbers(load):
 
 def test_every_candidate_is_accounted_for(load):
     grasps = load(f"egad/grasps/{GRIPPER}.parquet")
-    tally = load(f"egad/grasps/{GRIPPER}.tally.parquet").set_index("id")
+    tally = load(f"egad/grasps/{GRIPPER}.sampling.parquet").set_index("id")
     assert set(tally.index) == set(load("egad/objects.parquet")["id"])
-    causes = ["too_wide", "not_antipodal", "blocked", "too_close", "surplus", "grasps"]
-    assert (tally[causes].sum(axis=1) == tally["tried"]).all()
+    causes = ["n_too_wide", "n_not_antipodal", "n_blocked", "n_too_close", "n_surplus", "n_grasps"]
+    assert (tally[causes].sum(axis=1) == tally["n_candidates"]).all()
     rows = grasps.groupby("id").size().reindex(tally.index, fill_value=0)
-    assert (rows == tally["grasps"]).all()
-    assert (tally["wanted"] == 10).all()
+    assert (rows == tally["n_grasps"]).all()
+    assert (tally["n_wanted"] == 10).all()
 
 
 def test_the_evaluation_set_is_printed_and_tried(finished, load):
@@ -444,7 +444,7 @@ def test_another_grid_and_axes_of_ones_own_go_all_the_way(clean, cells):
             "complexity_range": [0, 0.06],
             "difficulty_range": [0.0001, 0.001],
         },
-        "axes": {"complexity": "mine.py:area", "difficulty": "mine.py:volume"},
+        "measures": {"complexity": "mine.py:area", "difficulty": "mine.py:volume"},
         "symmetry": {"mirror": ["y"]},
     }
     clean.make("--cores", 2, configs=["config/test.yaml", clean.overlay("own.yaml", own)])

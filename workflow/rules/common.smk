@@ -11,7 +11,7 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 
 from egad.pipeline.cli.stages import stage_function
-from egad.pipeline.config import training_study as diversity
+from egad.pipeline.config import training_study
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config.check import check
 from egad.pipeline.config.stage_settings import select
@@ -21,7 +21,7 @@ from egad.pipeline.parameters import settings_type
 from egad.data import released
 from egad.pipeline.display import start_display
 from egad.errors import UserError
-from egad.exchange.sums import sum_of
+from egad.exchange.sums import checksum
 from egad._util.kernel_cache import compile_kernels
 from egad.measures.custom import source_hash
 from egad.detectors.registry import fingerprint
@@ -30,9 +30,9 @@ from egad.perception.splits import shard_count
 try:
     SETTINGS = check(config)
     # The same, with the networks of the experiment among the detectors.
-    TRIED = diversity.with_networks(SETTINGS)
+    TRIED = training_study.with_networks(SETTINGS)
     # The user's own measures by their code, so that editing it re-runs what they measure.
-    MEASURES = [source_hash(measure) for measure in SETTINGS.axes.functions().values()]
+    MEASURES = [source_hash(measure) for measure in SETTINGS.measures.functions().values()]
     # Files of detectors that are targets have to be there before anything runs.
     for name in SETTINGS.targets.detectors:
         fingerprint(SETTINGS.detectors[name])
@@ -49,7 +49,7 @@ SHARDS = range(SETTINGS.shards)
 CELLS = SETTINGS.select_eval.rows * SETTINGS.select_eval.columns
 EVALUATION_SHARDS = range(min(SETTINGS.shards, CELLS))
 IMAGE_SHARDS = range(shard_count(SETTINGS.render.images))
-NETWORKS = {network.name: network for network in diversity.networks_of(SETTINGS)}
+NETWORKS = {network.name: network for network in training_study.networks_of(SETTINGS)}
 # The images of training sets, and the trials of the networks, are for the first target.
 GRIPPER = SETTINGS.targets.grippers[0]
 ISLANDS = range(SETTINGS.schedule.islands)
@@ -180,7 +180,7 @@ def contents_of(files):
 
 @cache
 def _contents(files):
-    sums = [sum_of(Path(file)) for file in files if Path(file).exists()]
+    sums = [checksum(Path(file)) for file in files if Path(file).exists()]
     return hashlib.sha256("".join(sums).encode()).hexdigest()[:16]
 
 

@@ -1,14 +1,14 @@
 """Grasp-label: antipodal grasps with plain and robust quality.
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G.
-Outputs: results/D/grasps/G.parquet; G.tally.parquet, what became of the candidates of each object;
+Outputs: results/D/grasps/G.parquet; G.sampling.parquet, what became of the candidates of each object;
 G.rejected.parquet, the objects without any grasp.
 Steps: shards of objects are labelled; then the tables of the shards are joined.
 """
 
 
 localrules:
-    join_tallies,
+    join_sampling,
     join_ungraspable,
 
 
@@ -20,7 +20,7 @@ rule grasp_label:
         mesh=gripper_mesh,
     output:
         grasps=ensure("results/{dataset}/parts/grasps-{gripper}-{shard}.parquet", non_empty=True),
-        tally=ensure("results/{dataset}/parts/tally-{gripper}-{shard}.parquet", non_empty=True),
+        sampling=ensure("results/{dataset}/parts/sampling-{gripper}-{shard}.parquet", non_empty=True),
         rejected=ensure(
             "results/{dataset}/parts/ungraspable-{gripper}-{shard}.parquet",
             non_empty=True,
@@ -45,7 +45,7 @@ rule grasp_label:
     shell:
         "egad grasp-label --settings {params.settings:q} --shard {wildcards.shard}"
         " --shards {params.shards} --objects {input.objects:q} --meshes {params.meshes:q}"
-        " --out {output.grasps:q} --tally {output.tally:q} --rejected {output.rejected:q}"
+        " --out {output.grasps:q} --sampling {output.sampling:q} --rejected {output.rejected:q}"
         " > {log:q} 2>&1"
 
 
@@ -67,15 +67,15 @@ use rule join as join_grasps with:
         "Joining the grasps of {wildcards.gripper} on {wildcards.dataset}"
 
 
-use rule join as join_tallies with:
+use rule join as join_sampling with:
     input:
-        parts("results/{dataset}/parts/tally-{gripper}-{shard}.parquet"),
+        parts("results/{dataset}/parts/sampling-{gripper}-{shard}.parquet"),
     output:
-        ensure("results/{dataset}/grasps/{gripper}.tally.parquet", non_empty=True),
+        ensure("results/{dataset}/grasps/{gripper}.sampling.parquet", non_empty=True),
     log:
-        "logs/{dataset}/join_tallies/{gripper}.log",
+        "logs/{dataset}/join_sampling/{gripper}.log",
     benchmark:
-        "benchmarks/{dataset}/join_tallies/{gripper}.tsv"
+        "benchmarks/{dataset}/join_sampling/{gripper}.tsv"
     params:
         by=["--by", "label"],
         code=code_of("join"),

@@ -25,8 +25,8 @@ def final_archive(wildcards):
 
 
 def region_meshes(wildcards):
-    """The mesh files that the envelope, part and hole are read from."""
-    regions = [SETTINGS.envelope, SETTINGS.part, SETTINGS.hole]
+    """The mesh files that the envelope, the kept solid and the hole are read from."""
+    regions = [SETTINGS.envelope, SETTINGS.keep_solid, SETTINGS.hole]
     return [region.mesh for region in regions if region.mesh]
 
 

@@ -8,7 +8,7 @@ def published():
         "rescaled/{gripper}/scales.parquet",
         "rescaled/{gripper}/rejected.parquet",
         "grasps/{gripper}.parquet",
-        "grasps/{gripper}.tally.parquet",
+        "grasps/{gripper}.sampling.parquet",
         "grasps/{gripper}.rejected.parquet",
         "size_effect/{gripper}.parquet",
         "print/{gripper}/manifest.parquet",

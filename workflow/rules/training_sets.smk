@@ -5,8 +5,8 @@ def settings_of_set(stage):
     """The same for a training set and, if the wildcards have a seed, a network."""
 
     def chosen(wildcards):
-        network = diversity.Network(wildcards.training_set, int(wildcards.get("seed", 0)))
-        whole = diversity.settings_for(SETTINGS, network)
+        network = training_study.Network(wildcards.training_set, int(wildcards.get("seed", 0)))
+        whole = training_study.settings_for(SETTINGS, network)
         return _as_json(select(whole, settings_type(stage_function(stage)), GRIPPER))
 
     return chosen
@@ -56,13 +56,13 @@ def mesh_of_the_gripper(wildcards):
 
 def compared(wildcards):
     """What the report on training sets shows; by what: trials, evaluation, trained, images."""
-    asked = SETTINGS.diversity
+    asked = SETTINGS.training_study
     for key, meaning in (("sets", "training set"), ("tests", "dataset to try networks on")):
         if not getattr(asked, key):
             raise WorkflowError(
-                f"diversity.{key} names no {meaning}: lay config/diversity.yaml over the others"
+                f"training_study.{key} names no {meaning}: lay config/training_study.yaml over the others"
             )
-    networks = "results/diversity/networks"
+    networks = "results/training_study/networks"
     trained = [network for network in NETWORKS.values() if is_trained(network)]
     sets = sorted({network.training_set for network in trained})
     return [
@@ -78,5 +78,5 @@ def compared(wildcards):
             for each in trained
             for file in ("history", "score")
         ],
-        *expand("results/diversity/images/{training_set}/card.md", training_set=sets),
+        *expand("results/training_study/images/{training_set}/card.md", training_set=sets),
     ]

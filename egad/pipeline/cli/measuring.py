@@ -63,7 +63,7 @@ def measure(
     table = stage.run(select(whole, MeasureMeshes), files, units, jobs)
     if out is not None:
         write_frame(table, MEASURED, out)
-    measured(table, axis_pair(whole.axes))
+    measured(table, axis_pair(whole.measures))
     complain(_reasons(table), len(table))
 
 
@@ -123,12 +123,12 @@ def locate(
     for path in out:
         if path.suffix.lower() == ".html":
             reasons = _reasons(table)
-            axes = axis_pair(settings.axes)
+            axes = axis_pair(settings.measures)
             text = page(str(among), objects.objects, shown, reasons, settings.space, axes)
             write_text(path, text)
         else:
             write_frame(table, LOCATED, path)
-    located(table, axis_pair(settings.axes))
+    located(table, axis_pair(settings.measures))
     complain(_reasons(table), len(table))
 
 

@@ -116,12 +116,12 @@ def bundle(
 
 
 @app.command(rich_help_panel=TOOL)
-def materialise(archive: ArchiveFile, out: OutFolder, config: Config = None) -> None:
+def export_meshes(archive: ArchiveFile, out: OutFolder, config: Config = None) -> None:
     """Write the meshes of an archive as ID.obj, in metres, as they came out of evolution."""
     from egad.data import archive_path
     from egad.pipeline.archive_settings import check_provenance
     from egad.pipeline.config.stage_settings import LocateMeshes, select
-    from egad.pipeline.stages import materialise as stage
+    from egad.pipeline.stages import export_meshes as stage
 
     _spare(out)
     archive, settings = archive_path(archive), settings_in(config)
@@ -139,7 +139,7 @@ def collage(
     from egad.pipeline.stages import collage as stage
 
     settings = settings_in(config)
-    stage.run(dataset, out, settings.space, settings.axes)
+    stage.run(dataset, out, settings.space, settings.measures)
 
 
 @app.command(rich_help_panel=TOOL)
@@ -157,7 +157,7 @@ def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
     settings = settings_in(config)
     check_provenance(archive_path(archive), select(settings, LocateMeshes), ("space",))
     objects = parquet.read(archive_path(archive), ARCHIVE)
-    maps = dataset_maps({archive.stem: objects}, settings.space, axis_pair(settings.axes))
+    maps = dataset_maps({archive.stem: objects}, settings.space, axis_pair(settings.measures))
     write_text(out, maps)
 
 

@@ -49,8 +49,8 @@ def compare(
         _write(out, found, evaluation, settings_in(config))
 
 
-@trials.command(name="import")
-def import_(
+@trials.command(name="report")
+def report(
     table: Annotated[Path, typer.Argument(help="CSV file with label, attempt, success")],
     out: Files = [Path("trials.html")],  # noqa: B006 (typer copies it)
     evaluation: Evaluation = None,
@@ -166,5 +166,5 @@ def _write(
     places = [cell_of_label(label) for table in found.values() for label in table["label"].unique()]
     rows = max(settings.select_eval.rows, *(row + 1 for row, _ in places))
     columns = max(settings.select_eval.columns, *(column + 1 for _, column in places))
-    tried = EvaluationSet(rows, columns, chosen, axis_pair(settings.axes))
+    tried = EvaluationSet(rows, columns, chosen, axis_pair(settings.measures))
     write_text(out, page(found, tried))

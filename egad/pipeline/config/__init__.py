@@ -6,7 +6,7 @@ Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles de
 """
 
 from egad._util.parameters import Axis, Name, Parameters, Range, ScaleRule
-from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Region, Shape, Symmetry
+from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Neat, Region, Shape, Symmetry
 from egad.detectors.parameters import DETECTORS, DetectorConfig
 from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange.parameters import Acronym, DexNet
@@ -15,17 +15,17 @@ from egad.grasps.gripper import GRIPPERS, Gripper
 from egad.grasps.parameters import GraspLabel, Quality, Robust, Sampling
 from egad.learning.parameters import Training
 from egad.map_elites.parameters import Evolution
-from egad.measures.parameters import Axes, Complexity, Difficulty, SizeEffect, Space
+from egad.measures.parameters import Complexity, CustomMeasures, Difficulty, SizeEffect, Space
 from egad.perception.parameters import CAMERAS, Camera, ImageNoise, Render
 from egad.pipeline.config.sections import (
     TRAINING_SETS,
     Dataset,
-    Diversity,
     Postprocess,
     Rescale,
     Schedule,
     Targets,
     TrainingSet,
+    TrainingStudy,
 )
 from egad.pipeline.config.settings import Settings
 from egad.reeb.parameters import Similarity
@@ -38,16 +38,15 @@ __all__ = [
     "TRAINING_SETS",
     "Acronym",
     "Agreement",
-    "Axes",
     "Axis",
     "Bundle",
     "Camera",
     "Complexity",
+    "CustomMeasures",
     "Dataset",
     "DetectorConfig",
     "DexNet",
     "Difficulty",
-    "Diversity",
     "Engraving",
     "Envelope",
     "Evolution",
@@ -55,13 +54,13 @@ __all__ = [
     "Gripper",
     "Hole",
     "ImageNoise",
+    "KeepSolid",
     "Lifting",
     "Limits",
     "Material",
     "Name",
     "Neat",
     "Parameters",
-    "Part",
     "Postprocess",
     "PrintCheck",
     "PrintExport",
@@ -84,5 +83,6 @@ __all__ = [
     "Targets",
     "Training",
     "TrainingSet",
+    "TrainingStudy",
     "Trials",
 ]

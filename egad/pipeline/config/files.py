@@ -60,11 +60,11 @@ RELEASED_TEXT = """
 The released objects: the whole pipeline from the archive that egad ships, without evolving.
 `snakemake --cores 2 --configfile config/released.yaml` lays this over config/config.yaml.
 """
-DIVERSITY_TEXT = """
+TRAINING_STUDY_TEXT = """
 What are diverse objects worth to a network that learns from them? The experiment of
-docs/diversity.md, some five hours of CPU time; what is done is not done again. Lay it over
+docs/training-study.md, some five hours of CPU time; what is done is not done again. Lay it over
 config/config.yaml:
-  snakemake --cores 2 --configfile config/diversity.yaml results/diversity/report.html
+  snakemake --cores 2 --configfile config/training_study.yaml results/training_study/report.html
 What you must get for it, besides `pip install safetensors torch`:
   - the YCB meshes in data/ycb, as config/datasets/ycb.yaml says (set and test `ycb`);
   - weights/epoch_50_cornell_statedict.pt, GG-CNN2 as its authors trained it on the Cornell dataset,
@@ -87,7 +87,7 @@ PAPER: Values = {
         "parents": "uniform",
         "siblings": 1,
         "restart": 0.0,
-        "regrade": 0,
+        "reevaluation_grasps": 0,
     },
     "neat": {"activations": ["sin", "sigmoid", "gaussian", "identity"]},
     "shape": {"resolution": 25, "threshold": 0.5},
@@ -96,10 +96,10 @@ PAPER: Values = {
         "difficulty_range": [0.0005, 0.004],
         "cells": 25,
         "elites_per_cell": 4,
-        "neighbours": 10,
+        "neighbors": 10,
     },
     "complexity": {"bins": 512},
-    "difficulty": {"metric": "plain", "grasps": 100, "percentile": 75.0},
+    "difficulty": {"metric": "nominal", "grasps": 100, "percentile": 75.0},
     "trials": {"attempts": 20},
 }
 FULL: Values = {**PAPER, "evolution": {**PAPER["evolution"], "parents": "sparse"}}
@@ -134,16 +134,16 @@ EGAD: Values = {
     "trials": {"attempts": 20},
 }
 
-DIVERSITY: Values = {
+TRAINING_STUDY: Values = {
     "datasets": {
         **RELEASED["datasets"],
         **YCB["datasets"],
         "primitives": {"source": "primitives", "objects": 500},
     },
     "grasp_label": {"grasps": 500},
-    "trials": {"attempts": 20, "between": "anew"},
+    "trials": {"attempts": 20, "reset": "redrop"},
     "training": {"patience": None},
-    "diversity": {
+    "training_study": {
         "sets": ["evolved", "third", "simple", "complex", "ycb", "primitives", "cornell"],
         "seeds": 2,
         "tests": ["egad", "ycb"],
@@ -165,7 +165,7 @@ def files() -> dict[Path, str]:
         "config/paper.yaml": (PAPER_TEXT, PAPER),
         "config/full.yaml": (FULL_TEXT, FULL),
         "config/released.yaml": (RELEASED_TEXT, RELEASED),
-        "config/diversity.yaml": (DIVERSITY_TEXT, DIVERSITY),
+        "config/training_study.yaml": (TRAINING_STUDY_TEXT, TRAINING_STUDY),
         "config/test.yaml": (TEST_TEXT, TEST),
         "config/datasets/ycb.yaml": (YCB_TEXT, YCB),
         "config/datasets/egad.yaml": (EGAD_TEXT, EGAD),

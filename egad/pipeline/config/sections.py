@@ -130,7 +130,7 @@ class TrainingSet(Parameters):
         WHOLE,
         description="which of them, by their rank in complexity: [0, 0.33] is the simplest third",
     )
-    part: PositiveFraction = Field(1.0, description="how many of these, drawn by chance")
+    subset: PositiveFraction = Field(1.0, description="how many of these, drawn by chance")
     hold_out: bool = Field(
         True, description="whether the objects of its evaluation set are left out of the training"
     )
@@ -142,9 +142,9 @@ class TrainingSet(Parameters):
     def _either_objects_or_weights(self) -> Self:
         if (self.dataset is None) == (self.weights is None):
             raise ValueError("a training set needs either `dataset` or `weights`")
-        if self.weights and (self.complexity != WHOLE or self.part < 1 or not self.hold_out):
+        if self.weights and (self.complexity != WHOLE or self.subset < 1 or not self.hold_out):
             raise ValueError(
-                "a training set with `weights` takes no `complexity`, `part` or `hold_out`"
+                "a training set with `weights` takes no `complexity`, `subset` or `hold_out`"
             )
         check_ascending(self, "complexity")
         return self
@@ -152,14 +152,14 @@ class TrainingSet(Parameters):
 
 TRAINING_SETS = {
     "evolved": TrainingSet(dataset="egad"),
-    "third": TrainingSet(dataset="egad", part=0.333),
+    "third": TrainingSet(dataset="egad", subset=0.333),
     "simple": TrainingSet(dataset="egad", complexity=(0.0, 0.333)),
     "complex": TrainingSet(dataset="egad", complexity=(0.667, 1.0)),
 }
 
 
-class Diversity(Parameters):
-    """What the objects that a network learns from are worth; see docs/diversity.md."""
+class TrainingStudy(Parameters):
+    """What the objects that a network learns from are worth; see docs/training-study.md."""
 
     sets: list[Name] = Field([], description="training sets of the table below to compare")
     seeds: int = Field(

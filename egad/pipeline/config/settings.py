@@ -6,7 +6,7 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Name, Parameters
-from egad.cppn.parameters import Envelope, Hole, Limits, Neat, Part, Shape, Symmetry
+from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
 from egad.detectors.parameters import DETECTORS, DetectorConfig
 from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange.parameters import Acronym, DexNet
@@ -15,17 +15,17 @@ from egad.grasps.gripper import GRIPPERS, Gripper
 from egad.grasps.parameters import GraspLabel, Quality, Robust, Sampling
 from egad.learning.parameters import Training
 from egad.map_elites.parameters import Evolution
-from egad.measures.parameters import Axes, Complexity, Difficulty, SizeEffect, Space
+from egad.measures.parameters import Complexity, CustomMeasures, Difficulty, SizeEffect, Space
 from egad.perception.parameters import CAMERAS, Camera, ImageNoise, Render
 from egad.pipeline.config.sections import (
     TRAINING_SETS,
     Dataset,
-    Diversity,
     Postprocess,
     Rescale,
     Schedule,
     Targets,
     TrainingSet,
+    TrainingStudy,
 )
 from egad.reeb.parameters import Similarity
 from egad.sim.parameters import Agreement, Trials
@@ -47,12 +47,12 @@ class Settings(Parameters):
     neat: Neat = Neat()
     shape: Shape = Shape()
     envelope: Envelope = Envelope()
-    part: Part = Part()
+    keep_solid: KeepSolid = KeepSolid()
     hole: Hole = Hole()
     symmetry: Symmetry = Symmetry()
     limits: Limits = Limits()
     space: Space = Space()
-    axes: Axes = Axes()
+    measures: CustomMeasures = CustomMeasures()
     complexity: Complexity = Complexity()
     difficulty: Difficulty = Difficulty()
     similarity: Similarity = Similarity()
@@ -76,7 +76,7 @@ class Settings(Parameters):
     training: Training = Training()
     render: Render = Render()
     image_noise: ImageNoise = ImageNoise()
-    diversity: Diversity = Diversity()
+    training_study: TrainingStudy = TrainingStudy()
     grippers: dict[Name, Gripper] = Field(
         GRIPPERS, min_length=1, description="all grippers, by name"
     )
@@ -103,23 +103,25 @@ class Settings(Parameters):
                 [name] if (name := self.select_eval.gripper) else [],
                 self.grippers,
             ),
-            *_unknown("diversity.sets", self.diversity.sets, self.training_sets),
-            *_unknown("diversity.tests", self.diversity.tests, self.datasets),
-            *_unknown("diversity.references", self.diversity.references, self.detectors),
+            *_unknown("training_study.sets", self.training_study.sets, self.training_sets),
+            *_unknown("training_study.tests", self.training_study.tests, self.datasets),
+            *_unknown("training_study.references", self.training_study.references, self.detectors),
             *self._unknown_datasets_of_sets(),
         ]
         evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]
         if len(evolved) > 1:
             problems.append(f"datasets: at most one can be evolved, got {', '.join(evolved)}")
-        if "diversity" in self.datasets:
-            problems.append("datasets.diversity: results/diversity is another folder; rename it")
+        if "training_study" in self.datasets:
+            problems.append(
+                "datasets.training_study: results/training_study is another folder; rename it"
+            )
         if problems:
             raise ValueError("\n".join(problems))
         return self
 
     def _unknown_datasets_of_sets(self) -> list[str]:
         """Of those sets that are used: the ones by default are of a dataset that may be gone."""
-        used = [name for name in self.diversity.sets if name in self.training_sets]
+        used = [name for name in self.training_study.sets if name in self.training_sets]
         return [
             problem
             for name in used

@@ -11,8 +11,7 @@ from egad._util.parameters import ParameterGroup
 from egad.grasps.parameters import LabelParameters
 from egad.measures.parameters import MeasureParameters
 from egad.pipeline.config import (
-    Axes,
-    Diversity,
+    CustomMeasures,
     Material,
     Postprocess,
     Render,
@@ -23,6 +22,7 @@ from egad.pipeline.config import (
     Space,
     Training,
     TrainingSet,
+    TrainingStudy,
     Trials,
 )
 
@@ -51,16 +51,16 @@ class ViewMesh(LabelParameters):
     rescale: Rescale
 
 
-class DiversityReport(StageSettings):
+class TrainingStudyReport(StageSettings):
     """Networks that learnt from different objects side by side."""
 
-    diversity: Diversity
+    training_study: TrainingStudy
     training_sets: dict[str, TrainingSet]  # those that are compared
     render: Render
     training: Training
     trials: Trials
     select_eval: SelectEval
-    axes: Axes
+    measures: CustomMeasures
 
 
 S = TypeVar("S", bound=ParameterGroup)
@@ -79,11 +79,11 @@ def select(
     """
     names = [name for name in stage.model_fields if name not in ("gripper", "camera", "detector")]
     values = {name: getattr(settings, name) for name in names}
-    if issubclass(stage, MeasureParameters) and settings.difficulty.metric == "plain":
+    if issubclass(stage, MeasureParameters) and settings.difficulty.metric == "nominal":
         values["robust"] = None
     if "training_sets" in values:
         values["training_sets"] = {
-            name: settings.training_sets[name] for name in settings.diversity.sets
+            name: settings.training_sets[name] for name in settings.training_study.sets
         }
     if "gripper" in stage.model_fields:
         chooses = "select_eval" in values

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from egad.errors import UserError
 from egad.pipeline.config import DetectorConfig, Settings, TrainingSet
 
-FOLDER = Path("results/diversity")
+FOLDER = Path("results/training_study")
 WEIGHTS = "weights.safetensors"
 
 
@@ -47,7 +47,7 @@ def networks(sets: Mapping[str, TrainingSet], names: list[str], seeds: int) -> l
 
 def networks_of(settings: Settings) -> list[Network]:
     """The networks that a configuration asks for."""
-    asked = settings.diversity
+    asked = settings.training_study
     return networks(settings.training_sets, asked.sets, asked.seeds)
 
 
@@ -77,6 +77,6 @@ def settings_for(settings: Settings, network: Network) -> Settings:
     seed of the training.
     """
     chosen = settings.training_sets[network.training_set]
-    parts = {name: getattr(chosen, name) for name in ("complexity", "part", "hold_out")}
+    parts = {name: getattr(chosen, name) for name in ("complexity", "subset", "hold_out")}
     render = settings.render.model_copy(update=parts)
     return settings.model_copy(update={"render": render, "seed": settings.seed + network.seed})

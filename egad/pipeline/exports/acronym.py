@@ -74,7 +74,7 @@ def run(
                 raise UserError(f"{grasps}: object {label!r} is not in {objects} and {scales}")
             body = scaled_body(known[label], factors[label], settings.quality.friction)
             path = folder / f"{check_key(label)}.h5"
-            write_acronym(path, body, jaws, found, settings.acronym.held)
+            write_acronym(path, body, jaws, found, settings.acronym.min_robust_success_rate)
             written += 1
     log.info("%d objects", written)
 

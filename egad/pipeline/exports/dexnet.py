@@ -29,12 +29,18 @@ METRICS = {
     "ferrari_canny": "quality",
     "robust_ferrari_canny": "robust_quality",
     "robust_ferrari_canny_std": "robust_quality_std",
-    "held": "held",
+    "robust_success_rate": "robust_success_rate",
     "fits": "fits",
     "collision_free": "collision_free",
     "needed_opening": "needed_opening",
 }
-OWN = ("robust_ferrari_canny_std", "held", "fits", "collision_free", "needed_opening")
+OWN = (
+    "robust_ferrari_canny_std",
+    "robust_success_rate",
+    "fits",
+    "collision_free",
+    "needed_opening",
+)
 COLUMNS = [
     *(f"{name}_{part}" for name in ("center", "axis", "approach") for part in "xyz"),
     *METRICS.values(),

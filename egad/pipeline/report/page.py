@@ -95,7 +95,7 @@ def build(report: ReportData) -> str:
 def _sections(report: ReportData) -> Iterator[Section]:
     """All sections, in their order; those without any content are left out."""
     settings, datasets = report.settings, report.datasets
-    axes, space = axis_pair(settings.axes), settings.space
+    axes, space = axis_pair(settings.measures), settings.space
     results = {name: _results(data, settings, axes) for name, data in datasets.items()}
     objects = {name: data.objects for name, data in datasets.items()}
     yield _summary(datasets, results, settings, axes)
@@ -165,7 +165,7 @@ def _evolution(
             views,
             settings.space,
             axes,
-            grasps=None if settings.axes.difficulty else grasps_used,
+            grasps=None if settings.measures.difficulty else grasps_used,
             islands=settings.schedule.islands,
             named=len(datasets) > 1,
         )
@@ -191,7 +191,7 @@ def _evaluation(
         yield evaluation.section(
             views,
             axes,
-            percentile=None if settings.axes.difficulty else settings.difficulty.percentile,
+            percentile=None if settings.measures.difficulty else settings.difficulty.percentile,
             gripper=name_of_gripper,
             named=len(datasets) > 1,
         )

@@ -7,11 +7,11 @@ import pandas as pd
 
 from egad.learning.model_card import best_epoch
 from egad.pipeline.config.sections import TrainingSet
-from egad.pipeline.config.stage_settings import DiversityReport
+from egad.pipeline.config.stage_settings import TrainingStudyReport
 from egad.pipeline.config.training_study import Network
 from egad.report.drawing import svg_uri
 from egad.report.page import render_template
-from egad.report.training import score_chart, set_colours, success_chart, training_curves
+from egad.report.training import score_chart, set_colors, success_chart, training_curves
 from egad.report.trial_charts import outcome_chart, rate_bars, trial_heat_map
 from egad.report.trials import EvaluationSet
 from egad.stats.rates import Mean, TrialGrid, trial_grid
@@ -56,7 +56,7 @@ class Training:
     @property
     def rate(self) -> float:
         """Fraction of the test images in which its grasp is correct; NaN if none counts."""
-        right, count = self.score["right"], self.score["count"]
+        right, count = self.score["n_correct"], self.score["n_images"]
         return right / count if count else float("nan")
 
     @property
@@ -77,7 +77,7 @@ class Study:
         trainings: By network, of the same sets.
     """
 
-    settings: DiversityReport
+    settings: TrainingStudyReport
     table: pd.DataFrame
     tests: Mapping[str, EvaluationSet]
     images: Mapping[str, Images]
@@ -122,8 +122,8 @@ class TestView:
 def page(study: Study) -> str:
     """The page about a study: HTML that needs no other file."""
     settings, tests = study.settings, by_test(study.table)
-    sets = settings.diversity.sets
-    curves = training_curves(_histories(study), set_colours(sets)) if study.trainings else ""
+    sets = settings.training_study.sets
+    curves = training_curves(_histories(study), set_colors(sets)) if study.trainings else ""
     return render_template(
         "training_study",
         settings=settings,
@@ -142,8 +142,8 @@ def describe(training_set: TrainingSet) -> str:
         return f"given weights, `{training_set.weights}`, without training"
     low, high = training_set.complexity
     objects = "all objects" if (low, high) == (0, 1) else f"complexity ranks {low:g} to {high:g}"
-    if training_set.part < 1:
-        objects += f", a random sample of {training_set.part:.1%}"
+    if training_set.subset < 1:
+        objects += f", a random sample of {training_set.subset:.1%}"
     left_out = ", without its evaluation set" if training_set.hold_out else ""
     return f"dataset `{training_set.dataset}`, {objects}{left_out}"
 
@@ -166,7 +166,7 @@ def _test(name: str, tried: TestAttempts, study: Study) -> TestView:
         rows_figure=svg_uri(rate_bars(rows)),
         columns_figure=svg_uri(rate_bars(columns, digits)),
         outcome_figure=svg_uri(outcome_chart({**sets, **references(tried.rows)})),
-        score_figure=svg_uri(score_chart(points, set_colours(list(tried.sets)))) if points else "",
+        score_figure=svg_uri(score_chart(points, set_colors(list(tried.sets)))) if points else "",
     )
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.exchange.meshes import read_mesh
-from egad.pipeline.config import Axes, Space
+from egad.pipeline.config import CustomMeasures, Space
 from egad.report.axes import axis_pair
 from egad.report.pictures import png_bytes, render
 from egad.report.space_map import collage, most_diverse
@@ -15,7 +15,7 @@ from egad.tables.objects import OBJECTS
 SIZE = 96
 
 
-def run(dataset: Path, out: Path, space: Space, axes: Axes) -> None:
+def run(dataset: Path, out: Path, space: Space, axes: CustomMeasures) -> None:
     """Draw the most diverse object of every cell.
 
     Args:

@@ -22,7 +22,7 @@ from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Jobs, Output, command
 from egad.pipeline.stages.shards import join
 from egad.reeb import graph as reeb
-from egad.reeb.neighbours import diversities
+from egad.reeb.neighbors import diversities
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
 
@@ -81,9 +81,7 @@ def arrange(
     frame = frame.assign(
         complexity_cell=complexity_cells(frame["complexity"], space),
         difficulty_cell=difficulty_cells(frame["difficulty"], space),
-        diversity=diversities(
-            graphs, settings.similarity.weight, space.neighbours, threads, _shown
-        ),
+        diversity=diversities(graphs, settings.similarity.weight, space.neighbors, threads, _shown),
     )
     if not evolved:
         return frame.assign(label=frame["id"]).sort_values("label", ignore_index=True)

@@ -8,7 +8,7 @@ import typer
 
 from egad._util.files import write_text
 from egad.measures.grid import coverage, filled_cells
-from egad.pipeline.config import Axes, Space
+from egad.pipeline.config import CustomMeasures, Space
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Output, command
 from egad.report.axes import axis_pair
@@ -21,7 +21,7 @@ class Compare(StageSettings):
     """Datasets side by side."""
 
     space: Space
-    axes: Axes
+    measures: CustomMeasures
 
 
 @command()
@@ -45,7 +45,7 @@ def run(
     objects = {name: parquet.read(path, OBJECTS) for name, path in datasets.items()}
     comparison = pd.DataFrame([_row(name, each, settings) for name, each in objects.items()])
     parquet.write(comparison, COMPARISON, out)
-    write_text(figure, dataset_maps(objects, settings.space, axis_pair(settings.axes)))
+    write_text(figure, dataset_maps(objects, settings.space, axis_pair(settings.measures)))
     return comparison_text(comparison)
 
 

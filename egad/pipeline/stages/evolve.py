@@ -50,7 +50,7 @@ def run(
         islands: Number of all islands, for the page.
         jobs: Processes, and threads; the result does not depend on it.
     """
-    check_measures(settings.axes)
+    check_measures(settings.measures)
     rules = rules_of(settings)
     watch = watch_of(settings, epoch, island, page, islands) if page else None
     with workers(jobs) as mapper:
@@ -83,7 +83,7 @@ def watch_of(
     evaluations = settings.evolution.steps_per_epoch * settings.evolution.population
     run = record.settings_hash(settings)
     about = live_map.EpochOfIsland(run, epoch, island, evaluations, islands)
-    names = axes.axis_pair(settings.axes)
+    names = axes.axis_pair(settings.measures)
     watch: Watch = live_map.LiveMap(page, about, settings.space, settings.shape.resolution, names)
     return watch
 
@@ -98,7 +98,7 @@ def rules_of(settings: EvolutionParameters) -> Rules:
         settings.shape.resolution,
         mesh_of,
         envelope=settings.envelope,
-        part=settings.part,
+        keep_solid=settings.keep_solid,
         hole=settings.hole,
         symmetry=settings.symmetry,
         limits=settings.limits,

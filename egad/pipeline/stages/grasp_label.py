@@ -18,7 +18,7 @@ from egad.pipeline.parameters import Input, Output, Shard, command
 from egad.pipeline.stages.shards import rejection, rows_in_shard
 from egad.random import generator
 from egad.tables import parquet
-from egad.tables.grasping import GRASPS, TALLY
+from egad.tables.grasping import GRASPS, SAMPLING
 from egad.tables.objects import OBJECTS, REJECTED
 
 log = logging.getLogger(__name__)
@@ -31,7 +31,7 @@ def run(
     meshes: Annotated[Path, Input()],
     shard: Shard,
     out: Annotated[Path, Output("D/grasps/G.parquet", GRASPS)],
-    tally: Annotated[Path, Output("D/grasps/G.tally.parquet", TALLY)],
+    tally: Annotated[Path, Output("D/grasps/G.sampling.parquet", SAMPLING)],
     rejected: Annotated[Path, Output("D/grasps/G.rejected.parquet", REJECTED)],
 ) -> None:
     """Label the grasps of the objects of a shard.
@@ -70,6 +70,6 @@ def run(
         tallies.append(named | statistics_row(settings.grasp_label.grasps, counts, rows))
     table = pd.concat(labelled) if labelled else parquet.empty(GRASPS)
     parquet.write(table, GRASPS, out)
-    parquet.write(pd.DataFrame(tallies), TALLY, tally)
+    parquet.write(pd.DataFrame(tallies), SAMPLING, tally)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
     log.info("%d grasps, %d objects without any", len(table), len(left_out))

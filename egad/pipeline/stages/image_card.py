@@ -17,7 +17,7 @@ from egad.tables import parquet
 from egad.tables.objects import REJECTED
 
 log = logging.getLogger(__name__)
-COLUMNS = ["id", "split", "pose", "free"]
+COLUMNS = ["id", "split", "pose", "collision_free"]
 
 
 def tidy(images: Path, shards: int) -> list[Path]:

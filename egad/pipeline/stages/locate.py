@@ -21,8 +21,8 @@ from egad.pipeline.config import Shape, Similarity
 from egad.pipeline.config.stage_settings import LocateMeshes
 from egad.pipeline.stages.measure import measure_row, warn_of_units
 from egad.reeb import graph as reeb
-from egad.reeb.neighbours import Neighbourhood
-from egad.report.locations import Located, Neighbour
+from egad.reeb.neighbors import Neighborhood
+from egad.report.locations import Located, Neighbor
 from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
@@ -122,7 +122,7 @@ def run(
         mine = list(progress(mapper(work, files.items()), "measuring", len(files)))
         graphs = mapper(partial(_graph, settings=similarity), among.load.values())
         packed = list(progress(graphs, "Reeb graphs", len(among.load)))
-    hood = Neighbourhood(similarity.weight, settings.space.neighbours)
+    hood = Neighborhood(similarity.weight, settings.space.neighbors)
     hood.add(reeb.unpack(graph) for graph in packed)  # indices are those of the rows
     rows = [_placed(item, hood, among.objects) for item in mine]
     warn_of_units(pd.DataFrame([item.row for item in mine], columns=MEASURED.names), units)
@@ -153,7 +153,7 @@ def _graph(load: Callable[[], trimesh.Trimesh], settings: Similarity) -> bytes:
     return reeb.pack(reeb.extract(load(), settings))
 
 
-def _placed(item: _Mine, hood: Neighbourhood, objects: pd.DataFrame) -> dict[str, Any]:
+def _placed(item: _Mine, hood: Neighborhood, objects: pd.DataFrame) -> dict[str, Any]:
     """A row of `tables.objects.LOCATED`."""
     if not item.graph:
         return item.row
@@ -171,8 +171,8 @@ def _placed(item: _Mine, hood: Neighbourhood, objects: pd.DataFrame) -> dict[str
 
 
 def _located(row: dict[str, Any], item: _Mine, among: Reference) -> Located:
-    neighbours = [
-        Neighbour(label, distance, png_bytes(render(among.load[label](), THUMBNAIL)))
+    neighbors = [
+        Neighbor(label, distance, png_bytes(render(among.load[label](), THUMBNAIL)))
         for label, distance in zip(row["nearest"], row["distances"], strict=True)
     ]
-    return Located(row, item.picture, neighbours)
+    return Located(row, item.picture, neighbors)

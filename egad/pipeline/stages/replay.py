@@ -39,7 +39,7 @@ def run(
         UserError: There is no such attempt, it never began, or it came out differently.
     """
     row = _row(trials, label, attempt)
-    if not row["begun"]:
+    if not row["initial_pose"]:
         raise UserError(f"{label}, attempt {attempt} never began: {row['outcome']}")
     again, frames = repeat_attempt(settings, row, bundle)
     write_film(frames, out)

@@ -90,7 +90,9 @@ def run(
 
 def _log_fit(scales: list[dict[str, Any]], opening: float) -> None:
     """Say how much of the surface fits into the gripper."""
-    before, after = (100 * np.mean([row[f"fit_{when}"] for row in scales]) for when in BOTH)
+    before, after = (
+        100 * np.mean([row[f"graspable_fraction_{when}"] for row in scales]) for when in BOTH
+    )
     text = "%.0f %% of their surface fits into an opening of %g mm, before %.0f %%"
     log.info(text, after, 1000 * opening, before)
 
@@ -110,7 +112,7 @@ def _scaled(
     file = folder / f"{name}{tail}"
     WRITERS[file.suffix](scaled, file)
     return row | {
-        "fit_before": graspable_fraction(widths, areas, opening),
-        "fit_after": graspable_fraction(row["factor"] * widths, areas, opening),
+        "graspable_fraction_before": graspable_fraction(widths, areas, opening),
+        "graspable_fraction_after": graspable_fraction(row["factor"] * widths, areas, opening),
         "file": file.name,
     }

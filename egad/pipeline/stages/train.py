@@ -42,9 +42,9 @@ def run(
     images: Annotated[Path, Input()],
     out: Annotated[
         Path,
-        Output("diversity/networks/SET/SEED/", files=(WEIGHTS, CHART, CARD)),
-        Output("diversity/networks/SET/SEED/history.parquet", HISTORY),
-        Output("diversity/networks/SET/SEED/score.parquet", SCORE),
+        Output("training_study/networks/SET/SEED/", files=(WEIGHTS, CHART, CARD)),
+        Output("training_study/networks/SET/SEED/history.parquet", HISTORY),
+        Output("training_study/networks/SET/SEED/score.parquet", SCORE),
     ],
     jobs: Jobs = 1,
 ) -> Score:

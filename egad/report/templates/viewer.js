@@ -5,7 +5,7 @@
 
 const RAMPS = {
   "red to green": [[0.78, 0.11, 0.13], [0.96, 0.73, 0.20], [0.05, 0.56, 0.25]],
-  "blue to yellow (colour-blind safe)": [[0.0, 0.14, 0.42], [0.47, 0.46, 0.47], [1.0, 0.90, 0.20]],
+  "blue to yellow (color-blind safe)": [[0.0, 0.14, 0.42], [0.47, 0.46, 0.47], [1.0, 0.90, 0.20]],
 };
 const MESH = [0.78, 0.80, 0.83];
 const STEM = 0.15, THICK = 0.006; // of the longest side of the object
@@ -13,16 +13,16 @@ const AMBIENT = { mesh: 0.5, jaws: 0.75 }; // ambient part of the light
 const CREASE = Math.cos(40 * Math.PI / 180);
 const START = { azimuth: -0.918, height: 0.505, zoom: 1 };
 const SHADER = `
-  attribute vec3 place, normal, colour;
+  attribute vec3 place, normal, color;
   uniform mat3 turn;
-  uniform vec3 centre;
+  uniform vec3 center;
   uniform float size, zoom, ambient;
   uniform vec2 shape;
   varying vec3 shade;
   void main() {
-    vec3 seen = turn * ((place - centre) / size);
+    vec3 seen = turn * ((place - center) / size);
     float light = ambient + (1.0 - ambient) * max(dot(turn * normal, normalize(vec3(-0.4, 0.6, 0.75))), 0.0);
-    shade = colour * light;
+    shade = color * light;
     float depth = 4.0 - seen.z;
     gl_Position = vec4(seen.xy * shape * zoom * 4.6, 1.2 * depth - 2.0, depth);
   }`;
@@ -76,14 +76,14 @@ function measure(object) {
     low[i % 3] = Math.min(low[i % 3], value);
     high[i % 3] = Math.max(high[i % 3], value);
   });
-  object.centre = low.map((value, i) => (value + high[i]) / 2);
+  object.center = low.map((value, i) => (value + high[i]) / 2);
   object.longest = Math.max(...high.map((value, i) => value - low[i]));
   object.size = Math.hypot(...high.map((value, i) => value - low[i])) * 0.45 + 0.4 * object.finger;
   object.sides = high.map((value, i) => 1000 * (value - low[i]));
   return object;
 }
 
-// ---- triangles: rows of place, normal and colour
+// ---- triangles: rows of place, normal and color
 
 const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const plus = (a, b, times = 1) => [a[0] + times * b[0], a[1] + times * b[1], a[2] + times * b[2]];
@@ -114,7 +114,7 @@ function surface({ vertices, faces }) {
 }
 
 // A bar from one point to another, thick along the vectors `wide` and `deep`.
-function addBar(rows, from, to, wide, deep, colour) {
+function addBar(rows, from, to, wide, deep, color) {
   const along = unit(minus(to, from));
   const ring = (end) => [[1, 1], [-1, 1], [-1, -1], [1, -1]].map(([a, b]) => plus(plus(end, wide, a), deep, b));
   const [a, b] = [ring(from), ring(to)];
@@ -122,12 +122,12 @@ function addBar(rows, from, to, wide, deep, colour) {
   const quads = sides.map(([normal, i, j]) => [unit(normal), a[i], b[i], b[j], a[j]]);
   quads.push([along, ...b], [along.map((v) => -v), ...a]);
   for (const [normal, ...corners] of quads) {
-    for (const k of [0, 1, 2, 0, 2, 3]) rows.push(...corners[k], ...normal, ...colour);
+    for (const k of [0, 1, 2, 0, 2, 3]) rows.push(...corners[k], ...normal, ...color);
   }
 }
 
 // Two fingers that end at the contacts, the bridge between them, and the stem of the approach.
-function addJaws(rows, object, grasp, colour) {
+function addJaws(rows, object, grasp, color) {
   const at = (array, place) => Array.from(array.subarray(3 * place, 3 * place + 3));
   const ends = [at(object.contacts, 2 * grasp), at(object.contacts, 2 * grasp + 1)];
   const approach = at(object.approaches, grasp);
@@ -138,11 +138,11 @@ function addJaws(rows, object, grasp, colour) {
   const back = (length) => approach.map((value) => -value * length);
   const tips = [plus(ends[0], wide, -1), plus(ends[1], wide)]; // outside, touching
   const roots = tips.map((tip) => plus(tip, back(object.finger)));
-  tips.forEach((tip, k) => addBar(rows, roots[k], tip, wide, deep, colour));
+  tips.forEach((tip, k) => addBar(rows, roots[k], tip, wide, deep, color));
   const length = approach.map((value) => value * half);
-  addBar(rows, plus(roots[0], wide, -1), plus(roots[1], wide), length, deep, colour);
+  addBar(rows, plus(roots[0], wide, -1), plus(roots[1], wide), length, deep, color);
   const middle = plus(roots[0], minus(roots[1], roots[0]), 0.5);
-  addBar(rows, middle, plus(middle, back(STEM * object.longest)), wide, deep, colour);
+  addBar(rows, middle, plus(middle, back(STEM * object.longest)), wide, deep, color);
 }
 
 function ramp(name, share) {
@@ -189,7 +189,7 @@ function painter(canvas) {
     const back = [Math.cos(h) * Math.cos(a), Math.cos(h) * Math.sin(a), Math.sin(h)];
     const up = cross(back, right);
     gl.uniformMatrix3fv(uniform("turn"), false, [0, 1, 2].flatMap((k) => [right[k], up[k], back[k]]));
-    gl.uniform3fv(uniform("centre"), object.centre);
+    gl.uniform3fv(uniform("center"), object.center);
     gl.uniform1f(uniform("size"), object.size);
     gl.uniform1f(uniform("zoom"), view.zoom);
     const least = Math.min(canvas.width, canvas.height);
@@ -197,7 +197,7 @@ function painter(canvas) {
     for (const [name, { buffer, count }] of Object.entries(layers)) {
       gl.uniform1f(uniform("ambient"), AMBIENT[name]);
       gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-      ["place", "normal", "colour"].forEach((name, k) => {
+      ["place", "normal", "color"].forEach((name, k) => {
         const where = gl.getAttribLocation(program, name);
         gl.enableVertexAttribArray(where);
         gl.vertexAttribPointer(where, 3, gl.FLOAT, false, 36, 12 * k);
@@ -295,13 +295,13 @@ function start(root) {
     const { passing, shown } = chosen(object, wanted);
     const rows = [];
     for (const grasp of shown) {
-      addJaws(rows, object, grasp, ramp(part("colours").value, object.metrics[metric][grasp] / top));
+      addJaws(rows, object, grasp, ramp(part("colors").value, object.metrics[metric][grasp] / top));
     }
     paint.layer("jaws", new Float32Array(rows));
     part("status").textContent = `${shown.length} of ${passing} matching grasps shown (${object.grasps} in total)`;
     part("limit").textContent = (1000 * least).toFixed(2);
     part("top").textContent = `\u2265 ${(1000 * top).toFixed(2)}`;
-    const stops = RAMPS[part("colours").value].map((stop) => `rgb(${stop.map((v) => Math.round(255 * v))})`);
+    const stops = RAMPS[part("colors").value].map((stop) => `rgb(${stop.map((v) => Math.round(255 * v))})`);
     part("bar").style.background = `linear-gradient(to right, ${stops})`;
     redraw();
   }
@@ -321,7 +321,7 @@ function start(root) {
 
   data.objects.forEach((item, index) => part("object").append(new Option(item.name, index)));
   data.metrics.forEach(([, name], index) => part("metric").append(new Option(name, index)));
-  Object.keys(RAMPS).forEach((name) => part("colours").append(new Option(name)));
+  Object.keys(RAMPS).forEach((name) => part("colors").append(new Option(name)));
   root.querySelector(".choice").hidden = data.objects.length === 1;
   part("object").addEventListener("change", () => show(Number(part("object").value)));
   part("controls").addEventListener("input", (event) => { if (event.target.name !== "object") update(); });

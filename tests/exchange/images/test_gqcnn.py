@@ -12,7 +12,7 @@ from egad.errors import UserError
 from egad.exchange import gqcnn
 from egad.exchange.gqcnn import write_gqcnn
 
-STEPS = np.meshgrid(*2 * [3 * (np.arange(32) - 15.5)])  # from the centre, pixels of the image
+STEPS = np.meshgrid(*2 * [3 * (np.arange(32) - 15.5)])  # from the center, pixels of the image
 
 
 def test_gqcnn(sets, contacts, check_rectangle, tmp_path):
@@ -45,7 +45,7 @@ def test_gqcnn(sets, contacts, check_rectangle, tmp_path):
 def check_row(row, picture, number):
     """The numbers of a row against its grasp."""
     grasps, hand = picture.grasps, row["hand_poses"]
-    free = bool(grasps.free[number])
+    free = bool(grasps.collision_free[number])
     assert bool(row["collision_free"]) == free
     expected = grasps.quality[number] if free else 0
     assert row["robust_ferrari_canny"] == pytest.approx(expected, rel=1e-6)

@@ -42,8 +42,8 @@ def test_jacquard(sets, contacts, check_rectangle, camera, tmp_path):
         assert depth.dtype == np.float32
         np.testing.assert_array_equal(depth[::1023, ::1023], picture.depth[::299, ::299])
         assert (mask > 0).mean() == pytest.approx(picture.mask.mean(), rel=0.01)
-        expected = (contacts(picture)[picture.grasps.free] + 0.5) * scale - 0.5
-        free = picture.grasps.chosen(picture.grasps.free)
+        expected = (contacts(picture)[picture.grasps.collision_free] + 0.5) * scale - 0.5
+        free = picture.grasps.chosen(picture.grasps.collision_free)
         assert len(grasps) == len(expected)
         for (center, angle, opening, jaw), ends, deep in zip(
             grasps, expected, free.depth_center, strict=True
@@ -72,7 +72,7 @@ def corners_in(path):
 def test_cornell(sets, contacts, check_rectangle, camera, tmp_path):
     known = {f"pcd{p.image:04d}cpos.txt": p for p in sets[camera]}
     written = [write_cornell(picture, GRIPPER, tmp_path) for picture in sets[camera]]
-    assert written == [bool(p.grasps.free.any()) for p in sets[camera]]
+    assert written == [bool(p.grasps.collision_free.any()) for p in sets[camera]]
     found = list(read_cornell(tmp_path))
     assert len(found) == sum(written) > 2
     for path, depth, rectangles in found:
@@ -81,8 +81,8 @@ def test_cornell(sets, contacts, check_rectangle, camera, tmp_path):
         np.testing.assert_array_equal(depth[90:390, 170:470], picture.depth)
         steps = np.abs(np.diff(depth, axis=1))[:, [169, 469]]
         assert steps.max() < 0.001 + 0.05 * picture.mask[:, [0, -1]].any()
-        expected = contacts(picture)[picture.grasps.free] + np.array([170, 90])
-        free = picture.grasps.chosen(picture.grasps.free)
+        expected = contacts(picture)[picture.grasps.collision_free] + np.array([170, 90])
+        free = picture.grasps.chosen(picture.grasps.collision_free)
         assert len(rectangles) == len(expected)
         for points, ends, deep in zip(rectangles, expected, free.depth_center, strict=True):
             dy, dx = points[1] - points[0]
@@ -94,7 +94,7 @@ def test_cornell(sets, contacts, check_rectangle, camera, tmp_path):
             assert jaw == pytest.approx(GRIPPER.finger_width * focal / deep, abs=0.01)
             assert (points[1] - points[0]) @ (points[2] - points[1]) == pytest.approx(0, abs=0.2)
         colliding = corners_in(path.with_name(path.name.replace("cpos", "cneg")))
-        assert len(colliding) == int((~picture.grasps.free).sum())
+        assert len(colliding) == int((~picture.grasps.collision_free).sum())
 
 
 def test_missing_depths_are_zeros_for_jacquard_and_filled_for_cornell(sets, tmp_path):

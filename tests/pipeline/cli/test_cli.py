@@ -106,7 +106,9 @@ def test_rescale_scales_the_good_and_names_the_bad(tmp_path):
         assert result.returncode == 0, result.stderr
     scales = parquet.read(tmp_path / "out" / "scales.parquet", SCALES)
     assert scales["factor"].tolist() == pytest.approx([0.04])
-    assert scales[["fit_before", "fit_after"]].values.tolist() == [[0, 1]]
+    assert scales[["graspable_fraction_before", "graspable_fraction_after"]].values.tolist() == [
+        [0, 1]
+    ]
     assert scales["file"].tolist() == ["cube_paper_50mm.obj"]
     assert (tmp_path / "out" / "cube_paper_50mm.obj").exists()
     rejected = parquet.read(tmp_path / "out" / "rejected.parquet", REJECTED)

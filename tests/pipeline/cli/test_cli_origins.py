@@ -69,7 +69,7 @@ def test_files_that_settings_name_are_inputs(tmp_path):
     for path in (mesh, code, weights):
         path.write_text("")
     own = {
-        "axes": {"complexity": f"{code}:size"},
+        "measures": {"complexity": f"{code}:size"},
         "part": {"kind": "mesh", "mesh": str(mesh), "size": [0.3, 0.3, 0.3]},
         "detectors": {"net": {"detector": "ggcnn", "weights": str(weights)}},
         "targets": {"detectors": ["net"]},

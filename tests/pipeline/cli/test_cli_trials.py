@@ -26,7 +26,7 @@ def filled(tmp_path):
 
 def test_a_template_is_filled_in_imported_and_compared(filled):
     page, table = filled / "good.html", filled / "good.parquet"
-    result = trials("import", filled / "good.csv", "--out", page, "--out", table)
+    result = trials("report", filled / "good.csv", "--out", page, "--out", table)
     assert result.returncode == 0, result.stderr
     assert "good" in result.stdout
     assert "100.0" in result.stdout
@@ -70,8 +70,8 @@ def test_tables_of_two_evaluation_sets_are_refused(tmp_path):
     ("arguments", "sentence"),
     [
         (["template", "--out", "good.csv"], "is there already"),
-        (["import", "good.csv", "--out", "page.pdf"], "must end in .html or .parquet or .csv"),
-        (["import", "missing.csv"], "missing.csv"),
+        (["report", "good.csv", "--out", "page.pdf"], "must end in .html or .parquet or .csv"),
+        (["report", "missing.csv"], "missing.csv"),
         (["compare", "good.csv"], "two detectors or more"),
         (["compare", "good.csv", "good.csv", "good.csv"], "two tables of the detector"),
         (["compare", "good.csv", "broken.parquet"], "not a readable Parquet file"),

@@ -94,7 +94,7 @@ def test_paper_is_table_two():
     steps = paper.schedule.epochs * paper.evolution.steps_per_epoch
     assert (steps, steps * paper.evolution.population) == (2000, 200_000)
     assert paper.schedule.islands == 1
-    assert (paper.space.cells, paper.space.elites_per_cell, paper.space.neighbours) == (25, 4, 10)
+    assert (paper.space.cells, paper.space.elites_per_cell, paper.space.neighbors) == (25, 4, 10)
     assert paper.space.difficulty_range == (0.0005, 0.004)
     assert paper.space.complexity_range == (1, 5)
     assert paper.evolution.crossover_probability == 0.5

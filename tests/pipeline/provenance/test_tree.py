@@ -84,6 +84,6 @@ def test_what_cannot_be_a_path_is_not_there(made, name):
 
 def test_an_input_is_hashed_once(made, monkeypatch):
     hashed = []
-    monkeypatch.setattr("egad.pipeline.provenance.tree.sum_of", hashed.append)
+    monkeypatch.setattr("egad.pipeline.provenance.tree.checksum", hashed.append)
     list(tree(made / "comparison.parquet"))
     assert sorted(set(hashed)) == sorted(hashed)

@@ -11,7 +11,7 @@ from egad.geometry.repair import repair
 from egad.map_elites.parameters import EvolutionParameters
 from egad.pipeline.config import Settings, Space
 from egad.pipeline.config.stage_settings import LocateMeshes, select
-from egad.pipeline.stages import evolve, locate, materialise
+from egad.pipeline.stages import evolve, export_meshes, locate
 from egad.reeb import graph as reeb
 from egad.reeb.similarity import similarity
 from egad.report.locations import location_map, page
@@ -25,7 +25,7 @@ SETTINGS = Settings.model_validate(
         "difficulty": {"grasps": 12},
         "similarity": {"vertices": 500, "base_count": 12},
         "postprocess": {"grasps": 40},
-        "space": {"neighbours": 3},
+        "space": {"neighbors": 3},
     }
 )
 READ = select(SETTINGS, LocateMeshes)
@@ -37,7 +37,7 @@ def home(tmp_path_factory):
     folder = tmp_path_factory.mktemp("located")
     archive, history = folder / "archive.parquet", folder / "history.parquet"
     evolve.run(select(SETTINGS, EvolutionParameters), 0, 0, archive, history)
-    materialise.run(archive, folder / "meshes", SETTINGS.shape)
+    export_meshes.run(archive, folder / "meshes", SETTINGS.shape)
     return folder
 
 
@@ -67,7 +67,7 @@ def test_an_object_of_the_archive_is_nearest_to_itself(among, placed):
         assert row["diversity"] == pytest.approx(np.mean(row["distances"]))
 
 
-def test_neighbours_equal_an_exhaustive_search(among, files, placed):
+def test_neighbors_equal_an_exhaustive_search(among, files, placed):
     table, _ = placed
     graphs = {name: reeb.extract(load(), READ.similarity) for name, load in among.load.items()}
     for row in table.head(3).to_dict("records"):

@@ -2,11 +2,11 @@
 
 import pytest
 
-TARGET = "results/diversity/report.html"
+TARGET = "results/training_study/report.html"
 SHARDS = 2
 ASKED = {
     "shards": SHARDS,
-    "diversity": {
+    "training_study": {
         "sets": ["simple", "complex", "given"],
         "seeds": 2,
         "tests": ["egad"],
@@ -32,7 +32,7 @@ def test_every_set_and_network_has_its_jobs_with_its_settings(clean, configs):
     detectors = 2 * 2 + 1 + 1
     assert planned["simulated_trial"] == detectors * SHARDS
     assert planned["join_trials"] == detectors
-    assert planned["diversity"] == 1
+    assert planned["training_study"] == 1
     assert "report" not in planned
     assert "render" not in planned
     lines = [line for line in said.splitlines() if "egad render" in line]
@@ -43,12 +43,12 @@ def test_every_set_and_network_has_its_jobs_with_its_settings(clean, configs):
     for seed in (0, 1):
         (line,) = [each for each in said.splitlines() if f"networks/simple/{seed} " in each]
         assert f'"seed":{seed},' in line
-        assert "results/diversity/images/simple" in line
+        assert "results/training_study/images/simple" in line
 
 
 def test_another_seed_adds_its_own_jobs_alone(clean, configs):
     before = clean.planned(TARGET, configs=configs)
-    more = clean.overlay("more.yaml", {"diversity": {"seeds": 3}})
+    more = clean.overlay("more.yaml", {"training_study": {"seeds": 3}})
     after = clean.planned(TARGET, configs=[*configs, more])
     added = {rule: after[rule] - before[rule] for rule in after if after[rule] != before[rule]}
     assert added == {"train_network": 2, "simulated_trial": 2 * SHARDS, "join_trials": 2}
@@ -64,7 +64,9 @@ def test_networks_are_tried_one_by_one_and_without_the_others(clean, configs):
 
 
 def test_nothing_of_it_is_made_unless_it_is_named(clean, configs):
-    assert not {"render_set", "train_network", "diversity"} & set(clean.planned(configs=configs))
+    assert not {"render_set", "train_network", "training_study"} & set(
+        clean.planned(configs=configs)
+    )
 
 
 @pytest.mark.parametrize(
@@ -74,8 +76,8 @@ def test_nothing_of_it_is_made_unless_it_is_named(clean, configs):
             {"training_sets": {"given": {"weights": "lost.pt"}}},
             "The detector given-0 cannot be used: detectors: there is no file lost.pt",
         ),
-        ({"diversity": {"sets": []}}, "diversity.sets names no training set"),
-        ({"diversity": {"tests": []}}, "diversity.tests names no dataset"),
+        ({"training_study": {"sets": []}}, "training_study.sets names no training set"),
+        ({"training_study": {"tests": []}}, "training_study.tests names no dataset"),
     ],
     ids=str,
 )

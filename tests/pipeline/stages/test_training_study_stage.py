@@ -11,19 +11,19 @@ from egad.errors import TableError, UserError
 from egad.learning.evaluation import Score, score_table
 from egad.pipeline.cli import main
 from egad.pipeline.config.check import check
-from egad.pipeline.config.stage_settings import DiversityReport, select
-from egad.pipeline.stages import diversity as stage
+from egad.pipeline.config.stage_settings import TrainingStudyReport, select
+from egad.pipeline.stages import training_study as stage
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.images import IMAGES
 from egad.tables.training import COMPARED, HISTORY, SCORE
 
 CONFIG = {
-    "diversity": {"sets": ["all", "given"], "tests": ["egad"], "references": ["random"]},
+    "training_study": {"sets": ["all", "given"], "tests": ["egad"], "references": ["random"]},
     "training_sets": {"all": {"dataset": "egad"}, "given": {"weights": "given.pt"}},
     "select_eval": {"rows": 2, "columns": 2},
 }
-SETTINGS = select(check(CONFIG), DiversityReport)
+SETTINGS = select(check(CONFIG), TrainingStudyReport)
 RATES = {"all-0": 0.8, "all-1": 0.7, "given-0": 0.4, "random": 0.1}
 LABELS = ["A0", "B1"]
 
@@ -43,7 +43,7 @@ def blank(schema, rows):
 def attempts(name):
     rng = np.random.default_rng(list(RATES).index(name))
     rows = [
-        {"label": label, "id": f"id-{label}", "attempt": n, "start_x": float(n)}
+        {"label": label, "id": f"id-{label}", "attempt": n, "initial_x": float(n)}
         for label in LABELS
         for n in range(5)
     ]
@@ -55,7 +55,7 @@ def attempts(name):
 @pytest.fixture
 def results(tmp_path):
     """A folder as the pipeline leaves it."""
-    egad, made = tmp_path / "egad", tmp_path / "diversity"
+    egad, made = tmp_path / "egad", tmp_path / "training_study"
     chosen = [{"label": label, "id": f"id-{label}"} for label in LABELS]
     parquet.write(blank(EVAL49, chosen), EVAL49, egad / "eval49.parquet")
     for name in RATES:
@@ -67,7 +67,7 @@ def results(tmp_path):
     for seed in (0, 1):
         folder = made / "networks/all" / str(seed)
         parquet.write(
-            blank(HISTORY, [{"images": 8}, {"epoch": 1, "taken": True}]),
+            blank(HISTORY, [{"images": 8}, {"epoch": 1, "kept": True}]),
             HISTORY,
             folder / "history.parquet",
         )
@@ -88,7 +88,7 @@ def test_the_table_has_every_attempt_under_what_made_it(results):
     assert set(known["test"]) == {"egad"}
     for name, rows in found.groupby("detector"):
         assert rows["success"].tolist() == attempts(name)["success"].tolist()
-        assert (rows["start"] != "").all()
+        assert (rows["initial_pose"] != "").all()
 
 
 def test_the_page_says_what_was_trained_on(results):
@@ -103,12 +103,12 @@ def test_the_command_makes_the_same(results, monkeypatch, capsys):
     stage.run(SETTINGS, "hand", results, results / "a.html", results / "a.parquet")
     words = ["--settings", SETTINGS.model_dump_json(), "--gripper", "hand"]
     paths = ["--results", results, "--out", results / "b.html", "--table", results / "b.parquet"]
-    monkeypatch.setattr(sys, "argv", ["egad", "diversity", *words, *map(str, paths)])
+    monkeypatch.setattr(sys, "argv", ["egad", "training-study", *words, *map(str, paths)])
     with pytest.raises(SystemExit) as left:
         main()
     assert left.value.code in (0, None), capsys.readouterr().err
     assert (results / "b.html").read_bytes() == (results / "a.html").read_bytes()
-    assert parquet.origin_of(results / "b.parquet")["stage"] == "diversity"
+    assert parquet.origin_of(results / "b.parquet")["stage"] == "training_study"
 
 
 def test_drops_that_should_be_the_same_are_compared(results):
@@ -118,14 +118,14 @@ def test_drops_that_should_be_the_same_are_compared(results):
     stage.run(SETTINGS, "hand", results, *outputs)
     assert "10 of 20" in outputs[0].read_text(encoding="utf-8")
     anew = SETTINGS.model_copy(
-        update={"trials": SETTINGS.trials.model_copy(update={"between": "anew"})}
+        update={"trials": SETTINGS.trials.model_copy(update={"reset": "redrop"})}
     )
     with pytest.raises(UserError, match="all-1 began attempt 0 at A0 with another drop"):
         stage.run(anew, "hand", results, *outputs)
 
 
 @pytest.mark.parametrize(
-    "lost", ["egad/trials/hand/all-1.parquet", "diversity/networks/all/1/score.parquet"]
+    "lost", ["egad/trials/hand/all-1.parquet", "training_study/networks/all/1/score.parquet"]
 )
 def test_a_file_that_is_missing_is_named(results, lost):
     (results / lost).unlink()

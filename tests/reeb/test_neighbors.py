@@ -5,8 +5,8 @@ import trimesh
 from egad.errors import UserError
 from egad.pipeline.config import Similarity
 from egad.reeb import graph as reeb
-from egad.reeb import neighbours
-from egad.reeb.neighbours import Neighbourhood, diversities
+from egad.reeb import neighbors
+from egad.reeb.neighbors import Neighborhood, diversities
 from egad.reeb.similarity import similarity_matrix
 
 SETTINGS = Similarity(vertices=200, ranges=16, base_count=10)
@@ -23,7 +23,7 @@ def distances(graphs):
 
 
 def test_nearest_equals_the_exhaustive_search(graphs, distances):
-    everyone = Neighbourhood(0.5, 5)
+    everyone = Neighborhood(0.5, 5)
     for index in everyone.add(graphs):
         found, values = everyone.nearest(index)
         others = np.delete(np.arange(40), index)
@@ -33,8 +33,8 @@ def test_nearest_equals_the_exhaustive_search(graphs, distances):
 
 
 def test_a_set_that_changes_equals_one_made_anew(graphs, monkeypatch):
-    monkeypatch.setattr(neighbours, "SPARE", 0)  # plants the forest anew all the time
-    changing = Neighbourhood(0.5, 4)
+    monkeypatch.setattr(neighbors, "SPARE", 0)  # plants the forest anew all the time
+    changing = Neighborhood(0.5, 4)
     places = dict(zip(range(20), changing.add(graphs[:20]), strict=True))
     rng = np.random.default_rng(0)
     for step in range(10):
@@ -50,15 +50,15 @@ def test_a_set_that_changes_equals_one_made_anew(graphs, monkeypatch):
 
 
 def test_many_distances_are_never_computed(graphs):
-    everyone = Neighbourhood(0.5, 2)
+    everyone = Neighborhood(0.5, 2)
     for index in everyone.add(graphs):
         everyone.diversity(index)
-    exact = everyone._known[np.triu_indices(40, 1)] == neighbours._EXACT
+    exact = everyone._known[np.triu_indices(40, 1)] == neighbors._EXACT
     assert 40 < exact.sum() < 0.7 * len(exact)
 
 
 def test_no_distance_is_computed_twice(graphs, distances):
-    everyone = Neighbourhood(0.5, 3)
+    everyone = Neighborhood(0.5, 3)
     places = everyone.add(graphs)
     before = [everyone.nearest(index)[1] for index in places]
     for array in everyone._forest.trees.nodes:
@@ -70,7 +70,7 @@ def test_no_distance_is_computed_twice(graphs, distances):
 
 
 def test_the_order_of_questions_does_not_matter(graphs):
-    forwards, backwards = Neighbourhood(0.5, 3), Neighbourhood(0.5, 3)
+    forwards, backwards = Neighborhood(0.5, 3), Neighborhood(0.5, 3)
     places = forwards.add(graphs)
     backwards.add(graphs)
     one = [forwards.diversity(index) for index in places]
@@ -79,12 +79,12 @@ def test_the_order_of_questions_does_not_matter(graphs):
 
 
 def test_any_number_of_threads_finds_the_same(graphs, monkeypatch):
-    monkeypatch.setattr(neighbours, "CHUNK", 1)
-    monkeypatch.setattr(neighbours, "ROUND", 3)
+    monkeypatch.setattr(neighbors, "CHUNK", 1)
+    monkeypatch.setattr(neighbors, "ROUND", 3)
     expected = diversities(graphs, 0.5, 4).tolist()
     for threads in (2, 5):
         assert diversities(graphs, 0.5, 4, threads).tolist() == expected
-        changing = Neighbourhood(0.5, 4, threads)
+        changing = Neighborhood(0.5, 4, threads)
         places = changing.add(graphs)
         changing.diversities(places[:7])
         gone = changing.diversities(places)
@@ -94,16 +94,16 @@ def test_any_number_of_threads_finds_the_same(graphs, monkeypatch):
 
 
 def test_what_was_compared_is_known_in_both_directions(graphs):
-    everyone = Neighbourhood(0.5, 3, threads=2)
+    everyone = Neighborhood(0.5, 3, threads=2)
     everyone.diversities(everyone.add(graphs))
-    exact = everyone._known[:40, :40] == neighbours._EXACT
+    exact = everyone._known[:40, :40] == neighbors._EXACT
     assert np.array_equal(exact, exact.T)
     kept = everyone._distances[:40, :40]
     assert np.array_equal(kept[exact], kept.T[exact])
 
 
 def test_removing_one_of_many_can_only_raise_a_diversity(graphs):
-    everyone = Neighbourhood(0.5, 3)
+    everyone = Neighborhood(0.5, 3)
     before = dict(enumerate(everyone.diversities(everyone.add(graphs))))
     popular = everyone.nearest(0)[0][0].item()
     everyone.remove(popular)
@@ -114,13 +114,13 @@ def test_removing_one_of_many_can_only_raise_a_diversity(graphs):
 
 
 def test_distance_is_symmetric(graphs, distances):
-    two = Neighbourhood(0.5, 1)
+    two = Neighborhood(0.5, 1)
     a, b = two.add(graphs[:2])
     assert two.distance(a, b) == two.distance(b, a) == distances[0, 1]
 
 
 def test_few_members(graphs):
-    lonely = Neighbourhood(0.5, 10)
+    lonely = Neighborhood(0.5, 10)
     (only,) = lonely.add(graphs[:1])
     assert lonely.diversity(only) == 1.0
     lonely.add(graphs[1:3])
@@ -129,7 +129,7 @@ def test_few_members(graphs):
 
 
 def test_a_pair_given_up_early_gets_its_exact_distance_when_asked(graphs, distances):
-    everyone = Neighbourhood(0.5, 1)
+    everyone = Neighborhood(0.5, 1)
     for index in everyone.add(graphs):
         everyone.nearest(index)
     found = [[everyone.distance(a, b) for b in range(40)] for a in range(40)]
@@ -137,7 +137,7 @@ def test_a_pair_given_up_early_gets_its_exact_distance_when_asked(graphs, distan
 
 
 def test_equal_shapes_are_at_distance_0_and_sorted_by_index(graphs):
-    twins = Neighbourhood(0.5, 3)
+    twins = Neighborhood(0.5, 3)
     twins.add([graphs[0], graphs[1], graphs[0], graphs[0]])
     indices, values = twins.nearest(2)
     assert indices.tolist() == [0, 3, 1]
@@ -146,7 +146,7 @@ def test_equal_shapes_are_at_distance_0_and_sorted_by_index(graphs):
 
 
 def test_unknown_members(graphs):
-    pair = Neighbourhood(0.5, 3)
+    pair = Neighborhood(0.5, 3)
     pair.add(graphs[:2])
     pair.remove(0)
     assert len(pair) == 1
@@ -159,7 +159,7 @@ def test_unknown_members(graphs):
 
 def test_other_resolutions_are_refused_and_nothing_is_lost(graphs):
     coarse = SETTINGS.model_copy(update={"ranges": 32})
-    few = Neighbourhood(0.5, 3)
+    few = Neighborhood(0.5, 3)
     few.add(graphs[:2])
     with pytest.raises(UserError):
         few.add([graphs[2], reeb.extract(trimesh.creation.box(), coarse)])

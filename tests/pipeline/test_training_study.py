@@ -7,13 +7,13 @@ from egad.perception.parameters import RenderParameters
 from egad.pipeline.code_version import imported
 from egad.pipeline.config import Settings
 from egad.pipeline.config.check import check
-from egad.pipeline.config.stage_settings import DiversityReport, select
+from egad.pipeline.config.stage_settings import TrainingStudyReport, select
 from egad.pipeline.config.training_study import Network, networks_of, settings_for, with_networks
 from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.pipeline.stages.train import TrainNetwork
 
 ASKED = {
-    "diversity": {"sets": ["complex", "given"], "seeds": 2, "tests": ["egad"]},
+    "training_study": {"sets": ["complex", "given"], "seeds": 2, "tests": ["egad"]},
     "training_sets": {
         "complex": {
             "dataset": "egad",
@@ -46,7 +46,7 @@ def test_networks_are_detectors_like_any_other(asked):
     assert set(tried.detectors) == {*asked.detectors, "complex-0", "complex-1", "given-0"}
     detector = select(tried, SimulatedTrials, detector="complex-1").detector
     assert detector.detector == "ggcnn"
-    assert detector.weights == "results/diversity/networks/complex/1/weights.safetensors"
+    assert detector.weights == "results/training_study/networks/complex/1/weights.safetensors"
     assert tried.detectors["given-0"].weights == "given.pt"
 
 
@@ -73,7 +73,7 @@ def test_a_set_decides_what_is_rendered_and_a_seed_the_training_alone(asked):
 
 
 def test_the_report_reads_the_sets_that_are_compared(asked):
-    assert set(select(asked, DiversityReport).training_sets) == {"complex", "given"}
+    assert set(select(asked, TrainingStudyReport).training_sets) == {"complex", "given"}
 
 
 def test_a_page_is_no_reason_to_train_again():
@@ -97,11 +97,17 @@ def test_a_detector_with_the_name_of_a_network_is_refused():
 @pytest.mark.parametrize(
     ("config", "said"),
     [
-        ({"diversity": {"sets": ["lost"]}}, "diversity.sets: 'lost' is not defined; known: "),
-        ({"diversity": {"tests": ["lost"]}}, "diversity.tests: 'lost' is not defined"),
-        ({"diversity": {"references": ["lost"]}}, "diversity.references: 'lost' is not defined"),
         (
-            {"diversity": {"sets": ["a"]}, "training_sets": {"a": {"dataset": "lost"}}},
+            {"training_study": {"sets": ["lost"]}},
+            "training_study.sets: 'lost' is not defined; known: ",
+        ),
+        ({"training_study": {"tests": ["lost"]}}, "training_study.tests: 'lost' is not defined"),
+        (
+            {"training_study": {"references": ["lost"]}},
+            "training_study.references: 'lost' is not defined",
+        ),
+        (
+            {"training_study": {"sets": ["a"]}, "training_sets": {"a": {"dataset": "lost"}}},
             "training_sets.a.dataset: 'lost' is not defined; known: egad",
         ),
         (
@@ -117,10 +123,10 @@ def test_a_detector_with_the_name_of_a_network_is_refused():
             {"training_sets": {"a": {"weights": "w", "complexity": [0, 0.5]}}},
             "training_sets.a: a training set with `weights` takes no `complexity`, `part`",
         ),
-        ({"diversity": {"seeds": 0}}, "diversity.seeds: 0 is not allowed"),
+        ({"training_study": {"seeds": 0}}, "training_study.seeds: 0 is not allowed"),
         (
-            {"datasets": {"diversity": {"source": "evolved"}}, "targets": {"datasets": []}},
-            "datasets.diversity: results/diversity is another folder",
+            {"datasets": {"training_study": {"source": "evolved"}}, "targets": {"datasets": []}},
+            "datasets.training_study: results/training_study is another folder",
         ),
     ],
 )
@@ -133,4 +139,4 @@ def test_a_mistake_is_said_in_a_line(config, said):
 
 def test_sets_that_are_not_compared_may_be_of_a_dataset_that_is_gone():
     own = {"datasets": {"own": {"source": "meshes", "folder": ".", "units": "m"}}}
-    assert check({**own, "targets": {"datasets": ["own"]}}).diversity.sets == []
+    assert check({**own, "targets": {"datasets": ["own"]}}).training_study.sets == []

@@ -1,4 +1,4 @@
-"""materialise: the meshes of an archive, for people who want just those."""
+"""export_meshes: the meshes of an archive, for people who want just those."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The table of docs/diversity.md on luck: how often that of trainings looks like a better set."""
+"""The table of docs/training-study.md on seed variance: how often it looks like a better set."""
 
 import numpy as np
 

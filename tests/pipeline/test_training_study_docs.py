@@ -1,4 +1,4 @@
-"""What docs/diversity.md is written with: twins and rates against slow counts, luck."""
+"""What docs/training-study.md is written with: twins and rates against slow counts, luck."""
 
 import runpy
 from pathlib import Path
@@ -60,7 +60,7 @@ def test_overlaps_are_those_of_sets_of_voxels(twins):
 
 
 def test_what_is_learnt_from_is_of_the_set_and_not_of_the_evaluation_set(twins, dataset):
-    settings = settings_in(ROOT / "config/diversity.yaml")
+    settings = settings_in(ROOT / "config/training_study.yaml")
     found = {
         name: set(twins["learnt"](settings, name, dataset, "egad_75mm"))
         for name in ("evolved", "simple", "complex")
@@ -75,17 +75,17 @@ def test_every_set_of_the_dataset_has_its_twins(twins, dataset, capsys):
     twins["main"](dataset, "egad_75mm")
     head, _, *lines = capsys.readouterr().out.splitlines()
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
-    settings = settings_in(ROOT / "config/diversity.yaml")
+    settings = settings_in(ROOT / "config/training_study.yaml")
     sets = settings.training_sets
     assert [row[0] for row in rows] == [
-        f"`{name}`" for name in settings.diversity.sets if sets[name].dataset == "egad"
+        f"`{name}`" for name in settings.training_study.sets if sets[name].dataset == "egad"
     ]
     assert head.endswith("above 0.9, of 2 |")
     assert all(row[2:] == ["0.50", "1"] for row in rows)
 
 
 def test_luck_of_trainings_is_no_news_to_the_test_only_where_there_is_none():
-    by_luck = runpy.run_path(str(EXPERIMENTS / "luck.py"))["by_luck"]
+    by_luck = runpy.run_path(str(EXPERIMENTS / "seed_variance.py"))["by_luck"]
     by_luck.__globals__["REPEATS"] = 200
     assert by_luck(0.0, 0.0) < 0.1
     assert by_luck(0.0, 0.1) < 0.1
@@ -100,7 +100,11 @@ def tried(tmp_path_factory):
     labels = [f"{row}{column}" for row in "ABG" for column in range(3)]
     rows = [
         {"test": "own", "training_set": name, "seed": seed, "id": label, "label": label}
-        | {"attempt": attempt, "detector": f"{name or 'random'}-{seed}", "start": str(attempt)}
+        | {
+            "attempt": attempt,
+            "detector": f"{name or 'random'}-{seed}",
+            "initial_pose": str(attempt),
+        }
         | {"outcome": "success" if rng.random() < 0.7 - 0.1 * seed else "missed"}
         for name, seed in names
         for label in labels
@@ -109,7 +113,7 @@ def tried(tmp_path_factory):
     table = pd.DataFrame(rows).assign(quality=0.5)
     table = table.assign(success=table["outcome"] == "success")
     results = tmp_path_factory.mktemp("tried")
-    parquet.write(table[COMPARED.names], COMPARED, results / "diversity/results.parquet")
+    parquet.write(table[COMPARED.names], COMPARED, results / "training_study/results.parquet")
     objects = [{"id": label, "label": f"{label}, own"} for label in labels]
     write(OBJECTS, objects, results / "own/objects.parquet")
     scaled = [
@@ -117,7 +121,7 @@ def tried(tmp_path_factory):
         for label in labels
     ]
     write(SCALES, scaled, results / "own/rescaled/hand/scales.parquet")
-    return results / "diversity/results.parquet", table
+    return results / "training_study/results.parquet", table
 
 
 def tables(text):
@@ -135,7 +139,7 @@ def tables(text):
 
 def test_tables_of_the_experiment_are_counts_of_its_attempts(tried, monkeypatch, capsys):
     path, table = tried
-    program = runpy.run_path(str(EXPERIMENTS / "diversity.py"))
+    program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
     monkeypatch.setitem(program["main"].__globals__, "DOCS", path.parent)
     program["main"](path)
     text = capsys.readouterr().out
@@ -154,4 +158,4 @@ def test_tables_of_the_experiment_are_counts_of_its_attempts(tried, monkeypatch,
     assert sizes["objects of the dataset"] == ["33", "33", "33"]
     assert sizes["`few`"] == [f"{100 * by_row[row]:.0f}" for row in "ABG"]
     assert "within sets: standard deviation" in text
-    assert f"few, {rate:.0%}" in (path.parent / "diversity-own.svg").read_text()
+    assert f"few, {rate:.0%}" in (path.parent / "training-study-own.svg").read_text()

@@ -1,4 +1,4 @@
-"""diversity: networks trained on different object sets, compared."""
+"""training-study: networks trained on different object sets, compared."""
 
 import logging
 from pathlib import Path
@@ -9,7 +9,7 @@ import typer
 
 from egad._util.files import write_text
 from egad.perception.image_shards import files
-from egad.pipeline.config.stage_settings import DiversityReport
+from egad.pipeline.config.stage_settings import TrainingStudyReport
 from egad.pipeline.config.training_study import Network, networks
 from egad.pipeline.parameters import Input, NotNoted, Output, command
 from egad.pipeline.report.training_study import Images, Study, Training, page
@@ -26,11 +26,11 @@ log = logging.getLogger(__name__)
 
 @command()
 def run(
-    settings: DiversityReport,
+    settings: TrainingStudyReport,
     gripper: str,
     results: Annotated[Path, NotNoted()],
-    out: Annotated[Path, Output("diversity/report.html")],
-    table: Annotated[Path, Output("diversity/results.parquet", COMPARED)],
+    out: Annotated[Path, Output("training_study/report.html")],
+    table: Annotated[Path, Output("training_study/results.parquet", COMPARED)],
     reads: Annotated[list[Path] | None, typer.Argument(), Input()] = None,
 ) -> None:
     """Compare networks that were trained on different object sets.
@@ -40,8 +40,8 @@ def run(
         gripper: Name of the gripper of the trials.
         results: Folder of all results.
         out: The same network taught by different objects, if it is asked for. See
-            `docs/diversity.md`. `diversity/images/SET/` beside it has what a training set consists
-            of, as `D/images/G/`.
+            `docs/training-study.md`. `training_study/images/SET/` beside it has what a training
+            set consists of, as `D/images/G/`.
         table: All attempts of all networks, and of the detectors beside them.
         reads: What it shows, for the record.
 
@@ -49,17 +49,17 @@ def run(
         UserError: Attempts that should have begun with the same drop did not.
     """
     del reads
-    asked = settings.diversity
+    asked = settings.training_study
     found = networks(settings.training_sets, asked.sets, asked.seeds)
     trials = pd.concat(
         _attempts(results / test / "trials" / gripper, test, found, asked.references)
         for test in asked.tests
     )
-    if settings.trials.between == "anew":
+    if settings.trials.reset == "redrop":
         for _, rows in trials.groupby("test"):
             check_starts(rows)
     trained = [each for each in found if settings.training_sets[each.training_set].dataset]
-    made = results / "diversity"
+    made = results / "training_study"
     study = Study(
         settings=settings,
         table=trials,
@@ -83,10 +83,10 @@ def _attempts(folder: Path, test: str, found: list[Network], references: list[st
     return pd.concat(parts, ignore_index=True).loc[:, list(COMPARED.names)]
 
 
-def _set(evaluation: Path, settings: DiversityReport) -> EvaluationSet:
+def _set(evaluation: Path, settings: TrainingStudyReport) -> EvaluationSet:
     grid = settings.select_eval
     chosen = parquet.read(evaluation, EVAL49)
-    return EvaluationSet(grid.rows, grid.columns, chosen, axis_pair(settings.axes))
+    return EvaluationSet(grid.rows, grid.columns, chosen, axis_pair(settings.measures))
 
 
 def _images(made: Path, name: str) -> Images:

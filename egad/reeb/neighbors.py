@@ -1,4 +1,4 @@
-"""Exact nearest neighbours among shapes, with few comparisons, while shapes come and go.
+"""Exact nearest neighbors among shapes, with few comparisons, while shapes come and go.
 
 Comparing two Reeb graphs is costly, a bound on their similarity is not: candidates are compared in
 the order of the bound until none that is left can be near enough, and only as far as it takes to
@@ -33,36 +33,36 @@ SPARE = 100  # graphs of removed shapes that may stay in a small forest
 def diversities(
     graphs: Sequence[ReebGraph],
     weight: float,
-    neighbours: int,
+    neighbors: int,
     threads: int = 1,
     watch: Watch = iter,
 ) -> Floats:
-    """Diversity of each of n shapes among the others, (n,); see `Neighbourhood.diversity`.
+    """Diversity of each of n shapes among the others, (n,); see `Neighborhood.diversity`.
 
     Args:
         graphs: The shapes.
         weight: Weight of area against length in the value of a node, 0 to 1.
-        neighbours: How many nearest neighbours are looked for.
+        neighbors: How many nearest neighbors are looked for.
         threads: Shapes looked up at once; the result does not depend on it.
         watch: Passes batches of shapes through while they are looked up, for showing progress.
 
     Raises:
         UserError: The graphs have different numbers of ranges.
     """
-    neighbourhood = Neighbourhood(weight, neighbours, threads)
-    found = neighbourhood.diversities(neighbourhood.add(graphs), watch)
+    neighborhood = Neighborhood(weight, neighbors, threads)
+    found = neighborhood.diversities(neighborhood.add(graphs), watch)
     return np.array(found, dtype=np.float64)
 
 
-class Neighbourhood:
-    """Shapes and their nearest neighbours. A distance is 1 - similarity, computed at most once."""
+class Neighborhood:
+    """Shapes and their nearest neighbors. A distance is 1 - similarity, computed at most once."""
 
-    def __init__(self, weight: float, neighbours: int, threads: int = 1) -> None:
+    def __init__(self, weight: float, neighbors: int, threads: int = 1) -> None:
         """Start with no shapes.
 
         Args:
             weight: Weight of area against length in the value of a node, 0 to 1.
-            neighbours: How many nearest neighbours are looked for.
+            neighbors: How many nearest neighbors are looked for.
             threads: Shapes looked up at once; no result depends on it.
         """
         self._weight, self._threads = weight, threads
@@ -72,7 +72,7 @@ class Neighbourhood:
         self._trees = np.empty(0, np.int64)  # number in the forest, -1 if absent
         self._distances = np.empty((0, 0))  # or lower bounds
         self._known = np.empty((0, 0), np.uint8)
-        self._near = np.empty((0, neighbours), np.int64)  # padded with -1
+        self._near = np.empty((0, neighbors), np.int64)  # padded with -1
         self._valid = np.empty(0, bool)  # of the rows of `_near`
         self._diversities: dict[int, float] = {}  # of valid rows
 

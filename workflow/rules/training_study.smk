@@ -1,8 +1,8 @@
-"""Diversity: the same network taught by different objects. Made if it is named: docs/diversity.md.
+"""Diversity: the same network taught by different objects. Made if it is named: docs/training-study.md.
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet and
 results/D/eval49.parquet of the datasets of the training sets, for the first target gripper G.
-Outputs: results/diversity/report.html and results.parquet; on the way images/SET, as of render, and
+Outputs: results/training_study/report.html and results.parquet; on the way images/SET, as of render, and
 networks/SET/SEED, as of `egad train`.
 Steps: the images of each set are rendered; a network learns from them for each seed; rules
 simulated_trial and join_trials try it as the detector SET-SEED; then the report.
@@ -22,15 +22,15 @@ use rule render as render_set with:
         mesh=mesh_of_the_gripper,
     output:
         images=ensure(
-            "results/diversity/images/{training_set}/images-{shard}.parquet", non_empty=True
+            "results/training_study/images/{training_set}/images-{shard}.parquet", non_empty=True
         ),
         rejected=ensure(
-            "results/diversity/parts/unrendered-{training_set}-{shard}.parquet", non_empty=True
+            "results/training_study/parts/unrendered-{training_set}-{shard}.parquet", non_empty=True
         ),
     log:
-        "logs/diversity/render_set/{training_set}-{shard}.log",
+        "logs/training_study/render_set/{training_set}-{shard}.log",
     benchmark:
-        "benchmarks/diversity/render_set/{training_set}-{shard}.tsv"
+        "benchmarks/training_study/render_set/{training_set}-{shard}.tsv"
     params:
         settings=settings_of_set("render"),
         meshes=subpath(input.scales, parent=True),
@@ -43,17 +43,17 @@ use rule render as render_set with:
 
 use rule image_card as set_card with:
     input:
-        images=parts("results/diversity/images/{training_set}/images-{shard}.parquet", IMAGE_SHARDS),
+        images=parts("results/training_study/images/{training_set}/images-{shard}.parquet", IMAGE_SHARDS),
         rejects=parts(
-            "results/diversity/parts/unrendered-{training_set}-{shard}.parquet", IMAGE_SHARDS
+            "results/training_study/parts/unrendered-{training_set}-{shard}.parquet", IMAGE_SHARDS
         ),
     output:
-        card=ensure("results/diversity/images/{training_set}/card.md", non_empty=True),
-        rejected=ensure("results/diversity/images/{training_set}/rejected.parquet", non_empty=True),
+        card=ensure("results/training_study/images/{training_set}/card.md", non_empty=True),
+        rejected=ensure("results/training_study/images/{training_set}/rejected.parquet", non_empty=True),
     log:
-        "logs/diversity/set_card/{training_set}.log",
+        "logs/training_study/set_card/{training_set}.log",
     benchmark:
-        "benchmarks/diversity/set_card/{training_set}.tsv"
+        "benchmarks/training_study/set_card/{training_set}.tsv"
     params:
         settings=settings_of_set("image_card"),
         dataset=lambda wildcards: SETTINGS.training_sets[wildcards.training_set].dataset,
@@ -69,17 +69,17 @@ use rule image_card as set_card with:
 rule train_network:
     """Train a network on the images of a set; what an interrupted training left is gone on with."""
     input:
-        card="results/diversity/images/{training_set}/card.md",
+        card="results/training_study/images/{training_set}/card.md",
     output:
-        weights="results/diversity/networks/{training_set}/{seed}/weights.safetensors",
-        history="results/diversity/networks/{training_set}/{seed}/history.parquet",
-        score="results/diversity/networks/{training_set}/{seed}/score.parquet",
-        chart="results/diversity/networks/{training_set}/{seed}/history.svg",
-        card="results/diversity/networks/{training_set}/{seed}/README.md",
+        weights="results/training_study/networks/{training_set}/{seed}/weights.safetensors",
+        history="results/training_study/networks/{training_set}/{seed}/history.parquet",
+        score="results/training_study/networks/{training_set}/{seed}/score.parquet",
+        chart="results/training_study/networks/{training_set}/{seed}/history.svg",
+        card="results/training_study/networks/{training_set}/{seed}/README.md",
     log:
-        "logs/diversity/train_network/{training_set}-{seed}.log",
+        "logs/training_study/train_network/{training_set}-{seed}.log",
     benchmark:
-        "benchmarks/diversity/train_network/{training_set}-{seed}.tsv"
+        "benchmarks/training_study/train_network/{training_set}-{seed}.tsv"
     # The longest jobs, and trials wait for them.
     priority: 2
     conda:
@@ -100,30 +100,30 @@ rule train_network:
         " {params.images:q} > {log:q} 2>&1"
 
 
-rule diversity:
+rule training_study:
     """Put all networks side by side."""
     input:
         compared,
     output:
-        page=ensure("results/diversity/report.html", non_empty=True),
-        table=ensure("results/diversity/results.parquet", non_empty=True),
+        page=ensure("results/training_study/report.html", non_empty=True),
+        table=ensure("results/training_study/results.parquet", non_empty=True),
     log:
-        "logs/diversity/diversity.log",
+        "logs/training_study/training_study.log",
     benchmark:
-        "benchmarks/diversity/diversity.tsv"
+        "benchmarks/training_study/training_study.tsv"
     conda:
         ENVIRONMENT
     threads: 1
     resources:
         **needs(mb=2000, minutes=30),
     params:
-        settings=settings_of("diversity"),
+        settings=settings_of("training_study"),
         gripper=GRIPPER,
         results=subpath(output.page, ancestor=2),
-        code=code_of("diversity"),
+        code=code_of("training_study"),
     message:
         "Comparing the networks of all training sets"
     shell:
-        "egad diversity --settings {params.settings:q} --gripper {params.gripper:q}"
+        "egad training-study --settings {params.settings:q} --gripper {params.gripper:q}"
         " --results {params.results:q} --out {output.page:q} --table {output.table:q}"
         " {input:q} > {log:q} 2>&1"

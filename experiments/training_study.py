@@ -1,4 +1,7 @@
-"""Figures and tables of docs/diversity.md: `python experiments/diversity.py results.parquet`."""
+"""Figures and tables of docs/training-study.md.
+
+Usage: `python experiments/training_study.py results.parquet`.
+"""
 
 import string
 import sys
@@ -15,7 +18,7 @@ from egad.evalset.selection import cell_of_label
 from egad.report.drawing import ink_on, new_figure
 from egad.report.page import p_value
 from egad.report.training import success_chart
-from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_colour
+from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_color
 from egad.stats.rates import Mean, Rate, TrialGrid, trial_grid
 from egad.stats.training_study import (
     TestAttempts,
@@ -39,10 +42,10 @@ SIZES = ["to 20 mm", "20 to 45 mm", "above 45 mm"]
 def main(path: Path) -> None:
     """Write the figures beside this file and print the tables."""
     tests = by_test(parquet.read(path, COMPARED))
-    write_text(DOCS / "diversity.svg", success_chart(tests))
+    write_text(DOCS / "training-study.svg", success_chart(tests))
     for name, tried in tests.items():
         grids = grids_of(tried)
-        write_text(DOCS / f"diversity-{name}.svg", maps(grids))
+        write_text(DOCS / f"training-study-{name}.svg", maps(grids))
         tell(name, tried)
         compare(tried)
         of_trainings(tried)
@@ -79,10 +82,10 @@ def maps(grids: Mapping[str, TrialGrid]) -> str:
 def panel(axes: Axes, grid: TrialGrid) -> None:
     """One of them: a square an object, percent; the easiest row is at the bottom."""
     for (row, column), rate in grid.cells.items():
-        colour = rate_colour(rate.value)
-        box = Rectangle((column - 0.48, row - 0.48), 0.96, 0.96, facecolor=colour, lw=0)
+        color = rate_color(rate.value)
+        box = Rectangle((column - 0.48, row - 0.48), 0.96, 0.96, facecolor=color, lw=0)
         axes.add_patch(box)
-        text, ink = f"{100 * rate.value:.0f}", ink_on(colour)
+        text, ink = f"{100 * rate.value:.0f}", ink_on(color)
         axes.text(column, row, text, ha="center", va="center", fontsize=7, color=ink)
     rows, columns = len(grid.rows), len(grid.columns)
     axes.set(xlim=(-0.5, columns - 0.5), ylim=(-0.5, rows - 0.5), aspect="equal")
