@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 
+from egad.geometry.checks import check_mesh
 from egad.measures.complexity import complexity
 from egad.measures.custom import own_value
 from egad.measures.difficulty import difficulty
@@ -68,6 +69,8 @@ def graded(mesh: trimesh.Trimesh, settings: MeasureParameters, grasps: int) -> C
 
     Raises:
         RejectedError: The mesh cannot be measured, or has no grasp.
+        UserError: It is not a mesh.
     """
+    check_mesh(mesh)
     triangles = hashlib.sha256(np.asarray(mesh.faces, "<i8").tobytes()).hexdigest()
     return coordinates(mesh, settings, grasps, generator(settings.seed, "regrade", triangles))
