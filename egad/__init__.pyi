@@ -6,8 +6,12 @@ from .api import sample_grasps as sample_grasps
 from .api import similarity as similarity
 from .api import similarity_matrix as similarity_matrix
 from .api import stable_poses as stable_poses
+from .errors import EgadError as EgadError
+from .errors import RejectedError as RejectedError
+from .errors import UserError as UserError
 from .exchange.grasps import load_grasps as load_grasps
 from .export import export as export
+from .geometry.checks import UnitsWarning as UnitsWarning
 from .geometry.repair import repair as repair
 from .grasps.grasps import Grasps as Grasps
 from .grasps.gripper import Gripper as Gripper

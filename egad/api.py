@@ -12,6 +12,7 @@ from egad.exchange.grippers import palm_mesh
 from egad.geometry import convex_parts as decomposition
 from egad.geometry import scaling
 from egad.geometry import stable_poses as resting
+from egad.geometry.checks import check_units
 from egad.geometry.mass import mass_properties
 from egad.geometry.repair import repair as repair_mesh
 from egad.grasps.grasps import Grasps
@@ -154,7 +155,11 @@ def rescale(
     Raises:
         RejectedError: The mesh is flat.
         UserError: There is no such gripper or rule.
+
+    Warns:
+        UnitsWarning: The size of the mesh suggests another unit than the metre.
     """
+    check_units(mesh)
     scaled, row = scaling.rescale(mesh, rule, as_gripper(gripper).opening, side_fraction)
     return scaled, row["factor"]
 
@@ -182,11 +187,16 @@ def sample_grasps(
         At least one grasp, in the frame of the mesh.
 
     Raises:
-        RejectedError: There is no grasp; the text says what became of the candidates.
+        RejectedError: The mesh is open, or there is no grasp; the text says what became of the
+            candidates.
         UserError: There is no gripper of this name.
+
+    Warns:
+        UnitsWarning: The size of the mesh suggests another unit than the metre.
 
     Source: Mahler et al., Dex-Net 2.0, RSS 2017 (sampling); Ferrari and Canny, ICRA 1992 (quality).
     """
+    check_units(mesh)
     hand = as_gripper(gripper)
     parameters = label_parameters(hand, n, seed, friction)
     com = _center(mesh, center_of_mass)

@@ -14,7 +14,7 @@ from egad.exchange.folders import ENDINGS
 from egad.exchange.promises import check_promises, only_geometry
 from egad.exchange.promises_glb import only_positions
 from egad.exchange.wavefront import obj_text, parse_plain_obj
-from egad.geometry.repair import check_surface
+from egad.geometry.checks import check_surface
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 

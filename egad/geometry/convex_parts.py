@@ -10,6 +10,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
+from egad.geometry.checks import ROUNDING, check_mesh
 from egad.geometry.hulls import Hull, hull_and_planes, hull_mesh, hull_of, least_volume, merge_hulls
 from egad.geometry.manifold import Solid, arrays, is_solid, to_solid, union
 
@@ -69,6 +70,7 @@ def convex_parts(
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
+        UserError: It is not a mesh.
     """
     whole = _solid(mesh)
     volume = abs(float(mesh.volume))
@@ -105,14 +107,14 @@ def _solid(mesh: trimesh.Trimesh) -> Solid:
 
     Inside out, a surface bounds everything but the object, and every hull would be of that.
     """
-    if len(mesh.faces) == 0 or not np.isfinite(mesh.vertices).all():
-        raise RejectedError("no faces, or coordinates that are not finite")
+    check_mesh(mesh)
     solid = to_solid(mesh.vertices, mesh.faces)
     if solid.volume() < 0:
         solid = to_solid(mesh.vertices, mesh.faces[:, ::-1])
-    if not is_solid(solid) or not solid.volume() > 0:
+    size = float(np.ptp(mesh.vertices, axis=0).max())
+    if not is_solid(solid) or not solid.volume() > ROUNDING * size**3:
         raise RejectedError("the surface does not bound a solid")
-    simple = solid.simplify(SIMPLIFICATION * float(np.ptp(mesh.vertices, axis=0).max()))
+    simple = solid.simplify(SIMPLIFICATION * size)
     # Anew, for it keeps its tolerance, and every cut would be simplified by as much again.
     exact = to_solid(*arrays(simple))
     return exact if is_solid(exact) and exact.volume() > 0 else solid

@@ -7,7 +7,9 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
-from egad.geometry.repair import repair
+from egad.geometry.checks import check_solid
+from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
+from egad.geometry.repair import Repaired, repair
 
 
 class MassProperties(NamedTuple):
@@ -38,8 +40,13 @@ def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
         mesh: A closed surface wound outwards, metres.
         density: kg/m3.
 
+    Raises:
+        RejectedError: The mesh is not closed or bounds no volume.
+        UserError: It is not a mesh.
+
     Source: trimesh, after Eberly, Polyhedral Mass Properties, 2002.
     """
+    check_solid(mesh)
     low, high = np.asarray(mesh.bounds)
     middle, size = (low + high) / 2, float((high - low).max())
     unit = trimesh.triangles.mass_properties((mesh.triangles - middle) / size)
@@ -54,29 +61,36 @@ def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
 
 
 class Body(NamedTuple):
-    """A closed mesh, whether repair changed it, and its mass properties."""
+    """A repaired mesh and its mass properties."""
 
-    mesh: trimesh.Trimesh
-    repaired: bool
+    repaired: Repaired
     mass: MassProperties
 
 
-def repair_and_weigh(mesh: trimesh.Trimesh, density: float, min_volume: float = 0.0) -> Body:
+def repair_and_weigh(
+    mesh: trimesh.Trimesh,
+    density: float,
+    min_volume: float = 0.0,
+    open_surfaces: OpenSurfaces = "reject",
+    thickness: float = SHELL_THICKNESS,
+) -> Body:
     """Repair a mesh and weigh it.
 
     Args:
         mesh: In metres.
         density: kg/m3.
         min_volume: The least volume that an object may have, m3.
+        open_surfaces: See `egad.geometry.repair.repair`.
+        thickness: Of the shells that open surfaces become, metres.
 
     Raises:
         RejectedError: The mesh cannot be repaired, or is too small.
     """
-    repaired = repair(mesh)
+    repaired = repair(mesh, open_surfaces, thickness)
     mass = mass_properties(repaired.mesh, density)
     if mass.volume < min_volume:
         raise RejectedError(
             f"volume of {mass.volume:.3g} m3 is below {min_volume:.3g} m3: "
             "is the unit of the mesh right?"
         )
-    return Body(repaired.mesh, repaired.changed, mass)
+    return Body(repaired, mass)

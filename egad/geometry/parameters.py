@@ -1,8 +1,13 @@
 """What is made of the objects: repair, scaling, the evaluation set, prints."""
 
+from typing import Literal
+
 from pydantic import Field
 
 from egad._util.parameters import Parameters
+
+OpenSurfaces = Literal["reject", "thicken"]
+SHELL_THICKNESS = 0.002  # metres: glasses, cups and bowls are 1 to 5 mm thick
 
 
 class Material(Parameters):

@@ -1,6 +1,6 @@
 """Repair: any triangle mesh to one closed surface that bounds a solid, or the reason why not."""
 
-from typing import NamedTuple
+from typing import NamedTuple, cast, get_args
 
 import manifold3d
 import numpy as np
@@ -9,9 +9,12 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csgraph
 from scipy.spatial import cKDTree
 
-from egad.errors import RejectedError
+from egad.errors import RejectedError, UserError
+from egad.geometry.checks import check_surface
 from egad.geometry.manifold import Solid, is_solid, to_mesh, to_solid, union
+from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
 from egad.geometry.self_intersections import DEPTH, crossings, untangle
+from egad.geometry.shell import shell
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -88,13 +91,24 @@ THIN = f"no volume, or less than {FLAT:g} of the cube of its longest side"
 
 
 class Repaired(NamedTuple):
-    """A closed surface, and whether more than merging vertices was needed."""
+    """A closed surface, and what was done to get it.
+
+    Attributes:
+        mesh: The surface, wound outwards.
+        changed: Whether more than merging vertices was needed.
+        shell_thickness: Of the wall that an open surface was given; 0 for all others.
+    """
 
     mesh: trimesh.Trimesh
     changed: bool
+    shell_thickness: float = 0.0
 
 
-def repair(mesh: trimesh.Trimesh) -> Repaired:
+def repair(
+    mesh: trimesh.Trimesh,
+    open_surfaces: OpenSurfaces = "reject",
+    thickness: float = SHELL_THICKNESS,
+) -> Repaired:
     """The outer surface of the largest solid part of a mesh (ours, on manifold3d).
 
     A mesh that already is one closed surface without crossings comes back with its triangles as
@@ -103,38 +117,39 @@ def repair(mesh: trimesh.Trimesh) -> Repaired:
     which overlaps and the walls of trapped voids vanish; its largest part by volume is kept, and
     places where that passes through itself are cut out and rebuilt.
 
+    What stays open, such as the scan of a glass, can be thickened: it becomes the middle of a wall
+    with round rims. A side of the box grows by at most the thickness.
+
     Args:
-        mesh: In any unit; not changed.
+        mesh: In metres; in any unit if nothing is thickened. Not changed.
+        open_surfaces: `reject` or `thicken`.
+        thickness: Of that wall, metres; the default, 2 mm, is that of common cups and glasses.
 
     Returns:
-        The surface, wound outwards, every edge with exactly two faces.
+        The surface, every edge with exactly two faces; and what was done.
 
     Raises:
         RejectedError: The mesh is not finite, has no area or no volume, holes too large to close,
             or faces that no solid can have.
+        UserError: It is not a mesh, or an option is not among those allowed.
     """
+    _check_options(open_surfaces, thickness)
     check_surface(mesh)
     merged = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     merged.merge_vertices(merge_tex=True, merge_norm=True)
     if _is_sound(merged):
         return Repaired(merged, changed=False)
-    solid = _largest(union(_solids(_cleaned(_welded(merged)))))
-    solid = _largest(untangle(solid))
-    return Repaired(to_mesh(solid), changed=True)
+    solids, thickened = _solids(_welded(merged), thickness if open_surfaces == "thicken" else None)
+    solid = _largest(untangle(_largest(union(solids))))
+    return Repaired(to_mesh(solid), True, thickness if thickened else 0.0)
 
 
-def check_surface(mesh: trimesh.Trimesh) -> None:
-    """Make sure that there is a surface at all.
-
-    Raises:
-        RejectedError: No faces, coordinates that are not finite, or no area.
-    """
-    if len(mesh.faces) == 0:
-        raise RejectedError("no faces")
-    if not np.isfinite(mesh.vertices).all():
-        raise RejectedError("coordinates that are not finite")
-    if not mesh.area > 0:
-        raise RejectedError("no area")
+def _check_options(open_surfaces: str, thickness: float) -> None:
+    allowed = get_args(OpenSurfaces)
+    if open_surfaces not in allowed:
+        raise UserError(f"open_surfaces is {open_surfaces!r}; allowed: {', '.join(allowed)}")
+    if not 0 < thickness < np.inf:
+        raise UserError(f"a thickness is a positive number of metres, got {thickness!r}")
 
 
 def _is_sound(mesh: trimesh.Trimesh) -> bool:
@@ -159,23 +174,35 @@ def _largest(solid: Solid) -> Solid:
     return best
 
 
-def _solids(mesh: trimesh.Trimesh) -> list[Solid]:
-    """A solid for each shell. Shells that stay open are dropped if they are but debris."""
-    solids, open_area, edges = [], 0.0, 0
-    for shell in _shells(mesh):
-        closed = close_holes(shell, LARGEST_HOLE)
+def _solids(mesh: trimesh.Trimesh, wall: float | None) -> tuple[list[Solid], bool]:
+    """A solid for each shell that can be closed.
+
+    The others are dropped if they are only debris; else they get a wall of the thickness given.
+
+    Returns:
+        The solids, and whether there is such a wall among them.
+    """
+    single, doubled = _cleaned(mesh)
+    solids, failed = [], []
+    for part in _shells(single):
+        closed = close_holes(part, LARGEST_HOLE)
         solid = None if closed is None else _outward(closed)
         if solid is None:
-            open_area += shell.area
-            edges += len(open_edges(shell.faces))
+            failed.append(part)
         else:
             solids.append(solid)
-    if open_area > DEBRIS * mesh.area or not solids:
-        raise RejectedError(_reason(edges))
-    return solids
+    if solids and sum(part.area for part in failed) <= DEBRIS * single.area:
+        return solids, False
+    sheets = cast("trimesh.Trimesh", trimesh.util.concatenate([*failed, doubled]))
+    if wall is None or len(open_edges(sheets.faces)) == 0:
+        raise RejectedError(_reason(failed))
+    return [*solids, shell(sheets, wall)], True
 
 
-def _reason(edges: int) -> str:
+def _reason(failed: list[trimesh.Trimesh]) -> str:
+    if not failed:
+        return "no volume"
+    edges = sum(len(open_edges(part.faces)) for part in failed)
     if edges == 0:
         return "faces without volume, or that meet in ways that no solid has"
     return f"open surface: {edges} open edges that could not be closed"
@@ -183,23 +210,25 @@ def _reason(edges: int) -> str:
 
 def _shells(mesh: trimesh.Trimesh) -> list[trimesh.Trimesh]:
     """Parts that hang together by edges with two faces, each wound consistently."""
+    if len(mesh.faces) == 0:
+        return []
     groups = trimesh.graph.connected_components(
         mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1
     )
     shells = []
     for group in sorted(map(sorted, groups)):
-        shell = trimesh.Trimesh(mesh.vertices, mesh.faces[group], process=False)
-        shell.remove_unreferenced_vertices()
-        if not shell.is_winding_consistent:
-            trimesh.repair.fix_winding(shell)
-        shells.append(shell)
+        part = trimesh.Trimesh(mesh.vertices, mesh.faces[group], process=False)
+        part.remove_unreferenced_vertices()
+        if not part.is_winding_consistent:
+            trimesh.repair.fix_winding(part)
+        shells.append(part)
     return shells
 
 
-def _outward(shell: trimesh.Trimesh) -> Solid | None:
+def _outward(part: trimesh.Trimesh) -> Solid | None:
     """The solid within a shell, turned round if it is inside out; None if it bounds nothing."""
-    outward = shell.faces if shell.volume > 0 else shell.faces[:, ::-1]
-    solid = to_solid(shell.vertices, outward)
+    outward = part.faces if part.volume > 0 else part.faces[:, ::-1]
+    solid = to_solid(part.vertices, outward)
     return solid if is_solid(solid) else None
 
 
@@ -220,21 +249,23 @@ def _welded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     return trimesh.Trimesh(mesh.vertices, first[group][mesh.faces], process=False)
 
 
-def _cleaned(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """Faces with three corners, each once; two that lie back to back are both removed."""
+def _cleaned(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, trimesh.Trimesh]:
+    """Faces with three corners, each once; and one of each two that lie back to back."""
     faces = np.asarray(mesh.faces)
     ordered = np.sort(faces, axis=1)
     faces = faces[(ordered[:, 1:] != ordered[:, :-1]).all(axis=1)]
     _, first, group = np.unique(
         np.sort(faces, axis=1), axis=0, return_index=True, return_inverse=True
     )
-    turns = np.bincount(group, weights=_parity(faces))
-    kept = np.flatnonzero(turns)
-    if len(kept) == 0:
-        raise RejectedError("no volume")
+    turns = np.bincount(group, weights=_parity(faces), minlength=len(first))
+    kept, doubled = np.flatnonzero(turns), np.flatnonzero(turns == 0)
     same = np.sign(turns[kept]) == _parity(faces)[first[kept]]
     chosen = np.where(same[:, None], faces[first[kept]], faces[first[kept]][:, ::-1])
-    return trimesh.Trimesh(mesh.vertices, chosen[np.argsort(first[kept])], process=False)
+    single = chosen[np.argsort(first[kept])]
+    return (
+        trimesh.Trimesh(mesh.vertices, single, process=False),
+        trimesh.Trimesh(mesh.vertices, faces[first[doubled]], process=False),
+    )
 
 
 def _parity(faces: Ints) -> Floats:

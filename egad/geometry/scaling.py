@@ -10,6 +10,7 @@ from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
 from egad.errors import RejectedError, UserError
+from egad.geometry.checks import check_mesh
 
 Floats = NDArray[np.float64]
 
@@ -17,6 +18,7 @@ TURNS = 800  # orientations tried; they lie some 8 degrees apart, as the box has
 STARTS = 3  # the best of them that are turned further
 FEW = 0  # digits of the angles of faces that trimesh tells apart: few of a smooth hull are enough
 TILT = 0.05  # radians: first step of that
+FLAT = 1e-9  # smallest side over longest: less is rounding
 AT_ONCE = 50  # orientations whose products with the points are in memory: they fit into the cache
 
 
@@ -28,8 +30,10 @@ def box_sides(mesh: trimesh.Trimesh) -> Floats:
     the nearest local minimum of the volume.
 
     Raises:
-        RejectedError: All vertices lie in one plane.
+        RejectedError: All vertices lie in one plane, or the mesh is empty or not finite.
+        UserError: It is not a mesh.
     """
+    check_mesh(mesh)
     try:
         hull = trimesh.convex.convex_hull(mesh, repair=False)  # only its vertices are used
     except QhullError as error:
@@ -43,7 +47,10 @@ def box_sides(mesh: trimesh.Trimesh) -> Floats:
     to_box, _ = trimesh.bounds.oriented_bounds(hull, angle_digits=FEW)
     starts = [np.asarray(to_box)[:3, :3], *turns[best]]
     boxes = [_turned_to_minimum(start @ points) for start in starts]
-    return np.sort(min(boxes, key=np.prod))
+    sides = np.sort(min(boxes, key=np.prod))
+    if not sides[0] > FLAT * sides[-1]:
+        raise RejectedError("flat")
+    return sides
 
 
 def _turned_to_minimum(points: Floats) -> Floats:
@@ -132,8 +139,8 @@ def rescale(
         The scaled mesh, and a row of `tables.grasping.SCALES` without the label.
 
     Raises:
-        RejectedError: The object is flat.
-        UserError: There is no such rule.
+        RejectedError: The object is flat, empty or not finite.
+        UserError: There is no such rule, or it is not a mesh.
     """
     before = box_sides(mesh)
     factor = scale_factor(rule, before, opening, side_fraction)

@@ -9,6 +9,7 @@ from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
 from egad.errors import RejectedError
+from egad.geometry.checks import check_mesh
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -83,10 +84,12 @@ def stable_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
         At least one pose; the probabilities add up to 1.
 
     Raises:
-        RejectedError: The mesh is flat, or the center is not inside its hull.
+        RejectedError: The mesh is flat, empty or not finite, or the center is not inside its hull.
+        UserError: It is not a mesh.
 
     Source: after Goldberg et al., Part pose statistics, 1999 (quasi-static estimate).
     """
+    check_mesh(mesh)
     facets = _facets(np.asarray(mesh.vertices, dtype=np.float64), center)
     margins, target = _rolls(facets)
     chances = facets.solid_angles / facets.solid_angles.sum()
@@ -140,8 +143,8 @@ def rotation_to_table(normal: Floats) -> Floats:
 def _facets(vertices: Floats, center: Floats) -> _Facets:
     try:
         hull = ConvexHull(vertices)
-    except (QhullError, ValueError) as error:
-        raise RejectedError("no hull to rest on: flat, or not finite") from error
+    except QhullError as error:
+        raise RejectedError("no hull to rest on: flat") from error
     # Qhull joins what is flat to its precision, and gives its triangles the very same plane.
     planes, face = np.unique(hull.equations, axis=0, return_inverse=True)
     face = face.ravel()

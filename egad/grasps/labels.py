@@ -8,6 +8,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
+from egad.geometry.checks import check_solid
 from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches
 from egad.grasps.gripper import Gripper
@@ -55,8 +56,11 @@ def label_grasps(
         frame of the mesh.
 
     Raises:
-        RejectedError: There is no grasp; the reason says what became of the candidates.
+        RejectedError: There is no grasp; the reason says what became of the candidates. Or the mesh
+            is open, bounds no volume or is not finite.
+        UserError: It is not a mesh.
     """
+    check_solid(mesh)
     caster = RayCaster(mesh)
     grasps, tally = sample_for_labels(caster, settings, rng)
     if len(grasps) == 0:

@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.errors import RejectedError
+from egad.geometry.checks import check_mesh
 
 Floats = NDArray[np.float64]
 
@@ -25,10 +25,10 @@ def complexity(mesh: trimesh.Trimesh, bins: int = 512) -> float:
         Bits: 0 if all vertices are alike, at most log2(bins).
 
     Raises:
-        RejectedError: The mesh has no faces.
+        RejectedError: The mesh is empty or not finite.
+        UserError: It is not a mesh.
     """
-    if len(mesh.faces) == 0:
-        raise RejectedError("no faces")
+    check_mesh(mesh)
     width = 4 * np.pi / bins
     # rounding must not scatter flat vertices, whose deficit 0 is the edge of a bin
     position = (angular_deficits(mesh) + 2 * np.pi) / width + 1e-9

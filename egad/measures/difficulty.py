@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import betainc
 
 from egad.errors import RejectedError
+from egad.geometry.checks import check_mesh
 from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
@@ -58,11 +59,9 @@ def difficulty(
 
     Raises:
         RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
+        UserError: It is not a mesh.
     """
-    if len(mesh.faces) == 0:
-        raise RejectedError("no faces")
-    if not np.isfinite(mesh.vertices).all():
-        raise RejectedError("coordinates that are not finite")
+    check_mesh(mesh)
     opening = settings.gripper.opening
     place = _alignment(np.asarray(mesh.vertices), settings.difficulty.side_fraction * opening)
     scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 
+from egad.geometry.checks import check_mesh
 from egad.measures.complexity import complexity
 from egad.measures.custom import plugin_value
 from egad.measures.difficulty import GraspDifficulty, difficulty
@@ -73,6 +74,8 @@ def measure_repeatably(
 
     Raises:
         RejectedError: The mesh cannot be measured, or has no grasp.
+        UserError: It is not a mesh.
     """
+    check_mesh(mesh)
     triangles = hashlib.sha256(np.asarray(mesh.faces, "<i8").tobytes()).hexdigest()
     return measure_mesh(mesh, settings, grasps, generator(settings.seed, "regrade", triangles))

@@ -14,6 +14,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError, UserError
+from egad.geometry.checks import check_mesh
 from egad.geometry.refinement import Triangulation, face_areas, refine, triangulation
 from egad.reeb.geodesics import edge_graph, even_integral, scan_integral
 from egad.reeb.parameters import Similarity
@@ -144,7 +145,9 @@ def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
 
     Raises:
         RejectedError: The mesh is empty, not finite, degenerate or in several pieces.
+        UserError: It is not a mesh.
     """
+    check_mesh(mesh)
     surface = refine(_checked(mesh), settings.vertices)
     areas = face_areas(surface)
     mu = _mu(surface, areas, settings)
@@ -161,8 +164,6 @@ def _checked(mesh: trimesh.Trimesh) -> Triangulation:
     faces = faces[(a != b) & (b != c) & (c != a)]
     if not len(faces):
         raise RejectedError("the mesh is empty")
-    if not np.isfinite(vertices).all():
-        raise RejectedError("the mesh has coordinates that are not finite")
     faces = outer_shell(vertices, faces)
     used = np.zeros(len(vertices), bool)
     used[faces] = True

@@ -18,6 +18,9 @@ from egad.tables.columns import (
     vector,
 )
 
+_SHELL = column(
+    "shell_thickness", FLOAT, "wall that an open surface was given; 0: it was not open", "m"
+)
 SOLIDS = pa.schema(
     [
         ID,
@@ -33,6 +36,7 @@ SOLIDS = pa.schema(
         column("area", FLOAT, "surface area", "m2"),
         column("watertight", BOOL, "whether every edge has exactly two faces"),
         column("repaired", BOOL, "whether repair changed the mesh beyond merging vertices"),
+        _SHELL,
         *vector("extents", "sides of the axis-aligned box", "m"),
         *vector("com", "center of mass", "m"),
         column("mass", FLOAT, "mass at the configured density", "kg"),
@@ -77,6 +81,7 @@ MEASURED = pa.schema(
         column("grasps", INT, "number of grasps that the difficulty was computed from"),
         column("longest_side", FLOAT, "longest side of the axis-aligned box", "m"),
         column("repaired", BOOL, "whether repair changed the mesh beyond merging vertices"),
+        _SHELL,
         _REASON,
     ]
 )
@@ -92,6 +97,7 @@ LOCATED = pa.schema(
         column("diversity", FLOAT, "mean distance to the nearest objects"),
         column("nearest", pa.list_(STRING), "nearest objects, nearest first"),
         column("distances", pa.list_(FLOAT), "distances to them"),
+        _SHELL,
         _REASON,
     ]
 )

@@ -33,6 +33,7 @@ def object_row(label, mesh, density):
         "label": label,
         "watertight": True,
         "repaired": False,
+        "shell_thickness": 0.0,
         "complexity": 1.5,
         "difficulty": 0.002,
         "complexity_cell": 3,

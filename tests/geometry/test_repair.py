@@ -53,7 +53,7 @@ def assert_sound(mesh):
 
 def test_a_sound_mesh_comes_back_as_it_is():
     ball = icosphere(subdivisions=3)
-    mesh, changed = repair(ball)
+    mesh, changed, _ = repair(ball)
     assert not changed
     assert np.array_equal(mesh.vertices, ball.vertices)
     assert np.array_equal(mesh.faces, ball.faces)
@@ -62,7 +62,7 @@ def test_a_sound_mesh_comes_back_as_it_is():
 def test_merging_vertices_is_no_change_and_the_input_is_kept():
     given = soup(icosphere(subdivisions=2))
     before = given.faces.copy()
-    mesh, changed = repair(given)
+    mesh, changed, _ = repair(given)
     assert not changed
     assert_sound(mesh)
     assert np.array_equal(given.faces, before)
@@ -70,7 +70,7 @@ def test_merging_vertices_is_no_change_and_the_input_is_kept():
 
 def test_an_inside_out_mesh_is_turned_round():
     ball = icosphere(subdivisions=2)
-    mesh, changed = repair(raw(ball.vertices, ball.faces[:, ::-1]))
+    mesh, changed, _ = repair(raw(ball.vertices, ball.faces[:, ::-1]))
     assert changed
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(ball.volume)
@@ -80,7 +80,7 @@ def test_mixed_winding_is_made_consistent():
     ball = icosphere(subdivisions=2)
     faces = ball.faces.copy()
     faces[::3] = faces[::3, ::-1]
-    mesh, _ = repair(raw(ball.vertices, faces))
+    mesh, *_ = repair(raw(ball.vertices, faces))
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(ball.volume)
 
@@ -88,7 +88,7 @@ def test_mixed_winding_is_made_consistent():
 def test_cracks_are_welded():
     given = soup(box((1, 1, 1)).subdivide())
     noise = np.random.default_rng(0).uniform(-2e-5, 2e-5, given.vertices.shape)
-    mesh, changed = repair(raw(given.vertices + noise, given.faces))
+    mesh, changed, _ = repair(raw(given.vertices + noise, given.faces))
     assert changed
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(1, rel=1e-3)
@@ -105,7 +105,7 @@ def test_a_small_hole_is_closed_and_a_large_one_is_named():
 def test_degenerate_and_doubled_faces_go():
     block = box()
     extra = [block.faces[0], [0, 0, 1], [0, 1, 2], [2, 1, 0]]
-    mesh, changed = repair(raw(block.vertices, np.vstack([block.faces, extra])))
+    mesh, changed, _ = repair(raw(block.vertices, np.vstack([block.faces, extra])))
     assert changed
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(1)
@@ -116,13 +116,13 @@ def test_a_fin_on_a_closed_body_is_dropped():
     edge = block.faces[0, :2]
     vertices = np.vstack([block.vertices, block.vertices[edge].mean(axis=0) * 1.2])
     fin = [*edge, len(block.vertices)]
-    mesh, _ = repair(raw(vertices, np.vstack([block.faces, [fin]])))
+    mesh, *_ = repair(raw(vertices, np.vstack([block.faces, [fin]])))
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(1)
 
 
 def test_only_the_largest_part_stays():
-    mesh, changed = repair(together(box(), shifted(box((0.5, 0.5, 0.5)), 3, 0, 0)))
+    mesh, changed, _ = repair(together(box(), shifted(box((0.5, 0.5, 0.5)), 3, 0, 0)))
     assert changed
     assert mesh.volume == pytest.approx(1)
     assert mesh.bounds[1, 0] == pytest.approx(0.5)
@@ -131,14 +131,14 @@ def test_only_the_largest_part_stays():
 def test_an_open_part_is_dropped_only_if_little_is_lost():
     block = box()
     cup = raw(block.vertices, block.faces[block.face_normals[:, 2] < 0.9])
-    mesh, _ = repair(together(block, shifted(cup.copy().apply_scale(0.1), 2, 0, 0)))
+    mesh, *_ = repair(together(block, shifted(cup.copy().apply_scale(0.1), 2, 0, 0)))
     assert mesh.bounds == pytest.approx(block.bounds)
     with pytest.raises(RejectedError, match="open surface: 4 open edges"):
         repair(together(block, shifted(cup, 2, 0, 0)))
 
 
 def test_overlapping_parts_become_one_body():
-    mesh, _ = repair(together(box(), shifted(box(), 0.5, 0.25, 0.125)))
+    mesh, *_ = repair(together(box(), shifted(box(), 0.5, 0.25, 0.125)))
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(2 - 0.5 * 0.75 * 0.875)
 
@@ -148,7 +148,7 @@ def test_trapped_voids_are_filled_however_their_walls_wind(inverted):
     inner = icosphere(subdivisions=2, radius=0.3)
     if inverted:
         inner.invert()
-    mesh, changed = repair(together(box(), inner))
+    mesh, changed, _ = repair(together(box(), inner))
     assert changed
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(1)
@@ -158,7 +158,7 @@ def test_a_surface_that_runs_through_itself_is_untangled():
     tube = crossing_tube()
     assert tube.is_volume
     assert len(crossings(tube.vertices, tube.faces, 1e-6)) > 10
-    mesh, changed = repair(tube)
+    mesh, changed, _ = repair(tube)
     assert changed
     assert_sound(mesh)
     overlap = 0.12**3 * 16 / 3  # of two round tubes at a right angle; these meet at 90 degrees
@@ -178,14 +178,14 @@ def test_a_dent_pushed_through_the_far_side_is_mended():
     vertices = plate.vertices.copy()
     top = np.flatnonzero((np.hypot(*vertices[:, :2].T) < 0.01) & (vertices[:, 2] > 0))
     vertices[top, 2] = -0.03
-    mesh, _ = repair(raw(vertices, plate.faces))
+    mesh, *_ = repair(raw(vertices, plate.faces))
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(0.02, rel=0.05)
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
 def test_the_unit_does_not_matter(size):
-    mesh, _ = repair(crossing_tube().apply_scale(size))
+    mesh, *_ = repair(crossing_tube().apply_scale(size))
     assert_sound(mesh)
 
 
@@ -193,7 +193,7 @@ def test_repair_is_idempotent_and_deterministic():
     first, second = repair(crossing_tube()).mesh, repair(crossing_tube()).mesh
     assert first.vertices.tobytes() == second.vertices.tobytes()
     assert first.faces.tobytes() == second.faces.tobytes()
-    again, changed = repair(first)
+    again, changed, _ = repair(first)
     assert not changed
     assert again.volume == pytest.approx(first.volume)
 

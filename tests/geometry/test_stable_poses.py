@@ -139,7 +139,7 @@ def test_a_center_of_mass_that_is_not_inside_is_rejected(center):
 def test_what_has_no_hull_is_rejected(squeeze):
     box = trimesh.creation.box((0.02, 0.03, 0.04))
     flat = trimesh.Trimesh(box.vertices * squeeze, box.faces, process=False)
-    with pytest.raises(RejectedError, match="flat, or not finite"):
+    with pytest.raises(RejectedError, match=r"flat|not finite"):
         stable_poses(flat, np.zeros(3))
 
 

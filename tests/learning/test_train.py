@@ -62,7 +62,7 @@ def test_the_history_is_there_and_says_where_it_is_from(trained):
 def test_the_score_is_that_of_the_card(trained):
     (row,) = parquet.records(parquet.read(trained / "words/score.parquet", SCORE))
     text = (trained / "words/README.md").read_text()
-    said = f"right in {row['n_correct']} of {row['n_images']} images of {row['objects']} held-out objects"
+    said = "right in {n_correct} of {n_images} images of {objects} held-out objects".format(**row)
     assert said in text.replace("\n", " ")
     assert f"The loss on them was {row['loss']:.4f}" in text.replace("\n", " ")
 

@@ -198,8 +198,8 @@ def cubes(*places):
 
 NOTHING = np.empty((0, 3))
 BAD = {
-    "no mesh": (trimesh.Trimesh(), "empty"),
-    "no faces": (trimesh.Trimesh([[0, 0, 0], [1, 0, 0]], NOTHING, process=False), "empty"),
+    "no mesh": (trimesh.Trimesh(), "no faces"),
+    "no faces": (trimesh.Trimesh([[0, 0, 0], [1, 0, 0]], NOTHING, process=False), "no faces"),
     "line": (
         trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], process=False),
         "area",

@@ -6,12 +6,14 @@ from pydantic import Field, model_validator
 
 from egad._util.parameters import (
     FractionRange,
+    Length,
     Name,
     Parameters,
     PositiveFraction,
     ScaleRule,
     check_ascending,
 )
+from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
 from egad.pipeline.config.formats import Format
 
 
@@ -29,6 +31,16 @@ class Postprocess(Parameters):
 
     grasps: int = Field(1000, ge=1, description="grasps that an object is graded by")
     min_volume: float = Field(1e-9, ge=0, description="objects smaller than this are rejected, m3")
+    open_surfaces: OpenSurfaces = Field(
+        "reject",
+        description="what is done with surfaces that stay open when small holes are closed, such "
+        "as scans of glasses and bowls: reject them, or thicken them to closed shells",
+    )
+    shell_thickness: Length = Field(
+        SHELL_THICKNESS,
+        description="wall of these shells, metres; the surface lies in its middle "
+        "(open_surfaces: thicken)",
+    )
 
 
 class Rescale(Parameters):

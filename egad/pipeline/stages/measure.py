@@ -13,14 +13,15 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange.meshes import read_mesh
-from egad.geometry.mass import repair_and_weigh
+from egad.geometry.checks import USUAL_SIDES, has_usual_size
+from egad.geometry.mass import Body
 from egad.measures.grid import complexity_cells, difficulty_cells
 from egad.measures.measure import measure_repeatably
+from egad.pipeline.config import Postprocess
 from egad.pipeline.config.stage_settings import MeasureMeshes
 from egad.tables.objects import MEASURED
 
 log = logging.getLogger(__name__)
-USUAL = (0.001, 2.0)  # longest sides of things that are grasped, metres
 
 
 def run(
@@ -54,8 +55,8 @@ def measure_row(
     Raises:
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
     """
-    solid, repaired, _ = repair_and_weigh(
-        mesh, settings.material.density, settings.postprocess.min_volume
+    (solid, repaired, wall), _ = repaired_body(
+        mesh, settings.postprocess, settings.material.density
     )
     place = measure_repeatably(solid, settings, settings.postprocess.grasps)
     return solid, {
@@ -64,7 +65,23 @@ def measure_row(
         "difficulty_cell": int(difficulty_cells(place.difficulty, settings.space)),
         "longest_side": float(solid.extents.max()),
         "repaired": repaired,
+        "shell_thickness": wall,
     }
+
+
+def repaired_body(mesh: trimesh.Trimesh, wanted: Postprocess, density: float) -> Body:
+    """Repair and weigh a mesh as the settings say.
+
+    Raises:
+        RejectedError: The mesh cannot be repaired, or is too small.
+    """
+    return repair_and_weigh(
+        mesh,
+        density,
+        wanted.min_volume,
+        wanted.open_surfaces,
+        wanted.shell_thickness,
+    )
 
 
 def _row(item: tuple[str, Path], units: str, settings: MeasureMeshes) -> dict[str, Any]:
@@ -78,12 +95,12 @@ def _row(item: tuple[str, Path], units: str, settings: MeasureMeshes) -> dict[st
 
 def warn_of_units(table: pd.DataFrame, units: str) -> None:
     """Say so if meshes are so large or small that their unit must be another one."""
-    sides = table["longest_side"].dropna()
-    odd = table.loc[sides[~sides.between(*USUAL)].index]
+    known = table.dropna(subset="longest_side")
+    odd = known[~has_usual_size(known["longest_side"])]
     if len(odd):
         log.warning(
             "%d of %d meshes are smaller than %g m or larger than %g m, %s for one (%.3g m): "
             "are they really in %s?",
-            *(len(odd), len(table), *USUAL),
+            *(len(odd), len(table), *USUAL_SIDES),
             *(odd["name"].iloc[0], odd["longest_side"].iloc[0], units),
         )

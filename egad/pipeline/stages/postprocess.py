@@ -16,13 +16,13 @@ from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError, UserError
 from egad.exchange.folders import EVERY_FILE, objects_in
 from egad.exchange.meshes import read_mesh
-from egad.geometry.mass import repair_and_weigh
 from egad.geometry.primitives import joined_primitives
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import MeasureParameters
 from egad.pipeline.archive_settings import MEASURING, check_provenance, differences
 from egad.pipeline.config import Material, Postprocess, Shape
 from egad.pipeline.parameters import Input, NotNoted, Output, Shard, command
+from egad.pipeline.stages.measure import repaired_body
 from egad.pipeline.stages.shards import in_shard, rejection
 from egad.random import generator
 from egad.reeb import graph as reeb
@@ -181,8 +181,8 @@ def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids
     Raises:
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
     """
-    solid, repaired, mass = repair_and_weigh(
-        mesh, settings.material.density, settings.postprocess.min_volume
+    (solid, repaired, wall), mass = repaired_body(
+        mesh, settings.postprocess, settings.material.density
     )
     place = measure_repeatably(solid, settings, settings.postprocess.grasps)
     return {
@@ -192,6 +192,7 @@ def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids
         "area": mass.area,
         "watertight": bool(solid.is_watertight),
         "repaired": repaired,
+        "shell_thickness": wall,
         **dict(zip(("extents_x", "extents_y", "extents_z"), solid.extents, strict=True)),
         **dict(zip(("com_x", "com_y", "com_z"), mass.com, strict=True)),
         "mass": mass.mass,

@@ -136,6 +136,22 @@ def test_size_does_not_matter(table, name, factor):
     assert row["longest_side"] == pytest.approx(factor * good["longest_side"])
 
 
+def test_open_surfaces_are_measured_as_shells_if_the_settings_say_so(bad, table):
+    changes = {"open_surfaces": "thicken", "shell_thickness": 0.004}
+    postprocess = SETTINGS.postprocess.model_copy(update=changes)
+    settings = SETTINGS.model_copy(update={"postprocess": postprocess})
+    bowl = potato()
+    bowl.update_faces(bowl.triangles_center[:, 2] < 0)
+    path = bad["good"].with_name("bowl.ply")
+    bowl.export(path)
+    files = {"bowl": path, "open_scan": bad["open_scan"], "good": bad["good"]}
+    found = measure.run(settings, files, "m", 1).set_index("name")
+    assert found["reason"].tolist() == ["", "", ""]
+    assert found["shell_thickness"].tolist() == [0.004, 0, 0]
+    assert found.loc["bowl", "longest_side"] == pytest.approx(bowl.extents.max() + 0.004, rel=0.01)
+    pd.testing.assert_series_equal(found.loc["good"], table.loc["good"])
+
+
 def test_units_that_must_be_wrong_are_pointed_out(bad, caplog):
     measure.run(SETTINGS, {"thousand": bad["thousand"]}, "m", 1)
     assert "thousand for one (60 m): are they really in m?" in caplog.text

@@ -87,6 +87,41 @@ def test_random_objects_follow_the_seed():
     assert bytes_of(1) == bytes_of(1) != bytes_of(2)
 
 
+def write_cup(path, side=0.04, height=0.05):
+    """Four walls and a floor of a cup, without thickness."""
+    mesh = trimesh.creation.box([side, side, height])
+    mesh.update_faces(mesh.face_normals[:, 2] < 0.9)
+    mesh.export(path)
+
+
+def test_open_meshes_become_shells_if_the_settings_say_so(tmp_path):
+    """Their mass is that of the walls, and both tables say what was done."""
+    write_cup(tmp_path / "cup.ply")
+    trimesh.creation.box([0.04, 0.04, 0.05]).export(tmp_path / "block.ply")
+    out, left_out = tmp_path / "solids.parquet", tmp_path / "rejected.parquet"
+    changes = {"open_surfaces": "thicken", "shell_thickness": 0.003}
+    thicken = Settings.model_validate(
+        COARSE.model_dump() | {"postprocess": {"grasps": 20, **changes}}
+    )
+    for whole in (COARSE, thicken):
+        settings = select(whole, PostprocessSolids)
+        measure_objects(settings, *from_folder(tmp_path, "m", 0, 1, "*.ply"), out, left_out)
+        rows = parquet.read(out, SOLIDS).set_index("id")
+        rejected = parquet.read(left_out, REJECTED)
+        assert rows.loc["block", "shell_thickness"] == 0
+        if whole is COARSE:
+            assert rejected["reason"].tolist() == [
+                "open surface: 4 open edges that could not be closed"
+            ]
+        else:
+            assert rejected.empty
+            cup, area = rows.loc["cup"], 0.04**2 + 4 * 0.04 * 0.05
+            assert cup["shell_thickness"] == 0.003
+            assert cup["watertight"]
+            assert cup["mass"] == pytest.approx(settings.material.density * area * 0.003, rel=0.05)
+            assert cup["extents_x"] == pytest.approx(0.043, rel=0.01)
+
+
 def test_a_turned_block_has_the_textbook_moments_about_its_own_axes():
     sides, settings = np.array([0.03, 0.05, 0.08]), select(COARSE, PostprocessSolids)
     turn = trimesh.transformations.rotation_matrix(0.7, [1, 2, 3])

@@ -1,0 +1,116 @@
+"""Checks of meshes that users pass: typed errors before anything is computed from them."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from numpy.typing import ArrayLike, NDArray
+
+from egad.errors import RejectedError, UserError
+
+USUAL_SIDES = (0.001, 2.0)  # longest sides of things that are grasped, metres
+ROUNDING = 1e-12  # of the cube of the longest side: a smaller volume is none
+
+
+class UnitsWarning(UserWarning):
+    """The size of a mesh suggests that its coordinates are not in metres."""
+
+
+def check_mesh(mesh: trimesh.Trimesh) -> None:
+    """Make sure that an argument is a mesh with faces and finite coordinates.
+
+    Raises:
+        UserError: It is something else, such as a scene or the name of a file.
+        RejectedError: No faces, coordinates that are not finite, or faces with vertices that the
+            mesh does not have.
+    """
+    if not isinstance(mesh, trimesh.Trimesh):
+        raise UserError(_not_a_mesh(mesh))
+    faces = np.asarray(mesh.faces)
+    if len(faces) == 0:
+        raise RejectedError("no faces")
+    if not np.isfinite(mesh.vertices).all():
+        raise RejectedError("coordinates that are not finite")
+    if faces.min() < 0 or faces.max() >= len(mesh.vertices):
+        raise RejectedError("faces name vertices that are not there")
+
+
+def _not_a_mesh(given: object) -> str:
+    advice = ""
+    if isinstance(given, trimesh.Scene):
+        advice = "; `scene.to_mesh()` makes one mesh of a scene"
+    elif isinstance(given, str | Path):
+        advice = "; `trimesh.load_mesh(path)` reads one from a file"
+    return f"a mesh is a trimesh.Trimesh, got {type(given).__name__}{advice}"
+
+
+def check_surface(mesh: trimesh.Trimesh) -> None:
+    """Make sure that there is a surface at all.
+
+    Raises:
+        UserError: It is not a mesh.
+        RejectedError: As of `check_mesh`, or no area.
+    """
+    check_mesh(mesh)
+    if not mesh.area > 0:
+        raise RejectedError("no area")
+
+
+def check_solid(mesh: trimesh.Trimesh) -> None:
+    """Make sure that a surface is closed, wound outwards, and has something within.
+
+    Raises:
+        UserError: It is not a mesh.
+        RejectedError: As of `check_surface`; or it is open, inside out, or has no volume.
+    """
+    check_surface(mesh)
+    if not _is_closed(np.asarray(mesh.faces), len(mesh.vertices)):
+        raise RejectedError("open or inconsistently wound surface: `egad.repair` may close it")
+    volume = _relative_volume(mesh)
+    if abs(volume) < ROUNDING:
+        raise RejectedError("no volume")
+    if volume < 0:
+        raise RejectedError("inside out: `egad.repair` turns the faces outwards")
+
+
+def _is_closed(faces: NDArray[np.int64], count: int) -> bool:
+    """Whether every edge has as many faces in one direction as in the other."""
+    start, end = faces.astype(np.int64).ravel(), np.roll(faces, -1, axis=1).astype(np.int64).ravel()
+    return bool(np.array_equal(np.sort(start * count + end), np.sort(end * count + start)))
+
+
+def _relative_volume(mesh: trimesh.Trimesh) -> float:
+    """Signed volume as a part of the cube of the longest side of the box."""
+    low, high = np.asarray(mesh.bounds)
+    a, b, c = np.moveaxis((mesh.triangles - (low + high) / 2) / (high - low).max(), 1, 0)
+    return float(np.einsum("ij,ij", a, np.cross(b, c))) / 6
+
+
+def check_units(mesh: trimesh.Trimesh) -> None:
+    """Warn if a mesh is so large or small that its coordinates cannot be in metres.
+
+    Warns:
+        UnitsWarning: The longest side is not between 1 mm and 2 m.
+
+    Raises:
+        UserError: It is not a mesh.
+        RejectedError: As of `check_mesh`.
+    """
+    check_mesh(mesh)
+    longest = float(mesh.extents.max())
+    if not has_usual_size(longest):
+        low, high = USUAL_SIDES
+        warnings.warn(
+            f"the longest side of the mesh is {longest:.3g} m, which is not between {low:g} m and "
+            f"{high:g} m: are its coordinates really in metres?",
+            UnitsWarning,
+            stacklevel=2,
+        )
+
+
+def has_usual_size(longest_sides: ArrayLike) -> NDArray[np.bool_]:
+    """Whether meshes are as large as things that are grasped: longest sides in metres, (n,)."""
+    low, high = USUAL_SIDES
+    sides = np.asarray(longest_sides, dtype=np.float64)
+    return np.asarray((sides >= low) & (sides <= high))

@@ -1,0 +1,103 @@
+"""Shells: a wall of a given thickness around an open surface."""
+
+from contextlib import suppress
+
+import igl
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csgraph
+
+from egad.errors import RejectedError
+from egad.geometry.checks import check_surface
+from egad.geometry.distance import nearest
+from egad.geometry.manifold import Solid, to_solid
+from egad.geometry.self_intersections import untangle
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+CELLS = 4  # of the grid across a wall
+OFFSET = 0.37  # of a cell: flat surfaces hardly ever lie in a plane of nodes
+ROUNDING = 2**20 + 1  # steps of a thickness, odd: the level is in the middle between two of them
+TOLERANCES = (0.02, 0.005, 0.001)  # of the thickness: how far simplification may move the surface
+LARGEST = 30_000  # area over thickness squared; 0.12 m2 with a wall of 2 mm: 20 s and 1.8 GB
+
+
+def shell(mesh: trimesh.Trimesh, thickness: float) -> Solid:
+    """All points within half a thickness of a surface, as a solid (ours, on libigl).
+
+    The surface is in the middle of the wall, and the rims are round. The orientation of the faces
+    does not matter, and they may meet or cross in any way. Voids that the wall encloses are filled.
+    The distance to the surface is taken at the nodes of an octree whose cells are a quarter of the
+    thickness; marching cubes and a simplification follow. Tests find walls within 5 % of the
+    thickness.
+
+    Args:
+        mesh: Any triangles with an area, in any unit; not changed.
+        thickness: Of the wall, in the same unit.
+
+    Raises:
+        RejectedError: There is no surface, or the wall is thicker than it is large, or too thin to
+            be computed.
+    """
+    check_surface(mesh)
+    _check_thickness(mesh, thickness)
+    vertices, faces = _without_voids(*_level_set(mesh, thickness))
+    return _simplified(to_solid(vertices, faces), thickness)
+
+
+def _check_thickness(mesh: trimesh.Trimesh, thickness: float) -> None:
+    size, thinnest = float(mesh.extents.max()), float(np.sqrt(mesh.area / LARGEST))
+    if thickness >= size:
+        raise RejectedError(
+            f"open surface of {size:.3g} m, less than the thickness of its shell, "
+            f"{thickness:.3g} m: is the unit of the mesh right?"
+        )
+    if thickness < thinnest:
+        raise RejectedError(
+            f"open surface with an area of {mesh.area:.3g} m2: its shell must have a thickness of "
+            f"at least {thinnest:.3g} m, not {thickness:.3g} m; is the unit of the mesh right?"
+        )
+
+
+def _level_set(mesh: trimesh.Trimesh, thickness: float) -> tuple[Floats, Ints]:
+    """Vertices and faces of the surface at half a thickness, wound outwards."""
+    step, level = thickness / ROUNDING, thickness / 2
+
+    def distance(points: Floats) -> Floats:
+        """Rounded: the order of the triangles has no effect, and no node lies on the level."""
+        return np.asarray(np.round(nearest(points, mesh)[0] / step) * step)
+
+    def to_level(points: Floats) -> Floats:
+        return np.maximum(np.abs(distance(points) - level) - step, 0)
+
+    low, high = mesh.triangles.min(axis=(0, 1)), mesh.triangles.max(axis=(0, 1))
+    cell = thickness / CELLS
+    depth = int(np.ceil(np.log2((float((high - low).max()) + thickness) / cell + 2)))
+    side = cell * 2**depth
+    corner = (low + high - side) / 2 + OFFSET * cell
+    cells = igl.lipschitz_octree(corner, side, depth, to_level)
+    _, corners, nodes = igl.unique_sparse_voxel_corners(corner, side, depth, cells)
+    vertices, faces, _ = igl.marching_cubes(distance(nodes), nodes, corners, level)
+    return vertices, faces
+
+
+def _without_voids(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
+    """The components of a surface that bound something from outside."""
+    count = len(vertices)
+    start, end = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
+    links = coo_array((np.ones(len(start), np.int8), (start, end)), shape=(count, count))
+    _, group = csgraph.connected_components(links, directed=False)
+    corners = (vertices - vertices.mean(axis=0))[faces]
+    volumes = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    outer = np.bincount(group[faces[:, 0]], weights=volumes) > 0
+    return vertices, faces[outer[group[faces[:, 0]]]]
+
+
+def _simplified(solid: Solid, thickness: float) -> Solid:
+    """Simplify a solid, so far that its surface does not pass through itself for good."""
+    for tolerance in TOLERANCES:
+        with suppress(RejectedError):
+            return untangle(solid.simplify(tolerance * thickness))
+    return solid
