@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 
 from egad._util.files import replacing
-from egad._util.input_limits import MAX_FACES, MAX_MESH_BYTES, MAX_DIRECT_BYTES, check_count
+from egad._util.input_limits import MAX_DIRECT_BYTES, MAX_FACES, MAX_MESH_BYTES, check_count
 from egad._util.limited import LimitError, limited
 from egad.errors import RejectedError, UserError
 from egad.exchange.folders import ENDINGS
