@@ -3,11 +3,12 @@
 import json
 import logging
 import multiprocessing
+import os
 import pickle
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import partial
 from multiprocessing.connection import Connection
@@ -53,6 +54,8 @@ class Worker:
         limit: float | None = None,
         start_limit: float | None = None,
         name: str = "a worker process",
+        environment: Mapping[str, str] | None = None,
+        quiet: bool = False,
     ) -> None:
         """Prepare; the process starts with the `with` block or with the first item.
 
@@ -62,7 +65,10 @@ class Worker:
             limit: Seconds for one item. None for as long as it takes.
             start_limit: Seconds to start. None for as long as it takes.
             name: What to call it in messages.
+            environment: Variables that it has besides those of this process.
+            quiet: Whether what it prints is dropped.
         """
+        self._environment, self._quiet = environment or {}, quiet
         self._opened, self._limit, self._start_limit = opened, limit, start_limit
         self._name = name
         self._process: subprocess.Popen[bytes] | None = None
@@ -72,7 +78,7 @@ class Worker:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._stop()
+        self.stop()
 
     @property
     def running(self) -> bool:
@@ -93,7 +99,7 @@ class Worker:
         try:
             self._pipe.send(item)
             if not self._pipe.poll(self._limit):
-                self._stop(patience=0)
+                self.stop(patience=0)
                 raise WorkerTimeoutError(f"{self._name} gave no answer within {self._limit:g} s")
             result, error = self._pipe.recv()
         except (EOFError, OSError) as gone:
@@ -116,19 +122,22 @@ class Worker:
             number = theirs.fileno()
             self._process = subprocess.Popen(  # noqa: S603
                 [sys.executable, "-c", CHILD, where, str(number)],
+                env={**os.environ, **self._environment},
                 stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL if self._quiet else None,
+                stderr=subprocess.DEVNULL if self._quiet else None,
                 pass_fds=[number],
             )
         try:
             self._pipe.send_bytes(opened)
             if not self._pipe.poll(self._start_limit):
-                self._stop(patience=0)
+                self.stop(patience=0)
                 raise UserError(f"{self._name} was not ready within {self._start_limit:g} s")
             _, error = self._pipe.recv()
         except (EOFError, OSError) as gone:
             raise UserError(f"{self._ending()} while it started") from gone
         if error is not None:
-            self._stop()
+            self.stop()
             raise error
 
     def _ending(self) -> str:
@@ -137,12 +146,14 @@ class Worker:
         Raises:
             UserError: It was killed, as Linux does when memory runs out.
         """
-        status = self._stop()
+        status = self.stop()
         if status == -signal.SIGKILL:
-            raise UserError(f"{self._name} was killed, probably for want of memory; {LESS_MEMORY}")
+            raise UserError(
+                f"{self._name} was killed, probably because memory ran out; {LESS_MEMORY}"
+            )
         return f"{self._name} {'hung up' if status is None else f'ended with status {status}'}"
 
-    def _stop(self, patience: float = ENDING_TIME) -> int | None:
+    def stop(self, patience: float = ENDING_TIME) -> int | None:
         """End the process; its status if it ended by itself within so many seconds."""
         process, self._process = self._process, None
         if process is None:

@@ -1,18 +1,16 @@
 """Mesh files of other programs: read with units and checked; written the same way every time."""
 
-import io
 from pathlib import Path
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
 from egad._util.files import atomic_output
+from egad._util.input_limits import MAX_DIRECT_BYTES, MAX_FACES, MAX_MESH_BYTES, check_count
+from egad._util.limited import LimitError, limited
 from egad.errors import RejectedError, UserError
-from egad.exchange.bounds import MOST_BYTES, MOST_ITEMS, within
 from egad.exchange.folders import ENDINGS
-from egad.exchange.promises import check_promises, only_geometry
-from egad.exchange.promises_glb import only_positions
+from egad.exchange.mesh_parsers import Arrays, parse, parse_file
 from egad.exchange.wavefront import obj_text, parse_plain_obj
 from egad.geometry.checks import check_surface
 
@@ -40,25 +38,19 @@ def read_mesh(path: Path, units: str) -> trimesh.Trimesh:
     return mesh
 
 
-def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Vertices and faces. Readers raise whatever comes their way on broken files."""
+def _load(path: Path) -> Arrays:
+    """Vertices and faces. Parsers raise whatever comes their way on broken files."""
     if not path.is_file():
         raise RejectedError("no such file")
     if path.suffix.lower() not in ENDINGS:
         raise RejectedError(f"not a mesh file; allowed endings: {' '.join(ENDINGS)}")
     unreadable = f"not a readable {path.suffix[1:]} file"
-    within(path.stat().st_size, MOST_BYTES, "bytes")
-    data, ending = path.read_bytes(), path.suffix[1:].lower()
+    check_count(path.stat().st_size, MAX_MESH_BYTES, "bytes")
     try:
-        check_promises(data, ending)
-        plain = parse_plain_obj(data) if ending == "obj" else None
-        vertices, faces = plain or _load_any(data, ending)
-        shared = ending != "stl"  # whose faces have three of their own
-        within(len(vertices), MOST_ITEMS if shared else 3 * MOST_ITEMS, "vertices")
-        within(len(faces), MOST_ITEMS, "faces")
-    except RejectedError as reason:
+        vertices, faces = _parsed(path)
+    except (RejectedError, LimitError) as reason:
         raise RejectedError(f"{unreadable}: {reason}") from reason
-    except MemoryError:
+    except (MemoryError, UserError):
         raise  # says nothing of the file
     except Exception as error:
         raise RejectedError(unreadable) from error
@@ -67,15 +59,32 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     return vertices, faces
 
 
-def _load_any(data: bytes, ending: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Read what is in the file, and nothing that it names."""
-    bare = {"obj": only_geometry, "glb": only_positions}.get(ending, bytes)
-    content = io.BytesIO(bare(data))
-    options = {"process": False, "maintain_order": True, "skip_materials": True}
-    with np.errstate(all="ignore"):
-        found = trimesh.load_mesh(content, ending, **options)
-    vertices = np.asarray(found.vertices, dtype=np.float64).reshape(-1, 3)
-    return vertices, np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
+def _parsed(path: Path) -> Arrays:
+    """Parse a file: here if its size says what that takes, else in a limited process."""
+    ending = path.suffix[1:].lower()
+    if ending == "obj":
+        data = path.read_bytes()
+        if plain := parse_plain_obj(data):
+            return plain
+        if len(data) <= MAX_DIRECT_BYTES:
+            return parse(data, ending)
+    elif ending == "stl" and _is_binary_stl(path):
+        return parse_file(path)
+    return limited(parse_file, path)
+
+
+def _is_binary_stl(path: Path) -> bool:
+    """Whether a file is as long as a header of binary STL says.
+
+    Raises:
+        RejectedError: It has more faces than are read.
+    """
+    with path.open("rb") as file:
+        count = int.from_bytes(file.read(84)[80:], "little")
+    if path.stat().st_size != 84 + 50 * count:
+        return False
+    check_count(count, MAX_FACES, "faces")
+    return True
 
 
 def write_obj(mesh: trimesh.Trimesh, path: Path) -> None:

@@ -8,6 +8,8 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 from pyarrow import csv
 
+from egad._util.input_limits import MAX_FACES, MAX_VERTICES, check_count
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -38,7 +40,12 @@ def parse_plain_obj(data: bytes) -> tuple[Floats, Ints] | None:
 
     Returns:
         None for a file with anything else in it: comments, normals, polygons, blank lines.
+
+    Raises:
+        RejectedError: It has more vertices or faces than are read.
     """
+    check_count(data.count(b"\nv ") + data.startswith(b"v "), MAX_VERTICES, "vertices")
+    check_count(data.count(b"\nf "), MAX_FACES, "faces")
     middle = data.find(b"\nf ") + 1
     vertices = _numbers(data[:middle], b"v ", b"+-.e", np.float64)
     faces = _numbers(data[middle:], b"f ", b"", np.int64)

@@ -1,6 +1,13 @@
 """What the schemas are made of: types, and the columns that several tables have."""
 
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
 import pyarrow as pa
+
+from egad.errors import TableError
 
 STRING, INT, FLOAT, BOOL, BINARY = (
     pa.string(),
@@ -57,4 +64,19 @@ ROBUST_SUCCESS_RATE = column(
     FLOAT,
     "robust success rate: fraction of disturbed copies with positive quality",
 )
-TRAINING_STUDY = column("diversity", FLOAT, "mean distance to the nearest objects of the dataset")
+DIVERSITY = column("diversity", FLOAT, "mean distance to the nearest objects of the dataset")
+
+LABELS = ("label", "object_label")
+_UNSAFE = re.compile(r"[/\\\x00]|^\.{1,2}$")
+
+
+def check_names(frame: pd.DataFrame, path: Path, columns: Sequence[str] = LABELS) -> None:
+    """Make sure that names of objects can be names of files, in whatever folder.
+
+    Raises:
+        TableError: One cannot; the text has it.
+    """
+    for column in (name for name in columns if name in frame):
+        for name in frame[column].unique():
+            if isinstance(name, str) and _UNSAFE.search(name):
+                raise TableError(f"{path}: the {column} {name!r} cannot be the name of a file")

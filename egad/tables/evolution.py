@@ -8,11 +8,11 @@ from egad.tables.columns import (
     CELLS,
     COMPLEXITY,
     DIFFICULTY,
+    DIVERSITY,
     FLOAT,
     ID,
     INT,
     STRING,
-    TRAINING_STUDY,
     column,
 )
 
@@ -35,7 +35,7 @@ ARCHIVE = pa.schema(
         column("voxels", BINARY, "solid voxels, x slowest and z fastest, one bit each"),
         COMPLEXITY,
         DIFFICULTY,
-        TRAINING_STUDY,
+        DIVERSITY,
         *CELLS,
         column("slot", INT, "slot of the object in its cell, 0 = most diverse"),
         column("parents", pa.list_(STRING), "ids of the parents; empty for a random genome"),

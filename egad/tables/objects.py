@@ -8,12 +8,12 @@ from egad.tables.columns import (
     CELLS,
     COMPLEXITY,
     DIFFICULTY,
+    DIVERSITY,
     FLOAT,
     ID,
     INT,
     LABEL,
     STRING,
-    TRAINING_STUDY,
     column,
     vector,
 )
@@ -59,7 +59,7 @@ OBJECTS = pa.schema(
         LABEL,
         *[field for field in SOLIDS if field.name not in _INTERNAL | {"id"}],
         *CELLS,
-        TRAINING_STUDY,
+        DIVERSITY,
     ]
 )
 

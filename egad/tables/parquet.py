@@ -16,7 +16,8 @@ from egad import __version__
 from egad._util.files import atomic_output
 from egad.errors import TableError
 from egad.tables import origin, seal
-from egad.tables.promises import BATCH, check_names, check_promises, unreadable
+from egad.tables.columns import check_names
+from egad.tables.untrusted import BATCH, DAMAGED, Source, unreadable
 
 __all__ = [
     "BATCH",
@@ -33,7 +34,6 @@ __all__ = [
     "write",
 ]
 _NOTES, _ORIGIN = "egad", "egad-origin"
-_DAMAGED = (OSError, pa.ArrowException, UnicodeDecodeError)  # what reading such files raises
 
 
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
@@ -102,7 +102,7 @@ def schema_of(path: Path) -> pa.Schema:
     """
     try:
         return pq.read_schema(path)
-    except _DAMAGED as error:
+    except DAMAGED as error:
         raise unreadable(path, error) from error
 
 
@@ -144,24 +144,15 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
         TableError: The file is missing, is not Parquet, is cut short, has other columns or types,
             would take too much memory, or an object in it has a name that no file can have.
     """
-    _check(path, schema.names)
     try:
-        with pq.ParquetFile(path) as file:
-            table = file.read(columns=schema.names).select(schema.names)
+        source = Source(path)
+        check_columns(path, schema.names)
+        table = source.read(schema.names).select(schema.names)
         frame: pd.DataFrame = table.cast(_plain(schema)).to_pandas()
-    except _DAMAGED as error:
+    except DAMAGED as error:
         raise unreadable(path, error) from error
     check_names(frame, path)
     return frame
-
-
-def _check(path: Path, names: list[str]) -> None:
-    """Make sure that a table can be read: undamaged, not too large, with some columns."""
-    try:
-        check_promises(path)
-    except _DAMAGED as error:
-        raise unreadable(path, error) from error
-    check_columns(path, names)
 
 
 def _plain(schema: pa.Schema) -> pa.Schema:
@@ -175,12 +166,12 @@ def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
     Raises:
         TableError: The file is missing, is not Parquet, is cut short, or lacks a column.
     """
-    _check(path, names)
     try:
-        with pq.ParquetFile(path) as file:
-            for batch in file.iter_batches(BATCH, columns=names):
-                frame = batch.to_pandas()
-                check_names(frame, path)
-                yield frame
-    except _DAMAGED as error:
+        source = Source(path)
+        check_columns(path, names)
+        for batch in source.batches(names):
+            frame = batch.to_pandas()
+            check_names(frame, path)
+            yield frame
+    except DAMAGED as error:
         raise unreadable(path, error) from error

@@ -4,14 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
-import pyarrow as pa
-import pyarrow.parquet as pq
 
-from egad.errors import TableError
 from egad.tables import parquet
-from egad.tables.promises import check_names, check_promises
-
-_DAMAGED = (OSError, pa.ArrowException, UnicodeDecodeError)
+from egad.tables.columns import check_names
+from egad.tables.untrusted import DAMAGED, Source, unreadable
 
 
 class RowGroups:
@@ -30,12 +26,10 @@ class RowGroups:
         """
         self._path = path
         try:
-            check_promises(path)
-            with pq.ParquetFile(path) as file:
-                about = file.metadata
-                self.sizes = [about.row_group(n).num_rows for n in range(about.num_row_groups)]
-        except _DAMAGED as error:
-            raise self._damaged(error) from error
+            self._source = Source(path)
+        except DAMAGED as error:
+            raise unreadable(path, error) from error
+        self.sizes = self._source.group_rows
         parquet.check_columns(path, list(names))
 
     def read(self, group: int, names: Sequence[str]) -> pd.DataFrame:
@@ -45,12 +39,8 @@ class RowGroups:
             TableError: The file is damaged.
         """
         try:
-            with pq.ParquetFile(self._path) as file:
-                frame: pd.DataFrame = file.read_row_group(group, list(names)).to_pandas()
-        except _DAMAGED as error:
-            raise self._damaged(error) from error
+            frame: pd.DataFrame = self._source.read(names, group).to_pandas()
+        except DAMAGED as error:
+            raise unreadable(self._path, error) from error
         check_names(frame, self._path)
         return frame
-
-    def _damaged(self, error: Exception) -> TableError:
-        return TableError(f"{self._path}: not a readable Parquet file ({error})")

@@ -179,7 +179,7 @@ def test_a_child_that_dies_is_started_anew(file, view):
 @pytest.mark.parametrize(
     ("name", "error", "words"),
     [
-        ("killed", UserError, "the detector .*:killed was killed, probably for want of memory"),
+        ("killed", UserError, "the detector .*:killed was killed, probably because memory ran out"),
         ("greedy", MemoryError, "Unable to allocate"),
     ],
 )

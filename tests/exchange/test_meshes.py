@@ -103,10 +103,10 @@ def test_damaged_files_are_read_or_rejected_and_never_crash(tmp_path, ending):
 
 
 def test_want_of_memory_is_no_reason_to_reject_a_file(tmp_path, monkeypatch):
-    BALL.export(tmp_path / "ball.ply")
+    BALL.export(tmp_path / "ball.obj")
     monkeypatch.setattr(trimesh, "load_mesh", lambda *_, **__: np.ones(1 << 50))
     with pytest.raises(MemoryError):
-        read_mesh(tmp_path / "ball.ply", "m")
+        read_mesh(tmp_path / "ball.obj", "m")
 
 
 def test_parts_of_a_scene_are_put_in_their_places(tmp_path):

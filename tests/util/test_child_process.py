@@ -18,7 +18,7 @@ def killed(number):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-WANT = "probably for want of memory; use fewer cores: --jobs"
+WANT = "probably because memory ran out; use fewer cores: --jobs"
 
 
 @contextmanager

@@ -8,8 +8,8 @@ from egad.cppn.surface import packed_surface
 from egad.exchange.meshes import write_obj
 from egad.pipeline.config import Shape
 from egad.tables import parquet
+from egad.tables.columns import check_names
 from egad.tables.evolution import ARCHIVE
-from egad.tables.promises import check_names
 
 
 def run(archive: Path, out: Path, shape: Shape) -> int:

@@ -14,7 +14,7 @@ from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange.meshes import read_mesh
 from egad.geometry.checks import USUAL_SIDES, has_usual_size
-from egad.geometry.mass import Body
+from egad.geometry.mass import Body, repair_and_weigh
 from egad.measures.grid import complexity_cells, difficulty_cells
 from egad.measures.measure import measure_repeatably
 from egad.pipeline.config import Postprocess

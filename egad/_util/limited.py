@@ -1,0 +1,121 @@
+"""Functions that may take any amount of memory or time, in a process that may not.
+
+Parsers of other programs' files run here. One process serves all calls of the program; it starts
+with the first of them, and again after a call that passed a limit.
+"""
+
+import atexit
+import os
+import resource
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from typing import Any, TypeVar
+
+from egad._util import input_limits
+from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
+from egad._util.workers import Work
+from egad.errors import RejectedError, TableError, UserError
+
+T = TypeVar("T")
+
+# Threads and memory pools reserve far more addresses than they use.
+ENVIRONMENT = {
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "MALLOC_ARENA_MAX": "1",
+    "ARROW_DEFAULT_MEMORY_POOL": "system",
+}
+
+
+class LimitError(Exception):
+    """A function took more memory or time than it may, or ended its process."""
+
+
+class FailedError(Exception):
+    """A function raised an error that it does not document; the text names its type."""
+
+
+class LimitedProcess:
+    """Calls functions in another process, with a limit on its memory and on the time of a call."""
+
+    def __init__(
+        self,
+        memory: int = input_limits.MAX_MEMORY,
+        seconds: float = input_limits.MAX_SECONDS,
+    ) -> None:
+        """Prepare; the process starts with the first call.
+
+        Args:
+            memory: Bytes of its address space.
+            seconds: Time that a call may take.
+        """
+        self._memory, self._seconds = memory, seconds
+        self._lock = threading.Lock()
+        self._worker, self._owner = self._new_worker(), os.getpid()
+
+    def __call__(self, function: Callable[..., T], *arguments: object) -> T:
+        """Call a function of a module.
+
+        Args:
+            function: Its name must be importable.
+            arguments: For it. These and the result can be pickled.
+
+        Raises:
+            LimitError: It took too much memory or time, or its process ended.
+            FailedError: It raised an error other than `RejectedError`, `TableError` and
+                `UserError`, which are passed on.
+            UserError: The system killed the process.
+        """
+        with self._lock:
+            if self._owner != os.getpid():  # a copy of the program has no process of its own yet
+                self._worker, self._owner = self._new_worker(), os.getpid()
+            try:
+                result: T = self._worker((function, arguments))
+            except WorkerTimeoutError as error:
+                raise LimitError(f"it takes more than {self._seconds:g} s to read") from error
+            except (MemoryError, WorkerDiedError) as error:
+                self._worker.stop()
+                raise LimitError(self._reason(error)) from error
+            except (RejectedError, TableError, UserError):
+                raise
+            except Exception as error:
+                raise FailedError(f"{type(error).__name__}: {error}") from error
+        return result
+
+    def close(self) -> None:
+        """End the process, whatever it does."""
+        if self._owner == os.getpid():
+            self._worker.stop()
+
+    def _new_worker(self) -> Worker:
+        return Worker(
+            partial(_with_limit, self._memory),
+            self._seconds,
+            name="the process that reads files",
+            environment=ENVIRONMENT,
+            quiet=True,
+        )
+
+    def _reason(self, error: Exception) -> str:
+        if isinstance(error, MemoryError):
+            return f"it takes more than {self._memory >> 20:,} MiB of memory to read"
+        return str(error)
+
+
+@contextmanager
+def _with_limit(memory: int) -> Iterator[Work]:
+    """Calls functions in this process, which may take so many bytes from now on."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+    yield _call
+
+
+def _call(item: tuple[Callable[..., Any], tuple[Any, ...]]) -> Any:  # noqa: ANN401 (of any function)
+    function, arguments = item
+    return function(*arguments)
+
+
+limited = LimitedProcess()
+atexit.register(limited.close)
