@@ -31,7 +31,7 @@ def run(
     meshes: Annotated[Path, Input()],
     shard: Shard,
     out: Annotated[Path, Output("D/grasps/G.parquet", GRASPS)],
-    tally: Annotated[Path, Output("D/grasps/G.sampling.parquet", SAMPLING)],
+    sampling: Annotated[Path, Output("D/grasps/G.sampling.parquet", SAMPLING)],
     rejected: Annotated[Path, Output("D/grasps/G.rejected.parquet", REJECTED)],
 ) -> None:
     """Label the grasps of the objects of a shard.
@@ -42,7 +42,7 @@ def run(
         meshes: Folder of the scaled meshes.
         shard: Number of the shard, and of how many.
         out: Labelled grasps for gripper G, in the frame of `D/rescaled/G/LABEL.obj`.
-        tally: Of each object, how many candidates were tried for these grasps and what became of
+        sampling: Of each object, how many candidates were tried for these grasps and what became of
             them.
         rejected: The objects without any grasp.
     """
@@ -70,6 +70,6 @@ def run(
         tallies.append(named | statistics_row(settings.grasp_label.grasps, counts, rows))
     table = pd.concat(labelled) if labelled else parquet.empty(GRASPS)
     parquet.write(table, GRASPS, out)
-    parquet.write(pd.DataFrame(tallies), SAMPLING, tally)
+    parquet.write(pd.DataFrame(tallies), SAMPLING, sampling)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
     log.info("%d grasps, %d objects without any", len(table), len(left_out))
