@@ -23,6 +23,8 @@ from .objects import Dataset as Dataset
 from .objects import EvolvedObject as EvolvedObject
 from .objects import load as load
 from .report.pictures import render as render
+from .report.viewer import MeshView as MeshView
+from .report.viewer import view as view
 from .trials import Trials as Trials
 from .trials import run_trials as run_trials
 

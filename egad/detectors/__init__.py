@@ -1,1 +1,5 @@
 """Grasp detectors: what they get and return, those included, and your own."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -6,9 +6,11 @@ them.
 """
 
 import base64
+import html
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,8 +18,13 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
-from egad.grasps.gripper import Gripper
+from egad._util.files import write_text
+from egad.geometry.checks import check_mesh
+from egad.grasps.grasps import Grasps
+from egad.grasps.gripper import Gripper, as_gripper
 from egad.report.page import render_template
+from egad.tables.grasping import GRASPS
+from egad.tables.parquet import empty
 
 STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm
 UNIT = 2**15 - 1
@@ -136,3 +143,48 @@ def _top(scenes: Sequence[Scene], key: str) -> float:
     values = np.concatenate([scene.grasps[key].to_numpy(dtype=float) for scene in scenes])
     top = float(np.quantile(values, TOP)) if len(values) else 0.0
     return top if top > 0 else 1e-3
+
+
+@dataclass(frozen=True)
+class MeshView:
+    """An interactive view in 3D: shown by notebooks, or saved as a page.
+
+    Attributes:
+        html: A whole HTML page that needs no other file and no network.
+    """
+
+    html: str
+
+    def save(self, path: str | Path) -> None:
+        """Write the page, atomically."""
+        write_text(Path(path), self.html)
+
+    def _repr_html_(self) -> str:
+        """The page in a frame of its own, for notebooks."""
+        page = html.escape(self.html)
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 640px; border: 0"></iframe>'
+
+
+def view(
+    mesh: trimesh.Trimesh,
+    grasps: Grasps | None = None,
+    gripper: Gripper | str = "panda",
+    *,
+    title: str = "",
+) -> MeshView:
+    """Show a mesh in 3D, with grasps.
+
+    Args:
+        mesh: Metres.
+        grasps: In the frame of the mesh; none if omitted.
+        gripper: What the grasps are for, or its name: its fingers are drawn.
+        title: Shown above the view.
+
+    Raises:
+        UserError: There is no gripper of this name, or the mesh is none.
+        RejectedError: The mesh is empty or not finite.
+    """
+    check_mesh(mesh)
+    name = gripper if isinstance(gripper, str) else "gripper"
+    rows = empty(GRASPS) if grasps is None else grasps.to_frame()
+    return MeshView(page(Scene(title or "mesh", "", mesh, rows), name, as_gripper(gripper)))
