@@ -25,7 +25,7 @@ def summary(rows: pd.DataFrame) -> pd.DataFrame:
     """
     flags = [np.asarray(each, dtype=bool) for each in rows["collision_free"]]
     counted = rows[["id", "split", "pose"]].assign(
-        grasps=[len(each) for each in flags], free=[int(each.sum()) for each in flags]
+        grasps=[len(each) for each in flags], collision_free=[int(each.sum()) for each in flags]
     )
     parts = {name: counted[counted["split"] == name] for name in SPLITS}
     return pd.DataFrame({name: _counts(part) for name, part in {**parts, "all": counted}.items()}).T

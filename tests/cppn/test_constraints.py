@@ -39,7 +39,7 @@ def test_without_rules_a_solid_is_what_it_was():
         assert np.array_equal(solid(noise(seed), UNBOUND), voxels.solid(noise(seed), 0.0))
     default = rules()
     assert default.allowed is None
-    assert default.part is None
+    assert default.required is None
 
 
 def test_nothing_leaves_the_envelope_nor_enters_the_hole():
@@ -63,30 +63,30 @@ def test_everything_is_cut_to_the_envelope():
 
 def test_the_part_is_contained_or_the_shape_rejected():
     bound = rules(keep_solid=KeepSolid(kind="box", size=(0.2, 0.2, 0.5), center=(0, 0, -0.25)))
-    assert bound.part.sum() == 2 * 2 * 6
+    assert bound.required.sum() == 2 * 2 * 6
     for seed in range(20):
         try:
             found = solid(noise(seed), bound)
         except RejectedError as error:
-            assert str(error) == "apart from its part"  # noqa: PT017
+            assert str(error) == "apart from what is kept solid"  # noqa: PT017
         else:
-            assert found[bound.part].all()
+            assert found[bound.required].all()
 
 
 def test_a_larger_body_apart_from_the_part_is_rejected():
     field = np.full((R, R, R), -1, dtype=np.float32)
     field[7:] = 1
     bound = rules(keep_solid=KeepSolid(kind="box", size=(0.25, 0.25, 0.25), center=(-0.375, 0, 0)))
-    with pytest.raises(RejectedError, match="apart from its part"):
+    with pytest.raises(RejectedError, match="apart from what is kept solid"):
         solid(field, bound)
     field[3:7, 4:8, 4:8] = 1
-    assert solid(field, bound)[bound.part].all()
+    assert solid(field, bound)[bound.required].all()
 
 
 def test_an_empty_genome_grows_just_the_part():
     bound = rules(keep_solid=KeepSolid(kind="ellipsoid", size=(0.5, 0.5, 0.5)))
     nothing = np.full((R, R, R), np.nan, dtype=np.float32)
-    assert np.array_equal(solid(nothing, bound), bound.part)
+    assert np.array_equal(solid(nothing, bound), bound.required)
     with pytest.raises(RejectedError, match="empty"):
         solid(nothing, UNBOUND)
 
@@ -100,7 +100,7 @@ def test_the_part_may_stick_out_of_the_envelope_but_the_hole_goes_through_it():
     full = solid(np.ones((R, R, R), dtype=np.float32), bound)
     assert full[..., 0].any()
     assert not full[6, 6].any()
-    assert full[bound.part].all()
+    assert full[bound.required].all()
     assert not (full & ~bound.allowed).any()
 
 
@@ -119,7 +119,7 @@ def test_mirrors_hold_for_regions_too():
         envelope=Envelope(kind="box", size=(1, 0.5, 1), center=(0, 0.1, 0)),
         symmetry=Symmetry(mirror=("x", "y")),
     )
-    for grid in (bound.part, bound.allowed):
+    for grid in (bound.required, bound.allowed):
         assert np.array_equal(grid, with_images(grid, ("x", "y")))
     assert bound.allowed.sum() < R * R * R / 2
 
@@ -129,8 +129,8 @@ def test_mirrors_hold_for_regions_too():
     [
         (Limits(aspect_ratio=(1, 1.5)), "aspect ratio"),
         (Limits(aspect_ratio=(5, 9)), "aspect ratio"),
-        (Limits(box_fraction=(0, 0.5)), "part of its box"),
-        (Limits(cube_fraction=(0.2, 1)), "part of the cube"),
+        (Limits(box_fraction=(0, 0.5)), "fraction of its box"),
+        (Limits(cube_fraction=(0.2, 1)), "fraction of the cube"),
     ],
 )
 def test_shapes_out_of_the_limits_are_rejected_with_the_value(limits, word):

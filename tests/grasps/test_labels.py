@@ -32,7 +32,7 @@ def test_columns_are_those_of_the_table(tmp_path):
     assert list(frame.columns) == expected
     assert frame["grasp"].tolist() == list(range(40))
     path = tmp_path / "grasps.parquet"
-    parquet.write(frame.assign(id="a", label_grasps="A00_0"), GRASPS, path)
+    parquet.write(frame.assign(id="a", label="A00_0"), GRASPS, path)
     assert len(parquet.read(path, GRASPS)) == 40
 
 

@@ -13,7 +13,7 @@ def history():
     score = {"validation_score": [float("nan"), 0.5, 0.6]}
     return pd.DataFrame(
         {"epoch": [0, 1, 2], "images": [1000, 2000, 3000], **losses, **score}
-    ).assign(taken=[False, True, False])
+    ).assign(kept=[False, True, False])
 
 
 def test_counts_are_of_objects_images_negatives_and_grasps(images, pictures):

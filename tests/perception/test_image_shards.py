@@ -139,7 +139,7 @@ def test_missing_pixels_are_not_a_number(block, grasped, hand, rendering):
 
 def test_poses_without_a_reachable_grasp_are_negatives(block, grasped, hand, rendering):
     """Only the grasp across the 40 mm: within reach on one side of three, and its opposite."""
-    only = grasped.chosen(grasped.numbers == 7)
+    only = grasped.chosen(grasped.indices == 7)
     found = list(pictures(block, only, SHARE._replace(images=50), hand, rendering()))
     counts = {len(picture.grasps.u) for picture in found}
     assert counts == {0, 1}
@@ -150,5 +150,5 @@ def test_poses_without_a_reachable_grasp_are_negatives(block, grasped, hand, ren
 
 def test_what_rests_in_no_pose_is_rejected(hand, grasped, rendering):
     flat = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 1]], process=False)
-    with pytest.raises(RejectedError, match="hull"):
+    with pytest.raises(RejectedError, match="no volume"):
         list(pictures(flat, grasped, SHARE, hand, rendering()))

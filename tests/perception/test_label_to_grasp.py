@@ -17,7 +17,7 @@ SHARE = Share("id-1", "A1", "train", 0, 12)
 
 def answers(block, grasped, hand, rendering):
     """Each free label with what a detector makes of it that has learnt it half."""
-    across = grasped.chosen(grasped.numbers == 4)
+    across = grasped.chosen(grasped.indices == 4)
     for picture in pictures(block, across, SHARE, hand, rendering()):
         seen = picture.grasps
         if not seen.collision_free.any():

@@ -35,7 +35,7 @@ def slim(hand):
 
 def test_axes_near_level_are_reachable(block, grasped, hand):
     found, free = reachable(RayCaster(block), grasped, lying(block), hand, TILT)
-    assert found.numbers.tolist() == [4, 9]
+    assert found.indices.tolist() == [4, 9]
     assert free.all()
 
 
@@ -45,13 +45,13 @@ def test_the_limit_is_the_angle_between_approach_and_vertical(
 ):
     turn = trimesh.transformations.rotation_matrix(np.radians(degrees), (0, 1, 0))
     found, _ = reachable(RayCaster(block), grasped, lying(block, turn), hand, TILT)
-    assert sorted(set(found.numbers.tolist()) & {4, 9}) == numbers
+    assert sorted(set(found.indices.tolist()) & {4, 9}) == numbers
 
 
 def test_on_its_side_the_other_grasp_is_reachable(block, grasped, hand):
     turn = trimesh.transformations.rotation_matrix(np.pi / 2, (0, 1, 0))
     found, free = reachable(RayCaster(block), grasped, lying(block, turn), hand, TILT)
-    assert found.numbers.tolist() == [7]
+    assert found.indices.tolist() == [7]
     assert free.all()
 
 
@@ -133,4 +133,4 @@ def test_hands_open_as_far_as_they_can_and_no_further(hand):
 def test_an_object_without_grasps_has_none_to_reach(block, grasped, hand):
     none = grasped.chosen(np.zeros(4, dtype=bool))
     found, free = reachable(RayCaster(block), none, lying(block), hand, TILT)
-    assert len(found.numbers) == len(free) == 0
+    assert len(found.indices) == len(free) == 0

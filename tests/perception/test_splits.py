@@ -62,7 +62,7 @@ def test_a_part_of_the_dataset_has_the_splits_of_the_whole():
 def test_a_part_is_drawn_by_chance_from_all_of_the_range():
     table = objects(300)
     whole = {share.id: share.split for share in shares(table, [], RENDER, 0)}
-    settings = Render(images=1000, part=1 / 3)
+    settings = Render(images=1000, subset=1 / 3)
     found = shares(table, [], settings, 0)
     assert len(found) == 100
     assert all(whole[share.id] == share.split for share in found)
@@ -70,7 +70,7 @@ def test_a_part_is_drawn_by_chance_from_all_of_the_range():
     ranks = table.set_index("id")["complexity"].rank(pct=True)[[share.id for share in found]]
     assert abs(ranks.mean() - 0.5) < 0.1
     assert {share.id for share in shares(table, [], settings, 1)} != {each.id for each in found}
-    simple = shares(table, [], Render(complexity=(0, 0.5), part=0.1), 0)
+    simple = shares(table, [], Render(complexity=(0, 0.5), subset=0.1), 0)
     assert len(simple) == 15
     assert {each.id for each in simple} < set(table.nsmallest(150, "complexity")["id"])
 

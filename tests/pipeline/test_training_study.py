@@ -18,7 +18,7 @@ ASKED = {
         "complex": {
             "dataset": "egad",
             "complexity": [0.5, 1.0],
-            "part": 0.4,
+            "subset": 0.4,
             "hold_out": False,
         },
         "given": {"weights": "given.pt"},
@@ -121,7 +121,7 @@ def test_a_detector_with_the_name_of_a_network_is_refused():
         ),
         (
             {"training_sets": {"a": {"weights": "w", "complexity": [0, 0.5]}}},
-            "training_sets.a: a training set with `weights` takes no `complexity`, `part`",
+            "training_sets.a: a training set with `weights` takes no `complexity`, `subset`",
         ),
         ({"training_study": {"seeds": 0}}, "training_study.seeds: 0 is not allowed"),
         (

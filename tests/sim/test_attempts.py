@@ -126,9 +126,9 @@ def test_the_object_goes_on_where_the_attempt_before_left_it() -> None:
     assert begun[0] == "dropped"
     assert set(begun) == {"dropped", "from_hand", "left"}
     for before, after in zip(trials.itertuples(), list(trials.itertuples())[1:], strict=False):
-        assert (after.begun == "from_hand") <= (before.outcome == "success")
-        assert (before.outcome == "no_grasp") <= (after.begun == "dropped")
-        if after.begun == "left":
+        assert (after.initial_pose == "from_hand") <= (before.outcome == "success")
+        assert (before.outcome == "no_grasp") <= (after.initial_pose == "dropped")
+        if after.initial_pose == "left":
             ends = [getattr(before, name.replace("initial", "end")) for name in INITIAL]
             assert ends == [getattr(after, name) for name in INITIAL]
 

@@ -126,7 +126,7 @@ def test_an_edited_measure_or_mesh_of_ones_own_evolves_again(clean):
     trimesh.creation.box().export(mesh)
     own = {
         "measures": {"complexity": "mine.py:size"},
-        "part": {"kind": "mesh", "mesh": "part.stl", "size": [0.3, 0.3, 0.3]},
+        "keep_solid": {"kind": "mesh", "mesh": "part.stl", "size": [0.3, 0.3, 0.3]},
         "schedule": {"islands": 1, "epochs": 1},
         "evolution": {"steps_per_epoch": 1, "population": 2},
     }

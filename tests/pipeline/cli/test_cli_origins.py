@@ -70,7 +70,7 @@ def test_files_that_settings_name_are_inputs(tmp_path):
         path.write_text("")
     own = {
         "measures": {"complexity": f"{code}:size"},
-        "part": {"kind": "mesh", "mesh": str(mesh), "size": [0.3, 0.3, 0.3]},
+        "keep_solid": {"kind": "mesh", "mesh": str(mesh), "size": [0.3, 0.3, 0.3]},
         "detectors": {"net": {"detector": "ggcnn", "weights": str(weights)}},
         "targets": {"detectors": ["net"]},
     }

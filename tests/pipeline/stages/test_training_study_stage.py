@@ -113,7 +113,7 @@ def test_the_command_makes_the_same(results, monkeypatch, capsys):
 
 def test_drops_that_should_be_the_same_are_compared(results):
     path = results / "egad/trials/hand/all-1.parquet"
-    parquet.write(attempts("all-1").assign(start_y=0.1), TRIALS, path)
+    parquet.write(attempts("all-1").assign(initial_y=0.1), TRIALS, path)
     outputs = results / "out.html", results / "out.parquet"
     stage.run(SETTINGS, "hand", results, *outputs)
     assert "10 of 20" in outputs[0].read_text(encoding="utf-8")
