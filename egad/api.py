@@ -16,9 +16,9 @@ from egad.geometry.checks import check_units
 from egad.geometry.mass import mass_properties
 from egad.geometry.repair import repair as repair_mesh
 from egad.grasps.grasps import Grasps
-from egad.grasps.gripper import Gripper, as_gripper
+from egad.grasps.gripper import as_gripper
 from egad.grasps.labels import label_grasps, label_parameters
-from egad.grasps.parameters import Quality, Sampling
+from egad.grasps.parameters import Gripper, Quality, Sampling
 from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import (

@@ -21,9 +21,10 @@ from egad.exchange.simulators import write_simulation_object
 from egad.geometry.mass import mass_properties
 from egad.geometry.parameters import Material
 from egad.geometry.scaling import rescale
-from egad.grasps.gripper import Gripper, as_gripper
+from egad.grasps.gripper import as_gripper
 from egad.grasps.hand import finger_span
 from egad.grasps.labels import label_grasps, label_parameters
+from egad.grasps.parameters import Gripper
 from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.random import generator
 

@@ -15,7 +15,8 @@ from egad.errors import RejectedError
 from egad.evalset.parameters import Bundle
 from egad.geometry.parameters import Material
 from egad.geometry.scaling import rescale
-from egad.grasps.gripper import Gripper, as_gripper
+from egad.grasps.gripper import as_gripper
+from egad.grasps.parameters import Gripper
 from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.outcomes import Outcome
 from egad.sim.attempts import failed_attempts, run_attempts

@@ -8,7 +8,7 @@ from scipy import ndimage
 
 from egad.detectors.base import Grasp, rank_grasps
 from egad.grasps.collision import TABLE_CLEARANCE, roomy
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.perception.camera import View, Window
 from egad.perception.heightmap import Heightmap, heightmap_of, min_fingertip_height, window_of
 

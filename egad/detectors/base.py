@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.outcomes import Outcome
 from egad.perception.camera import View
 

@@ -16,7 +16,7 @@ from scipy import ndimage
 from egad.detectors.base import WHERE, Grasp
 from egad.errors import UserError
 from egad.grasps.collision import TABLE_CLEARANCE
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.learning.targets import SIZE, peaks, prepare_input, read_maps
 from egad.perception.camera import View
 from egad.perception.noise import fill_missing

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from egad.detectors.base import Grasp, rank_grasps
 from egad.grasps.collision import LEAST_BITE, roomy
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.perception.camera import View
 from egad.perception.heightmap import heightmap_of, min_fingertip_height
 

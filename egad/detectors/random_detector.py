@@ -4,7 +4,7 @@ import numpy as np
 
 from egad.detectors.base import Grasp
 from egad.grasps.collision import TABLE_CLEARANCE
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.perception.camera import View
 
 

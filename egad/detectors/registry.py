@@ -13,7 +13,7 @@ from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.parameters import DetectorConfig
 from egad.detectors.random_detector import random_grasp
 from egad.errors import UserError
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.perception.camera import View
 
 QUICK: dict[str, Detector] = {"antipodal-depth": antipodal_depth, "random": random_grasp}

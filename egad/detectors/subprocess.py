@@ -12,7 +12,7 @@ from egad.detectors.base import Detector, Grasp
 from egad.detectors.parameters import DetectorConfig
 from egad.detectors.registry import make_detector
 from egad.errors import UserError
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.perception.camera import View
 
 STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load

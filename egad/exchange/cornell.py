@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from egad.errors import UserError
 from egad.exchange.pictures import corners, write_depth
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.perception.camera import table_depth
 from egad.perception.rectangles import ImageGrasps
 from egad.perception.rendering import Picture

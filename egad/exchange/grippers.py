@@ -6,8 +6,8 @@ import trimesh
 
 from egad.errors import RejectedError, UserError
 from egad.exchange.meshes import read_mesh
-from egad.grasps.gripper import Gripper
 from egad.grasps.hand import parts
+from egad.grasps.parameters import Gripper
 
 
 def palm_mesh(gripper: Gripper) -> trimesh.Trimesh | None:

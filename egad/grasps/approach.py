@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from egad.geometry.rays import RayCaster
 from egad.grasps.collision import blocked_turns
-from egad.grasps.gripper import Gripper
 from egad.grasps.hand import Part, parts
+from egad.grasps.parameters import Gripper
 from egad.grasps.sampler import ContactPairs
 
 Floats = NDArray[np.float64]

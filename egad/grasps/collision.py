@@ -6,8 +6,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.grasps.gripper import Gripper
 from egad.grasps.hand import Part
+from egad.grasps.parameters import Gripper
 
 Floats = NDArray[np.float64]
 

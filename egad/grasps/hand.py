@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from egad.errors import RejectedError
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 
 Floats = NDArray[np.float64]
 CLEARANCE = 1e-4  # metres between a contact as wide as the opening and the finger

@@ -11,9 +11,8 @@ from egad.errors import RejectedError
 from egad.geometry.checks import check_solid
 from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches
-from egad.grasps.gripper import Gripper
 from egad.grasps.opening import needed_openings
-from egad.grasps.parameters import GraspLabel, LabelParameters, Quality, Robust, Sampling
+from egad.grasps.parameters import GraspLabel, Gripper, LabelParameters, Quality, Robust, Sampling
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
 from egad.grasps.sampler import ContactPairs, SamplingStatistics, sample_contacts

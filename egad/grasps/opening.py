@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from egad.geometry.rays import RayCaster
 from egad.geometry.surface_samples import spread
 from egad.grasps.collision import apart, clipped, local, spheres
-from egad.grasps.gripper import Gripper
 from egad.grasps.hand import finger_span
+from egad.grasps.parameters import Gripper
 from egad.grasps.sampler import ContactPairs
 
 Floats = NDArray[np.float64]

@@ -259,7 +259,7 @@ def order(index: pd.DataFrame, seed: int, times: int) -> NDArray[np.int64]:
     The groups are shuffled, and then the images of each `WINDOW` or so that follow one another.
 
     Args:
-        index: Rows of `LearningSet.index`.
+        index: Rows of `Dataset.index`.
         seed: The order follows from it,
         times: and from the number of the pass.
     """

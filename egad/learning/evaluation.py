@@ -118,7 +118,7 @@ def total_score(index: pd.DataFrame, judgements: Sequence[ImageScore]) -> Score:
     """Put the judgements of some images together.
 
     Args:
-        index: Rows of `LearningSet.index`,
+        index: Rows of `Dataset.index`,
         judgements: and what was answered to each.
     """
     hits = [each.hit for each in judgements]

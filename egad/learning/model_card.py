@@ -61,7 +61,7 @@ class TrainedNetwork:
         title: Name of the network.
         parameters: How many weights it has.
         source: Where the images are.
-        index: `egad.learning.dataset.LearningSet.index`.
+        index: `egad.learning.dataset.Dataset.index`.
         history: Columns of `tables.training.HISTORY`.
         score: On the split `test`.
         plain: Images of these in which the outline alone suggests a right grasp.

@@ -16,8 +16,7 @@ from egad._util.parameters import (
     SideFraction,
     check_ascending,
 )
-from egad.grasps.gripper import Gripper
-from egad.grasps.parameters import Quality, Robust, Sampling
+from egad.grasps.parameters import Gripper, Quality, Robust, Sampling
 from egad.reeb.parameters import Similarity
 
 

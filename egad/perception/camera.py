@@ -172,6 +172,6 @@ def _known_table(intrinsics: Intrinsics, pose: bytes) -> Depth:
 
 
 def object_mask(view: View) -> Flags:
-    """Which pixels of an `Eye`'s view see the object, (height, width)."""
+    """Which pixels of a camera's view see the object, (height, width)."""
     table = table_depth(view.intrinsics, view.pose)
     return np.asarray(np.isfinite(view.depth) & ~(view.depth >= table))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from egad.grasps.collision import TABLE_CLEARANCE
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.perception.camera import View, Window
 
 Floats = NDArray[np.float64]

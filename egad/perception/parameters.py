@@ -16,8 +16,7 @@ from egad._util.parameters import (
     Range,
     check_ascending,
 )
-from egad.grasps.gripper import Gripper
-from egad.grasps.parameters import GraspLabel
+from egad.grasps.parameters import GraspLabel, Gripper
 
 
 class Camera(Parameters):

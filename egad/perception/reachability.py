@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from egad.geometry.rays import RayCaster
 from egad.grasps.approach import first_approaches, swallowed
 from egad.grasps.collision import LEAST_BITE, TABLE_CLEARANCE, blocked_turns, roomy
-from egad.grasps.gripper import Gripper
 from egad.grasps.hand import Part, parts
+from egad.grasps.parameters import Gripper
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.grasps.collision import roomy
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.perception.reachability import GraspCandidates
 from egad.perception.scenes import Scene
 

@@ -12,7 +12,7 @@ import trimesh
 from matplotlib.figure import Figure
 
 from egad.evalset.selection import label_at
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.report.axes import AxisPair
 from egad.report.drawing import INK, SOFT, STYLE, data_uri
 from egad.report.page import Section, section_of

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from egad.detectors.base import Grasp
-from egad.grasps.gripper import Gripper
 from egad.grasps.hand import finger_span
+from egad.grasps.parameters import Gripper
 from egad.grasps.poses import hand_poses
 from egad.outcomes import Outcome
 from egad.random import generator

@@ -5,8 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels
-from egad.grasps.gripper import Gripper
-from egad.grasps.parameters import Quality
+from egad.grasps.parameters import Gripper, Quality
 
 
 class Lifting(Parameters):

@@ -14,7 +14,7 @@ from egad.detectors.base import Detector, Grasp, best_grasp
 from egad.detectors.labels import Labels
 from egad.detectors.subprocess import DetectorTimeoutError
 from egad.errors import UserError
-from egad.grasps.gripper import Gripper
+from egad.grasps.parameters import Gripper
 from egad.outcomes import Outcome
 from egad.perception.camera import DepthCamera, Intrinsics, View, camera_above
 from egad.perception.noise import add_disparity_noise

@@ -11,12 +11,7 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from egad._util.input_limits import (
-    MAX_COLUMNS,
-    MAX_FOREIGN_TABLE_BYTES,
-    MAX_ROWS,
-    MAX_TABLE_BYTES,
-)
+from egad._util.input_limits import MAX_COLUMNS, MAX_FOREIGN_TABLE_BYTES, MAX_ROWS, MAX_TABLE_BYTES
 from egad._util.limited import FailedError, LimitError, limited
 from egad.errors import TableError
 from egad.tables.seal import is_whole

@@ -34,7 +34,7 @@ STEPS = {
     "settling": (TrialRunner, "_settled"),
     "rendering": (TrialRunner, "look"),
     "planning": (TrialRunner, "_plan"),
-    "building the hand": (execution, "hung"),
+    "building the hand": (execution, "place_hand_above"),
     "approaching": (Hand, "move"),
     "closing": (Hand, "close"),
     "lifting": (Hand, "lift"),

@@ -18,7 +18,11 @@ def export(dataset, tmp_path):
         config = tmp_path / "config.yaml"
         config.write_text(
             yaml.safe_dump(
-                {"dexnet": {"field_size": 16}, "acronym": {"min_robust_success_rate": 0}, **settings}
+                {
+                    "dexnet": {"field_size": 16},
+                    "acronym": {"min_robust_success_rate": 0},
+                    **settings,
+                }
             )
         )
         given = ["--gripper", GRIPPER, "--format", style, "--out", out, "--config", config]

@@ -10,14 +10,14 @@ import trimesh
 from egad.errors import EgadError, RejectedError, UserError
 from egad.geometry.checks import UnitsWarning, check_mesh, check_solid, check_units
 from egad.geometry.convex_parts import convex_parts
-from egad.geometry.mass import body, mass_properties
+from egad.geometry.mass import mass_properties, repair_and_weigh
 from egad.geometry.repair import repair
 from egad.geometry.scaling import box_sides, rescale
 from egad.geometry.stable_poses import stable_poses
-from egad.grasps.labels import label
+from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.measures.complexity import complexity
-from egad.measures.measure import graded
+from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import MeasureParameters
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
@@ -47,15 +47,15 @@ def with_corner(index):
 FUNCTIONS = {
     "repair": repair,
     "thicken": lambda mesh: repair(mesh, "thicken"),
-    "body": lambda mesh: body(mesh, 400.0),
+    "body": lambda mesh: repair_and_weigh(mesh, 400.0),
     "mass_properties": lambda mesh: mass_properties(mesh, 400.0),
     "box_sides": box_sides,
     "rescale": lambda mesh: rescale(mesh, "paper", 0.075, 0.8),
     "convex_parts": lambda mesh: convex_parts(mesh, 64, 0.06),
     "stable_poses": lambda mesh: stable_poses(mesh, np.zeros(3)),
     "complexity": complexity,
-    "graded": lambda mesh: graded(mesh, select(SETTINGS, MeasureParameters), 10),
-    "label": lambda mesh: label(
+    "graded": lambda mesh: measure_repeatably(mesh, select(SETTINGS, MeasureParameters), 10),
+    "label": lambda mesh: label_grasps(
         mesh, np.zeros(3), select(SETTINGS, LabelParameters), np.random.default_rng(0)
     ),
     "extract": lambda mesh: reeb.extract(mesh, SETTINGS.similarity),

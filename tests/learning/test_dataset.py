@@ -58,7 +58,9 @@ def test_depths_and_grasps_come_back(images, pictures):
 def test_the_best_grasp_is_the_last_one(write, changed, tmp_path):
     count = len(changed.rows[0]["u"])
     quality = np.linspace(0.005, 0.003, count).astype(np.float32)
-    rows = changed(quality=quality, collision_free=np.ones(count, bool), u=np.arange(count, dtype=np.float32))
+    rows = changed(
+        quality=quality, collision_free=np.ones(count, bool), u=np.arange(count, dtype=np.float32)
+    )
     _, grasps = Dataset(write(tmp_path, rows), RULE).image(0)
     assert grasps[:, 0].tolist() == list(range(count))[::-1]
 

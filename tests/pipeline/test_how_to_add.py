@@ -155,7 +155,7 @@ def test_a_format_is_written_and_notes_what_it_was_made_from(copy, dataset):
 def test_a_measure_has_its_setting_and_takes_it(copy):
     code = """
 import sys, trimesh
-from egad.measures.custom import own_value
+from egad.measures.custom import plugin_value
 from egad.measures.parameters import CustomMeasures
 from egad.pipeline.archive_settings import provenance
 from egad.pipeline.config.check import check
@@ -165,7 +165,7 @@ from egad.map_elites.parameters import EvolutionParameters
 name = "egad.measures.compactness:compactness"
 axes = CustomMeasures(complexity=name, compactness_power=2)
 print(node_at(("measures", "compactness_power"))["description"])
-print(own_value(name, trimesh.creation.box(), axes))
+print(plugin_value(name, trimesh.creation.box(), axes))
 whole = check({"measures": {"complexity": name, "compactness_power": 3.0}})
 notes = provenance(select(whole, EvolutionParameters))
 print(notes["measures"]["compactness_power"], len(notes["source"]["complexity"]))

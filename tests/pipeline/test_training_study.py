@@ -64,7 +64,7 @@ def test_a_set_decides_what_is_rendered_and_a_seed_the_training_alone(asked):
     first, second = (settings_for(asked, Network("complex", seed)) for seed in (0, 1))
     images = select(first, RenderParameters, "egad_75mm")
     chosen = images.render
-    assert (chosen.complexity, chosen.part, chosen.hold_out) == ((0.5, 1.0), 0.4, False)
+    assert (chosen.complexity, chosen.subset, chosen.hold_out) == ((0.5, 1.0), 0.4, False)
     assert images.render.images == asked.render.images
     assert images.seed == asked.seed
     one, other = (select(whole, TrainNetwork) for whole in (first, second))

@@ -109,7 +109,9 @@ def agreement() -> pd.DataFrame:
         "robust_quality": np.where(success, 0.002, 0.001),
         "robust_success_rate": 0.5,
     }
-    return filled(frame.assign(outcome=outcome, n_labelled=50, n_collision_free=30, **ratings), AGREEMENT)
+    return filled(
+        frame.assign(outcome=outcome, n_labelled=50, n_collision_free=30, **ratings), AGREEMENT
+    )
 
 
 @pytest.fixture(scope="session")

@@ -34,7 +34,7 @@ def test_an_own_measure_gives_its_name_and_the_other_axis_stays():
 def own_report(report, request):
     """The report of a run with measures and cells of one's own."""
     space = Space(cells=request.param, complexity_range=(-2, 9), difficulty_range=(0, 0.01))
-    settings = report.settings.model_copy(update={"axes": OWN, "space": space})
+    settings = report.settings.model_copy(update={"measures": OWN, "space": space})
 
     def placed(data):
         objects = data.objects.assign(

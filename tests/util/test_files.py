@@ -28,9 +28,9 @@ def test_a_failed_write_leaves_the_old_file_and_the_temporary(tmp_path):
 WRITES = """
 import sys
 from pathlib import Path
-from egad._util.files import replacing
+from egad._util.files import atomic_output
 
-with replacing(Path(sys.argv[1])) as temporary:
+with atomic_output(Path(sys.argv[1])) as temporary:
     temporary.write_text("theirs")
     print("writing", flush=True)
     sys.stdin.read()

@@ -130,10 +130,10 @@ def test_the_card_counts_what_is_there(dataset, images, tmp_path):
     image_card.run(SETTINGS, "mine", "egad_75mm", *given)
     text = out.read_text()
     grasps = [picture.grasps for picture in images]
-    free = sum(int(each.free.sum()) for each in grasps)
-    reachable = sum(len(each.free) for each in grasps)
-    bare = sum(len(each.free) == 0 for each in grasps)
-    empty = sum(not each.free.any() for each in grasps)
+    free = sum(int(each.collision_free.sum()) for each in grasps)
+    reachable = sum(len(each.collision_free) for each in grasps)
+    bare = sum(len(each.collision_free) == 0 for each in grasps)
+    empty = sum(not each.collision_free.any() for each in grasps)
     assert 0 < free < reachable
     assert 0 < bare < empty
     for title, number in (
