@@ -7,6 +7,7 @@ docstring and an entry in the navigation.
 """
 
 import inspect
+import json
 import posixpath
 import re
 from collections.abc import Iterable, Iterator
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[1]
+NOTEBOOK = "tutorial.ipynb"
 HOME = "index.md"  # stands for README.md
 REFERENCE = "Reference"  # heading in the navigation of mkdocs.yml
 LINK = re.compile(r"(?<=\]\()([^)\s#:]+)(#[^)\s]*)?(?=\))")
@@ -49,6 +51,8 @@ def on_files(files: "Files", *, config: "MkDocsConfig") -> "Files":
         uri = page_path(path)
         level = InclusionLevel.UNDEFINED if uri in in_navigation else InclusionLevel.NOT_IN_NAV
         files.append(File.generated(config, uri, content=listing(path), inclusion=level))
+    notebook = json.loads((ROOT / "docs" / NOTEBOOK).read_text())
+    files.append(File.generated(config, page_path(f"docs/{NOTEBOOK}"), content=page_of(notebook)))
     for uri, content in reference_pages():
         files.append(File.generated(config, uri, content=content))
     return files
@@ -69,7 +73,7 @@ def page_path(path: str) -> str:
     if path == "README.md":
         return HOME
     if path.startswith("docs/"):
-        return path.removeprefix("docs/")
+        return path.removeprefix("docs/").replace(".ipynb", ".md")
     return path if path.endswith(".md") else f"{path}.md"
 
 
@@ -125,6 +129,31 @@ def listing(path: str) -> str:
         return text
     language = LANGUAGES.get(Path(path).suffix, "text")
     return f"# {Path(path).name}\n\n`{path}` in the repository.\n\n````{language}\n{text}````\n"
+
+
+def page_of(notebook: dict[str, Any]) -> str:
+    """A notebook as Markdown: its texts, its code, and what the code gave."""
+    parts = []
+    for cell in notebook["cells"]:
+        text = "".join(cell["source"])
+        if cell["cell_type"] == "markdown":
+            parts.append(text)
+        else:
+            parts += [f"```python\n{text}\n```", *map(output, cell["outputs"])]
+    return "\n\n".join(filter(None, parts)) + "\n"
+
+
+def output(found: dict[str, Any]) -> str:
+    """What a cell gave, as Markdown: a picture, HTML or text; progress is left out."""
+    if found["output_type"] == "stream":
+        text = "".join(found["text"]) if found["name"] == "stdout" else ""
+        return f"```text\n{text.rstrip()}\n```" if text else ""
+    data = {kind: "".join(value) for kind, value in found["data"].items()}
+    if "image/png" in data:
+        return f'<img src="data:image/png;base64,{data["image/png"].strip()}" alt="Output">'
+    if "text/html" in data:
+        return re.sub(r"\n\s*\n", "\n", data["text/html"])
+    return f"```text\n{data['text/plain']}\n```"
 
 
 def pages_of(navigation: Any) -> Iterator[str]:  # noqa: ANN401

@@ -55,6 +55,28 @@ def test_files_that_a_file_links_to_are_found_through_others(tmp_path, monkeypat
     assert "```python\nprint()\n" in hooks.listing("tools/run.py")
 
 
+def test_a_notebook_is_a_page_with_its_pictures():
+    cells = [
+        {"cell_type": "markdown", "source": ["# Title\n", "text"]},
+        {
+            "cell_type": "code",
+            "source": "draw()",
+            "outputs": [
+                {"output_type": "stream", "name": "stderr", "text": ["1/2"]},
+                {"output_type": "stream", "name": "stdout", "text": ["done\n"]},
+                {"output_type": "display_data", "data": {"image/png": "QUJD\n", "text/plain": "x"}},
+            ],
+        },
+    ]
+    text = hooks.page_of({"cells": cells})
+    assert text.split("\n\n") == [
+        "# Title\ntext",
+        "```python\ndraw()\n```",
+        "```text\ndone\n```",
+        '<img src="data:image/png;base64,QUJD" alt="Output">\n',
+    ]
+
+
 def test_every_public_name_has_a_page():
     pages = dict(hooks.reference_pages())
     public = {name for name in egad.__all__ if not name.startswith("__")}

@@ -3,6 +3,7 @@
 It takes packages from the package index, in the versions of requirements.lock.
 """
 
+import json
 import os
 import re
 import subprocess
@@ -69,8 +70,7 @@ def test_what_the_wheel_asks_for_fits_together(installed):
 def test_it_is_imported_from_the_environment_and_has_its_data(installed):
     code = """
 import egad
-from egad.objects import load
-objects = load("released")
+objects = egad.load("released")
 print(egad.__file__, len(objects), objects["M14_3"].mesh.is_volume)
 """
     path, count, closed = installed.run("python", "-c", code).split()
@@ -94,3 +94,38 @@ def test_pages_find_their_templates(installed):
     options = ["--units", "mm", "--gripper", "panda", "--out", "box.html"]
     installed.run("egad", "view", "box.stl", *options)
     assert "<canvas" in (installed.folder / "box.html").read_text()
+
+
+def test_the_python_of_the_readme_runs(installed):
+    """With a mesh and a detector of the test where the text has `my_mesh` and `my_detector`."""
+    first, second = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    given = """
+import trimesh
+from egad.detectors.random_detector import random_grasp as my_detector
+my_mesh = trimesh.creation.box((0.03, 0.04, 0.05))
+"""
+    fewer = second.replace("attempts=20", "attempts=1").replace(
+        "evaluations=2000", "evaluations=20"
+    )
+    assert fewer.count("attempts=1)") == fewer.count("evaluations=20,") == 1
+    installed.run("python", "-c", first)
+    assert (installed.folder / "M14_3.html").stat().st_size > 10_000
+    installed.run("python", "-c", given + fewer)
+
+
+def test_the_tutorial_runs(installed):
+    cells = json.loads((ROOT / "docs/tutorial.ipynb").read_text())["cells"]
+    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    installed.run("python", "-c", "import matplotlib; matplotlib.use('agg')\n" + "\n".join(code))
+
+
+def test_a_typed_program_runs_and_passes_mypy(installed):
+    client = ROOT / "tests/typed_client.py"
+    shown = installed.run("python", client)
+    assert "M14" in shown
+    python = installed.programs / "python"
+    command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", python, client]
+    done = subprocess.run(
+        command, cwd=installed.folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout

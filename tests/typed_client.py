@@ -1,0 +1,70 @@
+"""A program of a user that takes the whole public API; `mypy --strict` checks it."""
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+import egad
+from egad.detectors import Grasp
+from egad.perception.camera import View
+
+
+def highest_point(view: View, gripper: egad.Gripper, rng: np.random.Generator) -> list[Grasp]:
+    """A grasp of the highest point that the camera sees."""
+    del rng
+    points = view.points()[view.heights() > 0.005]
+    x, y, z = points[points[:, 2].argmax()].tolist()
+    return [Grasp((x, y, z), 0.0, gripper.opening, min(0.02, z), 1.0)]
+
+
+def bulk_and_length(mesh: trimesh.Trimesh) -> tuple[float, float]:
+    """Two measures."""
+    return float(mesh.volume), float(mesh.extents.max() / mesh.extents.min())
+
+
+def use_objects(folder: Path) -> None:
+    """Load, measure, compare, scale and grasp."""
+    objects: egad.Dataset = egad.load("released")
+    each: egad.EvolvedObject = objects["M14_3"]
+    voxels: NDArray[np.bool_] = each.voxels
+    panda: egad.Gripper = egad.gripper("panda")
+    mesh, factor = egad.rescale(each.mesh, panda, "paper")
+    found: egad.Measures = egad.measure(mesh, gripper=egad.Gripper(opening=0.11), seed=0)
+    grasps: egad.Grasps = egad.sample_grasps(mesh, panda, n=20, seed=0)
+    best = grasps[grasps.collision_free].sorted_by("robust_quality")[:5]
+    poses: NDArray[np.float64] = best.transformed(np.eye(4)).poses
+    likeness: float = egad.similarity(mesh, objects["E08_0"].mesh)
+    matrix: NDArray[np.float64] = egad.similarity_matrix([mesh, mesh])
+    closed: trimesh.Trimesh = egad.repair(mesh, open_surfaces="thicken", thickness=0.002).mesh
+    egad.view(closed, best, panda).save(folder / "view.html")
+    image: NDArray[np.uint8] = egad.render(mesh, size=32)
+    parts: list[trimesh.Trimesh] = egad.convex_parts(mesh)
+    chances = [pose.probability for pose in egad.stable_poses(mesh)]
+    print(voxels.sum(), factor, found.label, found.cell, poses.shape, likeness, matrix.shape)
+    print(image.shape, len(parts), sum(chances), grasps.to_frame().columns[0])
+
+
+def use_simulation(folder: Path) -> None:
+    """Try detectors, evolve and export."""
+    objects = egad.load("released").select(["M14_3"])
+    mine: egad.Trials = egad.run_trials(highest_point, objects, "panda", attempts=2, seed=0)
+    other = egad.run_trials("antipodal-depth", objects, "panda", attempts=2)
+    low, high = mine.success_rate().interval
+    print(low, high, mine.compare(other).difference, len(mine.table))
+    archive: egad.Archive = egad.evolve(8, seed=0, measures=bulk_and_length, population=4)
+    evolver = egad.Evolver(seed=0, population=4, ranges=((0.0, 3e-4), (1.0, 4.0)))
+    evolver.tell([bulk_and_length(candidate.mesh) for candidate in evolver.ask()])
+    print(archive.coverage, len(evolver.archive), len(egad.load(archive)))
+    print(egad.export(objects, format="acronym", gripper="panda", out=folder / "acronym", n=5))
+    try:
+        egad.load_grasps(folder, "panda")
+    except egad.UserError as error:
+        print(error)
+
+
+if __name__ == "__main__":
+    here = Path.cwd()
+    use_objects(here)
+    use_simulation(here)
