@@ -28,7 +28,7 @@ FAULTS = Path(__file__).with_name("faults.yaml")
 LIMIT = 7200  # seconds of the tests of a package; each has a limit of its own, so none hangs
 LONGEST = 3600  # seconds of a test: a busy machine is no fault
 # The tests of the workflow that take long come last.
-EARLY = ("profiles", "plans", "diversity_plans", "failures", "results")
+EARLY = ("profiles", "plans", "training_study_plans", "failures", "results")
 MARK = ".copy-for-faults"
 FAILURE = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
 CAUGHT, UNNOTICED = "caught", "not caught"
@@ -45,9 +45,6 @@ class Fault:
         new: What it becomes.
         tests: Folder, file or pattern of the tests that should notice it.
         kind: What kind of mistake it is.
-        first: The test file to begin with.
-        later_old: The same place where the code was rewritten.
-        later_new: What that becomes.
     """
 
     id: str
@@ -56,16 +53,10 @@ class Fault:
     new: str
     tests: str
     kind: str
-    first: str = ""
-    later_old: str = ""
-    later_new: str = ""
 
     def edit(self, text: str) -> str | None:
         """The text of the file with the fault; None if its place is not there exactly once."""
-        for old, new in ((self.old, self.new), (self.later_old, self.later_new)):
-            if old and text.count(old) == 1:
-                return text.replace(old, new)
-        return None
+        return text.replace(self.old, self.new) if text.count(self.old) == 1 else None
 
 
 @dataclass(frozen=True)
@@ -150,13 +141,13 @@ def files_for(folder: Path, fault: Fault) -> list[str]:
     """The test files of a fault, those first that are named after the faulty module."""
     path = folder / fault.tests
     found = path.rglob("test_*.py") if path.is_dir() else folder.glob(fault.tests)
-    stem, first = Path(fault.file).stem, fault.first
+    stem = Path(fault.file).stem
 
-    def key(file: Path) -> tuple[bool, int, bool, str]:
+    def key(file: Path) -> tuple[int, bool, str]:
         name = file.stem.removeprefix("test_")
         place = EARLY.index(name) if name in EARLY else len(EARLY)
         number = place if fault.tests == "tests/workflow" else 0
-        return file != folder / first, number, stem not in name, name
+        return number, stem not in name, name
 
     return [str(file.relative_to(folder)) for file in sorted(found, key=key)]
 
