@@ -110,7 +110,7 @@ def test_an_object_larger_than_the_view_fails() -> None:
 
 
 @pytest.mark.parametrize(
-    ("end", "outcome", "initial_pose"),
+    ("end", "outcome", "begun"),
     [
         ((0.05, 0.03, 0.02), "missed", "left"),
         ((0.15, 0.0, 0.02), "missed", "dropped"),

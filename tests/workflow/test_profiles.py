@@ -57,7 +57,7 @@ def test_memory_holds_back_no_job_of_a_machine_of_ones_own(clean):
 def test_a_scheduler_makes_the_same_bytes(copy, finished):
     """Two jobs of the finished run again, one of them local."""
     tally = "results/egad/grasps/egad_75mm.sampling.parquet"
-    for path in (tally, "results/egad/parts/tally-egad_75mm-0.parquet"):
+    for path in (tally, "results/egad/parts/sampling-egad_75mm-0.parquet"):
         (copy.folder / path).unlink()
     copy.make(*LOCAL_TEST, tally)
     assert copy.bytes() == finished.bytes()

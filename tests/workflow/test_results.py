@@ -67,7 +67,7 @@ PARTS = {
         "solids": SOLIDS,
         "rejected": REJECTED,
         f"grasps-{GRIPPER}": GRASPS,
-        f"tally-{GRIPPER}": SAMPLING,
+        f"sampling-{GRIPPER}": SAMPLING,
         f"ungraspable-{GRIPPER}": REJECTED,
         f"trials-{GRIPPER}-{DETECTOR}": TRIALS,
     }.items()
