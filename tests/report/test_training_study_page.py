@@ -72,8 +72,8 @@ def study(config=CONFIG):
     by_name = dict(sorted(settings.training_sets.items()))  # as the workflow hands them over
     return Study(
         settings=settings.model_copy(update={"training_sets": by_name}),
-        table=pd.concat(tried(test, *name) for test in whole.diversity.tests for name in names),
-        tests={test: EvaluationSet(3, 3) for test in whole.diversity.tests},
+        table=pd.concat(tried(test, *name) for test in whole.training_study.tests for name in names),
+        tests={test: EvaluationSet(3, 3) for test in whole.training_study.tests},
         images={
             each.training_set: Images(frozenset({"own A0", "own A1", "egad A0"}), 44)
             for each in trained
@@ -185,7 +185,7 @@ def test_a_name_cannot_break_the_page(text):
 
 def test_given_weights_alone_have_no_training():
     alone = {"sets": ["given"], "tests": ["egad"]}
-    found = page(study({**CONFIG, "diversity": alone}))
+    found = page(study({**CONFIG, "training_study": alone}))
     assert "Validation loss" not in found
     assert "Differences between sets" not in found
     assert [line[0] for line in rows(found, "<h2>Tested on egad</h2>")] == ["given", "random"]
@@ -197,7 +197,7 @@ def test_sets_in_words():
     )
     part = TrainingSet(dataset="egad", complexity=(0.667, 1.0), hold_out=False)
     assert describe(part) == "dataset `egad`, complexity ranks 0.667 to 1"
-    few = TrainingSet(dataset="egad", part=0.333)
+    few = TrainingSet(dataset="egad", subset=0.333)
     assert describe(few) == (
         "dataset `egad`, all objects, a random sample of 33.3%, without its evaluation set"
     )

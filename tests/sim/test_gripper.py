@@ -42,10 +42,10 @@ def gripped(
     return hand, hand.pinches()
 
 
-ARMS = pytest.mark.parametrize("arm", list(ARMS))
+EACH_ARM = pytest.mark.parametrize("arm", list(ARMS))
 
 
-@ARMS
+@EACH_ARM
 def test_a_held_cube_does_not_creep(arm: str) -> None:
     """40 mm, 20 N, 10 s."""
     with World(LIGHT) as world:
@@ -87,7 +87,7 @@ def test_thin_light_plates_are_not_squeezed_flat(thickness: float, force: float)
         assert hand.carries()
 
 
-@ARMS
+@EACH_ARM
 def test_a_cube_held_only_at_its_rim_falls(arm: str) -> None:
     """1 mm of the cube between 20 mm wide pads; the same force holds it in the middle."""
     outcomes = []
@@ -139,7 +139,7 @@ def test_pads_resist_twisting_as_pressed_discs(pads: str, part: float, turns: bo
         assert (world.speeds()[1] > 1) is turns
 
 
-@ARMS
+@EACH_ARM
 def test_a_hand_says_whether_it_was_lifted_all_the_way(arm: str) -> None:
     with World(LIGHT) as world:
         hand = hung(world, GRIPPERS["egad_75mm"], HandPose(0.0, 0.0, 0.02, 0.0), 0.07, arm)
