@@ -88,7 +88,7 @@ def test_the_detector_takes_the_weights(trained, view):
     safetensors = pytest.importorskip("safetensors.torch")
     networks = pytest.importorskip("egad.learning.networks")
     path, hand = trained / "words/weights.safetensors", GRIPPERS["egad_75mm"]
-    network = networks.untrained("ggcnn", 0)
+    network = networks.new_network("ggcnn", 0)
     before = MapDetector(networks.inference(network))(view, hand, None)
     network.load_state_dict(safetensors.load_file(path))
     after = MapDetector(networks.inference(network))(view, hand, None)

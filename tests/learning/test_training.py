@@ -47,7 +47,7 @@ class Tiny(torch.nn.Conv2d):
 
 
 def trained(shards, settings=SHORT, seed=0, jobs=1, kept=None):
-    network = networks.untrained("ggcnn", seed)
+    network = networks.new_network("ggcnn", seed)
     rows = training.train(network, shards, settings, seed, jobs, kept)
     return rows, network.state_dict()
 
@@ -98,9 +98,9 @@ def test_the_weights_of_the_lowest_validation_loss_are_taken(shards):
     network = Tiny()
     rows = training.train(network, shards, settings, 0)
     losses = [row["validation_loss"] for row in rows]
-    with training.crew(1) as workers:
-        held = training.spread(shards.numbers("validation"), settings.validation)
-        judgements = training.judge(network, shards, held, workers)
+    with training.thread_pool(1) as workers:
+        held = training.spread(shards.indices("validation"), settings.validation)
+        judgements = training.evaluate(network, shards, held, workers)
     assert np.mean([each.losses.sum() for each in judgements]) == pytest.approx(min(losses))
     assert int(np.argmin(losses)) < len(losses) - 1
     assert [row["kept"] for row in rows] == [loss == min(losses) for loss in losses]
@@ -111,9 +111,9 @@ def test_without_patience_it_goes_to_its_end_and_the_last_weights_are_taken(shar
     network = Tiny()
     rows = training.train(network, shards, settings, 0)
     losses = [row["validation_loss"] for row in rows]
-    held = training.spread(shards.numbers("validation"), settings.validation)
-    with training.crew(1) as workers:
-        judgements = training.judge(network, shards, held, workers)
+    held = training.spread(shards.indices("validation"), settings.validation)
+    with training.thread_pool(1) as workers:
+        judgements = training.evaluate(network, shards, held, workers)
     assert np.mean([each.losses.sum() for each in judgements]) == pytest.approx(losses[-1])
     assert losses[-1] > min(losses)
     assert [row["kept"] for row in rows] == [False] * (len(rows) - 1) + [True]
@@ -125,7 +125,7 @@ def test_it_ends_when_nothing_gets_better(shards, monkeypatch):
     def judge(*_):
         return [scoring.ImageScore(np.full(4, next(losses) / 4), hit=None)]
 
-    monkeypatch.setattr(training, "judge", judge)
+    monkeypatch.setattr(training, "evaluate", judge)
     settings = SHORT.model_copy(update={"images": 20, "patience": 2})
     rows = training.train(Tiny(), shards, settings, 0)
     assert [row["validation_loss"] for row in rows] == [3, 2, 2.5, 2]
@@ -163,7 +163,7 @@ def test_numbers_are_spread_evenly():
 
 class TestScoring:
     def test_a_network_that_knows_the_answer_is_always_right(self, shards):
-        for number in shards.numbers("train")[:6]:
+        for number in shards.indices("train")[:6]:
             depth, truth = shards.image(number)
             maps = torch.from_numpy(example(depth, truth)[1])[None]
             judged = scoring.score_image(lambda _, maps=maps: maps, depth, truth)

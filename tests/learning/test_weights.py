@@ -26,13 +26,13 @@ def saved(path, state):
 
 @pytest.mark.parametrize(("name", "count"), [("ggcnn", 62_420), ("ggcnn2", 66_676)])
 def test_networks_have_as_many_weights_as_the_published_ones(name, count):
-    assert networks.parameters(networks.untrained(name, 0)) == count
+    assert networks.parameters(networks.new_network(name, 0)) == count
 
 
 @pytest.mark.parametrize("name", ["ggcnn", "ggcnn2"])
 @pytest.mark.parametrize("ending", ["pt", "safetensors"])
 def test_four_images_of_the_size_of_the_one_that_went_in(tmp_path, name, ending):
-    network = networks.untrained(name, 1)
+    network = networks.new_network(name, 1)
     path = tmp_path / f"weights.{ending}"
     if ending == "pt":
         torch.save(network.state_dict(), path)
@@ -47,7 +47,7 @@ def test_four_images_of_the_size_of_the_one_that_went_in(tmp_path, name, ending)
 
 
 def test_one_convolution_for_all_heads_gives_what_four_give():
-    network = networks.untrained("ggcnn2", 0)
+    network = networks.new_network("ggcnn2", 0)
     image = torch.randn(2, 1, 300, 300, generator=torch.Generator().manual_seed(0))
     with torch.inference_mode():
         inside = network.features(image)
@@ -59,14 +59,14 @@ def test_untrained_weights_follow_from_the_seed_and_leave_chance_alone():
     torch.manual_seed(5)
     expected = torch.rand(3)
     torch.manual_seed(5)
-    one, same, other = (networks.untrained("ggcnn", seed).state_dict() for seed in (0, 0, 1))
+    one, same, other = (networks.new_network("ggcnn", seed).state_dict() for seed in (0, 0, 1))
     torch.testing.assert_close(torch.rand(3), expected)
     assert all(torch.equal(one[name], same[name]) for name in one)
     assert not torch.equal(one["conv1.weight"], other["conv1.weight"])
 
 
 def test_the_same_weights_give_the_same_bytes_and_keep_their_notes(tmp_path):
-    network = networks.untrained("ggcnn", 0)
+    network = networks.new_network("ggcnn", 0)
     paths = [tmp_path / f"{n}.safetensors" for n in range(2)]
     for path in paths:
         weights.write(network, path, {"seed": 0, "network": "ggcnn"})
@@ -86,7 +86,7 @@ def test_the_same_weights_give_the_same_bytes_and_keep_their_notes(tmp_path):
     ],
 )
 def test_weights_of_another_network_are_told_apart(tmp_path, change, words, ending):
-    state = networks.untrained("ggcnn", 0).state_dict()
+    state = networks.new_network("ggcnn", 0).state_dict()
     for name, shape in change.items():
         state.pop(name, None)
         if shape:
@@ -101,7 +101,7 @@ def test_weights_of_another_network_are_told_apart(tmp_path, change, words, endi
     [(torch.zeros(32, dtype=torch.float64), "float64, not"), (torch.full((32,), np.nan), "finite")],
 )
 def test_other_kinds_of_numbers_are_refused(tmp_path, value, words):
-    state = {**networks.untrained("ggcnn", 0).state_dict(), "conv1.bias": value}
+    state = {**networks.new_network("ggcnn", 0).state_dict(), "conv1.bias": value}
     with pytest.raises(UserError, match=rf"conv1\.bias .*{words}"):
         GGCNN(saved(tmp_path / "weights.safetensors", state))
 
@@ -114,7 +114,7 @@ def test_weights_of_something_else_are_a_mistake(tmp_path, state):
 
 def test_a_safetensors_file_must_hold_what_its_header_promises(tmp_path):
     path = tmp_path / "weights.safetensors"
-    weights.write(networks.untrained("ggcnn", 0), path, {})
+    weights.write(networks.new_network("ggcnn", 0), path, {})
     whole = path.read_bytes()
     (size,) = struct.unpack("<Q", whole[:8])
     header = json.loads(whole[8 : 8 + size])
