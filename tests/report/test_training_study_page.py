@@ -70,10 +70,11 @@ def study(config=CONFIG):
     trained = [each for each in found if each.training_set != "given"]
     settings = select(whole, TrainingStudyReport)
     by_name = dict(sorted(settings.training_sets.items()))  # as the workflow hands them over
+    asked = whole.training_study
     return Study(
         settings=settings.model_copy(update={"training_sets": by_name}),
-        table=pd.concat(tried(test, *name) for test in whole.training_study.tests for name in names),
-        tests={test: EvaluationSet(3, 3) for test in whole.training_study.tests},
+        table=pd.concat(tried(test, *name) for test in asked.tests for name in names),
+        tests={test: EvaluationSet(3, 3) for test in asked.tests},
         images={
             each.training_set: Images(frozenset({"own A0", "own A1", "egad A0"}), 44)
             for each in trained
