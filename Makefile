@@ -108,7 +108,7 @@ lock:
 		--output-file requirements-docs.lock pyproject.toml
 	echo uv | $(COMPILE) --no-annotate --output-file envs/installer.lock -
 
-$(READY): requirements.lock envs/install.py envs/trim.py envs/compile.py
+$(READY): requirements.lock pyproject.toml envs/install.py envs/trim.py envs/compile.py
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or newer with venv and pip is needed" \
 		"(Debian: apt-get install python3 python3-venv)" >&2; exit 1; }
 	$(PYTHON) -m venv $(VENV)

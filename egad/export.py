@@ -58,7 +58,7 @@ def export(
             each object a folder with URDF, MJCF, convex parts and stable poses. `obj`: meshes in
             metres. `stl`: meshes in millimetres, to print.
         gripper: The gripper, or its name.
-        out: A new folder, or an earlier export, which is replaced.
+        out: A new or empty folder.
         n: Grasps of an object.
         seed: Of the grasps.
         rule: How objects are scaled: see `egad.rescale`.
@@ -67,8 +67,8 @@ def export(
         The labels of objects that were left out, as they cannot be scaled, grasped or decomposed.
 
     Raises:
-        UserError: There is no such format, gripper or rule, there are no objects, or the folder has
-            other files in it.
+        UserError: There is no such format, gripper or rule, there are no objects, or the folder is
+            not empty.
     """
     write = WRITERS[check_name("format", format, WRITERS)]
     hand = as_gripper(gripper)

@@ -91,11 +91,14 @@ class Evolver:
         """
         if self._asked is None:
             raise UserError("ask for candidates before telling their measures")
-        values = np.asarray(measures, dtype=np.float64).reshape(-1, 2)
-        if len(values) != len(self._asked):
-            raise UserError(f"{len(self._asked)} candidates were asked for, {len(values)} told")
+        values, count = np.asarray(measures, dtype=np.float64), len(self._asked)
+        if values.shape != (count, 2) and (count or values.size):
+            raise UserError(
+                f"measures have the shape {values.shape}; {count} candidates were asked for, so "
+                f"({count}, 2) is needed"
+            )
         graphs = self._settings.similarity
-        pairs = zip(self._asked, values.tolist(), strict=True)
+        pairs = zip(self._asked, values.reshape(-1, 2).tolist(), strict=True)
         results = [_with_graph(each.mesh, pair, graphs) for each, pair in pairs]
         self._island.tell(self._asked, results)
         self._asked = None

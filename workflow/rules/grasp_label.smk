@@ -20,7 +20,9 @@ rule grasp_label:
         mesh=gripper_mesh,
     output:
         grasps=ensure("results/{dataset}/parts/grasps-{gripper}-{shard}.parquet", non_empty=True),
-        sampling=ensure("results/{dataset}/parts/sampling-{gripper}-{shard}.parquet", non_empty=True),
+        sampling=ensure(
+            "results/{dataset}/parts/sampling-{gripper}-{shard}.parquet", non_empty=True
+        ),
         rejected=ensure(
             "results/{dataset}/parts/ungraspable-{gripper}-{shard}.parquet",
             non_empty=True,

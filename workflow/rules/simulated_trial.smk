@@ -52,7 +52,8 @@ rule simulated_trial:
 use rule join as join_trials with:
     input:
         parts(
-            "results/{dataset}/parts/trials-{gripper}-{detector}-{shard}.parquet", EVALUATION_SHARDS
+            "results/{dataset}/parts/trials-{gripper}-{detector}-{shard}.parquet",
+            EVALUATION_SHARDS,
         ),
     output:
         ensure("results/{dataset}/trials/{gripper}/{detector}.parquet", non_empty=True),

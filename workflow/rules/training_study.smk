@@ -25,7 +25,8 @@ use rule render as render_set with:
             "results/training_study/images/{training_set}/images-{shard}.parquet", non_empty=True
         ),
         rejected=ensure(
-            "results/training_study/parts/unrendered-{training_set}-{shard}.parquet", non_empty=True
+            "results/training_study/parts/unrendered-{training_set}-{shard}.parquet",
+            non_empty=True,
         ),
     log:
         "logs/training_study/render_set/{training_set}-{shard}.log",
@@ -43,13 +44,17 @@ use rule render as render_set with:
 
 use rule image_card as set_card with:
     input:
-        images=parts("results/training_study/images/{training_set}/images-{shard}.parquet", IMAGE_SHARDS),
+        images=parts(
+            "results/training_study/images/{training_set}/images-{shard}.parquet", IMAGE_SHARDS
+        ),
         rejects=parts(
             "results/training_study/parts/unrendered-{training_set}-{shard}.parquet", IMAGE_SHARDS
         ),
     output:
         card=ensure("results/training_study/images/{training_set}/card.md", non_empty=True),
-        rejected=ensure("results/training_study/images/{training_set}/rejected.parquet", non_empty=True),
+        rejected=ensure(
+            "results/training_study/images/{training_set}/rejected.parquet", non_empty=True
+        ),
     log:
         "logs/training_study/set_card/{training_set}.log",
     benchmark:
@@ -92,7 +97,9 @@ rule train_network:
         images=subpath(input.card, parent=True),
         folder=subpath(output.weights, parent=True),
         # The chart and the card of a network decide nothing about it.
-        code=[code_version(f"egad.learning.{name}") for name in ("training", "weights", "evaluation")],
+        code=[
+            code_version(f"egad.learning.{name}") for name in ("training", "weights", "evaluation")
+        ],
     message:
         "Training network {wildcards.seed} on the training set {wildcards.training_set}"
     shell:
