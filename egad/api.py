@@ -7,7 +7,9 @@ import numpy as np
 import trimesh
 from numpy.typing import ArrayLike, NDArray
 
+from egad._util.parameters import from_arguments
 from egad.errors import UserError
+from egad.evalset.parameters import Bundle
 from egad.exchange.grippers import palm_mesh
 from egad.geometry import convex_parts as decomposition
 from egad.geometry import scaling
@@ -18,7 +20,7 @@ from egad.geometry.repair import repair as repair_mesh
 from egad.grasps.grasps import Grasps
 from egad.grasps.gripper import as_gripper
 from egad.grasps.labels import label_grasps, label_parameters
-from egad.grasps.parameters import Gripper, Quality, Sampling
+from egad.grasps.parameters import FRICTION, Gripper, Quality, Sampling
 from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import (
@@ -72,10 +74,12 @@ def measure(
 
     Raises:
         RejectedError: The mesh cannot be repaired, is flat, or has no grasp.
-        UserError: There is no gripper of this name.
+        UserError: There is no gripper of this name, or no grasps are asked for.
 
     Source: EGAD (Morrison, Corke and Leitner 2020), section III.
     """
+    if grasps < 1:
+        raise UserError(f"grasps is {grasps}; at least 1 is needed")
     solid = repair_mesh(mesh).mesh
     place = measure_repeatably(solid, _measure_parameters(as_gripper(gripper), seed), grasps)
     space = Space()
@@ -154,12 +158,14 @@ def rescale(
 
     Raises:
         RejectedError: The mesh is flat.
-        UserError: There is no such gripper or rule.
+        UserError: There is no such gripper or rule, or the fraction is out of bounds.
 
     Warns:
         UnitsWarning: The size of the mesh suggests another unit than the metre.
     """
     check_units(mesh)
+    if not 0 < side_fraction <= 3:
+        raise UserError(f"side_fraction is {side_fraction}; allowed: above 0, at most 3")
     scaled, row = scaling.rescale(mesh, rule, as_gripper(gripper).opening, side_fraction)
     return scaled, row["factor"]
 
@@ -170,7 +176,7 @@ def sample_grasps(
     n: int = 500,
     *,
     seed: int = 0,
-    friction: float = 0.5,
+    friction: float = FRICTION,
     center_of_mass: ArrayLike | None = None,
 ) -> Grasps:
     """Sample antipodal grasps of a mesh, with their quality and collisions of the hand.
@@ -180,7 +186,8 @@ def sample_grasps(
         gripper: The gripper, or its name.
         n: Most grasps; fewer if no more are found that are 2.5 mm apart.
         seed: The same mesh and seed give the same grasps.
-        friction: Coulomb friction coefficient of the contacts.
+        friction: Coulomb friction coefficient that the quality is computed with; the sampler
+            proposes axes up to a friction of 0.75 whatever this is.
         center_of_mass: (3,) metres; by default that of a solid of uniform density.
 
     Returns:
@@ -216,8 +223,10 @@ def convex_parts(
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
+        UserError: A number is out of bounds.
     """
-    return decomposition.convex_parts(mesh, max_parts, volume_error)
+    wanted = from_arguments(Bundle, max_parts=max_parts, volume_error=volume_error)
+    return decomposition.convex_parts(mesh, wanted.max_parts, wanted.volume_error)
 
 
 def stable_poses(

@@ -2,16 +2,16 @@
 
 import logging
 from collections.abc import Callable, Mapping
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import pandas as pd
 import trimesh
 
+from egad._util.parameters import ScaleRule, from_arguments
 from egad._util.progress import progress
 from egad.detectors.base import Detector
-from egad.detectors.parameters import DetectorConfig
-from egad.detectors.registry import make_detector, with_checked_answers
-from egad.errors import RejectedError
+from egad.detectors.registry import QUICK, with_checked_answers
+from egad.errors import RejectedError, check_name
 from egad.evalset.parameters import Bundle
 from egad.geometry.parameters import Material
 from egad.geometry.scaling import rescale
@@ -30,6 +30,7 @@ from egad.stats.records import results
 log = logging.getLogger(__name__)
 SIDE_FRACTION = 0.8  # of the opening, that scaled objects have as their smallest side
 UNSCALED = "none"
+RULES = (*get_args(ScaleRule), UNSCALED)
 
 
 class Trials:
@@ -84,6 +85,9 @@ def run_trials(
     the detector proposes grasps, and the best one is carried out: approach, close, lift, hold.
     An object that cannot be simulated has failed attempts only.
 
+    The detector is called in this process: an error of it is one failed attempt, but an endless
+    loop is not ended.
+
     Args:
         detect: A function or object that is called with `(view, gripper, rng)` and returns grasps
             (`egad.detectors.Detector`); or the name of one without weights: `antipodal-depth`,
@@ -98,17 +102,18 @@ def run_trials(
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
 
     Raises:
-        UserError: There is no such gripper, detector or rule, or there are no objects.
+        UserError: There is no such gripper, detector or rule, a number is out of bounds, or there
+            are no objects.
     """
     hand = as_gripper(gripper)
-    trials = Protocol(attempts=attempts, reset=reset, depth_noise=depth_noise)
+    check_name("rule", rule, RULES)
+    trials = from_arguments(Protocol, attempts=attempts, reset=reset, depth_noise=depth_noise)
     parameters = TrialParameters(seed=seed, gripper=hand, trials=trials)
     targets = named_meshes(objects)
-    ask = (
-        make_detector(DetectorConfig(detector=detect))
-        if isinstance(detect, str)
-        else with_checked_answers(detect)
-    )
+    if isinstance(detect, str):
+        ask = QUICK[check_name("detector", detect, QUICK)]
+    else:
+        ask = with_checked_answers(detect)
     shown = progress(targets, "trying", len(targets))
     return Trials(pd.concat([_attempts(target, ask, rule, parameters) for target in shown]))
 

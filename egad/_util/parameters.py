@@ -1,9 +1,11 @@
 """What all sections are made of: closed, immutable models and bounded numbers."""
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+
+from egad.errors import UserError
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_\-]*$")]
 Fraction = Annotated[float, Field(ge=0, le=1)]
@@ -22,6 +24,9 @@ class Parameters(BaseModel):
     """A group of settings: immutable, and closed to keys that it does not know."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+P = TypeVar("P", bound=Parameters)
 
 
 class ParameterGroup(Parameters):
@@ -43,6 +48,20 @@ class Archived:
 
 # decides which objects are found, not how they are measured
 SEARCH_ONLY = Archived(keys=frozenset())
+
+
+def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields of any type)
+    """Parameters from the arguments of a public function.
+
+    Raises:
+        UserError: A value is not allowed; the text names the argument.
+    """
+    try:
+        return kind(**values)
+    except ValidationError as error:
+        wrong = error.errors(include_url=False)
+        told = (f"{'.'.join(map(str, e['loc']))} is {e['input']!r}: {e['msg']}" for e in wrong)
+        raise UserError("; ".join(told)) from error
 
 
 def check_ascending(section: Parameters, *names: str) -> None:

@@ -36,7 +36,10 @@ class Grasps:
 
     def __getitem__(self, chosen: int | slice | ArrayLike) -> Self:
         """Some of the grasps: an index, a slice, an array of indices, or (n,) booleans."""
-        index = np.arange(len(self))[chosen if isinstance(chosen, slice) else np.asarray(chosen)]
+        if not isinstance(chosen, slice):
+            given = np.asarray(chosen)
+            chosen = given if given.size or given.dtype == bool else given.astype(np.int64)
+        index = np.arange(len(self))[chosen]
         return type(self)(self._table.iloc[np.atleast_1d(index)])
 
     def __repr__(self) -> str:

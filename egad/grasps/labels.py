@@ -7,12 +7,21 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.parameters import from_arguments
 from egad.errors import RejectedError
 from egad.geometry.checks import check_solid
 from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches
 from egad.grasps.opening import needed_openings
-from egad.grasps.parameters import GraspLabel, Gripper, LabelParameters, Quality, Robust, Sampling
+from egad.grasps.parameters import (
+    FRICTION,
+    GraspLabel,
+    Gripper,
+    LabelParameters,
+    Quality,
+    Robust,
+    Sampling,
+)
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
 from egad.grasps.sampler import ContactPairs, SamplingStatistics, sample_contacts
@@ -21,15 +30,19 @@ Floats = NDArray[np.float64]
 
 
 def label_parameters(
-    gripper: Gripper, grasps: int, seed: int, friction: float = 0.5
+    gripper: Gripper, grasps: int, seed: int, friction: float = FRICTION
 ) -> LabelParameters:
-    """The default parameters of labelled grasps, with those that are given."""
+    """The default parameters of labelled grasps, with those that are given.
+
+    Raises:
+        UserError: A value is not allowed.
+    """
     return LabelParameters(
         seed=seed,
         gripper=gripper,
-        grasp_label=GraspLabel(grasps=grasps),
+        grasp_label=from_arguments(GraspLabel, grasps=grasps),
         sampling=Sampling(),
-        quality=Quality(friction=friction),
+        quality=from_arguments(Quality, friction=friction),
         robust=Robust(),
     )
 

@@ -19,6 +19,7 @@ class Pad(NamedTuple):
     radius: float
 
 
+FRICTION = 0.5  # of the contacts that grasps are rated for
 PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}
 
 
@@ -84,7 +85,7 @@ GRIPPERS = {
 class Quality(Parameters):
     """Ferrari-Canny grasp quality, one deterministic value a grasp."""
 
-    friction: float = Field(0.5, gt=0, le=2, description="Coulomb friction coefficient")
+    friction: float = Field(FRICTION, gt=0, le=2, description="Coulomb friction coefficient")
     torque_scaling: float = Field(100.0, gt=0, description="torque units a force unit, 1/m")
     finger_radius: Length = Field(0.005, description="radius of the soft finger's contact, metres")
     cone_faces: int = Field(8, ge=3, le=24, description="edges of a linearised friction cone")

@@ -122,7 +122,7 @@ def evolve(
             With several jobs it must be a function that can be imported.
         ranges: Lowest and highest value of each measure.
         population: Offspring of a step.
-        jobs: Processes.
+        jobs: Processes. With several, a script needs `if __name__ == "__main__":` around its call.
 
     Returns:
         The archive: `len`, `coverage`, `qd_score`, `to_frame()`; `egad.load(archive)` gives the

@@ -26,7 +26,7 @@ def test_choosing_is_that_of_arrays(grasps, chosen):
 def test_booleans_choose(grasps):
     good = grasps.quality > np.median(grasps.quality)
     assert np.array_equal(grasps[good].contacts, grasps.contacts[good])
-    assert len(grasps[good & ~good]) == 0
+    assert len(grasps[good & ~good]) == len(grasps[[]]) == 0
     with pytest.raises(IndexError):
         grasps[len(grasps)]
 

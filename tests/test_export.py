@@ -1,0 +1,57 @@
+"""Exports from Python: files read again by other libraries."""
+
+from xml.etree import ElementTree
+
+import h5py
+import numpy as np
+import pytest
+import trimesh
+
+import egad
+from egad.errors import UserError
+from egad.geometry.parameters import Material
+
+BLOCK = trimesh.creation.box((0.2, 0.1, 0.15))
+SHEET = trimesh.Trimesh([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]])
+FACTOR = 0.8 * 0.08 / 0.1  # the smallest side becomes 80 % of the opening
+
+
+def test_acronym_files_hold_the_object_and_its_grasps(tmp_path):
+    left_out = egad.export(
+        {"block": BLOCK, "sheet": SHEET}, "acronym", "panda", tmp_path / "out", n=8
+    )
+    assert left_out == ["sheet"]
+    with h5py.File(tmp_path / "out/block.h5") as file:
+        mesh = trimesh.load_mesh(tmp_path / "out" / file["object/file"][()].decode())
+        assert np.sort(mesh.extents) == pytest.approx(FACTOR * np.array([0.1, 0.15, 0.2]))
+        assert file["object/volume"][()] == pytest.approx(mesh.volume)
+        poses = file["grasps/transforms"][()]
+    assert poses.shape == (8, 4, 4)
+    assert np.linalg.det(poses[:, :3, :3]) == pytest.approx(np.ones(8))
+
+
+def test_simulation_files_have_the_mass_of_the_solid(tmp_path):
+    assert egad.export({"block": BLOCK}, "simulation", "panda", tmp_path / "out") == []
+    urdf = ElementTree.parse(tmp_path / "out/block/block.urdf").getroot()  # noqa: S314 (our own)
+    mass = float(urdf.find("link/inertial/mass").get("value"))
+    assert mass == pytest.approx(Material().density * BLOCK.volume * FACTOR**3)
+    parts = [trimesh.load_mesh(path) for path in (tmp_path / "out/block/parts").iterdir()]
+    assert sum(part.volume for part in parts) == pytest.approx(BLOCK.volume * FACTOR**3)
+
+
+@pytest.mark.parametrize(("style", "unit"), [("obj", 1.0), ("stl", 1000.0)])
+def test_meshes_are_scaled_to_the_gripper(tmp_path, style, unit):
+    egad.export({"block": BLOCK}, style, "panda", tmp_path / "out")
+    mesh = trimesh.load_mesh(tmp_path / f"out/block.{style}")
+    assert mesh.volume == pytest.approx(BLOCK.volume * (FACTOR * unit) ** 3, rel=1e-5)
+
+
+def test_what_is_there_is_not_lost_and_mistakes_are_told(tmp_path):
+    (tmp_path / "mine.txt").touch()
+    with pytest.raises(UserError, match="exists; name a new folder"):
+        egad.export({"block": BLOCK}, "obj", "panda", tmp_path)
+    with pytest.raises(UserError, match="format 'arconym' is not known; did you mean acronym"):
+        egad.export({"block": BLOCK}, "arconym", "panda", tmp_path / "out")
+    with pytest.raises(UserError, match="there are no objects"):
+        egad.export({}, "obj", "panda", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
