@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy import ndimage
 
-from egad.errors import RejectedError
+from egad.errors import RejectedError, UserError
+from egad.geometry.checks import check_mesh
 from egad.geometry.rays import TriangleScene
 
 Floats = NDArray[np.float32]
@@ -69,7 +70,11 @@ def render(mesh: trimesh.Trimesh, size: int = 96) -> Pixels:
 
     Raises:
         RejectedError: The mesh has no faces, or coordinates that are not finite.
+        UserError: It is not a mesh, or there are no pixels.
     """
+    check_mesh(mesh)
+    if size < 1:
+        raise UserError(f"size is {size}; at least 1 pixel is needed")
     if len(mesh.faces) == 0:
         raise RejectedError("no faces to draw")
     if not np.isfinite(mesh.vertices).all():

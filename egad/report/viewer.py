@@ -19,6 +19,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad._util.files import write_text
+from egad.errors import UserError
 from egad.geometry.checks import check_mesh
 from egad.grasps.grasps import Grasps
 from egad.grasps.gripper import as_gripper
@@ -30,6 +31,7 @@ from egad.tables.parquet import empty
 STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm
 UNIT = 2**15 - 1
 METRICS = {"quality": "quality", "robust_quality": "robust quality"}
+NEARBY = 0.01  # of the longest side: contacts may be as far outside the box
 TOP = 0.98  # quantile of the quality that has the last color
 
 
@@ -182,10 +184,26 @@ def view(
         title: Shown above the view.
 
     Raises:
-        UserError: There is no gripper of this name, or the mesh is none.
+        UserError: There is no gripper of this name, the mesh is none, or the grasps are of a mesh
+            in another frame or at another scale.
         RejectedError: The mesh is empty or not finite.
     """
     check_mesh(mesh)
+    _check_contacts(mesh, grasps)
     name = gripper if isinstance(gripper, str) else "gripper"
     rows = empty(GRASPS) if grasps is None else grasps.to_frame()
     return MeshView(page(Scene(title or "mesh", "", mesh, rows), name, as_gripper(gripper)))
+
+
+def _check_contacts(mesh: trimesh.Trimesh, grasps: Grasps | None) -> None:
+    """Make sure that contacts lie about where the mesh is."""
+    if grasps is None or len(grasps) == 0:
+        return
+    low, high = np.asarray(mesh.bounds)
+    margin = NEARBY * float((high - low).max())
+    contacts = grasps.contacts
+    if (contacts < low - margin).any() or (contacts > high + margin).any():
+        raise UserError(
+            "the grasps do not touch the mesh: were they sampled on it, in the same frame and "
+            "at the same scale?"
+        )

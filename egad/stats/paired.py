@@ -55,8 +55,8 @@ def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
     them; McNemar's test is over those.
 
     Args:
-        first: Columns label, id, attempt, success, and start; id and start are empty where objects
-            are known by their label only and drops cannot be repeated.
+        first: Columns label, id, attempt, success and initial_pose; id and initial_pose are empty
+            where objects are known by their label only and drops cannot be repeated.
         second: The same of the other detector.
 
     Raises:

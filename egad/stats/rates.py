@@ -167,8 +167,8 @@ class Trend:
 
     Attributes:
         rho: Spearman's coefficient; NaN if all objects are the same in either.
-        low: Lower end of its interval of 95 %, for other objects of the same kind.
-        high: Upper end.
+        ci_low: Lower end of its 95 % confidence interval over objects.
+        ci_high: Upper end.
     """
 
     rho: float

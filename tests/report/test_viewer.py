@@ -8,6 +8,8 @@ import pandas as pd
 import pytest
 import trimesh
 
+import egad
+from egad.errors import UserError
 from egad.grasps.hand import parts
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
@@ -137,3 +139,13 @@ def test_names_from_files_are_escaped(grasps):
 
 def test_the_same_object_gives_the_same_bytes(html, grasps):
     assert viewer.page(Scene("ring", "", MESH, grasps.copy()), "yumi", GRIPPERS["yumi"]) == html
+
+
+def test_grasps_of_another_size_are_not_shown():
+    box = trimesh.creation.box((0.03, 0.04, 0.05))
+    grasps = egad.sample_grasps(box, "panda", n=5)
+    assert "<!DOCTYPE html>" in egad.view(box, grasps).html
+    with pytest.raises(UserError, match="same scale"):
+        egad.view(box.copy().apply_scale(0.5), grasps)
+    with pytest.raises(UserError, match=r"a mesh is a trimesh\.Trimesh"):
+        egad.view(trimesh.Scene(box))
