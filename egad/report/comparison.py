@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 from egad.measures.grid import coverage
 from egad.measures.parameters import Space
 from egad.report.axes import USUAL, AxisPair
-from egad.report.drawing import FAINT, LINES, SOFT, new_figure, show_percent, svg_uri
+from egad.report.drawing import COLOR_MAP, FAINT, LINES, SOFT, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 
 COLUMNS = 3
 SIDE = 2.6
 TICK = 6
-MAP = "viridis"
 CELL = ["complexity_cell", "difficulty_cell"]
 PUBLISHED = pd.DataFrame(
     [
@@ -161,7 +160,7 @@ def dataset_maps(
 
 
 def _color_bar(figure: Figure, grid: NDArray[np.object_], most: int) -> None:
-    colors = ScalarMappable(LogNorm(1, most), MAP)
+    colors = ScalarMappable(LogNorm(1, most), COLOR_MAP)
     bar = figure.colorbar(colors, ax=grid, label="objects in a cell", shrink=0.8, aspect=25)
     ticks = [2**power for power in range(most.bit_length())]
     bar.set_ticks(ticks, labels=list(map(str, ticks)))
@@ -172,7 +171,7 @@ def _color_bar(figure: Figure, grid: NDArray[np.object_], most: int) -> None:
 def _map(axes: Axes, counts: "pd.Series[int]", most: int, cells: int) -> None:
     """A square for each filled cell, on a frame of all cells."""
     boxes = [Rectangle((column + 0.04, row + 0.04), 0.92, 0.92) for column, row in counts.index]
-    squares = PatchCollection(boxes, cmap=MAP, norm=LogNorm(1, most), linewidths=0)
+    squares = PatchCollection(boxes, cmap=COLOR_MAP, norm=LogNorm(1, most), linewidths=0)
     squares.set_array(counts.to_numpy())
     axes.add_collection(squares)
     ticks = np.arange(0, cells, TICK)

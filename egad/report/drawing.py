@@ -39,6 +39,8 @@ STYLE: dict[Any, Any] = {
 }
 FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 
+COLOR_MAP = "viridis"  # of values on maps of objects
+
 
 class Drawing:
     """A figure to draw on; `svg` is its text once the block of `new_figure` has ended."""
@@ -75,14 +77,14 @@ def line_color(number: int) -> str:
 
 
 def scale_color(value: float, low: float, high: float) -> str:
-    """Color of a value on the viridis scale from `low` to `high`, as `#rrggbb`.
+    """Color of a value on the scale `COLOR_MAP` from `low` to `high`, as `#rrggbb`.
 
     Values outside have the colors of the ends; NaN is grey.
     """
     if math.isnan(value):
         return UNKNOWN
     share = (value - low) / (high - low) if high > low else 0.5
-    return to_hex(matplotlib.colormaps["viridis"](min(max(share, 0.0), 1.0)))
+    return to_hex(matplotlib.colormaps[COLOR_MAP](min(max(share, 0.0), 1.0)))
 
 
 def ink_on(color: str) -> str:
