@@ -27,26 +27,31 @@ class Gripper(Parameters):
     """A parallel-jaw gripper."""
 
     opening: Length = Field(description="widest opening, metres")
-    finger_length: Length = Field(0.04, description="from palm to fingertip, metres")
-    finger_width: Length = Field(0.02, description="of a finger across both axes, metres")
-    finger_thickness: Length = Field(0.01, description="of a finger along the closing axis, metres")
+    finger_length: Length = Field(default=0.04, description="from palm to fingertip, metres")
+    finger_width: Length = Field(default=0.02, description="of a finger across both axes, metres")
+    finger_thickness: Length = Field(
+        default=0.01, description="of a finger along the closing axis, metres"
+    )
     palm: tuple[Length, Length, Length] = Field(
-        (0.1, 0.06, 0.05),
+        default=(0.1, 0.06, 0.05),
         description="palm box, metres: along the closing axis, across it, along the approach",
     )
     mesh: str | None = Field(
-        None,
+        default=None,
         description="file of a mesh in the place of the palm box, where collisions of grasps are "
         "looked for; metres, x closes, z is the approach, fingers begin at its origin",
     )
-    force: float = Field(40.0, gt=0, description="closing force, newtons")
+    force: float = Field(default=40.0, gt=0, description="closing force, newtons")
     pads: Literal["silicone", "bare"] = Field(
-        "silicone",
+        default="silicone",
         description="what the fingers hold with in simulation: silicone, friction 0.8; bare "
         "plastic or metal, 0.4",
     )
     friction: float | None = Field(
-        None, gt=0, le=2, description="of the pads in simulation; else that of their material"
+        default=None,
+        gt=0,
+        le=2,
+        description="of the pads in simulation; else that of their material",
     )
 
     @property
