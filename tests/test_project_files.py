@@ -142,8 +142,8 @@ def test_what_the_container_copies_is_there_and_makes_the_whole_package(tmp_path
 
 
 def test_make_without_python_says_what_is_needed(tmp_path):
-    shutil.copy2(ROOT / "Makefile", tmp_path)
-    shutil.copy2(ROOT / "requirements.lock", tmp_path)
+    for name in ("Makefile", "requirements.lock", "pyproject.toml"):
+        shutil.copy2(ROOT / name, tmp_path)
     shutil.copytree(ROOT / "envs", tmp_path / "envs")
     result = subprocess.run(
         ["make", "setup", "PYTHON="], cwd=tmp_path, capture_output=True, text=True, check=False

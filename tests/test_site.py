@@ -94,6 +94,7 @@ Loader.add_multi_constructor("tag:yaml.org,2002:python/", lambda *_: None)
 
 def test_the_navigation_names_files_that_are_there():
     settings = yaml.load((ROOT / "mkdocs.yml").read_text(), Loader)  # noqa: S506 (a SafeLoader)
-    made = {"reference/index.md"}
+    made = {"reference/index.md", hooks.page_path(f"docs/{hooks.NOTEBOOK}")}
+    assert (ROOT / "docs" / hooks.NOTEBOOK).is_file()
     for page in set(hooks.pages_of(settings["nav"])) - made:
         assert (ROOT / "docs" / page).is_file() or (ROOT / page).is_file(), page
