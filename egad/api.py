@@ -16,27 +16,21 @@ from egad.geometry import scaling
 from egad.geometry import stable_poses as resting
 from egad.geometry.checks import check_units
 from egad.geometry.mass import mass_properties
+from egad.geometry.parameters import SIDE_FRACTION
 from egad.geometry.repair import repair as repair_mesh
 from egad.grasps.grasps import Grasps
 from egad.grasps.gripper import as_gripper
 from egad.grasps.labels import label_grasps, label_parameters
-from egad.grasps.parameters import FRICTION, Gripper, Quality, Sampling
-from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
+from egad.grasps.parameters import FRICTION, Gripper
+from egad.measures.grid import Cell, cell_name, cell_of
 from egad.measures.measure import measure_repeatably
-from egad.measures.parameters import (
-    Complexity,
-    CustomMeasures,
-    Difficulty,
-    MeasureParameters,
-    Space,
-)
+from egad.measures.parameters import Space, default_measures
 from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.reeb import similarity as matching
 from egad.reeb.parameters import Similarity
 
 Floats = NDArray[np.float64]
-Cell = tuple[int, int]
 
 
 class Measures(NamedTuple):
@@ -81,29 +75,11 @@ def measure(
     if grasps < 1:
         raise UserError(f"grasps is {grasps}; at least 1 is needed")
     solid = repair_mesh(mesh).mesh
-    place = measure_repeatably(solid, _measure_parameters(as_gripper(gripper), seed), grasps)
+    place = measure_repeatably(solid, default_measures(as_gripper(gripper), seed), grasps)
     space = Space()
-    cell = (
-        int(complexity_cells(place.complexity, space)),
-        int(difficulty_cells(place.difficulty, space)),
-    )
+    cell = cell_of(place.complexity, place.difficulty, space)
     return Measures(
         place.complexity, place.difficulty, place.difficulty_std, cell, cell_name(*cell)
-    )
-
-
-def _measure_parameters(gripper: Gripper, seed: int) -> MeasureParameters:
-    """The default parameters of the measures."""
-    return MeasureParameters(
-        seed=seed,
-        gripper=gripper,
-        measures=CustomMeasures(),
-        complexity=Complexity(),
-        difficulty=Difficulty(),
-        similarity=Similarity(),
-        sampling=Sampling(),
-        quality=Quality(),
-        robust=None,
     )
 
 
@@ -141,7 +117,7 @@ def rescale(
     gripper: Gripper | str,
     rule: str = "paper",
     *,
-    side_fraction: float = 0.8,
+    side_fraction: float = SIDE_FRACTION,
 ) -> tuple[trimesh.Trimesh, float]:
     """Scale an object about the origin of its coordinates to fit a gripper.
 

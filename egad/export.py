@@ -19,7 +19,7 @@ from egad.exchange.meshes import write_obj, write_stl_mm
 from egad.exchange.parameters import Acronym
 from egad.exchange.simulators import write_simulation_object
 from egad.geometry.mass import mass_properties
-from egad.geometry.parameters import Material
+from egad.geometry.parameters import SIDE_FRACTION, Material
 from egad.geometry.scaling import rescale
 from egad.grasps.gripper import as_gripper
 from egad.grasps.hand import finger_span
@@ -27,8 +27,6 @@ from egad.grasps.labels import label_grasps, label_parameters
 from egad.grasps.parameters import Gripper
 from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.random import generator
-
-SIDE_FRACTION = 0.8  # of the opening, that scaled objects have as their smallest side
 
 
 class _Job(NamedTuple):

@@ -13,7 +13,7 @@ from egad.detectors.base import Detector
 from egad.detectors.registry import QUICK, with_checked_answers
 from egad.errors import RejectedError, check_name
 from egad.evalset.parameters import Bundle
-from egad.geometry.parameters import Material
+from egad.geometry.parameters import SIDE_FRACTION, Material
 from egad.geometry.scaling import rescale
 from egad.grasps.gripper import as_gripper
 from egad.grasps.parameters import Gripper
@@ -28,7 +28,6 @@ from egad.stats.rates import Mean, by_object, mean_rate
 from egad.stats.records import results
 
 log = logging.getLogger(__name__)
-SIDE_FRACTION = 0.8  # of the opening, that scaled objects have as their smallest side
 UNSCALED = "none"
 RULES = (*get_args(ScaleRule), UNSCALED)
 

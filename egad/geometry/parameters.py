@@ -1,4 +1,4 @@
-"""What is made of the objects: repair, scaling, the evaluation set, prints."""
+"""Parameters of solids: their material, repair of open surfaces, scaling to a gripper."""
 
 from typing import Literal
 
@@ -7,6 +7,7 @@ from pydantic import Field
 from egad._util.parameters import Parameters
 
 OpenSurfaces = Literal["reject", "thicken"]
+SIDE_FRACTION = 0.8  # of a gripper's opening: the smallest side that scale rules aim at
 SHELL_THICKNESS = 0.002  # metres: glasses, cups and bowls are 1 to 5 mm thick
 
 

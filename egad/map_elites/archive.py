@@ -13,15 +13,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad.cppn.genome import Row
-from egad.measures.grid import complexity_cells, coverage_of, difficulty_cells
+from egad.measures.grid import Cell, cell_of, coverage_of
 from egad.measures.parameters import Space
 from egad.reeb import graph as reeb
 from egad.reeb.neighbors import Neighborhood
 from egad.reeb.parameters import Similarity
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, GENOME
-
-Cell = tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -36,11 +34,6 @@ class Elite:
     graph: reeb.ReebGraph
     parents: tuple[str, ...]
     epoch: int
-
-
-def cell_of(complexity: float, difficulty: float, space: Space) -> Cell:
-    """The cell of an object: (complexity, difficulty)."""
-    return int(complexity_cells(complexity, space)), int(difficulty_cells(difficulty, space))
 
 
 class Archive:

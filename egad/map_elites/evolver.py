@@ -14,11 +14,10 @@ from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Neat, Shape,
 from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError, UserError
 from egad.grasps.gripper import gripper
-from egad.grasps.parameters import Quality, Sampling
 from egad.map_elites.archive import Archive
 from egad.map_elites.island import Candidate, Island, Measured, Solid
 from egad.map_elites.parameters import Evolution, EvolutionParameters
-from egad.measures.parameters import Complexity, CustomMeasures, Difficulty, Space
+from egad.measures.parameters import Difficulty, Space, default_measures
 from egad.reeb import graph as reeb
 from egad.reeb.parameters import Similarity
 
@@ -153,15 +152,7 @@ def _parameters(
     """The default parameters of evolution, with those that were given."""
     first, second = ranges
     return EvolutionParameters(
-        seed=seed,
-        gripper=gripper(Difficulty().gripper),
-        measures=CustomMeasures(),
-        complexity=Complexity(),
-        difficulty=Difficulty(),
-        similarity=Similarity(),
-        sampling=Sampling(),
-        quality=Quality(),
-        robust=None,
+        **dict(default_measures(gripper(Difficulty().gripper), seed)),
         evolution=Evolution(population=population),
         neat=Neat(),
         shape=Shape(),

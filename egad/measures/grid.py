@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from egad.measures.parameters import Space
 
 Cells = NDArray[np.int64]
+Cell = tuple[int, int]
 
 
 def cells(values: ArrayLike, low: float, high: float, count: int) -> Cells:
@@ -30,6 +31,11 @@ def difficulty_cells(difficulty: ArrayLike, space: Space, count: int | None = No
     """Cells along difficulty, 0 = easiest, that is, of the highest grasp quality."""
     count = count or space.cells
     return count - 1 - cells(difficulty, *space.difficulty_range, count)
+
+
+def cell_of(complexity: float, difficulty: float, space: Space) -> Cell:
+    """The cell of an object: (complexity, difficulty)."""
+    return int(complexity_cells(complexity, space)), int(difficulty_cells(difficulty, space))
 
 
 def cell_name(complexity_cell: int, difficulty_cell: int) -> str:

@@ -134,6 +134,26 @@ class MeasureParameters(ParameterGroup):
     robust: Robust | None  # none if the metric is nominal: then its settings do not matter
 
 
+def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
+    """The default parameters of EGAD's measures.
+
+    Args:
+        gripper: What grasps are sampled for.
+        seed: Of the grasps.
+    """
+    return MeasureParameters(
+        seed=seed,
+        gripper=gripper,
+        measures=CustomMeasures(),
+        complexity=Complexity(),
+        difficulty=Difficulty(),
+        similarity=Similarity(),
+        sampling=Sampling(),
+        quality=Quality(),
+        robust=None,
+    )
+
+
 class SizeEffectParameters(ParameterGroup):
     """What grasp quality over the size of objects depends on."""
 

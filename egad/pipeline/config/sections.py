@@ -13,7 +13,7 @@ from egad._util.parameters import (
     ScaleRule,
     check_ascending,
 )
-from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
+from egad.geometry.parameters import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
 from egad.pipeline.config.formats import Format
 
 
@@ -52,7 +52,7 @@ class Rescale(Parameters):
         "opening, then as paper; exact: smallest side = the fraction",
     )
     side_fraction: PositiveFraction = Field(
-        0.8, description="part of the opening that the rule aims at"
+        SIDE_FRACTION, description="part of the opening that the rule aims at"
     )
 
 

@@ -15,7 +15,7 @@ from egad.errors import RejectedError
 from egad.exchange.meshes import read_mesh
 from egad.geometry.checks import USUAL_SIDES, has_usual_size
 from egad.geometry.mass import Body, repair_and_weigh
-from egad.measures.grid import complexity_cells, difficulty_cells
+from egad.measures.grid import cell_of
 from egad.measures.measure import measure_repeatably
 from egad.pipeline.config import Postprocess
 from egad.pipeline.config.stage_settings import MeasureMeshes
@@ -59,10 +59,11 @@ def measure_row(
         mesh, settings.postprocess, settings.material.density
     )
     place = measure_repeatably(solid, settings, settings.postprocess.grasps)
+    column, row = cell_of(place.complexity, place.difficulty, settings.space)
     return solid, {
         **place._asdict(),
-        "complexity_cell": int(complexity_cells(place.complexity, settings.space)),
-        "difficulty_cell": int(difficulty_cells(place.difficulty, settings.space)),
+        "complexity_cell": column,
+        "difficulty_cell": row,
         "longest_side": float(solid.extents.max()),
         "repaired": repaired,
         "shell_thickness": wall,
