@@ -1,4 +1,4 @@
-"""What all sections are made of: closed, immutable models and bounded numbers."""
+"""Base classes and bounded number types of all sections: closed, immutable models."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeVar
@@ -21,7 +21,7 @@ ScaleRule = Literal["paper", "egad-script", "exact"]
 
 
 class Parameters(BaseModel):
-    """A group of settings: immutable, and closed to keys that it does not know."""
+    """A group of settings: immutable, without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -30,7 +30,7 @@ P = TypeVar("P", bound=Parameters)
 
 
 class ParameterGroup(Parameters):
-    """The groups of settings that one function or stage reads together."""
+    """The groups of settings that a function or stage reads."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields o
 
 
 def check_ascending(section: Parameters, *names: str) -> None:
-    """Check ranges: raise ValueError for one that does not go from low to high."""
+    """Raise ValueError for a range that does not go from low to high."""
     for name in names:
         low, high = getattr(section, name)
         if not low < high:

@@ -1,4 +1,4 @@
-"""Simulated grasping trials, and the grasp detectors that are tried."""
+"""Settings of grasp detectors."""
 
 from typing import Self
 
@@ -10,14 +10,14 @@ SHIPPED = ("antipodal-depth", "ggcnn", "labels", "random")
 
 
 class DetectorConfig(Parameters):
-    """A grasp detector under a name of its own."""
+    """A named grasp detector."""
 
     detector: str = Field(
-        description=f"one that is shipped ({', '.join(SHIPPED)}), or your own: FILE.py:CLASS or "
+        description=f"a built-in one ({', '.join(SHIPPED)}), or your own: FILE.py:CLASS or "
         "package.module:CLASS"
     )
     weights: str | None = Field(
-        None, description="file that the detector is made with, such as the weights of a network"
+        None, description="file that the detector loads, such as the weights of a network"
     )
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""What is made of the objects: repair, scaling, the evaluation set, prints."""
+"""Settings of the evaluation set, its prints and its files for simulators."""
 
 from typing import Literal
 
@@ -8,7 +8,7 @@ from egad._util.parameters import Length, Name, Parameters, PositiveFraction
 
 
 class SelectEval(Parameters):
-    """The evaluation set: one object a cell of a coarse grid, chosen to look least alike."""
+    """The evaluation set: one object per cell of a coarse grid, chosen for dissimilar shapes."""
 
     rows: int = Field(7, ge=1, le=26, description="rows = letters = difficulty")
     columns: int = Field(7, ge=1, le=10, description="columns = digits = complexity")
@@ -16,24 +16,23 @@ class SelectEval(Parameters):
     borrow: float = Field(
         0.1,
         ge=0,
-        description="a cell without an object takes the nearest one that lies at most so many "
-        "cells away",
+        description="an empty cell takes the nearest object at most this far away, in cells",
     )
     gripper: Name | None = Field(
         None,
-        description="gripper of the table that all chosen objects must be printable for; nothing: "
-        "the narrowest, since scaling makes walls thinner",
+        description="all chosen objects must be printable when scaled to this gripper of the "
+        "table; nothing: the narrowest gripper, for which walls are thinnest",
     )
 
 
 class PrintCheck(Parameters):
-    """What a printer can make."""
+    """Limits of the printer."""
 
-    wall: Length = Field(0.0012, description="thinnest wall, metres: some nozzle widths")
+    wall: Length = Field(0.0012, description="thinnest wall, metres: a few nozzle widths")
     blunting: float = Field(
         0.0015,
         ge=0,
-        description="edges and tips may become blunter by this much, metres",
+        description="how much printing may round off edges and tips, metres",
     )
 
 
@@ -43,33 +42,33 @@ class PrintExport(Parameters):
     bed: tuple[Length, Length] = Field(
         (0.22, 0.22), description="print bed, metres; another common one: [0.256, 0.256]"
     )
-    gap: float = Field(0.005, ge=0, description="free space between objects on a plate, metres")
+    gap: float = Field(0.005, ge=0, description="gap between objects on a plate, metres")
     pose: Literal["stable", "overhang"] = Field(
         "overhang",
-        description="stable: the face of its hull that an object most probably comes to rest on; "
-        "overhang: of all but the improbable ones, the one with the least surface to support",
+        description="stable: the most probable pose at rest; overhang: the pose at rest with the "
+        "least surface to support, improbable poses excluded",
     )
     overhang_angle: float = Field(
         40.0,
         gt=0,
         lt=90,
-        description="surface that leans out further from the vertical is supported, degrees",
+        description="surfaces at a larger angle to the vertical are supported, degrees",
     )
-    infill: PositiveFraction = Field(0.2, description="part of the inside that is filled")
+    infill: PositiveFraction = Field(0.2, description="fraction of the inside that is filled")
     shell: Length = Field(0.0009, description="solid layer below the surface, metres")
     filament_density: float = Field(1240.0, gt=0, description="of solid filament, kg/m3: PLA 1240")
 
 
 class Engraving(Parameters):
-    """The label of an object, cut into its print."""
+    """Labels engraved into the prints."""
 
-    enabled: bool = Field(False, description="whether prints carry their labels")
-    depth: Length = Field(0.0006, description="below the surface, metres")
+    enabled: bool = Field(False, description="whether labels are engraved into the prints")
+    depth: Length = Field(0.0006, description="depth below the surface, metres")
     letters: Length = Field(0.006, description="height of the letters, metres")
     relief: Length = Field(
         0.001,
-        description="highest less lowest point below the label, metres; objects without a place "
-        "that even stay as they are",
+        description="largest height difference of the surface below the label, metres; objects "
+        "without such an area get no label",
     )
 
 
@@ -81,12 +80,12 @@ class Bundle(Parameters):
         description="how the convex parts are made: cut by planes, or by CoACD, which is installed "
         "with `pip install 'egad[coacd]'`",
     )
-    max_parts: int = Field(256, ge=1, description="most convex parts of an object")
+    max_parts: int = Field(256, ge=1, description="largest number of convex parts of an object")
     volume_error: float = Field(
         0.06,
         gt=0,
         lt=1,
-        description="bound of the parts' excess volume; objects beyond are marked",
+        description="largest relative excess volume of the parts; objects above it are marked",
     )
     coacd_threshold: float = Field(
         0.05, ge=0.01, le=1, description="concavity of a part (method: coacd)"

@@ -12,6 +12,6 @@ SHELL_THICKNESS = 0.002  # metres: glasses, cups and bowls are 1 to 5 mm thick
 
 
 class Material(Parameters):
-    """What the objects are made of."""
+    """Material of the objects."""
 
     density: float = Field(400.0, gt=0, description="kg/m3; printed PLA at 20 % infill: 350-450")

@@ -8,11 +8,11 @@ from egad._util.parameters import Length, ParameterGroup, Parameters, Sigma
 
 
 class Pad(NamedTuple):
-    """What the fingers hold with, on printed plastic (typical values, ours).
+    """Finger pads on printed plastic (our own typical values).
 
     Attributes:
         friction: Sliding friction.
-        radius: Of the patch where a pad touches a round object, metres; it resists twisting.
+        radius: Radius of the contact patch on a round object, metres; it resists twisting.
     """
 
     friction: float
@@ -28,7 +28,9 @@ class Gripper(Parameters):
 
     opening: Length = Field(description="widest opening, metres")
     finger_length: Length = Field(default=0.04, description="from palm to fingertip, metres")
-    finger_width: Length = Field(default=0.02, description="of a finger across both axes, metres")
+    finger_width: Length = Field(
+        default=0.02, description="of a finger, perpendicular to both axes, metres"
+    )
     finger_thickness: Length = Field(
         default=0.01, description="of a finger along the closing axis, metres"
     )
@@ -37,26 +39,26 @@ class Gripper(Parameters):
         description="palm box, metres: along the closing axis, across it, along the approach",
     )
     mesh: str | None = Field(
-        default=None,
-        description="file of a mesh in the place of the palm box, where collisions of grasps are "
-        "looked for; metres, x closes, z is the approach, fingers begin at its origin",
+        None,
+        description="mesh file that replaces the palm box in collision checks of grasps; metres, "
+        "x: closing axis, z: approach, origin: base of the fingers",
     )
     force: float = Field(default=40.0, gt=0, description="closing force, newtons")
     pads: Literal["silicone", "bare"] = Field(
-        default="silicone",
-        description="what the fingers hold with in simulation: silicone, friction 0.8; bare "
-        "plastic or metal, 0.4",
+        "silicone",
+        description="finger pads in simulation: silicone, friction 0.8; or bare plastic or metal, "
+        "friction 0.4",
     )
     friction: float | None = Field(
         default=None,
         gt=0,
         le=2,
-        description="of the pads in simulation; else that of their material",
+        description="friction of the pads in simulation; nothing: that of their material",
     )
 
     @property
     def pad(self) -> Pad:
-        """The pads with the friction that counts."""
+        """The pads with the friction that applies."""
         pad = PADS[self.pads]
         return pad if self.friction is None else pad._replace(friction=self.friction)
 
@@ -88,24 +90,24 @@ GRIPPERS = {
 
 
 class Quality(Parameters):
-    """Ferrari-Canny grasp quality, one deterministic value a grasp."""
+    """Ferrari-Canny grasp quality, one deterministic value per grasp."""
 
     friction: float = Field(FRICTION, gt=0, le=2, description="Coulomb friction coefficient")
-    torque_scaling: float = Field(100.0, gt=0, description="torque units a force unit, 1/m")
+    torque_scaling: float = Field(100.0, gt=0, description="torque units per force unit, 1/m")
     finger_radius: Length = Field(0.005, description="radius of the soft finger's contact, metres")
-    cone_faces: int = Field(8, ge=3, le=24, description="edges of a linearised friction cone")
+    cone_faces: int = Field(8, ge=3, le=24, description="edges of the linearised friction cone")
 
 
 class Robust(Parameters):
-    """The same quality under uncertainty: the mean over disturbed copies of a grasp."""
+    """The same quality under uncertainty: the mean over perturbed copies of a grasp."""
 
-    samples: int = Field(25, ge=1, description="disturbed copies of a grasp")
-    torque_scaling: float = Field(1000.0, gt=0, description="torque units a force unit, 1/m")
-    grasp_translation_sigma: Sigma = Field(0.001, description="grasp center, metres an axis")
-    grasp_rotation_sigma: Sigma = Field(0.001, description="grasp axis, radians an axis")
-    object_translation_sigma: Sigma = Field(0.005, description="object position, metres an axis")
-    object_rotation_sigma: Sigma = Field(0.01, description="object rotation, radians an axis")
-    com_sigma: Sigma = Field(0.01, description="center of mass, metres an axis")
+    samples: int = Field(25, ge=1, description="perturbed copies of a grasp")
+    torque_scaling: float = Field(1000.0, gt=0, description="torque units per force unit, 1/m")
+    grasp_translation_sigma: Sigma = Field(0.001, description="grasp center, metres per axis")
+    grasp_rotation_sigma: Sigma = Field(0.001, description="grasp axis, radians per axis")
+    object_translation_sigma: Sigma = Field(0.005, description="object position, metres per axis")
+    object_rotation_sigma: Sigma = Field(0.01, description="object rotation, radians per axis")
+    com_sigma: Sigma = Field(0.01, description="center of mass, metres per axis")
     friction_sigma: Sigma = Field(0.1, description="friction coefficient")
 
 
@@ -116,32 +118,34 @@ class Sampling(Parameters):
         0.75, gt=0, le=2, description="tangent of the widest angle between axis and normals"
     )
     spacing: float = Field(
-        0.0025, ge=0, description="least distance of two grasps, metres; 4.5 degrees count 2.5 mm"
+        0.0025,
+        ge=0,
+        description="smallest distance between grasps, metres; 4.5 degrees count as 2.5 mm",
     )
-    candidates: int = Field(200, ge=1, description="candidate axes drawn in one round")
-    rounds: int = Field(10, ge=1, description="most rounds until enough grasps are found")
+    candidates: int = Field(200, ge=1, description="candidate axes sampled per round")
+    rounds: int = Field(10, ge=1, description="largest number of rounds")
     approach_clearance: float = Field(
         0.1,
         ge=0,
-        description="open fingers must reach their place from this far, metres; 0: off "
-        "(grasp labels test the whole hand instead)",
+        description="length of the straight approach on which open fingers must not collide, "
+        "metres; 0: off (grasp labels check the whole hand instead)",
     )
 
 
 class GraspLabel(Parameters):
     """Labelled grasps."""
 
-    grasps: int = Field(100, ge=1, description="most grasps an object")
+    grasps: int = Field(100, ge=1, description="largest number of grasps per object")
     approach_angles: int = Field(
-        16, ge=1, le=360, description="approaches tried, spread evenly around the closing axis"
+        16, ge=1, le=360, description="approach angles tried, evenly spaced around the closing axis"
     )
     approach_way: float = Field(
-        0.1, ge=0, le=10, description="the hand comes in straight from this far, metres"
+        0.1, ge=0, le=10, description="length of the straight approach of the hand, metres"
     )
 
 
 class LabelParameters(ParameterGroup):
-    """What labelled grasps depend on."""
+    """The settings that labelled grasps depend on."""
 
     seed: int
     gripper: Gripper

@@ -1,4 +1,4 @@
-"""How objects are evolved."""
+"""Settings of evolution."""
 
 from typing import Annotated, Literal
 
@@ -10,30 +10,31 @@ from egad.measures.parameters import MeasureParameters, Space
 
 
 class Evolution(Parameters):
-    """Breeding: MAP-Elites over CPPN genomes; config/paper.yaml has the paper's values."""
+    """MAP-Elites over CPPN genomes; config/paper.yaml has the values of the paper."""
 
-    steps_per_epoch: int = Field(24, ge=1, description="steps of an island in one epoch")
-    population: int = Field(100, ge=1, description="children an island evaluates in one step")
+    steps_per_epoch: int = Field(24, ge=1, description="steps of an island per epoch")
+    population: int = Field(100, ge=1, description="children that an island evaluates per step")
     crossover_probability: Fraction = Field(
-        0.5, description="chance that a child has two parents; else it is a mutated copy of one"
+        0.5,
+        description="probability that a child has two parents; otherwise a mutated copy of one",
     )
     parents: Literal["uniform", "sparse"] = Field(
         "sparse",
-        description="how parents are drawn: all alike, or the more often the more places are empty "
-        "in their cell and the eight around it",
+        description="how parents are sampled: uniformly, or with weights that grow with the "
+        "number of empty slots in their cell and the eight around it",
     )
-    siblings: int = Field(1, ge=1, description="children of the same parents, one after another")
-    restart: Fraction = Field(0.0, description="chance that a child is a random genome instead")
+    siblings: int = Field(1, ge=1, description="successive children of the same parents")
+    restart: Fraction = Field(0.0, description="probability that a child is a new random genome")
     reevaluation_grasps: int = Field(
         0,
         ge=0,
-        description="grasps that a newcomer to a full cell is graded again by, against lucky "
-        "elites; 0: not",
+        description="grasps used to re-evaluate a challenger in a full cell, against selection "
+        "bias; 0 disables it",
     )
 
 
 class EvolutionParameters(MeasureParameters):
-    """What one epoch of an island depends on."""
+    """The settings that one epoch of an island depends on."""
 
     evolution: Annotated[Evolution, Archived(keys=frozenset({"reevaluation_grasps"}))]
     neat: Annotated[Neat, SEARCH_ONLY]

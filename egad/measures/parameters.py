@@ -1,4 +1,4 @@
-"""The space that objects are spread over, and its measures."""
+"""Settings of the measures and of the space that they span."""
 
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
@@ -21,14 +21,19 @@ from egad.reeb.parameters import Similarity
 
 
 class Space(Parameters):
-    """The two axes that objects are spread over, and the archive of their elites."""
+    """The two measures that span the space, and the archive of elites."""
 
-    complexity_range: Range = Field((1.0, 5.0), description="complexities that the cells span")
+    complexity_range: Range = Field(
+        (1.0, 5.0), description="range of complexity that the cells cover"
+    )
     difficulty_range: Range = Field(
-        (0.0005, 0.004), description="grasp qualities that the cells span: high is easy"
+        (0.0005, 0.004),
+        description="range of difficulty (a grasp quality: high is easy) that the cells cover",
     )
     cells: int = Field(25, ge=1, le=26, description="cells along each axis")
-    elites_per_cell: int = Field(4, ge=1, le=255, description="most objects kept in a cell")
+    elites_per_cell: int = Field(
+        4, ge=1, le=255, description="slots of a cell: largest number of elites"
+    )
     neighbors: int = Field(
         10, ge=1, description="diversity is the mean distance to this many nearest objects"
     )
@@ -43,17 +48,17 @@ AXES = ("complexity", "difficulty")
 
 
 class CustomMeasures(Parameters):
-    """Measures of your own as the axes of the space, in the place of complexity or difficulty.
+    """Your own measures as axes of the space, instead of complexity or difficulty.
 
-    `FILE.py:FUNCTION` or `package.module:FUNCTION` names a function from a closed
-    `trimesh.Trimesh` in metres to a number.
+    `FILE.py:FUNCTION` or `package.module:FUNCTION` names a function that takes a closed
+    `trimesh.Trimesh` in metres and returns a number.
     """
 
     # Another key is a parameter of the measures whose function has an argument of that name.
 
-    complexity: str = Field("", description="in the place of complexity; empty: none")
+    complexity: str = Field("", description="replaces complexity; empty: none")
     difficulty: str = Field(
-        "", description="in the place of difficulty, high values in row A; empty: none"
+        "", description="replaces difficulty, high values in row A; empty: none"
     )
 
     @model_validator(mode="after")
@@ -67,7 +72,7 @@ class CustomMeasures(Parameters):
         return self
 
     def functions(self) -> dict[str, str]:
-        """The names of the functions that are axes, by axis."""
+        """The names of the functions, by axis."""
         return {axis: name for axis in AXES if (name := getattr(self, axis))}
 
     def parameters(self) -> dict[str, Any]:
@@ -84,16 +89,19 @@ class Complexity(Parameters):
 class Difficulty(Parameters):
     """Grasp difficulty: a percentile of the quality of sampled grasps. High values are easy."""
 
-    gripper: Name = Field("yumi", description="gripper of the table that grasps are sampled for")
+    gripper: Name = Field(
+        "yumi", description="gripper that grasps are sampled for, from the table of grippers"
+    )
     metric: Literal["nominal", "robust"] = Field(
         "nominal",
-        description="quality of a grasp, or its mean over disturbed copies; the published letters "
-        "follow the plain one (rank correlation 0.94 against 0.43, docs/measures.md)",
+        description="quality of a grasp, or its mean over perturbed copies; the published letters "
+        "follow the nominal quality (rank correlation 0.94 against 0.43, docs/measures.md)",
     )
-    grasps: int = Field(100, ge=1, description="grasps sampled while evolving")
+    grasps: int = Field(100, ge=1, description="grasps sampled per object during evolution")
     percentile: float = Field(75, ge=0, le=100, description="percentile of the qualities, percent")
     side_fraction: PositiveFraction = Field(
-        0.8, description="objects are scaled until their smallest side is this part of the opening"
+        0.8,
+        description="objects are scaled until their smallest side is this fraction of the opening",
     )
 
 
@@ -109,7 +117,7 @@ class SizeEffect(Parameters):
         [65.0, 75.0, 85.0], min_length=1, description="percentiles of the quality, ascending"
     )
     grasps: int = Field(200, ge=1, description="grasps sampled at each size")
-    repeats: int = Field(5, ge=1, description="times that this is done with other random numbers")
+    repeats: int = Field(5, ge=1, description="repetitions with different random numbers")
 
     @model_validator(mode="after")
     def _lists_ascend(self) -> Self:
@@ -121,7 +129,7 @@ class SizeEffect(Parameters):
 
 
 class MeasureParameters(ParameterGroup):
-    """What the measures of an object depend on."""
+    """The settings that the measures of an object depend on."""
 
     seed: Annotated[int, Archived(difficulty=False)]
     gripper: Annotated[Gripper, Archived(keys=frozenset({"opening"}))]  # the rest is for the hand
@@ -155,7 +163,7 @@ def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
 
 
 class SizeEffectParameters(ParameterGroup):
-    """What grasp quality over the size of objects depends on."""
+    """The settings that grasp quality over the size of objects depends on."""
 
     seed: int
     gripper: Gripper

@@ -1,4 +1,4 @@
-"""Depth images to train detectors on."""
+"""Settings of depth images for training detectors."""
 
 from typing import Self
 
@@ -20,23 +20,23 @@ from egad.grasps.parameters import GraspLabel, Gripper
 
 
 class Camera(Parameters):
-    """A camera over the table, drawn anew for every image; ranges may be single values."""
+    """A camera above the table, sampled anew for every image from ranges (low, high)."""
 
     image: tuple[Pixels, Pixels] = Field(
         (300, 300), description="width and height of the depth image, pixels"
     )
     focal: Range = Field(description="focal length, pixels")
-    distance: Range = Field(description="from the middle of the table, metres")
-    tilt: tuple[Angle, Angle] = Field(description="off the vertical, degrees")
-    roll: Range = Field((0.0, 0.0), description="about the optical axis, degrees")
+    distance: Range = Field(description="distance from the center of the table, metres")
+    tilt: tuple[Angle, Angle] = Field(description="angle to the vertical, degrees")
+    roll: Range = Field((0.0, 0.0), description="rotation about the optical axis, degrees")
     shift: float = Field(
         0.1,
         ge=0,
         le=1,
-        description="how far the object may lie from the middle, along x and along y, metres",
+        description="largest offset of the object from the center, along x and along y, metres",
     )
     centered: bool = Field(
-        False, description="whether the image is cut out around the object's center of mass"
+        False, description="whether the image is cropped around the center of mass of the object"
     )
 
     @model_validator(mode="after")
@@ -61,33 +61,37 @@ CAMERAS = {
 
 
 class Render(Parameters):
-    """Depth images of the objects as they come to rest, with their grasps."""
+    """Depth images of objects at rest, with their grasps."""
 
     images: int = Field(
         4000,
         ge=1,
         le=10_000_000,
-        description="images of a dataset, however many objects it has; each split has its part of "
-        "them, spread evenly over its objects",
+        description="images per dataset, for any number of objects; each split has its share, "
+        "distributed evenly over its objects",
     )
     camera: Name = Field("d435", description="camera of the table below")
     tilt: float = Field(
         15.0,
         gt=0,
         lt=90,
-        description="grasps whose approach can be this near to the vertical are reachable, degrees",
+        description="largest angle between approach and vertical of a reachable grasp, degrees",
     )
     complexity: FractionRange = Field(
         (0.0, 1.0),
-        description="which objects, by their rank in complexity: [0, 0.33] is the simplest third",
+        description="range of objects by rank in complexity: [0, 0.33] is the simplest third",
     )
-    subset: PositiveFraction = Field(1.0, description="how many of these, drawn by chance")
-    validation: Fraction = Field(0.1, description="part of the objects, and of the images")
-    test: Fraction = Field(0.1, description="the same")
+    subset: PositiveFraction = Field(
+        1.0, description="fraction of these objects, sampled at random"
+    )
+    validation: Fraction = Field(
+        0.1, description="fraction of objects and images in the validation set"
+    )
+    test: Fraction = Field(0.1, description="fraction of objects and images in the test set")
     hold_out: bool = Field(
         True,
-        description="whether all objects of the evaluation set are for testing, even if they are "
-        "more than that",
+        description="whether all objects of the evaluation set are in the test set, even if they "
+        "exceed its fraction",
     )
 
     @model_validator(mode="after")
@@ -99,23 +103,26 @@ class Render(Parameters):
 
 
 class ImageNoise(Parameters):
-    """What a real depth camera does to these images; off by default."""
+    """Noise of a real depth camera in the rendered images; off by default."""
 
     disparity: float = Field(
         0.0,
         ge=0,
         le=10,
-        description="standard deviation of the disparity, pixels: the error in depth grows with "
-        "its square; 0.1 are 1.7 mm at 0.6 m",
+        description="standard deviation of the disparity, pixels; the depth error grows with the "
+        "square of the depth: 0.1 pixels are 1.7 mm at 0.6 m",
     )
     shadows: bool = Field(
-        False, description="whether what the second imager does not see, beside edges, has no depth"
+        False,
+        description="whether pixels hidden from the second imager, beside edges, have no depth",
     )
-    missing: Fraction = Field(0.0, description="part of the pixels that is lost, in small spots")
+    missing: Fraction = Field(
+        0.0, description="fraction of the pixels without depth, in small spots"
+    )
 
 
 class RenderParameters(ParameterGroup):
-    """What rendered images depend on."""
+    """The settings that rendered images depend on."""
 
     seed: int
     gripper: Gripper

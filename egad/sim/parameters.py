@@ -1,4 +1,4 @@
-"""Simulated grasping trials, and the grasp detectors that are tried."""
+"""Settings of simulated grasping trials."""
 
 from typing import Literal
 
@@ -9,61 +9,69 @@ from egad.grasps.parameters import Gripper, Quality
 
 
 class Lifting(Parameters):
-    """How a grasp is carried out."""
+    """Execution of a grasp."""
 
     arm: Literal["axis", "panda"] = Field(
         "axis",
-        description="what carries the hand: axis: a vertical axis; panda: a Franka Panda arm, "
-        "which takes half as long again",
+        description="arm that moves the hand: a vertical axis, or a Franka Panda, which takes 1.5 "
+        "times as long",
     )
     lift_height: float = Field(
-        0.4, gt=0, le=1, description="an object held this high counts, metres"
+        0.4, gt=0, le=1, description="height that a successful grasp lifts the object to, metres"
     )
-    hold_time: float = Field(2.0, ge=0, description="seconds that it must stay held up there")
+    hold_time: float = Field(
+        2.0, ge=0, description="time that the object must stay at that height, seconds"
+    )
 
 
 class Trials(Lifting):
     """Simulated grasping trials."""
 
-    attempts: int = Field(10, ge=1, description="attempts an object")
+    attempts: int = Field(10, ge=1, description="attempts per object")
     reset: Literal["continue", "redrop"] = Field(
         "continue",
-        description="continue: after a success the hand tilts the object and lets it fall, after a "
-        "failure it stays where it lies, as with a real robot; redrop: every attempt begins with a "
-        "drop in a random orientation, the same for all detectors",
+        description="continue: after a success the hand tilts and drops the object, after a "
+        "failure the object stays where it is, as with a real robot; redrop: every attempt starts "
+        "with a drop in a random orientation, the same for all detectors",
     )
-    drop_height: Length = Field(0.1, description="from the table to the lowest point, metres")
+    drop_height: Length = Field(
+        0.1, description="height of the lowest point above the table before a drop, metres"
+    )
     workspace: Length = Field(
-        0.12, description="an object further than this from the middle is put back, metres"
+        0.12, description="objects further than this from the center are moved back, metres"
     )
     image: tuple[Pixels, Pixels] = Field(
         (640, 480), description="width and height of the depth image, pixels"
     )
     field_of_view: float = Field(
-        75.0, gt=1, lt=170, description="of the width of the image, degrees"
+        75.0, gt=1, lt=170, description="horizontal field of view of the camera, degrees"
     )
-    camera_height: Length = Field(0.6, description="camera above the table, metres")
+    camera_height: Length = Field(0.6, description="height of the camera above the table, metres")
     depth_noise: float = Field(
         0.0,
         ge=0,
-        description="standard deviation of the disparity in pixels, as of a stereo camera; a D435 "
-        "has about 0.1",
+        description="standard deviation of the disparity, as in a stereo camera, pixels; about 0.1 "
+        "for a D435",
     )
     planning_time: float = Field(
-        60.0, gt=0, description="seconds that a detector may take; then the attempt has failed"
+        60.0,
+        gt=0,
+        description="time limit of a detector, seconds; an attempt that exceeds it fails",
     )
 
 
 class Agreement(Parameters):
-    """Labelled grasps carried out, to see what their qualities are worth."""
+    """Labelled grasps executed in simulation, to validate their quality."""
 
     grasps: int = Field(
-        2000, ge=1, description="grasps carried out, as many of each object of the evaluation set"
+        2000,
+        ge=1,
+        description="grasps executed, in equal numbers for all objects of the evaluation set",
     )
 
 
 class TrialParameters(ParameterGroup):
-    """What simulated trials depend on."""
+    """The settings that simulated trials depend on."""
 
     seed: int
     gripper: Gripper
@@ -71,7 +79,7 @@ class TrialParameters(ParameterGroup):
 
 
 class LabelTrialParameters(ParameterGroup):
-    """What the execution of labelled grasps depends on."""
+    """The settings that the execution of labelled grasps depends on."""
 
     seed: int
     gripper: Gripper

@@ -126,7 +126,7 @@ def test_a_detector_with_the_name_of_a_network_is_refused():
         ({"training_study": {"seeds": 0}}, "training_study.seeds: 0 is not allowed"),
         (
             {"datasets": {"training_study": {"source": "evolved"}}, "targets": {"datasets": []}},
-            "datasets.training_study: results/training_study is another folder",
+            "datasets.training_study: the name is reserved for the folder of the study",
         ),
     ],
 )

@@ -18,41 +18,48 @@ from egad.pipeline.config.formats import Format
 
 
 class Schedule(Parameters):
-    """How evolution is cut into jobs. More epochs than before extend a finished run."""
+    """Division of evolution into jobs. More epochs than before extend a finished run."""
 
     islands: int = Field(
-        1, ge=1, le=1024, description="archives that evolve apart within an epoch, then merge"
+        1,
+        ge=1,
+        le=1024,
+        description="archives that evolve independently within an epoch and are then merged",
     )
-    epochs: int = Field(1, ge=1, le=200, description="rounds of evolving apart and merging")
+    epochs: int = Field(1, ge=1, le=200, description="rounds of independent evolution and merging")
 
 
 class Postprocess(Parameters):
-    """Repair, and difficulty graded again without the luck of selection."""
+    """Repair, and re-evaluation of the difficulty without selection bias."""
 
-    grasps: int = Field(1000, ge=1, description="grasps that an object is graded by")
-    min_volume: float = Field(1e-9, ge=0, description="objects smaller than this are rejected, m3")
+    grasps: int = Field(
+        1000, ge=1, description="grasps sampled to re-evaluate the difficulty of an object"
+    )
+    min_volume: float = Field(
+        1e-9, ge=0, description="objects with a smaller volume are rejected, m3"
+    )
     open_surfaces: OpenSurfaces = Field(
         "reject",
-        description="what is done with surfaces that stay open when small holes are closed, such "
+        description="treatment of surfaces that are still open after small holes are closed, such "
         "as scans of glasses and bowls: reject them, or thicken them to closed shells",
     )
     shell_thickness: Length = Field(
         SHELL_THICKNESS,
-        description="wall of these shells, metres; the surface lies in its middle "
+        description="wall thickness of these shells, metres, half on each side of the surface "
         "(open_surfaces: thicken)",
     )
 
 
 class Rescale(Parameters):
-    """Scaling to a gripper."""
+    """Scaling of objects to a gripper."""
 
     rule: ScaleRule = Field(
         "paper",
-        description="paper: smallest side at most the fraction; egad-script: longest side = "
-        "opening, then as paper; exact: smallest side = the fraction",
+        description="paper: smallest side at most `side_fraction` of the opening; egad-script: "
+        "longest side = opening, then as paper; exact: smallest side = `side_fraction` of it",
     )
     side_fraction: PositiveFraction = Field(
-        SIDE_FRACTION, description="part of the opening that the rule aims at"
+        SIDE_FRACTION, description="fraction of the opening that the rule uses"
     )
 
 
@@ -60,29 +67,31 @@ MOST_PRIMITIVES = 100_000  # their ids have five digits
 
 
 class Dataset(Parameters):
-    """A set of objects: evolved here, from an archive, meshes of somebody else, or random ones."""
+    """A set of objects: evolved, from an archive, from mesh files, or random primitives."""
 
     source: Literal["evolved", "archive", "meshes", "primitives"] = Field(
-        description="`evolved` by this pipeline, from an `archive` that was evolved before, "
-        "`meshes` read from a folder, or `primitives` joined at random"
+        description="`evolved`: by this pipeline; `archive`: from an existing archive; `meshes`: "
+        "read from a folder; `primitives`: random unions of primitives"
     )
     archive: str | None = Field(
-        None, description="file of the archive, or `released`: the one shipped (source: archive)"
+        None,
+        description="archive file, or `released` for the one shipped with egad (source: archive)",
     )
     folder: str | None = Field(None, description="folder of the meshes (source: meshes)")
     units: Literal["m", "mm", "cm", "inch"] | None = Field(
-        None, description="unit of the coordinates in these meshes (source: meshes)"
+        None, description="unit of the mesh coordinates (source: meshes)"
     )
     pattern: str | None = Field(
         None,
-        description="glob of the mesh files, relative to the folder; what its wildcards match "
-        "names the objects; nothing: `*`, all in the folder itself (source: meshes)",
+        description="glob of the mesh files, relative to the folder; objects are named by what its "
+        "wildcards match; nothing: `*`, all files of the folder itself (source: meshes)",
     )
     objects: int | None = Field(
         None,
         ge=1,
         le=MOST_PRIMITIVES,
-        description="how many, each of 2 to 5 boxes, cylinders and spheres (source: primitives)",
+        description="number of objects, each of 2 to 5 boxes, cylinders, spheres (source: "
+        "primitives)",
     )
 
     @model_validator(mode="after")
@@ -104,30 +113,33 @@ class Dataset(Parameters):
 
 
 class Targets(Parameters):
-    """What `snakemake --cores 2` makes when no file is named."""
+    """Targets of `snakemake --cores 2` without a named file."""
 
     datasets: list[Name] = Field(
         ["egad"],
-        description="datasets taken all the way: grasps, scaling, evaluation set, print, trials",
+        description="datasets that run through the whole pipeline: grasps, scaling, evaluation "
+        "set, prints, trials",
     )
     grippers: list[Name] = Field(
-        ["egad_75mm"], min_length=1, description="grippers of the table below to do this for"
+        ["egad_75mm"],
+        min_length=1,
+        description="grippers to make results for, from the table below",
     )
     detectors: list[Name] = Field(
         ["antipodal-depth"],
         min_length=1,
-        description="grasp detectors of the table below to try in simulation",
+        description="grasp detectors to test in simulation, from the table below",
     )
     exports: list[Format] = Field(
         [],
-        description="formats of other programs to write, too: the labelled grasps as dexnet or "
-        "acronym, rendered images with them as jacquard, cornell or gqcnn",
+        description="exports for other programs: labelled grasps as dexnet or acronym, rendered "
+        "images with grasps as jacquard, cornell or gqcnn",
     )
     agreement: bool = Field(
-        False, description="whether to carry out a sample of the labelled grasps in simulation, too"
+        False, description="whether to execute a sample of the labelled grasps in simulation"
     )
     render: bool = Field(
-        False, description="whether to render depth images with grasps, to train on, too"
+        False, description="whether to render depth images with grasps for training"
     )
 
 
@@ -135,19 +147,23 @@ WHOLE = (0.0, 1.0)
 
 
 class TrainingSet(Parameters):
-    """What a network learns from, or weights that somebody else trained."""
+    """The images that a network is trained on, or existing weights."""
 
     dataset: Name | None = Field(None, description="dataset of the objects that are rendered")
     complexity: FractionRange = Field(
         WHOLE,
-        description="which of them, by their rank in complexity: [0, 0.33] is the simplest third",
+        description="range of these objects by rank in complexity: [0, 0.33] is the simplest third",
     )
-    subset: PositiveFraction = Field(1.0, description="how many of these, drawn by chance")
+    subset: PositiveFraction = Field(
+        1.0, description="fraction of these objects, sampled at random"
+    )
     hold_out: bool = Field(
-        True, description="whether the objects of its evaluation set are left out of the training"
+        True,
+        description="whether the objects of its evaluation set are excluded from training",
     )
     weights: str | None = Field(
-        None, description="file of given weights, in the place of all these: nothing is trained"
+        None,
+        description="file of existing weights, instead of all other keys; no network is trained",
     )
 
     @model_validator(mode="after")
@@ -171,15 +187,15 @@ TRAINING_SETS = {
 
 
 class TrainingStudy(Parameters):
-    """What the objects that a network learns from are worth; see docs/training-study.md."""
+    """Comparison of networks trained on different object sets: docs/training-study.md."""
 
-    sets: list[Name] = Field([], description="training sets of the table below to compare")
+    sets: list[Name] = Field([], description="training sets to compare, from the table below")
     seeds: int = Field(
-        2, ge=1, le=100, description="networks trained on each; they differ in chance alone"
+        2, ge=1, le=100, description="networks trained on each set, with different random seeds"
     )
     tests: list[Name] = Field(
-        [], description="datasets whose evaluation sets the networks are tried on"
+        [], description="datasets on whose evaluation sets the networks are tested"
     )
     references: list[Name] = Field(
-        [], description="grasp detectors of the table above that are shown beside the networks"
+        [], description="grasp detectors to compare with the networks, from the table above"
     )

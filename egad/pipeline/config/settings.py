@@ -1,4 +1,4 @@
-"""The whole configuration, one section after the other."""
+"""The whole configuration."""
 
 from collections.abc import Mapping
 from typing import Self
@@ -33,9 +33,9 @@ from egad.sim.parameters import Agreement, Trials
 class Settings(Parameters):
     """The whole configuration."""
 
-    seed: int = Field(0, ge=0, lt=2**32, description="every random draw follows from this number")
+    seed: int = Field(0, ge=0, lt=2**32, description="seed of all random numbers")
     shards: int = Field(
-        4, ge=1, le=1024, description="jobs a dataset is cut into; does not change any result"
+        4, ge=1, le=1024, description="jobs per dataset; does not change any result"
     )
     datasets: dict[Name, Dataset] = Field(
         {"egad": Dataset(source="evolved")}, min_length=1, description="all datasets, by name"
@@ -86,7 +86,7 @@ class Settings(Parameters):
         DETECTORS, min_length=1, description="all grasp detectors, by name"
     )
     training_sets: dict[Name, TrainingSet] = Field(
-        TRAINING_SETS, min_length=1, description="all that networks can learn from, by name"
+        TRAINING_SETS, min_length=1, description="all training sets of networks, by name"
     )
 
     @model_validator(mode="after")
@@ -109,17 +109,19 @@ class Settings(Parameters):
         ]
         evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]
         if len(evolved) > 1:
-            problems.append(f"datasets: at most one can be evolved, got {', '.join(evolved)}")
+            problems.append(
+                f"datasets: at most one can have the source `evolved`, got {', '.join(evolved)}"
+            )
         if "training_study" in self.datasets:
             problems.append(
-                "datasets.training_study: results/training_study is another folder; rename it"
+                "datasets.training_study: the name is reserved for the folder of the study"
             )
         if problems:
             raise ValueError("\n".join(problems))
         return self
 
     def _unknown_datasets_of_sets(self) -> list[str]:
-        """Of those sets that are used: the ones by default are of a dataset that may be gone."""
+        """Unknown datasets of the sets in use; unused default sets may name a missing dataset."""
         used = [name for name in self.training_study.sets if name in self.training_sets]
         return [
             problem
