@@ -39,13 +39,13 @@ class Gripper(Parameters):
         description="palm box, metres: along the closing axis, across it, along the approach",
     )
     mesh: str | None = Field(
-        None,
+        default=None,
         description="mesh file that replaces the palm box in collision checks of grasps; metres, "
         "x: closing axis, z: approach, origin: base of the fingers",
     )
     force: float = Field(default=40.0, gt=0, description="closing force, newtons")
     pads: Literal["silicone", "bare"] = Field(
-        "silicone",
+        default="silicone",
         description="finger pads in simulation: silicone, friction 0.8; or bare plastic or metal, "
         "friction 0.4",
     )

@@ -1,4 +1,4 @@
-"""How the function of a stage declares what it reads, what it writes, and what it is called.
+"""Declaration of the inputs, outputs and command of a stage, by its function.
 
     @command()
     def run(
@@ -9,8 +9,8 @@
     ) -> None:
 
 A module in `egad/pipeline/stages/` with such a function is a command of `egad`. Options, help,
-provenance and the manual of the results follow from its parameters and its docstring. What is
-neither an input nor an output is an argument, which is noted as well.
+provenance and the manual of the results follow from its parameters and its docstring. All other
+parameters are arguments, which the provenance records as well.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -31,11 +31,11 @@ M = TypeVar("M")
 
 @dataclass(frozen=True)
 class Input:
-    """Files or folders that are read: their hashes are noted in what is written.
+    """Files or folders that are read. Their hashes are recorded with the outputs.
 
     Attributes:
-        files: Gives the files by all arguments, if they are not the value itself.
-        names: Of files by name: the argument under which the names are noted; none if empty.
+        files: Returns the files from all arguments, if they are not the value itself.
+        names: For files by name, the argument under which the names are recorded; none if empty.
     """
 
     files: Callable[[Mapping[str, Any]], Iterable[Path]] | None = None
@@ -48,9 +48,9 @@ class Output:
 
     Attributes:
         path: Where the workflow puts it in `results/`, for the manual: `D` stands for the dataset,
-            `G` for the gripper, `P` for the detector. Empty for what jobs hand to each other.
+            `G` for the gripper, `P` for the detector. Empty for intermediate files.
         schema: The columns of a table.
-        files: Names of the files in a folder that are noted one by one, not the folder as a whole.
+        files: Names of the files in a folder that are recorded, instead of the whole folder.
     """
 
     path: str = ""
@@ -60,23 +60,25 @@ class Output:
 
 @dataclass(frozen=True)
 class NotNoted:
-    """What decides nothing about the result, or is a part of an input."""
+    """A parameter that does not affect the result, or is a part of an input."""
 
 
 @dataclass(frozen=True)
 class ShardOf:
-    """A pair of numbers: of the shard, and of how many. It has two options."""
+    """The number of a shard and the number of shards, as two options."""
 
 
 @dataclass(frozen=True)
 class Renamed:
-    """An argument that is noted under another name."""
+    """An argument that is recorded under another name."""
 
     name: str
 
 
 Shard = Annotated[tuple[int, int], ShardOf()]
-Jobs = Annotated[int, typer.Option(min=1, help="cores to use; no result depends on it"), NotNoted()]
+Jobs = Annotated[
+    int, typer.Option(min=1, help="cores to use; results do not depend on it"), NotNoted()
+]
 Evaluation = Annotated[Path, typer.Option("--eval"), Input()]
 
 
@@ -87,7 +89,7 @@ class Declared:
     Attributes:
         name: Its name.
         kind: Its type.
-        marks: What it is annotated with.
+        marks: Its annotations.
         default: Its default; `Parameter.empty` if it has none.
     """
 
@@ -107,12 +109,12 @@ class Declared:
 
     @property
     def is_not_noted(self) -> bool:
-        """Whether it decides nothing about the result."""
+        """Whether it does not affect the result."""
         return any(isinstance(mark, NotNoted) for mark in self.marks)
 
     @property
     def outputs(self) -> list[Output]:
-        """What it names that is written."""
+        """The outputs that it names."""
         return [mark for mark in self.marks if isinstance(mark, Output)]
 
 
@@ -122,7 +124,7 @@ def command(name: str = "") -> Callable[[F], F]:
     `egad.pipeline.cli.stages` reads this from the source, so that `egad --help` imports no stage.
 
     Args:
-        name: Of the command; else that of the module.
+        name: Name of the command; default: that of the module.
     """
     del name
     return lambda function: function

@@ -1,8 +1,8 @@
-"""Agreement: labelled grasps of the evaluation set carried out in simulation.
+"""Agreement: labelled grasps of the evaluation set, executed in simulation.
 
 Inputs: results/D/eval49.parquet, results/D/bundle/G, results/D/grasps/G.parquet.
-Outputs: results/D/agreement/G.parquet, a row a grasp; made if targets.agreement asks for it.
-Steps: the grasps of shards of objects are carried out; then the tables of the shards are joined.
+Outputs: results/D/agreement/G.parquet, one row per grasp; made if targets.agreement is true.
+Steps: labelled grasps of shards of objects are executed; then the tables are joined.
 """
 
 
@@ -11,7 +11,7 @@ localrules:
 
 
 rule agreement:
-    """Carry out labelled grasps of the objects of a shard."""
+    """Execute labelled grasps of the objects of a shard."""
     input:
         evaluation="results/{dataset}/eval49.parquet",
         bundle="results/{dataset}/bundle/{gripper}/bundle.parquet",
@@ -36,7 +36,7 @@ rule agreement:
         shards=len(EVALUATION_SHARDS),
         code=code_of("agreement"),
     message:
-        "Carrying out grasps for {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
+        "Executing grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
         "egad agreement --settings {params.settings:q}"
         " --shard {wildcards.shard} --shards {params.shards} --eval {input.evaluation:q}"
@@ -56,4 +56,4 @@ use rule join as join_agreement with:
         by=["--by", "label", "--by", "grasp"],
         code=code_of("join"),
     message:
-        "Joining the grasps for {wildcards.gripper} on {wildcards.dataset}"
+        "Joining the executed grasps of {wildcards.gripper} on {wildcards.dataset}"

@@ -1,12 +1,12 @@
 """Bundle: the evaluation set for simulators; the trials use it.
 
 Inputs: results/D/eval49.parquet, results/D/rescaled/G.
-Outputs: results/D/bundle/G, a folder with bundle.parquet and rejected.parquet in it.
+Outputs: results/D/bundle/G, a folder with bundle.parquet and rejected.parquet.
 """
 
 
 rule bundle:
-    """Convex parts, descriptions and poses at rest, for one gripper."""
+    """Write convex parts, descriptions and poses at rest, for one gripper."""
     input:
         evaluation="results/{dataset}/eval49.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
@@ -16,7 +16,7 @@ rule bundle:
         "logs/{dataset}/bundle/{gripper}.log",
     benchmark:
         "benchmarks/{dataset}/bundle/{gripper}.tsv"
-    # On all cores, and trials wait for it: jobs on one core each that follow fill every core.
+    # Runs on all cores, before the trials, which run on one core each.
     priority: 2
     conda:
         ENVIRONMENT
@@ -29,7 +29,7 @@ rule bundle:
         folder=subpath(output.table, parent=True),
         code=code_of("bundle"),
     message:
-        "Making {wildcards.dataset} ready for simulators, for {wildcards.gripper}"
+        "Writing the simulation bundle of {wildcards.dataset} for {wildcards.gripper}"
     shell:
         "egad bundle --settings {params.settings:q} --eval {input.evaluation:q}"
         " --out {params.folder:q} --jobs {threads} {params.meshes:q} > {log:q} 2>&1"

@@ -1,4 +1,4 @@
-"""Settings, names that may stand in file names, and functions of many rules. No rules here."""
+"""Settings, wildcard constraints, and functions shared by rules. No rules here."""
 
 import hashlib
 import json
@@ -33,7 +33,7 @@ try:
     TRIED = training_study.with_networks(SETTINGS)
     # The user's own measures by their code, so that editing it re-runs what they measure.
     MEASURES = [source_hash(measure) for measure in SETTINGS.measures.functions().values()]
-    # Files of detectors that are targets have to be there before anything runs.
+    # Files of target detectors must exist before anything runs.
     for name in SETTINGS.targets.detectors:
         fingerprint(SETTINGS.detectors[name])
 except UserError as error:
@@ -78,16 +78,16 @@ wildcard_constraints:
 
 
 def settings_of(stage):
-    """The settings that a stage reads, as JSON: its command gets them, its rule re-runs for them.
+    """The settings that a stage reads, as JSON: its rule re-runs when they change.
 
-    A stage that reads a gripper gets the one in the file name, else the one of its own settings;
-    the detector of the trials is also in the file name.
+    A stage that reads a gripper gets the one in the file name, otherwise the one of its own
+    settings. The detector of the trials is also in the file name.
     """
     return lambda wildcards: _chosen(stage_function(stage), wildcards)
 
 
 def settings_of_export(name=None):
-    """The same for the format of an export, else for the one in the file name."""
+    """The same for the given format of an export; default: the one in the file name."""
     return lambda wildcards: _chosen(export_function(name or wildcards.format), wildcards)
 
 
@@ -97,7 +97,7 @@ def _chosen(function, wildcards):
 
 
 def code_of(stage):
-    """The fingerprint of the code of a stage, which its rule re-runs for."""
+    """The code version of a stage: its rule re-runs when it changes."""
     return code_version(f"egad.pipeline.stages.{stage}")
 
 
@@ -107,7 +107,7 @@ def code_of_export(wildcards):
 
 
 def exported_from(wildcards):
-    """What the format in the file name reads; of a folder, the file that is written last."""
+    """The inputs of the format in the file name; for a folder, the file that is written last."""
     last = {"meshes": "scales.parquet", "images": "card.md"}
     folder = Path("results", wildcards.dataset)
     return [
@@ -121,31 +121,31 @@ def _as_json(part):
 
 
 def labelled(wildcards):
-    """The grasps that the detector `labels` knows; none for others."""
+    """The labelled grasps for the detector `labels`; none for others."""
     knows = TRIED.detectors[wildcards.detector].detector == "labels"
     return [f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"] if knows else []
 
 
 def touched_surface(wildcards):
-    """The grasps that engraved labels keep away from; none without engraving."""
+    """The grasps that engraved labels avoid; none without engraving."""
     file = f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"
     return [file] if SETTINGS.engraving.enabled else []
 
 
 def island_count(wildcards, input):
-    """How many islands there are. With `input` it is no reason to run finished ones again."""
+    """The number of islands. Because of `input`, its changes do not re-run finished islands."""
     return len(ISLANDS)
 
 
 def each(option, name):
-    """An option with every file of a named input: `--solids A --solids B`."""
+    """An option repeated for all files of a named input: `--solids A --solids B`."""
     return lambda wildcards, input: [
         word for file in getattr(input, name) for word in (option, str(file))
     ]
 
 
 def named_grippers(option, files):
-    """An option with a file of each target gripper: `--grasps G=A --grasps H=B`."""
+    """An option repeated for the files of the target grippers: `--grasps G=A --grasps H=B`."""
     pairs = zip(SETTINGS.targets.grippers, files)
     return [word for gripper, file in pairs for word in (option, f"{gripper}={file}")]
 
@@ -156,7 +156,7 @@ def parts(pattern, shards=SHARDS):
 
 
 def held_out(wildcards):
-    """The evaluation set, if it is for testing."""
+    """The evaluation set, if it is held out for testing."""
     file = f"results/{wildcards.dataset}/eval49.parquet"
     return [file] if SETTINGS.render.hold_out else []
 
@@ -168,9 +168,9 @@ def gripper_mesh(wildcards):
 
 
 def contents_of(files):
-    """A fingerprint of inputs that are not results, for which an older file may have been put.
+    """A checksum of inputs that are not results; an older file may have replaced them.
 
-    Snakemake runs a job again for params of the wildcards, not for those of its input.
+    Snakemake re-runs a job if params that depend on wildcards change, not on its input.
     """
     made = "results/"
     return lambda wildcards: _contents(
@@ -185,18 +185,18 @@ def _contents(files):
 
 
 def check_results():
-    """Stop before anything runs if nothing can be written, or would seem older than its inputs."""
+    """Stop early if results cannot be written, or if they are dated in the future."""
     results = Path("results")
     if results.exists() and not os.access(results, os.W_OK):
         raise WorkflowError(
-            f"{results.absolute()} cannot be written: read-only, or of another user"
+            f"{results.absolute()} cannot be written: read-only, or owned by another user"
         )
     files = (Path(folder, name) for folder, _, names in os.walk(results) for name in names)
     late = sorted(str(path) for path in files if _is_late(path))
     if late:
         raise WorkflowError(
-            f"{late[0]} and {len(late) - 1} more are from the future: the clock was set back. Set it"
-            " right; or, if `egad verify results` finds nothing wrong, give them the time of now:"
+            f"{late[0]} and {len(late) - 1} more are dated in the future: the clock was set back."
+            " Correct it; or, if `egad verify results` reports no problem, update their times:"
             " find results -newermt now -exec touch {} +"
         )
 

@@ -1,7 +1,7 @@
-"""Compare: all datasets of the configuration side by side.
+"""Compare: a comparison of all datasets of the configuration.
 
 Inputs: results/D/objects.parquet of every dataset.
-Outputs: results/comparison.parquet, results/comparison.svg; the table also on the terminal.
+Outputs: results/comparison.parquet, results/comparison.svg; the table is also printed.
 """
 
 
@@ -10,7 +10,7 @@ localrules:
 
 
 rule compare:
-    """Objects, coverage and diversity of each dataset, and where its objects lie."""
+    """Compare objects, coverage and diversity of the datasets, with maps."""
     input:
         of_datasets(SETTINGS.datasets, ["objects.parquet"]),
     output:

@@ -1,12 +1,12 @@
-"""Datasheet: what there is to know about an evaluation set, for people.
+"""Datasheet: a readable description of an evaluation set.
 
-Inputs: results/D/eval49.parquet; of every target gripper results/D/print/G and results/D/grasps/G.parquet.
+Inputs: results/D/eval49.parquet; for every target gripper results/D/print/G and results/D/grasps/G.parquet.
 Outputs: results/D/eval49/README.md, contact-sheet.pdf and trials.csv.
 """
 
 
 rule datasheet:
-    """Table of the set, how to report results, a picture, and a table to fill in."""
+    """Write the datasheet, a contact sheet, and an empty table for attempts."""
     input:
         evaluation="results/{dataset}/eval49.parquet",
         manifests=lambda wildcards: expand(

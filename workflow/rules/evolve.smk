@@ -1,10 +1,11 @@
 """Evolve: epochs of islands, merged.
 
-Inputs: the settings alone.
-Outputs: results/D/archive.parquet, the elites; history.parquet, the steps; epochs/, what one epoch
-hands to the next.
-Steps: every island breeds from the merged archive of the epoch before; the islands are merged; the
-archive of the last epoch, or the one that a dataset starts from, is published. More epochs than before extend a finished run.
+Inputs: only the settings.
+Outputs: results/D/archive.parquet, the elites; history.parquet, the steps; epochs/, the
+intermediate archives.
+Steps: every island evolves from the merged archive of the previous epoch; the islands are merged;
+the archive of the last epoch, or the source archive of a dataset, is published. More epochs than
+before extend a finished run.
 """
 
 
@@ -14,7 +15,7 @@ localrules:
 
 
 rule evolve:
-    """One epoch of one island."""
+    """Evolve one island for one epoch."""
     input:
         base=previous_archive,
         regions=region_meshes,
@@ -48,7 +49,7 @@ rule evolve:
         code=code_of("evolve"),
     message:
         "Evolving {wildcards.dataset}, epoch {wildcards.epoch}, island {wildcards.island}"
-        " (the map as it fills: {params.page})"
+        " (live map: {params.page})"
     shell:
         "egad evolve --settings {params.settings:q} --epoch {wildcards.epoch}"
         " --island {wildcards.island} {params.base:q} --jobs {threads} --page {params.page:q}"
@@ -56,7 +57,7 @@ rule evolve:
 
 
 rule merge:
-    """The islands of an epoch become one archive."""
+    """Merge the islands of an epoch into one archive."""
     input:
         expand(
             "results/{{dataset}}/epochs/epoch-{{epoch}}/island-{island}.parquet",
@@ -86,7 +87,7 @@ rule merge:
 
 
 rule archive:
-    """The archive that the objects are made from, for people."""
+    """Publish the archive that the objects are made from."""
     input:
         final_archive,
     output:
@@ -130,4 +131,4 @@ use rule join as history with:
         by=["--by", "epoch", "--by", "island", "--by", "step"],
         code=code_of("join"),
     message:
-        "Joining the steps of {wildcards.dataset}"
+        "Joining the history of {wildcards.dataset}"

@@ -1,14 +1,14 @@
-"""Exchange: labelled grasps in the formats of other programs. Made if `targets.exports` asks.
+"""Exchange: labelled grasps in the formats of other programs, if `targets.exports` names any.
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet.
-For images results/D/images/G, which results/D/images/G/card.md is the last file of.
+For images results/D/images/G; card.md is its last file.
 Outputs: results/D/exchange/G.hdf5 (Dex-Net), results/D/exchange/G-FORMAT (the others).
-Steps: for Dex-Net, shards of objects get distance fields and poses; then one file takes them all.
+Steps: for Dex-Net, distance fields and poses of shards of objects; then one file for all of them.
 """
 
 
 rule dexnet_objects:
-    """Distance fields, stable poses and masses of the objects of a shard."""
+    """Compute distance fields, stable poses and masses of the objects of a shard."""
     input:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
@@ -29,7 +29,7 @@ rule dexnet_objects:
         shards=len(SHARDS),
         code=code_of("dexnet_objects"),
     message:
-        "Distance fields of {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
+        "Computing distance fields of {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
     shell:
         "IGL_NUM_THREADS={threads} egad dexnet-objects --settings {params.settings:q}"
         " --shard {wildcards.shard} --shards {params.shards} --objects {input.objects:q}"
@@ -37,7 +37,7 @@ rule dexnet_objects:
 
 
 rule dexnet:
-    """The Dex-Net database of a gripper."""
+    """Write the Dex-Net database of a gripper."""
     input:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
@@ -67,7 +67,7 @@ rule dexnet:
 
 
 rule export:
-    """The grasps or images of a gripper in the format of another program."""
+    """Write the grasps or images of a gripper in the format of another program."""
     input:
         exported_from,
     output:

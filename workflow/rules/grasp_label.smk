@@ -1,8 +1,8 @@
-"""Grasp-label: antipodal grasps with plain and robust quality.
+"""Grasp-label: antipodal grasps with nominal and robust quality.
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G.
-Outputs: results/D/grasps/G.parquet; G.sampling.parquet, what became of the candidates of each object;
-G.rejected.parquet, the objects without any grasp.
+Outputs: results/D/grasps/G.parquet; G.sampling.parquet, the sampling statistics of each object;
+G.rejected.parquet, the objects without grasps.
 Steps: shards of objects are labelled; then the tables of the shards are joined.
 """
 
@@ -82,7 +82,7 @@ use rule join as join_sampling with:
         by=["--by", "label"],
         code=code_of("join"),
     message:
-        "Joining the tallies of {wildcards.gripper} on {wildcards.dataset}"
+        "Joining the sampling statistics of {wildcards.gripper} on {wildcards.dataset}"
 
 
 use rule join as join_ungraspable with:

@@ -1,11 +1,11 @@
-"""Join: the tables of all shards become one. Other rules are copies of this one (`use rule`).
+"""Join: the tables of all shards in one. Other rules are copies of this one (`use rule`).
 
-They name input, output, log, benchmark and message, and the columns to sort by.
+They set input, output, log, benchmark, message, and the columns to sort by.
 """
 
 
 rule join:
-    """Join the tables of all shards, sorted so that their number leaves no trace."""
+    """Join the tables of all shards, sorted to be independent of their number."""
     log:
         "logs/join.log",
     conda:

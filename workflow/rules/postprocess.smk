@@ -1,8 +1,8 @@
-"""Postprocess: repaired meshes with mass properties, graded again without the luck of selection.
+"""Postprocess: repaired meshes with mass properties and difficulty without selection bias.
 
-Inputs: results/D/archive.parquet, the folder of meshes of the dataset, or nothing: primitives.
+Inputs: results/D/archive.parquet, the mesh folder of the dataset, or nothing for primitives.
 Outputs: results/D/objects.parquet, results/D/meshes/LABEL.obj (metres), results/D/rejected.parquet.
-Steps: shards of objects are repaired and measured; then cells, labels and diversities of all.
+Steps: shards of objects are repaired and measured; then all get cells, labels and diversities.
 """
 
 
@@ -38,7 +38,7 @@ rule postprocess:
 
 
 rule collect:
-    """Cells, labels, diversities and meshes of a whole dataset."""
+    """Combine the shards: cells, labels, diversities and meshes of a whole dataset."""
     input:
         solids=parts("results/{dataset}/parts/solids-{shard}.parquet"),
         rejects=parts("results/{dataset}/parts/rejected-{shard}.parquet"),

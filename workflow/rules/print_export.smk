@@ -1,12 +1,12 @@
 """Print-export: STL files and 3MF plates of the evaluation set, in millimetres.
 
-Inputs: results/D/eval49.parquet, results/D/rescaled/G; results/D/grasps/G.parquet for an engraving.
-Outputs: results/D/print/G, a folder with manifest.parquet in it.
+Inputs: results/D/eval49.parquet, results/D/rescaled/G; results/D/grasps/G.parquet for engraving.
+Outputs: results/D/print/G, a folder with manifest.parquet.
 """
 
 
 rule print_export:
-    """Files for printers, for one gripper."""
+    """Write files for printers, for one gripper."""
     input:
         evaluation="results/{dataset}/eval49.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
@@ -17,7 +17,7 @@ rule print_export:
         "logs/{dataset}/print_export/{gripper}.log",
     benchmark:
         "benchmarks/{dataset}/print_export/{gripper}.tsv"
-    # A long job on one core, which the datasheet waits for.
+    # A long job on one core; the datasheet needs it.
     priority: 1
     conda:
         ENVIRONMENT

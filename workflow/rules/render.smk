@@ -1,10 +1,10 @@
-"""Render: depth images of the objects at rest, with the grasps that can be reached in them.
+"""Render: depth images of the objects at rest, with their reachable grasps.
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet, and the
-evaluation set results/D/eval49.parquet, which is held out.
-Outputs: results/D/images/G/images-N.parquet; card.md, what is in them; rejected.parquet, the
-objects without images. Made if targets.render asks for them.
-Steps: shards of images are rendered, their number follows from that of the images; then the card.
+held-out evaluation set results/D/eval49.parquet.
+Outputs: results/D/images/G/images-N.parquet; card.md, their description; rejected.parquet, the
+objects without images. Made if targets.render is true.
+Steps: shards of images are rendered (their number depends on that of the images); then the card.
 """
 
 
@@ -51,7 +51,7 @@ rule render:
 
 
 rule image_card:
-    """What is in the images of a gripper."""
+    """Describe the images of a gripper."""
     input:
         images=parts("results/{dataset}/images/{gripper}/images-{shard}.parquet", IMAGE_SHARDS),
         rejects=parts("results/{dataset}/parts/unrendered-{gripper}-{shard}.parquet", IMAGE_SHARDS),

@@ -1,6 +1,6 @@
-"""Report: everything at a glance, in one HTML file that opens offline.
+"""Report: an overview of all results, in one HTML file that works offline.
 
-Inputs: the tables and meshes of all datasets, and all that is made of the targets.
+Inputs: the tables and meshes of all datasets, and the results of the targets.
 Outputs: results/report.html.
 """
 

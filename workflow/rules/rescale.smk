@@ -1,7 +1,7 @@
-"""Rescale: the objects scaled to a gripper.
+"""Rescale: objects scaled to a gripper.
 
 Inputs: results/D/meshes.
-Outputs: results/D/rescaled/G/LABEL.obj (metres), scales.parquet and rejected.parquet beside them.
+Outputs: results/D/rescaled/G/LABEL.obj (metres), scales.parquet and rejected.parquet.
 """
 
 

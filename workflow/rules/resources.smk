@@ -1,15 +1,15 @@
-"""What jobs ask of a cluster; measured, see docs/cluster.md. No rules here.
+"""Resources of jobs on a cluster, from measurements: docs/cluster.md. No rules here.
 
-A machine of one's own heeds the threads alone. Where a job is tried again (`retries` of a profile),
-it asks for as much once more each time.
+On a single machine only the threads matter. With `retries` of a profile, the second attempt of a
+job requests twice its resources, the third three times, and so on.
 """
 
-# As many as there are: --cores sets the limit on a machine, max-threads of a profile on a cluster.
+# All threads: --cores sets the limit on a machine, max-threads of a profile on a cluster.
 SIDE_BY_SIDE = 64
 
 
 def needs(mb, minutes, mb_per_thread=0):
-    """Memory and run time of the jobs of a rule, by the resource that the executors know."""
+    """Memory and run time of the jobs of a rule, by resource."""
     return {
         "mem_mb": lambda wildcards, threads, attempt: attempt * (mb + mb_per_thread * threads),
         "runtime": lambda wildcards, attempt: attempt * minutes,

@@ -1,4 +1,4 @@
-"""Select-eval: the evaluation set, one object a cell of a coarse grid.
+"""Select-eval: the evaluation set, one object per cell of a coarse grid.
 
 Inputs: results/D/objects.parquet, and the shards of postprocess for their Reeb graphs.
 Outputs: results/D/eval49.parquet, and eval49.rejected.parquet for candidates that cannot be printed.
@@ -6,7 +6,7 @@ Outputs: results/D/eval49.parquet, and eval49.rejected.parquet for candidates th
 
 
 rule select_eval:
-    """Choose the objects that look least alike."""
+    """Choose the most dissimilar objects."""
     input:
         objects="results/{dataset}/objects.parquet",
         solids=parts("results/{dataset}/parts/solids-{shard}.parquet"),

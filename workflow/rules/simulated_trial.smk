@@ -1,9 +1,9 @@
 """Simulated-trial: attempts of a grasp detector on the evaluation set.
 
 Inputs: results/D/eval49.parquet, results/D/bundle/G; for the detector `labels` also
-results/D/grasps/G.parquet, and for a network of the experiment on training sets its weights.
-Outputs: results/D/trials/G/P.parquet, a row an attempt.
-Steps: shards of objects are tried; then the tables of the shards are joined.
+results/D/grasps/G.parquet, and for a network of the training study its weights.
+Outputs: results/D/trials/G/P.parquet, one row per attempt.
+Steps: trials on shards of objects; then the tables of the shards are joined.
 """
 
 
@@ -12,7 +12,7 @@ localrules:
 
 
 rule simulated_trial:
-    """Try to grasp the objects of a shard."""
+    """Run trials on the objects of a shard."""
     input:
         evaluation="results/{dataset}/eval49.parquet",
         bundle="results/{dataset}/bundle/{gripper}/bundle.parquet",
@@ -27,7 +27,7 @@ rule simulated_trial:
         "logs/{dataset}/simulated_trial/{gripper}-{detector}-{shard}.log",
     benchmark:
         "benchmarks/{dataset}/simulated_trial/{gripper}-{detector}-{shard}.tsv"
-    # Start these first: one can take five times as long as another.
+    # Start these jobs first: some take five times as long as others.
     priority: 1
     conda:
         ENVIRONMENT
@@ -42,7 +42,7 @@ rule simulated_trial:
         code=code_of("simulate"),
         detector=detector_code,
     message:
-        "Trying {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
+        "Running trials of {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
         "egad simulate --settings {params.settings:q}"
         " --shard {wildcards.shard} --shards {params.shards} --eval {input.evaluation:q}"

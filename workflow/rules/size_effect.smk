@@ -1,4 +1,4 @@
-"""Size-effect: grasp quality of three objects of the evaluation set over their size.
+"""Size-effect: grasp quality over size for three objects of the evaluation set.
 
 Inputs: results/D/eval49.parquet, results/D/meshes.
 Outputs: results/D/size_effect/G.parquet.
@@ -6,7 +6,7 @@ Outputs: results/D/size_effect/G.parquet.
 
 
 rule size_effect:
-    """Rate an easy, a middling and a hard object at several sizes."""
+    """Compute grasp quality over size for an easy, a medium and a hard object."""
     input:
         evaluation="results/{dataset}/eval49.parquet",
         meshes="results/{dataset}/meshes",
@@ -25,7 +25,7 @@ rule size_effect:
         settings=settings_of("size_effect"),
         code=code_of("size_effect"),
     message:
-        "Rating {wildcards.dataset} at several sizes for {wildcards.gripper}"
+        "Computing grasp quality over size of {wildcards.dataset} for {wildcards.gripper}"
     shell:
         "egad size-effect-eval --settings {params.settings:q} --eval {input.evaluation:q}"
         " --meshes {input.meshes:q} --out {output:q} > {log:q} 2>&1"

@@ -1,4 +1,4 @@
-"""Functions: what archives and objects of a dataset are made from. No rules here."""
+"""Functions: the sources of archives and objects of a dataset. No rules here."""
 
 import hashlib
 import json
@@ -12,20 +12,20 @@ from egad.pipeline.stages.shards import by_shard
 
 
 def previous_archive(wildcards):
-    """The merged archive of the epoch before; none for the first."""
+    """The merged archive of the previous epoch; none for the first."""
     epoch = int(wildcards.epoch)
     previous = f"results/{wildcards.dataset}/epochs/epoch-{epoch - 1}/archive.parquet"
     return [previous] if epoch else []
 
 
 def final_archive(wildcards):
-    """The archive of the last epoch, or the one that a dataset starts from."""
+    """The archive of the last epoch, or the source archive of a dataset."""
     last = f"results/{wildcards.dataset}/epochs/epoch-{LAST_EPOCH}/archive.parquet"
     return [GIVEN.get(wildcards.dataset, last)]
 
 
 def region_meshes(wildcards):
-    """The mesh files that the envelope, the kept solid and the hole are read from."""
+    """The mesh files of the envelope, the kept solid and the hole."""
     regions = [SETTINGS.envelope, SETTINGS.keep_solid, SETTINGS.hole]
     return [region.mesh for region in regions if region.mesh]
 
@@ -43,7 +43,7 @@ def meshes_by_shard(name):
 
 
 def raw_objects(wildcards):
-    """What the objects of a shard are made from: the archive, its mesh files, or nothing."""
+    """The source of the objects of a shard: the archive, mesh files, or nothing."""
     source = SETTINGS.datasets[wildcards.dataset].source
     if source == "primitives":
         return []
@@ -53,7 +53,7 @@ def raw_objects(wildcards):
 
 
 def raw_state(wildcards):
-    """A digest of what the objects of a shard are called, and of size and time of their files.
+    """A digest of the names of the objects of a shard, and of size and time of their files.
 
     A new file can rename another object, and an older file take the place of one.
     """
@@ -66,7 +66,7 @@ def raw_state(wildcards):
 
 
 def raw_options(wildcards):
-    """The options of postprocess that say what the objects are made from.
+    """The options of postprocess for the source of the objects.
 
     Without `input`, so that other units or another number of objects run it again.
     """

@@ -1,8 +1,8 @@
-"""Functions: what is made by default. No rules here."""
+"""Functions: the default targets. No rules here."""
 
 
 def published():
-    """What the report shows: all files for people, but the report itself."""
+    """The files that the report shows."""
     targets = SETTINGS.targets
     of_gripper = [
         "rescaled/{gripper}/scales.parquet",
@@ -36,7 +36,7 @@ def published():
 
 
 def exported():
-    """The labelled grasps and images in the formats of other programs that are asked for."""
+    """The requested exports of labelled grasps and images for other programs."""
     targets = SETTINGS.targets
     wanted = [
         "exchange/{gripper}.hdf5" if name == "dexnet" else f"exchange/{{gripper}}-{name}"
@@ -46,7 +46,7 @@ def exported():
 
 
 def rendered():
-    """The images with grasps, if they are asked for."""
+    """The images with grasps, if requested."""
     targets = SETTINGS.targets
     wanted = expand("images/{gripper}/card.md", gripper=targets.grippers)
     return of_datasets(targets.datasets, wanted) if targets.render else []

@@ -1,4 +1,4 @@
-"""Functions: training sets and the networks that learn from them. No rules here."""
+"""Functions: training sets and the networks trained on them. No rules here."""
 
 
 def settings_of_set(stage):
@@ -13,18 +13,18 @@ def settings_of_set(stage):
 
 
 def learnt(wildcards):
-    """The weights that are trained for a detector; none for others."""
+    """The weights of a detector that is trained here; none for others."""
     network = NETWORKS.get(wildcards.detector)
     return [TRIED.detectors[network.name].weights] if network and is_trained(network) else []
 
 
 def is_trained(network):
-    """Whether a network of the experiment is trained here."""
+    """Whether a network of the training study is trained here."""
     return SETTINGS.training_sets[network.training_set].dataset is not None
 
 
 def detector_code(wildcards):
-    """The code and weights of a detector that is not trained here: editing them tries again."""
+    """The code and weights of a detector that is not trained here: its trials depend on them."""
     if learnt(wildcards):
         return []
     try:
@@ -43,7 +43,7 @@ def of_set(file):
 
 
 def held_out_of_set(wildcards):
-    """The evaluation set of this dataset, if it is for testing."""
+    """The evaluation set of this dataset, if it is held out for testing."""
     held = SETTINGS.training_sets[wildcards.training_set].hold_out
     return [of_set("eval49.parquet")(wildcards)] if held else []
 
@@ -55,7 +55,7 @@ def mesh_of_the_gripper(wildcards):
 
 
 def compared(wildcards):
-    """What the report on training sets shows; by what: trials, evaluation, trained, images."""
+    """The inputs of the training study: trials, evaluation, trained or images."""
     asked = SETTINGS.training_study
     for key, meaning in (("sets", "training set"), ("tests", "dataset to try networks on")):
         if not getattr(asked, key):

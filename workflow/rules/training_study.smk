@@ -1,11 +1,11 @@
-"""Diversity: the same network taught by different objects. Made if it is named: docs/training-study.md.
+"""Training-study: networks trained on different object sets. Made only if named.
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet and
 results/D/eval49.parquet of the datasets of the training sets, for the first target gripper G.
-Outputs: results/training_study/report.html and results.parquet; on the way images/SET, as of render, and
-networks/SET/SEED, as of `egad train`.
-Steps: the images of each set are rendered; a network learns from them for each seed; rules
-simulated_trial and join_trials try it as the detector SET-SEED; then the report.
+Outputs: results/training_study/report.html and results.parquet; also images/SET, as from render, and
+networks/SET/SEED, as from `egad train`. See docs/training-study.md.
+Steps: the images of each set are rendered; a network is trained on them for each seed; the rules
+simulated_trial and join_trials run its trials as the detector SET-SEED; then the report.
 """
 
 
@@ -72,7 +72,7 @@ use rule image_card as set_card with:
 
 
 rule train_network:
-    """Train a network on the images of a set; what an interrupted training left is gone on with."""
+    """Train a network on the images of a set; training resumes from its last checkpoint."""
     input:
         card="results/training_study/images/{training_set}/card.md",
     output:
@@ -85,7 +85,7 @@ rule train_network:
         "logs/training_study/train_network/{training_set}-{seed}.log",
     benchmark:
         "benchmarks/training_study/train_network/{training_set}-{seed}.tsv"
-    # The longest jobs, and trials wait for them.
+    # The longest jobs; trials need them.
     priority: 2
     conda:
         ENVIRONMENT
@@ -96,7 +96,7 @@ rule train_network:
         settings=settings_of_set("train"),
         images=subpath(input.card, parent=True),
         folder=subpath(output.weights, parent=True),
-        # The chart and the card of a network decide nothing about it.
+        # The chart and the card of a network do not affect it.
         code=[
             code_version(f"egad.learning.{name}") for name in ("training", "weights", "evaluation")
         ],
@@ -108,7 +108,7 @@ rule train_network:
 
 
 rule training_study:
-    """Put all networks side by side."""
+    """Compare all networks."""
     input:
         compared,
     output:

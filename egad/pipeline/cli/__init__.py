@@ -1,4 +1,4 @@
-"""The `egad` command: one command a stage, and tools for people."""
+"""The `egad` command: one command per stage, and tools."""
 
 import logging
 import sys
@@ -20,7 +20,7 @@ __all__ = [
 
 
 def main() -> None:
-    """Run the command; say what went wrong in a sentence, without a traceback."""
+    """Run the command; report errors as one sentence, without a traceback."""
     logging.basicConfig(level=logging.WARNING, format="%(message)s", stream=sys.stderr)
     logging.getLogger("egad").setLevel(logging.INFO)
     try:

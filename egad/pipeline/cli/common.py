@@ -1,4 +1,4 @@
-"""What all commands share: the application, options, and how settings are read."""
+"""Shared parts of all commands: the application, options, and reading of settings."""
 
 import os
 from pathlib import Path
@@ -17,34 +17,36 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    help="Evolved objects for robot grasping. Commands take metres unless they say otherwise.",
+    help="Evolved objects for robot grasping. Lengths are metres unless stated otherwise.",
 )
 TOOL = "Tools"
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 Out = Annotated[Path, typer.Option(help="file to write")]
 OutFolder = Annotated[Path, typer.Option(help="folder to write")]
-Config = Annotated[Path | None, typer.Option(help="configuration file; else the defaults")]
-Meshes = Annotated[list[Path], typer.Argument(help="mesh files or folders of them")]
+Config = Annotated[
+    Path | None, typer.Option(help="configuration file; default: the default settings")
+]
+Meshes = Annotated[list[Path], typer.Argument(help="mesh files, or folders of mesh files")]
 Units = Annotated[Literal["m", "cm", "mm", "inch"], typer.Option(help="unit of the meshes")]
-Jobs = Annotated[int, typer.Option(min=1, help="cores to use; no result depends on it")]
+Jobs = Annotated[int, typer.Option(min=1, help="cores to use; results do not depend on it")]
 GripperName = Annotated[
     str | None,
-    typer.Option("--gripper", help="name of the gripper; else the first target"),
+    typer.Option("--gripper", help="name of the gripper; default: the first target gripper"),
 ]
 M = TypeVar("M", bound=BaseModel)
 
 
 def parse(model: type[M], text: str) -> M:
-    """The settings that the workflow hands to a stage.
+    """The settings that the workflow passes to a stage.
 
     Raises:
-        UserError: They are not what the stage reads.
+        UserError: They are not settings of the stage.
     """
     try:
         return model.model_validate_json(text)
     except ValidationError as error:
-        raise UserError(f"--settings is not what this stage reads: {error}") from error
+        raise UserError(f"--settings are not valid for this stage: {error}") from error
 
 
 def settings_in(config: Path | None) -> Settings:
@@ -65,20 +67,20 @@ def settings_in(config: Path | None) -> Settings:
 
 
 def files_in(paths: list[Path]) -> list[Path]:
-    """The files that are named, and those in the folders that are named, each once."""
+    """The given files, and the files in the given folders, without duplicates."""
     from egad.exchange.folders import mesh_files
 
     files: dict[Path, Path] = {}
     for path in paths:
         for file in mesh_files(path) if path.is_dir() else [path]:
             if file.resolve() in files:
-                typer.echo(f"{file} is named twice and taken once", err=True)
+                typer.echo(f"{file} is given twice; it is used once", err=True)
             files.setdefault(file.resolve(), file)
     return list(files.values())
 
 
 def changed(settings: Settings, section: str, **values: object) -> Settings:
-    """The settings with other values in a section, but for those that are None.
+    """The settings with the given values in a section; None keeps a value.
 
     Raises:
         UserError: A value is not allowed.

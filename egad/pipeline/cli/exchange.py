@@ -1,4 +1,4 @@
-"""Exports of labelled grasps and of images with them in the formats of other programs."""
+"""Exports of labelled grasps and of images with grasps in the formats of other programs."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,7 +13,9 @@ from egad.pipeline.config.formats import Format
 from egad.pipeline.exports import export_function, sources
 
 Dataset = Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")]
-Parts = Annotated[list[Path], typer.Option("--part", help="objects of a shard (dexnet)")]
+Parts = Annotated[
+    list[Path], typer.Option("--part", help="file of the objects of a shard (format dexnet)")
+]
 
 
 @app.command(rich_help_panel=TOOL)
@@ -21,12 +23,12 @@ def export(
     dataset: Dataset,
     gripper: Annotated[str, typer.Option(help="name of the gripper")],
     out: Out,
-    ending: Annotated[Format, typer.Option("--format", help="whose format")],
+    ending: Annotated[Format, typer.Option("--format", help="format to write")],
     config: Config = None,
     settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
     part: Parts = [],  # noqa: B006 (typer copies it)
 ) -> None:
-    """Write labelled grasps for Dex-Net or ACRONYM, or rendered images in other layouts."""
+    """Export labelled grasps for Dex-Net or ACRONYM, or rendered images in other layouts."""
     from egad.exchange.grasps import check_opening, grasp_table
     from egad.pipeline.parameters import declared, settings_type
     from egad.pipeline.provenance.record import run_recorded
@@ -50,7 +52,7 @@ def export(
 def _dexnet_parts(
     given: dict[str, Any], parts: list[Path], config: Path | None
 ) -> Iterator[list[Path]]:
-    """The parts of a Dex-Net database that are given; without any, one that is made here."""
+    """The given parts of a Dex-Net database; if there are none, a new one."""
     from egad.pipeline.exports.dexnet import check
     from egad.pipeline.stages import dexnet_objects
 
@@ -58,7 +60,9 @@ def _dexnet_parts(
     if out.is_dir():
         raise UserError(f"--out {out} is a folder; name a file")
     if out.suffix != ".hdf5":
-        raise UserError(f"--out {out}: the name must end in .hdf5, else Dex-Net does not open it")
+        raise UserError(
+            f"--out {out}: the name must end in .hdf5, otherwise Dex-Net does not open it"
+        )
     if parts:
         yield parts
         return
@@ -79,7 +83,7 @@ def _chosen(
     config: Path | None,
     gripper: str | None = None,
 ) -> Any:  # noqa: ANN401 (of that class)
-    """The settings of a stage: those handed over, or the part of a configuration."""
+    """The settings of a stage, from the given text or from a configuration."""
     from egad.pipeline.config.stage_settings import select
 
     if text is not None:

@@ -1,4 +1,4 @@
-"""Tools about grasps: how quality depends on size, and a look at labelled grasps."""
+"""Tools for grasps: grasp quality over object size, and a viewer."""
 
 from pathlib import Path
 from typing import Annotated
@@ -25,7 +25,9 @@ Charts = Annotated[
     list[Path],
     typer.Option("--out", help="file to write: .svg, .parquet or .csv; may be repeated"),
 ]
-Grasps = Annotated[int | None, typer.Option(min=1, help="grasps; else as in the configuration")]
+Grasps = Annotated[
+    int | None, typer.Option(min=1, help="number of grasps; default: as in the configuration")
+]
 
 
 @app.command(name="size-effect", rich_help_panel=TOOL)
@@ -38,7 +40,7 @@ def size_effect(
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
-    """Rate grasps of any meshes at several sizes, relative to the opening of a gripper."""
+    """Compute grasp quality of meshes at several sizes, relative to the gripper opening."""
     from egad._util.files import write_text
     from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_frame
@@ -66,17 +68,21 @@ def size_effect(
 
 @app.command(rich_help_panel=TOOL)
 def view(
-    item: Annotated[str, typer.Argument(metavar="OBJECT", help="label of an object, or mesh file")],
+    item: Annotated[
+        str, typer.Argument(metavar="OBJECT", help="label of an object, or a mesh file")
+    ],
     gripper: GripperName = None,
     dataset: Annotated[
-        Path, typer.Option("--in", help="folder of the dataset that has the label")
+        Path, typer.Option("--in", help="folder of the dataset with this label")
     ] = Path("results/egad"),
     units: Annotated[str | None, typer.Option(help="unit of a mesh file: m, cm, mm, inch")] = None,
-    out: Annotated[Path, typer.Option(help="page to write")] = Path("view.html"),
-    grasps: Annotated[int | None, typer.Option(min=1, help="grasps of a mesh file")] = None,
+    out: Annotated[Path, typer.Option(help="HTML page to write")] = Path("view.html"),
+    grasps: Annotated[
+        int | None, typer.Option(min=1, help="number of grasps for a mesh file")
+    ] = None,
     config: Config = None,
 ) -> None:
-    """Show an object in 3D with its labelled grasps: one HTML page that opens offline."""
+    """Show an object in 3D with its labelled grasps, as an HTML page that works offline."""
     from egad._util.files import write_text
     from egad.exchange.folders import ENDINGS
     from egad.exchange.frames import check_ending
@@ -90,7 +96,7 @@ def view(
     if Path(item).suffix.lower() not in ENDINGS and not Path(item).is_file():
         shown = stage.from_dataset(dataset, name, item, whole.grippers[name].opening)
     elif units is None:
-        raise UserError(f"{item} is a mesh file: say with --units what it is in: m, cm, mm or inch")
+        raise UserError(f"{item} is a mesh file: give its unit with --units: m, cm, mm or inch")
     else:
         shown = stage.from_mesh(Path(item), units, select(whole, ViewMesh, name))
     write_text(out, page(shown, name, whole.grippers[name]))

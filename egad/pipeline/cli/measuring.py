@@ -1,4 +1,4 @@
-"""Tools that measure any meshes: how complex and difficult, how alike, and where in the space."""
+"""Tools that measure meshes: complexity, difficulty, similarity, position in the space."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -25,14 +25,16 @@ if TYPE_CHECKING:
 
 TableFile = Annotated[Path | None, typer.Option(help="table to write: .parquet or .csv")]
 Grasps = Annotated[
-    int | None, typer.Option(min=1, help="grasps to grade by; else as in the configuration")
+    int | None,
+    typer.Option(min=1, help="grasps to measure the difficulty; default: as in the configuration"),
 ]
 Bases = Annotated[
-    str | None, typer.Option(help="even, or scan: as the original program; else the configuration")
+    str | None,
+    typer.Option(help="even, or scan as in the original program; default: as in the configuration"),
 ]
 Among = Annotated[
     Path,
-    typer.Option("--in", help="archive.parquet, released, or folder of a dataset"),
+    typer.Option("--in", help="archive.parquet, `released`, or folder of a dataset"),
 ]
 PageFile = Annotated[
     list[Path], typer.Option(help="file to write: .html, .parquet or .csv; may be repeated")
@@ -48,7 +50,7 @@ def measure(
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
-    """Measure complexity and difficulty of any meshes, and name their cells."""
+    """Measure complexity and difficulty of meshes, and print their cells."""
     from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_frame
     from egad.pipeline.cli.show import measured
@@ -76,7 +78,7 @@ def similarity(
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
-    """Compare any meshes with each other: 1 for the same shape, 0 for nothing in common."""
+    """Compute pairwise similarities of meshes: 1 for equal shapes, 0 for nothing in common."""
     from egad.exchange.folders import object_names
     from egad.exchange.frames import check_ending, write_matrix
     from egad.pipeline.cli.show import square
@@ -102,7 +104,7 @@ def locate(
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
-    """Show where any meshes lie in the space of a dataset, and the objects most like them."""
+    """Show the positions of meshes in the space of a dataset, and the most similar objects."""
     from egad._util.files import write_text
     from egad.data import archive_path
     from egad.exchange.folders import object_names
@@ -133,13 +135,13 @@ def locate(
 
 
 def _reasons(table: "pd.DataFrame") -> dict[str, str]:
-    """Names of the meshes that could not be used, and why."""
+    """The reasons of the rejected meshes, by name."""
     rejected = table[table["reason"] != ""]
     return dict(zip(rejected["name"], rejected["reason"], strict=True))
 
 
 def complain(reasons: Mapping[str, str], total: int) -> None:
-    """Say which meshes could not be used, and why; an error if none could."""
+    """Print the rejected meshes with reasons; raise an error if all were rejected."""
     for name, reason in reasons.items():
         typer.echo(f"{name}: {reason}", err=True)
     if len(reasons) == total:

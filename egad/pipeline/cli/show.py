@@ -64,7 +64,7 @@ def size_curves(table: pd.DataFrame) -> None:
 
 
 def square(matrix: pd.DataFrame) -> None:
-    """Print a matrix of similarities, or what it is like if it is too large."""
+    """Print a matrix of similarities, or a summary if it is too large."""
     if len(matrix) > MOST:
         known = matrix.notna().any()
         print(f"{len(matrix)} meshes, {known.sum()} compared; --out writes their similarities")
@@ -86,16 +86,16 @@ def succeeded(rates: Mapping[str, Mean]) -> None:
 
 
 def compared(pairs: Sequence[Pair]) -> None:
-    """Print what is known of each two detectors."""
+    """Print the comparison of each pair of detectors."""
     show(
         [
-            "first against second",
-            *("attempts of both", "difference %", "95 % interval", "p over objects"),
-            *("that began alike", "only first", "only second", "p over these"),
+            "first vs second",
+            *("common attempts", "difference %", "95 % interval", "p over objects"),
+            *("same start", "only first", "only second", "p over these"),
         ],
         [
             (
-                f"{pair.first} against {pair.second}",
+                f"{pair.first} vs {pair.second}",
                 str(pair.result.attempts),
                 number(100 * pair.result.difference, 1),
                 _interval(pair.result.interval),
@@ -111,7 +111,7 @@ def compared(pairs: Sequence[Pair]) -> None:
 
 
 def show(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table on stdout, the first and the last column of words to the left."""
+    """Print a table on stdout."""
     table = Table(box=None, pad_edge=False, header_style="bold")
     for place, column in enumerate(columns):
         left = place == 0 or column == "nearest"

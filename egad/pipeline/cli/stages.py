@@ -21,7 +21,7 @@ from egad.pipeline.parameters import Declared, ShardOf, declared
 PANEL = "Stages of the pipeline"
 STAGES = Path(__file__).parents[1] / "stages"
 SETTINGS = "settings of this stage, as JSON"
-NUMBERS = {"shard": "number of this shard", "shards": "number of all shards"}
+NUMBERS = {"shard": "number of this shard, from 0", "shards": "number of shards"}
 Option = inspect.Parameter
 
 
@@ -166,5 +166,5 @@ def files_by_name(words: list[str], needed: str) -> dict[str, Path]:
     """
     named = [word.partition("=") for word in words]
     if wrong := [name for name, _, path in named if not path]:
-        raise UserError(f"{wrong[0]!r} does not say which table; needed: {needed}")
+        raise UserError(f"{wrong[0]!r} has no name; expected: {needed}")
     return {name: Path(path) for name, _, path in named}

@@ -1,4 +1,4 @@
-"""Tools that make files: scaled meshes, the meshes of an archive, pictures."""
+"""Tools that write files: scaled meshes, the meshes of an archive, pictures."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -23,7 +23,7 @@ from egad.pipeline.cli.common import (
 )
 from egad.pipeline.config import Settings
 
-ArchiveFile = Annotated[Path, typer.Argument(help="archive.parquet, or: released")]
+ArchiveFile = Annotated[Path, typer.Argument(help="archive.parquet, or `released`")]
 
 
 @app.command(rich_help_panel=TOOL)
@@ -37,7 +37,7 @@ def rescale(
     ending: Annotated[str, typer.Option("--format", help="obj (m) or stl (mm)")] = "obj",
     jobs: Jobs = CORES,
 ) -> None:
-    """Scale any meshes to a gripper."""
+    """Scale meshes to a gripper."""
     from egad.geometry.scaling import scale_suffix
     from egad.pipeline.config.check import check
     from egad.pipeline.config.stage_settings import select
@@ -56,7 +56,7 @@ def rescale(
         allowed = ", ".join(each[1:] for each in WRITERS)
         raise UserError(f"--format is {ending!r}; allowed: {allowed}")
     suffix = ""
-    if settings is None:  # else of the pipeline's own folder, which may be empty
+    if settings is None:  # otherwise from the pipeline: its folder may be empty
         meshes, suffix = files_in(meshes), scale_suffix(rule, parsed.gripper.opening)
         _spare(out, meshes)
     rejected = run_recorded(
@@ -70,7 +70,7 @@ def rescale(
         jobs=jobs,
     )
     if rejected:
-        typer.echo(f"{rejected} files could not be used: see {out / 'rejected.parquet'}")
+        typer.echo(f"{rejected} files were rejected: see {out / 'rejected.parquet'}")
 
 
 @app.command(rich_help_panel=TOOL)
@@ -79,13 +79,16 @@ def bundle(
     out: OutFolder,
     settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
     evaluation: Annotated[
-        Path | None, typer.Option("--eval", help="evaluation set, of a folder of scaled meshes")
+        Path | None,
+        typer.Option(
+            "--eval", help="evaluation set; MESHES is then the folder of its scaled meshes"
+        ),
     ] = None,
     units: Units = "m",
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
-    """Make any meshes ready for simulators: convex parts, URDF, MJCF, poses at rest."""
+    """Prepare meshes for simulators: convex parts, URDF, MJCF, poses at rest."""
     from egad.pipeline.config.stage_settings import select
     from egad.pipeline.provenance.record import run_recorded
     from egad.pipeline.stages import bundle as stage
@@ -112,12 +115,12 @@ def bundle(
         jobs=jobs,
     )
     if rejected:
-        typer.echo(f"{rejected} objects could not be used: see {out / 'rejected.parquet'}")
+        typer.echo(f"{rejected} objects were rejected: see {out / 'rejected.parquet'}")
 
 
 @app.command(rich_help_panel=TOOL)
 def export_meshes(archive: ArchiveFile, out: OutFolder, config: Config = None) -> None:
-    """Write the meshes of an archive as ID.obj, in metres, as they came out of evolution."""
+    """Write the meshes of an archive as ID.obj, in metres, without repair."""
     from egad.data import archive_path
     from egad.pipeline.archive_settings import check_provenance
     from egad.pipeline.config.stage_settings import LocateMeshes, select
@@ -135,7 +138,7 @@ def collage(
     out: Out,
     config: Config = None,
 ) -> None:
-    """Draw the objects of a dataset at their places in the space, as one PNG picture."""
+    """Draw the objects of a dataset, arranged in the space, as one PNG picture."""
     from egad.pipeline.stages import collage as stage
 
     settings = settings_in(config)
@@ -144,7 +147,7 @@ def collage(
 
 @app.command(rich_help_panel=TOOL)
 def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
-    """Draw how many elites each cell of an archive holds, as SVG."""
+    """Draw the number of elites per cell of an archive, as SVG."""
     from egad._util.files import write_text
     from egad.data import archive_path
     from egad.pipeline.archive_settings import check_provenance
@@ -163,15 +166,15 @@ def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
 
 @app.command(name="check-config", rich_help_panel=TOOL)
 def check_config(files: list[Path]) -> None:
-    """Check configuration files and list every problem."""
+    """Check configuration files and list all problems."""
     for file in files:
         settings_in(file)
         typer.echo(f"{file}: fine")
 
 
 def _spare(folder: Path, files: Sequence[Path] = (), table: str = "scales.parquet") -> None:
-    """Refuse to replace a folder that holds anything but what this command wrote before."""
+    """Raise UserError if a folder has files that this command did not write."""
     foreign = folder.exists() and any(folder.iterdir()) and not (folder / table).exists()
     inside = any(folder.resolve() in file.resolve().parents for file in files)
     if foreign or inside:
-        raise UserError(f"--out {folder} holds files that would be lost; name a folder of its own")
+        raise UserError(f"--out {folder} has other files, which would be lost; give another folder")

@@ -23,20 +23,25 @@ from egad.pipeline.cli.stages import PANEL
 def train(
     images: Annotated[Path, typer.Argument(help="folder of rendered images")],
     out: OutFolder,
-    network: Annotated[str | None, typer.Option(help="ggcnn or ggcnn2; else the settings")] = None,
-    seed: Annotated[int | None, typer.Option(help="all chance; else the settings")] = None,
+    network: Annotated[
+        str | None, typer.Option(help="ggcnn or ggcnn2; default: as in the settings")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="random seed; default: as in the settings")
+    ] = None,
     budget: Annotated[
-        int | None, typer.Option(min=1, help="most images to learn from; else the settings")
+        int | None,
+        typer.Option(min=1, help="largest number of training images; default: as in the settings"),
     ] = None,
     config: Config = None,
     settings: Annotated[
-        str | None, typer.Option(help="settings of this stage, as JSON, in the place of --config")
+        str | None, typer.Option(help="settings of this stage, as JSON, instead of --config")
     ] = None,
     jobs: Jobs = CORES,
 ) -> None:
     """Train a grasp network on rendered images: weights, history, chart and model card.
 
-    If it is interrupted, the same command goes on after the last epoch, with the same result.
+    After an interruption, the same command resumes after the last epoch, with the same result.
     """
     from egad.pipeline.config.check import check
     from egad.pipeline.config.stage_settings import select
@@ -45,7 +50,7 @@ def train(
 
     if settings is not None:
         if config or network or seed is not None or budget:
-            raise UserError("--settings has all settings; leave the other ones away")
+            raise UserError("--settings has all settings; omit the other options")
         parsed = parse(TrainNetwork, settings)
     else:
         whole = changed(settings_in(config), "training", network=network, images=budget)
@@ -54,6 +59,6 @@ def train(
         parsed = select(whole, TrainNetwork)
     score = run_recorded(run, settings=parsed, images=images, out=out, jobs=jobs)
     typer.echo(
-        f"{out}: right in {score.n_correct} of {score.n_images} images of held-out objects, "
+        f"{out}: correct in {score.n_correct} of {score.n_images} images of held-out objects, "
         f"{score.rate:.0%} ({score.interval[0]:.0%} to {score.interval[1]:.0%})"
     )

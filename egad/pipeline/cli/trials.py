@@ -1,4 +1,4 @@
-"""Tools for the results of trials, of the simulation or of a real robot."""
+"""Tools for the results of trials, in simulation or with a real robot."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 trials = typer.Typer(
-    no_args_is_help=True, help="Results of grasping trials: compare, replay, import, template."
+    no_args_is_help=True, help="Results of grasping trials: compare, report, replay, template."
 )
 app.add_typer(trials, name="trials", rich_help_panel=TOOL)
 
@@ -33,9 +33,9 @@ def compare(
     evaluation: Evaluation = None,
     config: Config = None,
 ) -> None:
-    """Compare detectors that tried the same objects: rates, differences, and if it was luck.
+    """Compare detectors on the same objects: success rates, differences, significance.
 
-    Tables of the simulation must be of one evaluation set, scaled for one gripper.
+    Simulated results must be of the same evaluation set, scaled to the same gripper.
     """
     from egad.exchange.frames import check_ending
     from egad.stats.records import gather
@@ -43,7 +43,7 @@ def compare(
     check_ending(out, (".html",))
     found = gather(tables)
     if len(found) < 2:
-        raise UserError("compare needs the results of two detectors or more")
+        raise UserError("compare needs the results of at least two detectors")
     _tell(found)
     if out is not None:
         _write(out, found, evaluation, settings_in(config))
@@ -56,7 +56,7 @@ def report(
     evaluation: Evaluation = None,
     config: Config = None,
 ) -> None:
-    """Show the results of a real robot as those of the simulation."""
+    """Report the results of a real robot in the same way as simulated results."""
     import pandas as pd
 
     from egad.exchange.frames import check_ending, write_frame
@@ -76,17 +76,21 @@ def report(
 
 @trials.command()
 def replay(
-    label: Annotated[str, typer.Argument(help="name in the evaluation set, such as C4")],
+    label: Annotated[str, typer.Argument(help="label in the evaluation set, such as C4")],
     attempt: Annotated[int, typer.Argument(help="number of the attempt, from 0")],
-    out: Annotated[Path | None, typer.Option(help=".gif or .mp4; else LABEL-ATTEMPT.gif")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help=".gif or .mp4; default: LABEL-ATTEMPT.gif")
+    ] = None,
     dataset: Annotated[
-        Path, typer.Option("--in", help="folder of the dataset that has the label")
+        Path, typer.Option("--in", help="folder of the dataset with this label")
     ] = Path("results/egad"),
     gripper: GripperName = None,
-    detector: Annotated[str | None, typer.Option(help="detector; else the first target")] = None,
+    detector: Annotated[
+        str | None, typer.Option(help="detector; default: the first target detector")
+    ] = None,
     config: Config = None,
 ) -> None:
-    """Repeat an attempt of the simulation, bit by bit, and film it."""
+    """Repeat a simulated attempt exactly, and film it."""
     from egad.exchange.frames import check_ending
     from egad.pipeline.config.stage_settings import select
     from egad.pipeline.config.training_study import with_networks
@@ -114,12 +118,13 @@ def replay(
 def template(
     out: Annotated[Path, typer.Option(help="CSV file to write")] = Path("results.csv"),
     evaluation: Annotated[
-        Path | None, typer.Option("--eval", help="eval49.parquet: its objects, else all places")
+        Path | None,
+        typer.Option("--eval", help="eval49.parquet: use its objects; default: all cells"),
     ] = None,
     detector: Annotated[str, typer.Option(help="name of the detector")] = "",
     config: Config = None,
 ) -> None:
-    """Write a CSV file to fill in at the robot: a row an attempt, `success` to be 1 or 0."""
+    """Write a CSV file to fill in at the robot: one row per attempt, `success` is 1 or 0."""
     from egad._util.files import atomic_output
     from egad.evalset.datasheet import ATTEMPTS
     from egad.evalset.selection import labels_of
@@ -130,7 +135,7 @@ def template(
 
     check_ending(out, (".csv",))
     if out.exists():
-        raise UserError(f"--out {out} is there already, perhaps filled in; name another file")
+        raise UserError(f"--out {out} exists and may be filled in; give another file")
     settings = settings_in(config)
     labels = labels_of(settings.select_eval.rows, settings.select_eval.columns)
     if evaluation is not None:
@@ -142,7 +147,7 @@ def template(
 
 
 def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
-    """Print rates, and what is known of each two detectors."""
+    """Print success rates, and comparisons of pairs of detectors."""
     from egad.pipeline.cli.show import compared, succeeded
     from egad.report.trials import pairs
     from egad.stats.rates import mean_rate

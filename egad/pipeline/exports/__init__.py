@@ -1,4 +1,4 @@
-"""Exports in the formats of other programs: each module here is a format, called as it is.
+"""Exports in the formats of other programs: each module is a format with the same name.
 
 Its function `run` reads what its parameters name (`SOURCES`) and writes the folder `out`. `egad
 export`, `targets.exports` and the rule `export` then know the format.
@@ -21,12 +21,12 @@ SOURCES = {
 
 
 def export_function(name: str) -> Callable[..., Any]:
-    """What writes a format."""
+    """The function that writes a format."""
     found: Callable[..., Any] = importlib.import_module(f"egad.pipeline.exports.{name}").run
     return found
 
 
 def sources(name: str, gripper: str) -> dict[str, str]:
-    """What a format reads, by the names of its parameters, in the folder of a dataset."""
+    """The files in the folder of a dataset that a format reads, by parameter."""
     names = [each.name for each in declared(export_function(name))]
     return {each: SOURCES[each].format(gripper=gripper) for each in names if each in SOURCES}

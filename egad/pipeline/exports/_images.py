@@ -1,4 +1,4 @@
-"""What the formats of rendered images share."""
+"""Functions shared by the formats of rendered images."""
 
 import logging
 from collections.abc import Callable, Iterator, Mapping
@@ -32,12 +32,12 @@ class ImageLayouts(StageSettings):
 
 
 def write_by_split(images: Path, out: Path, write: Callable[[Picture, Path], bool]) -> None:
-    """Write a set of images, a folder a split.
+    """Write a set of images, one folder per split.
 
     Args:
         images: Folder with `images-N.parquet`.
         out: Folder to write.
-        write: Writes an image into the folder of its split; false if the format cannot hold it.
+        write: Writes an image into the folder of its split; false if it is not supported.
 
     Raises:
         UserError: Shards are missing, the images do not fit the format, or the folder has files.
@@ -55,26 +55,26 @@ def write_by_split(images: Path, out: Path, write: Callable[[Picture, Path], boo
 
 
 def pictures(images: Path) -> Iterator[Picture]:
-    """Every picture of a folder, a shard at a time in memory."""
+    """All pictures of a folder; one shard at a time is in memory."""
     for table in shards(images):
         yield from progress(Images(table), "writing images", len(table))
 
 
 def check_folder(out: Path) -> None:
-    """Make sure that an export into a folder replaces no file.
+    """Check that an export into a folder replaces no file.
 
     Raises:
-        UserError: There is one.
+        UserError: It would.
     """
     if out.is_file():
         raise UserError(f"--out {out} is a file; name a folder")
 
 
 def check_empty(out: Path) -> None:
-    """Make sure that a folder has nothing that would be lost.
+    """Check that a folder is empty or new.
 
     Raises:
-        UserError: It has, or is a file.
+        UserError: It is not empty, or is a file.
     """
     check_folder(out)
     if out.is_dir() and any(out.iterdir()):

@@ -43,16 +43,16 @@ def run(
     """Write a file for each object that has grasps.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this format.
         gripper: Name of the gripper.
         objects: Table with the columns of `tables.objects.OBJECTS`.
         scales: Table with the columns of `tables.grasping.SCALES`.
         grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
-        out: The labelled grasps for gripper G as ACRONYM files, if `targets.exports` asks for
-            `acronym`; the root of their meshes is `D`. See `docs/exchange.md`.
+        out: The labelled grasps for gripper G as ACRONYM files; the root of their meshes is `D`.
+            Made if `targets.exports` contains `acronym`. See `docs/exchange.md`.
 
     Raises:
-        UserError: A name cannot be used, tables do not match, or the folder has other files.
+        UserError: A name is not allowed, tables do not match, or the folder has other files.
     """
     check_folder(out)
     if foreign := [path.name for path in sorted(out.glob("*")) if not is_ours(path)]:

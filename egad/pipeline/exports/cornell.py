@@ -13,13 +13,13 @@ def run(
     images: Annotated[Path, IMAGES],
     out: Annotated[Path, Output("D/exchange/G-cornell/")],
 ) -> None:
-    """Write a set of images as Cornell has them.
+    """Write a set of images in the layout of Cornell.
 
     Args:
-        settings: What this format reads.
+        settings: Settings of this format.
         images: Folder with `images-N.parquet`.
-        out: Rendered images with grasps for gripper G laid out as in Cornell, if `targets.exports`
-            asks for `cornell`. See `docs/images.md`.
+        out: Rendered images with grasps for gripper G in the layout of Cornell. Made if
+            `targets.exports` contains `cornell`. See `docs/images.md`.
 
     Raises:
         UserError: Shards are missing, or the images do not fit the layout.

@@ -75,21 +75,21 @@ def run(
     grasps: Annotated[Path, NotNoted()],
     out: Annotated[Path, Output("D/exchange/G.hdf5")],
 ) -> None:
-    """Bring the objects of all shards together and add their grasps.
+    """Combine the objects of all shards, and add their grasps.
 
-    A damaged part that the workflow made is removed, so that its next run makes it anew.
+    A damaged part of the workflow is removed, so that the next run makes it again.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this format.
         dataset: Folder of the dataset; its name is that of the dataset.
         gripper: Name of the gripper.
         parts: The objects, as `stages.dexnet_objects` writes them.
         grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
-        out: The objects and the labelled grasps for gripper G as a Dex-Net database, if
-            `targets.exports` asks for `dexnet`. See `docs/exchange.md`.
+        out: The objects and the labelled grasps for gripper G as a Dex-Net database. Made if
+            `targets.exports` contains `dexnet`. See `docs/exchange.md`.
 
     Raises:
-        UserError: A name cannot be used, parts or grasps do not match, or a part is damaged.
+        UserError: A name is not allowed, parts or grasps do not match, or a part is damaged.
         TableError: The table is damaged, or is not one of grasps.
     """
     check(dataset, gripper, grasps)
@@ -108,10 +108,10 @@ def run(
 
 
 def check(dataset: Path, gripper: str, grasps: Path) -> None:
-    """Make sure, before any work, that names can be used and that the table has its columns.
+    """Check in advance that names are allowed and that the table has its columns.
 
     Raises:
-        UserError: A name cannot be used.
+        UserError: A name is not allowed.
         TableError: The table is damaged, or is not one of grasps.
     """
     check_key(dataset.absolute().name, "dataset")
@@ -171,7 +171,7 @@ def _meaning(schema: pa.Schema, column: str) -> str:
 
 
 def metrics(settings: DexNetDatabase) -> dict[str, dict[str, object]]:
-    """How the metrics of the grasps are computed, under the names that Dex-Net has for it."""
+    """The configuration of the grasp metrics, under the names of Dex-Net."""
     plain: dict[str, object] = {
         "quality_method": "ferrari_canny_L1",
         "quality_type": "quasi_static",

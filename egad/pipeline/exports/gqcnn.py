@@ -17,13 +17,13 @@ def run(
     images: Annotated[Path, IMAGES],
     out: Annotated[Path, Output("D/exchange/G-gqcnn/")],
 ) -> None:
-    """Write a set of images as GQ-CNN has them.
+    """Write a set of images in the layout of GQ-CNN.
 
     Args:
-        settings: What this format reads.
+        settings: Settings of this format.
         images: Folder with `images-N.parquet`.
-        out: Rendered images with grasps for gripper G laid out as in GQ-CNN, if `targets.exports`
-            asks for `gqcnn`. See `docs/images.md`.
+        out: Rendered images with grasps for gripper G in the layout of GQ-CNN. Made if
+            `targets.exports` contains `gqcnn`. See `docs/images.md`.
 
     Raises:
         UserError: Shards are missing, or the images do not fit the layout.

@@ -13,13 +13,13 @@ def run(
     images: Annotated[Path, IMAGES],
     out: Annotated[Path, Output("D/exchange/G-jacquard/")],
 ) -> None:
-    """Write a set of images as Jacquard has them.
+    """Write a set of images in the layout of Jacquard.
 
     Args:
-        settings: What this format reads.
+        settings: Settings of this format.
         images: Folder with `images-N.parquet`.
-        out: Rendered images with grasps for gripper G laid out as in Jacquard, if `targets.exports`
-            asks for `jacquard`. See `docs/images.md`.
+        out: Rendered images with grasps for gripper G in the layout of Jacquard. Made if
+            `targets.exports` contains `jacquard`. See `docs/images.md`.
 
     Raises:
         UserError: Shards are missing, or the images do not fit the layout.

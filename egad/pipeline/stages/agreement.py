@@ -1,4 +1,4 @@
-"""agreement: labelled grasps of the evaluation objects of a shard, carried out."""
+"""agreement: simulated execution of labelled grasps of the evaluation objects of a shard."""
 
 import logging
 from collections.abc import Callable, Iterator, Mapping
@@ -32,20 +32,20 @@ def run(
     shard: Shard,
     out: Annotated[Path, Output("D/agreement/G.parquet", AGREEMENT)],
 ) -> None:
-    """Carry out labelled grasps of the evaluation objects of a shard in simulation.
+    """Execute labelled grasps of the evaluation objects of a shard in simulation.
 
-    As in `simulate`, all is done in one process apart from this one; grasps of an object that ends
-    it twice are marked as crashed.
+    As in `simulate`, everything runs in a separate process. If an object crashes it twice, the
+    grasps of that object are marked as crashed.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         evaluation: Evaluation set.
-        bundle: Folder of the simulation bundle, scaled to the gripper. Grasps of an object that is
-            not in it have failed.
-        grasps: Labelled grasps for the gripper, of which a sample is carried out.
-        shard: Number of the shard, and of how many.
-        out: A sample of the labelled grasps for gripper G carried out in simulation, if
-            `targets.agreement` asks for it.
+        bundle: Folder of the simulation bundle, scaled to the gripper. Grasps of objects that it
+            does not contain count as failed.
+        grasps: Labelled grasps for the gripper; a sample of them is executed.
+        shard: Number of this shard, and number of shards.
+        out: A sample of the labelled grasps for gripper G, executed in simulation. Made if
+            `targets.agreement` is true.
     """
     from egad.sim import labelled_trials as t  # noqa: PLC0415 (PyBullet greets on stderr)
 
@@ -76,7 +76,7 @@ def run(
 def executor(
     settings: LabelTrialParameters, bundle: Path
 ) -> Iterator[Callable[[Task], pd.DataFrame]]:
-    """What carries out grasps at an object of the bundle: its row there, and the grasps."""
+    """A function that executes grasps of an object, given its row in the bundle and the grasps."""
     from egad.sim.labelled_trials import execute_labelled_grasps  # noqa: PLC0415
 
     def carry_out(task: Task) -> pd.DataFrame:

@@ -57,17 +57,17 @@ def bundle(
     ],
     jobs: Jobs = 1,
 ) -> int:
-    """Make any meshes ready for simulators: convex parts, URDF, MJCF, poses at rest.
+    """Prepare meshes for simulators: convex parts, URDF, MJCF, poses at rest.
 
     Args:
-        settings: Material, and how the parts are made.
-        evaluation: Evaluation set, of one folder of scaled meshes.
-        meshes: Mesh files, or that folder.
+        settings: Material, and method of the convex decomposition.
+        evaluation: Evaluation set; `meshes` is then the folder of its scaled meshes.
+        meshes: Mesh files, or one folder with `evaluation`.
         units: Unit of the meshes.
         out: Folder with the evaluation set for simulators, scaled to gripper G: meshes, URDF,
-            MJCF, poses at rest; and a table of the objects in it, their parts and masses.
-            `rejected.parquet` beside it names those that could not be made ready. The trials use
-            the folder. `docs/bundle.md` says what is in it.
+            MJCF and poses at rest, with a table of the objects, their parts and masses.
+            `rejected.parquet` lists the objects that could not be prepared. The trials use this
+            folder. `docs/bundle.md` describes its contents.
         jobs: Processes; the result does not depend on it.
 
     Returns:
@@ -91,10 +91,10 @@ def any_objects(files: list[Path]) -> list[Item]:
 def run(
     settings: SimulationBundle, objects: list[Item], units: str, out: Path, worker_count: int = 1
 ) -> int:
-    """Write everything that a simulator needs.
+    """Write all files that a simulator needs.
 
     Args:
-        settings: Material, and how the parts are made.
+        settings: Material, and method of the convex decomposition.
         objects: Mesh files and names.
         units: Unit of the meshes.
         out: Folder for `LABEL/`, `bundle.parquet`, `rejected.parquet`, `README.md` and

@@ -1,4 +1,4 @@
-"""Objects of a simulation bundle, and work on them that an engine may end."""
+"""Objects of a simulation bundle, and work on them that may crash the physics engine."""
 
 import logging
 from collections.abc import Callable, Mapping
@@ -57,13 +57,13 @@ def outlived(
     item: Item | None,
     otherwise: Callable[[Outcome], pd.DataFrame],
 ) -> pd.DataFrame:
-    """What comes of an object of the evaluation set, whatever the engine does.
+    """The result of the work on an object, also if the engine crashes.
 
     Args:
         row: Label and id of the object.
-        work: Gives its table from the item, or None if the process died of it.
-        item: What the work takes; None if the object is not in the bundle.
-        otherwise: Gives its table from the outcome that all its attempts have then.
+        work: Returns the table of the item, or None if the process crashed.
+        item: Argument of the work; None if the object is not in the bundle.
+        otherwise: Returns the table of an object whose attempts all have the given outcome.
     """
     table = None if item is None else work(item)
     if table is not None:

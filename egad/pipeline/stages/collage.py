@@ -1,4 +1,4 @@
-"""collage: one picture of all objects of a dataset, at their places in the space."""
+"""collage: one picture of the objects of a dataset, arranged in the space."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""collect: the objects of all shards become one dataset, with cells, labels and diversities."""
+"""collect: combine the objects of all shards into a dataset with cells, labels, diversities."""
 
 import logging
 from collections import deque
@@ -47,18 +47,18 @@ def run(
     meshes: Annotated[Path, Output("D/meshes/LABEL.obj")],
     jobs: Jobs = 1,
 ) -> None:
-    """Bring the shards of a dataset together: cells, labels, diversities, meshes.
+    """Combine the shards of a dataset: cells, labels, diversities, meshes.
 
     Args:
-        settings: What this stage reads.
-        source: Evolved, archive, meshes or primitives. Labels are built from cells for the first
-            two, else they are the names that the meshes had.
-        solids: Shards of postprocess.
+        settings: Settings of this stage.
+        source: `evolved`, `archive`, `meshes` or `primitives`. The first two get labels from their
+            cells, the others keep the names of their meshes.
+        solids: Objects of the shards, from postprocess.
         rejects: Rejected objects of the shards.
         out: The repaired and measured objects.
-        rejected: What was left out, and why.
+        rejected: The rejected objects, with reasons.
         meshes: The meshes of these objects, in metres.
-        jobs: Processes that write, threads that compare; the result does not depend on it.
+        jobs: Processes and threads; the result does not depend on it.
     """
     evolved = source in ("evolved", "archive")
     frame = arrange(join(solids, SOLIDS, ["id"]), settings, evolved, jobs)
@@ -75,7 +75,7 @@ def run(
 def arrange(
     frame: pd.DataFrame, settings: Collect, evolved: bool, threads: int = 1
 ) -> pd.DataFrame:
-    """Add cells, diversities and labels, and sort by label."""
+    """Add cells, diversities and labels; sort by label."""
     graphs = [reeb.unpack(data) for data in frame["graph"]]
     space = settings.space
     frame = frame.assign(

@@ -1,4 +1,4 @@
-"""compare: datasets side by side, as in EGAD's Table III, with a map of each."""
+"""compare: a comparison of datasets, as in Table III of EGAD, with a map of each."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -31,16 +31,16 @@ def run(
     out: Annotated[Path, Output("comparison.parquet", COMPARISON)],
     figure: Annotated[Path, Output("comparison.svg")],
 ) -> str:
-    """Put datasets side by side: coverage and diversity of each, and where its objects lie.
+    """Compare datasets: coverage and diversity, and a map of the objects of each.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         datasets: Objects of each dataset as NAME=objects.parquet.
-        out: The datasets side by side.
-        figure: A small map of each dataset: objects a cell, all on one scale.
+        out: Coverage and diversity of all datasets.
+        figure: A small map of each dataset: objects per cell, on a common scale.
 
     Returns:
-        The table for a terminal, with the published numbers beneath.
+        The table for a terminal, with the published numbers below.
     """
     objects = {name: parquet.read(path, OBJECTS) for name, path in datasets.items()}
     comparison = pd.DataFrame([_row(name, each, settings) for name, each in objects.items()])

@@ -1,4 +1,4 @@
-"""datasheet: what there is to know about an evaluation set, for people."""
+"""datasheet: a readable description of an evaluation set."""
 
 from pathlib import Path
 from typing import Annotated
@@ -41,17 +41,17 @@ def run(
         Output("D/eval49/trials.csv"),
     ],
 ) -> None:
-    """Write what there is to know about an evaluation set, for people.
+    """Write the datasheet of an evaluation set.
 
     Args:
         settings: Grid and printing.
         dataset: Name of the dataset.
         evaluation: Evaluation set.
-        manifests: Tables of print files as GRIPPER=manifest.parquet; pictures are of the first.
-        grasps: Labelled grasps as GRIPPER=grasps.parquet, as far as there are any.
+        manifests: Tables of print files as GRIPPER=manifest.parquet; pictures show the first.
+        grasps: Labelled grasps as GRIPPER=grasps.parquet, where available.
         out: Folder with the datasheet of the evaluation set (objects, sizes, how to report
-            results), its objects on one page with names and sizes, and a table to fill in with
-            attempts on a real robot.
+            results), a contact sheet of its objects with names and sizes, and an empty table for
+            attempts with a real robot.
     """
     chosen = parquet.read(evaluation, EVAL49)
     known = {

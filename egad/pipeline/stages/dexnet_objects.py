@@ -1,4 +1,4 @@
-"""dexnet-objects: what a Dex-Net database holds of the objects of a shard."""
+"""dexnet-objects: the objects of a shard for a Dex-Net database."""
 
 import logging
 from collections.abc import Mapping
@@ -45,14 +45,14 @@ def run(
 ) -> None:
     """Write the objects of a shard for a Dex-Net database: distance fields, stable poses.
 
-    An object whose stable poses cannot be found has none; the log says so.
+    If the stable poses of an object cannot be computed, it is written without them and logged.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         objects: Objects of the dataset.
         meshes: Folder of the scaled meshes.
-        shard: Number of the shard, and of how many.
-        out: HDF5 file with a group an object in its group `objects`.
+        shard: Number of this shard, and number of shards.
+        out: HDF5 file with one group per object in its group `objects`.
     """
     rows = parquet.records(rows_in_shard(parquet.read(objects, OBJECTS), *shard))
     with writing(out) as file:

@@ -40,14 +40,14 @@ def run(
     """Evolve one island for one epoch.
 
     Args:
-        settings: What evolution reads.
+        settings: Settings of this stage.
         epoch: Number of the epoch.
         island: Number of the island.
         out: Archive of the island.
-        history: How the archive filled, a row a step.
-        base: Merged archive of the epoch before; none to start from random genomes.
-        page: HTML page to write that shows the map as it fills.
-        islands: Number of all islands, for the page.
+        history: Statistics of the archive, one row per step.
+        base: Merged archive of the previous epoch; none starts from random genomes.
+        page: HTML page to write, a live map of the archive.
+        islands: Number of islands, for the page.
         jobs: Processes, and threads; the result does not depend on it.
     """
     check_measures(settings.measures)
@@ -73,9 +73,9 @@ def run(
 def watch_of(
     settings: EvolutionParameters, epoch: int, island: int, page: Path, islands: int | None
 ) -> Watch:
-    """What shows the archive as it fills.
+    """The live map of the archive.
 
-    It is imported by its name: the page decides nothing, and a change of it runs nothing again.
+    It is imported by name: the page does not affect results, so its changes must not re-run jobs.
     """
     live_map = importlib.import_module("egad.report.live_map")
     record = importlib.import_module("egad.pipeline.provenance.record")
@@ -89,10 +89,10 @@ def watch_of(
 
 
 def rules_of(settings: EvolutionParameters) -> Rules:
-    """What every shape must obey.
+    """The constraints on all shapes.
 
     Raises:
-        UserError: Nothing could grow by these rules, or a mesh cannot be used.
+        UserError: The constraints leave no voxel to grow in, or a mesh cannot be used.
     """
     return build_rules(
         settings.shape.resolution,

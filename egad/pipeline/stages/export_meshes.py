@@ -1,4 +1,4 @@
-"""export_meshes: the meshes of an archive, for people who want just those."""
+"""export_meshes: the meshes of an archive."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from egad.tables.evolution import ARCHIVE
 
 
 def run(archive: Path, out: Path, shape: Shape) -> int:
-    """Write every object of an archive as `ID.obj`, in metres, as evolution measured it.
+    """Write every object of an archive as `ID.obj`, in metres, as measured during evolution.
 
     Args:
         archive: Table with the columns of `tables.evolution.ARCHIVE`.
@@ -21,10 +21,10 @@ def run(archive: Path, out: Path, shape: Shape) -> int:
         shape: The settings that the archive was evolved with.
 
     Returns:
-        How many meshes were written.
+        Number of meshes written.
 
     Raises:
-        TableError: The archive is damaged, or an id in it cannot be the name of a file.
+        TableError: The archive is damaged, or an id in it is not a valid file name.
     """
     frame = parquet.read(archive, ARCHIVE)
     check_names(frame, archive, ["id"])

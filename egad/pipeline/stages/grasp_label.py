@@ -37,14 +37,14 @@ def run(
     """Label the grasps of the objects of a shard.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         objects: Objects of the dataset.
         meshes: Folder of the scaled meshes.
-        shard: Number of the shard, and of how many.
+        shard: Number of this shard, and number of shards.
         out: Labelled grasps for gripper G, in the frame of `D/rescaled/G/LABEL.obj`.
-        sampling: Of each object, how many candidates were tried for these grasps and what became of
-            them.
-        rejected: The objects without any grasp.
+        sampling: Sampling statistics of each object: number of candidates, and the reasons of their
+            rejection.
+        rejected: The objects without grasps.
     """
     frame = parquet.read(objects, OBJECTS)
     frame = rows_in_shard(frame, *shard)

@@ -1,4 +1,4 @@
-"""image-card: what is in a set of rendered images, for people."""
+"""image-card: a readable description of a set of rendered images."""
 
 import logging
 from pathlib import Path
@@ -21,14 +21,14 @@ COLUMNS = ["id", "split", "pose", "collision_free"]
 
 
 def tidy(images: Path, shards: int) -> list[Path]:
-    """The shards of a set; those that a larger set before left behind are removed.
+    """The shards of a set; leftover shards of an earlier, larger set are removed.
 
     Args:
         images: Folder of the images.
-        shards: How many the set has.
+        shards: Number of shards of the set.
 
     Raises:
-        UserError: Shards are missing, or are not all of one set.
+        UserError: Shards are missing, or belong to different sets.
     """
     if parquet.notes(images / "images-0.parquet").get("shards") != shards:
         raise UserError(f"{images}: its images are not in {shards} shards; render them again")
@@ -53,14 +53,14 @@ def run(
     """Write the card of a set of images: counts, splits, camera, noise.
 
     Args:
-        settings: What the images were rendered with.
+        settings: Settings that the images were rendered with.
         dataset: Name of the dataset.
         gripper: Name of the gripper.
-        images: Folder of the images; what a larger set before left there is removed.
-        shards: Number of all shards.
+        images: Folder of the images; leftovers of an earlier, larger set are removed.
+        shards: Number of shards.
         rejects: Rejected objects of the shards.
-        out: What is in the images for gripper G.
-        rejected: Which objects have no images, and why.
+        out: Description of the images for gripper G.
+        rejected: The objects without images, with reasons.
     """
     batches = [rows for path in tidy(images, shards) for rows in parquet.batches(path, COLUMNS)]
     rows = pd.concat(batches) if batches else pd.DataFrame(columns=COLUMNS)

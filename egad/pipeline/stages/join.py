@@ -1,4 +1,4 @@
-"""join: the tables of all shards become one."""
+"""join: combine the tables of all shards."""
 
 from pathlib import Path
 from typing import Annotated
@@ -17,11 +17,11 @@ def run(
     by: list[str],
     out: Annotated[Path, Output()],
 ) -> None:
-    """Join the tables of all shards into one.
+    """Combine the tables of all shards into one.
 
     Args:
-        parts: Tables that have the same columns.
-        by: Column to sort by, so that the number of shards leaves no trace; may be repeated.
+        parts: Tables with the same columns.
+        by: Column to sort by, so that the result does not depend on the shards; may be repeated.
         out: The joined table.
     """
     phase(f"joining {len(parts)} tables")

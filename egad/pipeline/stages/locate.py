@@ -1,4 +1,4 @@
-"""locate: where any meshes lie among the objects of a dataset, and what is most like them."""
+"""locate: the position of meshes among the objects of a dataset, and their nearest objects."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -50,10 +50,10 @@ def reference(path: Path, settings: LocateMeshes) -> Reference:
     Args:
         path: An `archive.parquet`, an `objects.parquet` with `meshes/` beside it, or the folder
             of these.
-        settings: Those that the objects were made with.
+        settings: Settings that the objects were made with.
 
     Raises:
-        UserError: There is neither, or it was made with another grid.
+        UserError: There is neither, or it was made with a different grid.
         TableError: The table is damaged.
     """
     if path.is_dir():
@@ -103,18 +103,18 @@ def run(
     units: str,
     worker_count: int,
 ) -> tuple[pd.DataFrame, list[Located]]:
-    """Place meshes among the objects of a dataset.
+    """Locate meshes among the objects of a dataset.
 
     Args:
-        settings: What this tool reads.
+        settings: Settings of this tool.
         among: The objects of the dataset.
         files: Mesh files by name.
         units: Unit of their coordinates.
         worker_count: Processes; the result does not depend on it.
 
     Returns:
-        Columns of `tables.objects.LOCATED`, a row a mesh in the order given; and what a page shows
-        of those that could be used.
+        Columns of `tables.objects.LOCATED`, one row per mesh in the given order; and the contents
+        of the page for the usable meshes.
     """
     similarity = settings.similarity
     with workers(worker_count) as mapper:

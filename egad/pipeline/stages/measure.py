@@ -1,4 +1,4 @@
-"""measure: complexity and difficulty of any meshes, and their cells."""
+"""measure: complexity and difficulty of meshes, and their cells."""
 
 import logging
 from collections.abc import Mapping
@@ -30,14 +30,14 @@ def run(
     """Repair and measure meshes.
 
     Args:
-        settings: What this tool reads.
+        settings: Settings of this tool.
         files: Mesh files by name.
         units: Unit of their coordinates.
         worker_count: Processes; the result does not depend on it.
 
     Returns:
-        Columns of `tables.objects.MEASURED`: a row a mesh, in the order given. The measures of one
-        that could not be used are missing, and `reason` says why.
+        Columns of `tables.objects.MEASURED`: one row per mesh, in the given order. For an
+        unusable mesh the measures are missing, and `reason` says why.
     """
     work = partial(_row, units=units, settings=settings)
     with workers(min(worker_count, len(files))) as mapper:
@@ -71,7 +71,7 @@ def measure_row(
 
 
 def repaired_body(mesh: trimesh.Trimesh, wanted: Postprocess, density: float) -> Body:
-    """Repair and weigh a mesh as the settings say.
+    """Repair a mesh and compute its mass properties.
 
     Raises:
         RejectedError: The mesh cannot be repaired, or is too small.
@@ -95,7 +95,7 @@ def _row(item: tuple[str, Path], units: str, settings: MeasureMeshes) -> dict[st
 
 
 def warn_of_units(table: pd.DataFrame, units: str) -> None:
-    """Say so if meshes are so large or small that their unit must be another one."""
+    """Warn if the size of meshes suggests that their unit is wrong."""
     known = table.dropna(subset="longest_side")
     odd = known[~has_usual_size(known["longest_side"])]
     if len(odd):

@@ -1,4 +1,4 @@
-"""merge: the islands of an epoch become one archive; the last one is published."""
+"""merge: combine the islands of an epoch into one archive; publish the last one."""
 
 from pathlib import Path
 from typing import Annotated
@@ -31,7 +31,7 @@ def run(
     """Merge the islands of an epoch into one archive.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         islands: Archives of all islands.
         out: Merged archive.
         jobs: Threads; the result does not depend on it.
@@ -51,8 +51,8 @@ def publish(
     """Publish the archive of the last epoch.
 
     Args:
-        epoch_archive: Archive of the last epoch; its internal columns are left out.
-        out: The elites of evolution, one a row.
+        epoch_archive: Archive of the last epoch; its internal columns are omitted.
+        out: The elites of evolution, one per row.
     """
     archive = parquet.read(epoch_archive, ARCHIVE)
     parquet.write(archive, ARCHIVE, out, parquet.notes(epoch_archive))

@@ -63,21 +63,21 @@ def run(
     pattern: Annotated[str, NotNoted()] = EVERY_FILE,
     primitives: Annotated[int | None, typer.Option(min=1)] = None,
 ) -> None:
-    """Repair and measure the objects of a shard: of an archive, a folder of meshes, or random.
+    """Repair and measure the objects of a shard, from an archive, mesh files or primitives.
 
     Args:
-        settings: What this stage reads.
-        shard: Number of the shard, and of how many.
+        settings: Settings of this stage.
+        shard: Number of this shard, and number of shards.
         out: Repaired objects with mass properties, measures and Reeb graphs.
-        rejected: Table of the objects left out, with reasons.
+        rejected: Table of the rejected objects, with reasons.
         archive: Archive of evolved objects.
         folder: Folder of meshes.
         units: Unit of these meshes: m, mm, cm, inch.
         pattern: Glob of these meshes in the folder.
-        primitives: Number of objects of primitives joined at random.
+        primitives: Number of random unions of primitives.
 
     Raises:
-        UserError: It is not said what the objects are made from, or they cannot be used.
+        UserError: The source of the objects is missing, or they cannot be used.
     """
     if archive is not None:
         sources, known = from_archive(archive, settings, *shard)
@@ -96,11 +96,11 @@ def measure_objects(
     """Repair and measure objects.
 
     Args:
-        settings: What this stage reads.
-        sources: For each id, how to get its mesh.
-        known: Difficulty by id that evolution selected the objects by; empty for other meshes.
+        settings: Settings of this stage.
+        sources: For each id, a function that returns its mesh.
+        known: Difficulty by id that evolution used for selection; empty for other meshes.
         out: Table with the columns of `tables.objects.SOLIDS`.
-        rejected: Table of the objects that could not be used, with the reasons.
+        rejected: Table of the rejected objects, with reasons.
     """
     rows, left_out = [], []
     for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
@@ -118,12 +118,12 @@ def measure_objects(
 def from_archive(
     path: Path, settings: PostprocessSolids, shard: int, shards: int
 ) -> tuple[Sources, pd.Series]:
-    """The evolved objects of a shard, and the difficulties that they were selected by.
+    """The evolved objects of a shard, and the difficulties used for their selection.
 
-    The latter are left out if they were measured otherwise than is to be done now.
+    The difficulties are omitted if they were measured with different settings.
 
     Raises:
-        UserError: The archive was made with other shapes.
+        UserError: The archive was made with different settings of shapes.
     """
     check_provenance(path, settings, ("shape",))
     archive = parquet.read(path, ARCHIVE).set_index("id")
@@ -141,7 +141,7 @@ def from_archive(
 def from_folder(
     folder: Path, units: str, shard: int, shards: int, pattern: str = EVERY_FILE
 ) -> tuple[Sources, pd.Series]:
-    """The objects of the mesh files of a shard; they were not selected by any difficulty."""
+    """The objects of the mesh files of a shard, without difficulties of a selection."""
     files = files_of_shard(folder, shard, shards, pattern)
     sources: Sources = {name: partial(read_mesh, path, units) for name, path in files.items()}
     return sources, pd.Series(dtype=float)
@@ -158,9 +158,9 @@ def files_of_shard(
 def from_primitives(
     count: int, settings: PostprocessSolids, shard: int, shards: int
 ) -> tuple[Sources, pd.Series]:
-    """Those of so many random objects that are of a shard; nothing selected them.
+    """The random objects of a shard, without difficulties of a selection.
 
-    An object depends on its number, the seed and its size, not on how many there are.
+    An object depends on its number, the seed and its size, not on the number of objects.
     """
     names = {f"p{number:05d}": number for number in range(count)}
     sources: Sources = {

@@ -59,18 +59,18 @@ def run(
 ) -> None:
     """Write STL and 3MF files of the evaluation set, in millimetres.
 
-    An object without a mesh, too thin or too large for the bed is a row with a note; the rest is
-    made.
+    An object without a mesh, too thin, or too large for the bed gets a note in the table instead
+    of files.
 
     Args:
-        settings: Gripper, bed, pose, what can be printed.
+        settings: Gripper, bed, pose, limits of the printer.
         gripper: Name of the gripper, for the plates.
         evaluation: Evaluation set.
         meshes: Folder of the scaled meshes.
         scales: Table of the scales, in that folder.
-        out: Folder with the evaluation set for gripper G, in millimetres: STL files, plates with
-            one named object each, and a table of what is on which plate.
-        grasps: Labelled grasps, from whose contacts engraved labels keep away.
+        out: Folder with the evaluation set for gripper G, in millimetres: STL files, plates of
+            named objects, and a table of the objects on each plate.
+        grasps: Labelled grasps; engraved labels avoid their contacts.
     """
     chosen = parquet.records(parquet.read(evaluation, EVAL49))
     solids, missing = _read(chosen, meshes)

@@ -48,20 +48,20 @@ def run(
     rejected: Annotated[Path, Output(schema=REJECTED)],
     evaluation: Annotated[Path | None, typer.Option("--eval"), Input()] = None,
 ) -> None:
-    """Render the depth images of a shard, with the grasps that can be reached in them.
+    """Render the depth images of a shard, with their reachable grasps.
 
-    A shard has all images of the objects whose first image is in it.
+    A shard contains all images of the objects whose first image is in it.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         objects: Objects of the dataset.
         meshes: Folder of the scaled meshes.
         grasps: Labelled grasps.
-        shard: Number of the shard, and of how many.
-        out: Depth images with grasps for gripper G, if `targets.render` asks for them;
-            `egad.perception.image_shards.read` opens the folder. See `docs/images.md`.
-        rejected: Objects that have no images, and why.
-        evaluation: Evaluation set, to hold out.
+        shard: Number of this shard, and number of shards.
+        out: Depth images with grasps for gripper G. Made if `targets.render` is true. Read the
+            folder with `egad.perception.image_shards.read`. See `docs/images.md`.
+        rejected: The objects without images, with reasons.
+        evaluation: Evaluation set to hold out.
     """
     number, total = shard
     chosen = [
@@ -88,10 +88,10 @@ def run(
 def planned(
     settings: RenderParameters, objects: Path, meshes: Path, evaluation: Path | None
 ) -> list[Share]:
-    """The images of all objects that are scaled to the gripper; arguments as in `run`.
+    """The images of all objects scaled to the gripper; arguments as in `run`.
 
     Raises:
-        UserError: There is an evaluation set though none is held out, or the other way round.
+        UserError: An evaluation set is given although none is held out, or vice versa.
     """
     if settings.render.hold_out != (evaluation is not None):
         raise UserError(

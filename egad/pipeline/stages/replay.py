@@ -1,4 +1,4 @@
-"""replay: an attempt of the simulated trials again, as a film."""
+"""replay: a film of an attempt of the simulated trials."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,10 +22,10 @@ def run(
 ) -> str:
     """Repeat an attempt and film it.
 
-    The detector is not asked again: what it proposed is in the table.
+    The detector does not run again: its proposal is in the table.
 
     Args:
-        settings: Those that the trials were made with.
+        settings: Settings of the trials.
         trials: Table with the columns of `tables.evaluation.TRIALS`.
         bundle: Folder of the simulation bundle.
         label: The object.
@@ -36,7 +36,7 @@ def run(
         The outcome.
 
     Raises:
-        UserError: There is no such attempt, it never began, or it came out differently.
+        UserError: There is no such attempt, it never started, or its outcome differs.
     """
     row = _row(trials, label, attempt)
     if not row["initial_pose"]:
@@ -50,11 +50,11 @@ def run(
 def repeat_attempt(
     settings: SimulatedTrials, row: Mapping[str, Any], bundle: Path
 ) -> tuple[Attempt, list[Pixels]]:
-    """An attempt again, and the frames of its film.
+    """The outcome of a repeated attempt, and the frames of its film.
 
     Args:
-        settings: Those that the trials were made with.
-        row: Columns of `tables.evaluation.TRIALS`, of an attempt that began.
+        settings: Settings of the trials.
+        row: Columns of `tables.evaluation.TRIALS`, of an attempt that started.
         bundle: Folder of the simulation bundle.
     """
     known = rows_by_id(bundle)

@@ -1,4 +1,4 @@
-"""report: everything at a glance, in one HTML file."""
+"""report: an overview of all results, in one HTML file."""
 
 import platform
 from functools import partial
@@ -51,14 +51,14 @@ def run(
     reads: Annotated[list[Path] | None, typer.Argument(), Input()] = None,
     jobs: Jobs = 1,
 ) -> None:
-    """Write the report: one HTML file that opens offline.
+    """Write the report: one HTML file that works offline.
 
     Args:
         settings: The whole configuration.
         results: Folder of all results.
-        out: Everything at a glance, in one file that opens offline.
-        reads: What it shows, for the record.
-        jobs: Processes that draw; the result does not depend on it.
+        out: An overview of all results, in one file that works offline.
+        reads: Files that the report shows, for the provenance.
+        jobs: Processes; the result does not depend on it.
     """
     del reads
     with workers(jobs) as mapper:

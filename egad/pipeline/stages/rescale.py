@@ -50,16 +50,16 @@ def run(
     suffix: Annotated[str, NotNoted()] = "",
     jobs: Jobs = 1,
 ) -> int:
-    """Scale every mesh by the rule and write it, with a table of what was done.
+    """Scale every mesh by the rule, and write the meshes with a table of their scales.
 
     Args:
         settings: Gripper and rule.
-        meshes: Files in any format that can be read; a folder stands for its OBJ files.
+        meshes: Mesh files; a folder stands for its OBJ files.
         units: Unit of their coordinates.
-        out: Folder with the meshes scaled to gripper G (`.obj` in metres, `.stl` in millimetres),
-            how each was scaled, and what was left out.
+        out: Folder with the meshes scaled to gripper G (`.obj` in metres, `.stl` in millimetres), a
+            table of their scales, and a table of the rejected objects.
         ending: `obj` or `stl`.
-        suffix: Put behind the names of the files.
+        suffix: Appended to the names of the files.
         jobs: Processes; the result does not depend on it.
 
     Returns:

@@ -1,4 +1,4 @@
-"""Objects of a dataset with their labelled grasps, as the viewer shows them."""
+"""Objects of a dataset with their labelled grasps, for the viewer."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def scenes(folder: Path, gripper: str, evalset: pd.DataFrame, grasps: pd.DataFra
         grasps: Columns of `tables.grasping.GRASPS` for this gripper.
 
     Returns:
-        One for each object that could be scaled to the gripper, named as in the evaluation set.
+        One scene per object that could be scaled to the gripper, named as in the evaluation set.
     """
     meshes = folder / "rescaled" / gripper
     return [
@@ -35,9 +35,9 @@ def scenes(folder: Path, gripper: str, evalset: pd.DataFrame, grasps: pd.DataFra
 def scene(
     folder: Path, gripper: str, label: str, grasps: pd.DataFrame, name: str | None = None
 ) -> Scene:
-    """One object of a dataset, by its label; `name` is what it is called, else the label.
+    """One object of a dataset, by its label; `name` is shown instead of the label if given.
 
-    The note says why there are no grasps, where there are none.
+    If there are no grasps, the note gives the reason.
     """
     mesh = read_mesh(folder / "rescaled" / gripper / f"{label}.obj", "m")
     own = grasps[grasps["label"] == label]

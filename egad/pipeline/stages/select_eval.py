@@ -59,15 +59,15 @@ def run(
 ) -> None:
     """Choose the evaluation set.
 
-    It has one printable object a cell, chosen so that the set looks least alike.
+    It has one printable object per cell. The choice maximises the dissimilarity of the set.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         objects: Objects of the dataset.
-        solids: Shards of postprocess, for the Reeb graphs and the meshes.
+        solids: Objects of the shards, from postprocess, for their Reeb graphs and meshes.
         out: The evaluation set.
-        rejected: Candidates for it that cannot be printed, and why.
-        jobs: Objects compared at once; the result does not depend on it.
+        rejected: The candidates that cannot be printed, with reasons.
+        jobs: Threads; the result does not depend on it.
     """
     frame = parquet.read(objects, OBJECTS)
     rows = join(solids, SOLIDS, ["id"]).set_index("id").loc[frame["id"]]

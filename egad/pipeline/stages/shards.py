@@ -1,4 +1,4 @@
-"""A fixed way to cut a dataset into shards, so that no shard depends on what else there is."""
+"""A fixed assignment of objects to shards, independent of the other objects."""
 
 import hashlib
 from collections.abc import Iterable
@@ -12,7 +12,7 @@ from egad.tables import parquet
 
 
 def shard_of(object_id: str, shards: int) -> int:
-    """The shard of so many that an object belongs to, by a hash of its id."""
+    """The shard that an object belongs to, by a hash of its id."""
     digest = hashlib.sha256(object_id.encode()).digest()
     return int.from_bytes(digest[:8], "little") % shards
 
@@ -37,7 +37,7 @@ def rows_in_shard(frame: pd.DataFrame, shard: int, shards: int) -> pd.DataFrame:
 
 
 def join(parts: list[Path], schema: pa.Schema, order: list[str]) -> pd.DataFrame:
-    """The rows of all shards as one table, sorted so that the number of shards leaves no trace."""
+    """The rows of all shards as one table, sorted to be independent of the number of shards."""
     frames = [parquet.read(part, schema) for part in parts]
     filled = [frame for frame in frames if len(frame)]
     if not filled:

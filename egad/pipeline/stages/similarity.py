@@ -1,4 +1,4 @@
-"""similarity: how alike any meshes are."""
+"""similarity: pairwise similarity of meshes."""
 
 from collections.abc import Mapping
 from contextlib import suppress
@@ -21,18 +21,17 @@ from egad.reeb.similarity import similarity_matrix
 def run(
     settings: Similarity, files: Mapping[str, Path], units: str, worker_count: int
 ) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Compare meshes, each with each.
+    """Compute the similarity of all pairs of meshes.
 
     Args:
-        settings: How Reeb graphs are made and compared.
+        settings: Settings of shape similarity.
         files: Mesh files by name.
         units: Unit of their coordinates.
         worker_count: Processes; the result does not depend on it.
 
     Returns:
-        The square matrix of similarities with names as index and columns, in the order given, and
-        reasons by name of the meshes that could not be used; their rows and columns are missing
-        values.
+        The square matrix of similarities with names as index and columns, in the given order, and
+        the reasons of rejected meshes by name; their rows and columns have missing values.
     """
     work = partial(_graph, units=units, settings=settings)
     with workers(min(worker_count, len(files))) as mapper:
@@ -57,10 +56,10 @@ def _graph(path: Path, units: str, settings: Similarity) -> bytes | str:
 
 
 def graph_of(mesh: trimesh.Trimesh, settings: Similarity) -> reeb.ReebGraph:
-    """The Reeb graph of a mesh after repair, as datasets have it.
+    """The Reeb graph of a mesh after repair, as in datasets.
 
-    With `scan` bases it is that of the mesh as it is, for they depend on the order of the vertices,
-    which repair changes; of the repaired mesh only if there is no other way.
+    With `scan` bases it is the graph of the original mesh if possible: these bases depend on the
+    order of the vertices, which repair changes.
     """
     if settings.bases == "scan":
         with suppress(RejectedError):

@@ -43,18 +43,18 @@ def run(
     out: Annotated[Path, Output("D/trials/G/P.parquet", TRIALS)],
     grasps: Annotated[Path | None, Input()] = None,
 ) -> None:
-    """Try to grasp the evaluation objects of a shard in simulation.
+    """Run simulated grasping trials on the evaluation objects of a shard.
 
-    All is done in one process, apart from this one: if the engine ends it or hangs, it is started
-    anew, and an object with which that happens twice is marked as crashed.
+    Everything runs in a separate process, which is restarted if the engine crashes or hangs. An
+    object with which that happens twice is marked as crashed.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         evaluation: Evaluation set.
-        bundle: Folder of the simulation bundle, scaled to the gripper. An object that is not in it
-            has failed attempts only.
-        shard: Number of the shard, and of how many.
-        out: Simulated trials of detector P with gripper G, one attempt a row.
+        bundle: Folder of the simulation bundle, scaled to the gripper. All attempts of an object
+            that it does not contain fail.
+        shard: Number of this shard, and number of shards.
+        out: Simulated trials of detector P with gripper G, one attempt per row.
         grasps: Labelled grasps of the objects, for the detector `labels`.
     """
     from egad.sim.attempts import failed_attempts  # noqa: PLC0415 (PyBullet greets on stderr)
@@ -77,7 +77,7 @@ def run(
 def open_runner(
     settings: SimulatedTrials, bundle: Path, grasps: Path | None
 ) -> Iterator[Callable[[Mapping[str, Any]], pd.DataFrame]]:
-    """What makes all attempts at an object of the bundle, by its row there."""
+    """A function that runs all attempts of an object, given its row in the bundle."""
     from egad.sim.attempts import run_attempts  # noqa: PLC0415
 
     with open_detector(settings, grasps) as detector_of:
@@ -93,10 +93,10 @@ def open_runner(
 def open_detector(
     settings: SimulatedTrials, grasps: Path | None
 ) -> Iterator[Callable[[str], Detector | Labels]]:
-    """The detector for each object, by its id; for as long as the block lasts.
+    """A function that returns the detector of an object by its id, valid within the context.
 
     Raises:
-        UserError: It cannot be found or made.
+        UserError: The detector cannot be found or created.
     """
     config = settings.detector
     if config.detector == "labels":

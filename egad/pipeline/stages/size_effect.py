@@ -1,4 +1,4 @@
-"""size-effect: grasp quality over the size of an object, of any meshes or an evaluation set."""
+"""size-effect: grasp quality over object size, of meshes or of an evaluation set."""
 
 import logging
 from collections.abc import Mapping
@@ -30,13 +30,13 @@ def run(
     meshes: Annotated[Path, Input()],
     out: Annotated[Path, Output("D/size_effect/G.parquet", SIZE_EFFECT)],
 ) -> None:
-    """Rate an easy, a middling and a hard object of the evaluation set at several sizes.
+    """Compute grasp quality over size for an easy, a medium and a hard evaluation object.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         evaluation: Evaluation set.
         meshes: Folder of the meshes of the dataset, in metres.
-        out: Grasp quality over size for gripper G, of the easiest, the middle and the hardest
+        out: Grasp quality over size for gripper G, of the easiest, the median and the hardest
             object of the evaluation set.
     """
     shown = spread(parquet.read(evaluation, EVAL49))
@@ -51,11 +51,11 @@ def run(
 
 
 def spread(evalset: pd.DataFrame) -> pd.DataFrame:
-    """The easiest, the middle and the hardest object of an evaluation set, in that order.
+    """The easiest, the median and the hardest object of an evaluation set, in that order.
 
     Args:
-        evalset: Columns of `tables.evaluation.EVAL49`. High difficulties are easy; of two alike the
-            first by label comes first.
+        evalset: Columns of `tables.evaluation.EVAL49`. High difficulties are easy; ties are
+            sorted by label.
     """
     ordered = evalset.sort_values(["difficulty", "label"], ascending=[False, True])
     last = len(ordered) - 1
@@ -66,17 +66,17 @@ def spread(evalset: pd.DataFrame) -> pd.DataFrame:
 def curves(
     settings: SizeEffectParameters, files: Mapping[str, Path], units: str, worker_count: int
 ) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Measure meshes, repaired first.
+    """Compute grasp quality over size for repaired meshes.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         files: Mesh files by name.
         units: Unit of their coordinates; the result does not depend on it.
         worker_count: Processes; the result does not depend on it.
 
     Returns:
-        Columns of `tables.grasping.SIZE_EFFECT`, meshes in the order given; and the names of
-        those that could not be used, and why.
+        Columns of `tables.grasping.SIZE_EFFECT`, meshes in the given order; and the reasons
+        of the rejected meshes by name.
     """
     work = partial(_curve, units=units, settings=settings)
     with workers(max(1, min(worker_count, len(files)))) as mapper:

@@ -1,4 +1,4 @@
-"""train: a grasp network learns from rendered images."""
+"""train: training of a grasp network on rendered images."""
 
 import json
 import logging
@@ -48,21 +48,21 @@ def run(
     ],
     jobs: Jobs = 1,
 ) -> Score:
-    """Train a network; an interrupted training goes on after its last epoch.
+    """Train a network; an interrupted training resumes after its last epoch.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         images: Folder of images in the compact layout.
-        out: A network that learnt from a training set: `weights.safetensors`, its model card
-            `README.md`, and `history.svg`; how it learnt, an epoch a row; and what it reached on
-            images of objects that it has not learnt from. See `docs/vision.md`.
+        out: A trained network: `weights.safetensors`, its model card `README.md`, and
+            `history.svg`; the training history, one epoch per row; and the score on images of
+            held-out objects. See `docs/vision.md`.
         jobs: Cores; no result depends on it.
 
     Returns:
-        What the network reaches on the split `test`.
+        The score of the network on the split `test`.
 
     Raises:
-        UserError: PyTorch is missing, or images of a split are, or all grasps to learn from.
+        UserError: PyTorch, the images of a split, or all positive grasps are missing.
         TableError: A shard cannot be read.
     """
     try:
@@ -93,10 +93,10 @@ def run(
 
 
 def open_dataset(images: Path, settings: TrainNetwork) -> Dataset:
-    """The images to learn from.
+    """The training images.
 
     Raises:
-        UserError: There is no image of some split, or none to learn from with a positive grasp.
+        UserError: A split has no images, or no training image has a positive grasp.
         TableError: A shard cannot be read.
     """
     plan = settings.training
@@ -112,7 +112,7 @@ def open_dataset(images: Path, settings: TrainNetwork) -> Dataset:
 
 
 def meaning(settings: TrainNetwork, images: Path) -> str:
-    """All that decides the result of a training, as text."""
+    """Everything that the result of a training depends on, as text."""
     import torch  # noqa: PLC0415 (an extra)
 
     known = {

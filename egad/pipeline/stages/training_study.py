@@ -36,17 +36,17 @@ def run(
     """Compare networks that were trained on different object sets.
 
     Args:
-        settings: What this stage reads.
+        settings: Settings of this stage.
         gripper: Name of the gripper of the trials.
         results: Folder of all results.
-        out: The same network taught by different objects, if it is asked for. See
-            `docs/training-study.md`. `training_study/images/SET/` beside it has what a training
-            set consists of, as `D/images/G/`.
-        table: All attempts of all networks, and of the detectors beside them.
-        reads: What it shows, for the record.
+        out: Comparison of networks trained on different object sets. Made only if named. See
+            `docs/training-study.md`. The folder `training_study/images/SET/` contains the images of
+            a training set, with the same layout as `D/images/G/`.
+        table: All attempts of all networks, and of the reference detectors.
+        reads: Files that the report shows, for the provenance.
 
     Raises:
-        UserError: Attempts that should have begun with the same drop did not.
+        UserError: Attempts that should start with the same drop do not.
     """
     del reads
     asked = settings.training_study

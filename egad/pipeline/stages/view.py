@@ -1,4 +1,4 @@
-"""view: what the viewer shows of an object of a dataset, or of any mesh."""
+"""view: the contents of the viewer for an object of a dataset or a mesh."""
 
 from pathlib import Path
 
@@ -19,17 +19,17 @@ from egad.tables.grasping import GRASPS, SCALES
 
 
 def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> Scene:
-    """An object of a dataset with the grasps that were labelled.
+    """An object of a dataset with its labelled grasps.
 
     Args:
         folder: Of the dataset, such as `results/egad`.
         gripper: Its name.
         name: Label of the object, in the dataset or in the evaluation set.
-        opening: Of the gripper that is shown, metres.
+        opening: Opening of the displayed gripper, metres.
 
     Raises:
-        UserError: There is no such dataset or object, no grasps of this gripper, or it opened
-            otherwise when they were made.
+        UserError: The dataset, the object or the grasps of this gripper do not exist, or the
+            grasps were made with a different opening.
     """
     table = folder / "grasps" / f"{gripper}.parquet"
     scales = folder / "rescaled" / gripper / "scales.parquet"
@@ -49,12 +49,12 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> Scene
 
 
 def from_mesh(path: Path, units: str, settings: ViewMesh) -> Scene:
-    """A mesh, repaired, scaled by the gripper's rule and with grasps labelled here.
+    """A mesh, repaired and scaled to the gripper, with newly labelled grasps.
 
     Args:
         path: The mesh file.
         units: Unit of its coordinates.
-        settings: Gripper and rule, and how grasps are labelled.
+        settings: Gripper, scale rule and settings of grasp labels.
 
     Raises:
         UserError: The file is not a mesh, or the mesh cannot be repaired.

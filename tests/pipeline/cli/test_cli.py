@@ -147,14 +147,14 @@ def test_check_config_accepts_the_files_that_come_along():
 def test_tables_are_given_by_name(tmp_path, command, table, arguments):
     result = egad(command, *arguments, "--settings", "{}", "--out", tmp_path / "out")
     assert result.returncode == 1
-    assert "'mine' does not say which table; needed: " in result.stderr
+    assert "'mine' has no name; expected: " in result.stderr
     assert f"={table}.parquet" in result.stderr
 
 
 def test_settings_of_another_stage_are_refused(tmp_path):
     result = egad("merge", "--settings", "{}", tmp_path / "a", "--out", tmp_path / "b")
     assert result.returncode == 1
-    assert "--settings is not what this stage reads" in result.stderr
+    assert "--settings are not valid for this stage" in result.stderr
     assert "Traceback" not in result.stderr
 
 
@@ -202,7 +202,7 @@ def test_measure_takes_grasps_and_a_configuration(folder, tmp_path):
 def test_a_file_named_twice_is_taken_once(folder):
     result = egad("measure", folder, folder / "cube.obj", "--units", "cm", "--jobs", 1)
     assert result.stdout.count("cube") == 1
-    assert "cube.obj is named twice" in result.stderr
+    assert "cube.obj is given twice" in result.stderr
 
 
 def test_the_table_is_written_even_if_nobody_reads_the_terminal(folder, tmp_path):
@@ -317,7 +317,7 @@ def test_size_effect_rates_the_good_and_names_the_bad(tmp_path):
         (["size-effect", "a.obj", "--units", "mm"], "none of the 1 meshes could be used"),
         (["view", "A0", "--in", "nowhere"], "there is no dataset"),
         (["view", "A0", "--gripper", "pandaa"], "did you mean panda?"),
-        (["view", "a.obj"], "say with --units"),
+        (["view", "a.obj"], "give its unit with --units"),
         (["view", "a.obj", "--units", "mm"], "a.obj: no such file"),
         (["view", "a.obj", "--units", "foot"], "allowed: m, cm, mm, inch"),
         (["view", "A0", "--out", "a.png"], "must end in .html"),

@@ -35,7 +35,7 @@ def test_a_template_is_filled_in_imported_and_compared(filled):
     compared = filled / "compared.html"
     result = trials("compare", table, filled / "fair.csv", "--out", compared)
     assert result.returncode == 0, result.stderr
-    assert "good against fair" in result.stdout
+    assert "good vs fair" in result.stdout
     assert "50.0" in result.stdout
     assert "good vs. fair" in compared.read_text()
 
@@ -69,10 +69,10 @@ def test_tables_of_two_evaluation_sets_are_refused(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["template", "--out", "good.csv"], "is there already"),
+        (["template", "--out", "good.csv"], "exists and may be filled in"),
         (["report", "good.csv", "--out", "page.pdf"], "must end in .html or .parquet or .csv"),
         (["report", "missing.csv"], "missing.csv"),
-        (["compare", "good.csv"], "two detectors or more"),
+        (["compare", "good.csv"], "at least two detectors"),
         (["compare", "good.csv", "good.csv", "good.csv"], "two tables of the detector"),
         (["compare", "good.csv", "broken.parquet"], "not a readable Parquet file"),
     ],
