@@ -100,7 +100,7 @@ class Worker:
             self._pipe.send(item)
             if not self._pipe.poll(self._limit):
                 self.stop(patience=0)
-                raise WorkerTimeoutError(f"{self._name} gave no answer within {self._limit:g} s")
+                raise WorkerTimeoutError(f"{self._name} did not answer within {self._limit:g} s")
             result, error = self._pipe.recv()
         except (EOFError, OSError) as gone:
             raise WorkerDiedError(self._ending()) from gone
@@ -148,9 +148,7 @@ class Worker:
         """
         status = self.stop()
         if status == -signal.SIGKILL:
-            raise UserError(
-                f"{self._name} was killed, probably because memory ran out; {LESS_MEMORY}"
-            )
+            raise UserError(f"{self._name} was killed, probably out of memory; {LESS_MEMORY}")
         return f"{self._name} {'hung up' if status is None else f'ended with status {status}'}"
 
     def stop(self, patience: float = ENDING_TIME) -> int | None:

@@ -61,7 +61,7 @@ def _alone(path: Path) -> Iterator[None]:
         except OSError:
             free = True  # the file system has no locks
         if not free:
-            raise UserError(f"{path}: another process is writing it; wait, or end it")
+            raise UserError(f"{path}: another process is writing it; wait for it, or stop it")
         try:
             yield
         finally:

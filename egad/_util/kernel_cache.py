@@ -56,9 +56,17 @@ def compile_kernels() -> None:
     """Compile all kernels in two processes, unless that was done before."""
     if compiled_marker().exists():
         return
-    print("Compiling kernels: once, takes about half a minute", file=sys.stderr, flush=True)
+    print(
+        "Compiling kernels; this happens once and takes about half a minute",
+        file=sys.stderr,
+        flush=True,
+    )
     if subprocess.run([sys.executable, "-m", "egad.pipeline.precompile"], check=False).returncode:
-        print("That failed; kernels are compiled at their first use", file=sys.stderr, flush=True)
+        print(
+            "Compilation failed; kernels will be compiled at their first use",
+            file=sys.stderr,
+            flush=True,
+        )
 
 
 def _parents(package: Path) -> Iterator[Path]:

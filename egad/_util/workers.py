@@ -37,7 +37,7 @@ def workers(count: int) -> Iterator[Mapper]:
             yield lambda work, items: pool.map(partial(_told, work), items, chunksize=2)
     except BrokenProcessPool as error:
         raise UserError(
-            f"a worker process ended all at once, probably because memory ran out; {LESS_MEMORY}"
+            f"a worker process ended unexpectedly, probably out of memory; {LESS_MEMORY}"
         ) from error
 
 

@@ -197,9 +197,9 @@ def build_rules(
     kept = np.zeros(shape, dtype=bool) if solid is None else with_images(solid, mirror) & ~void
     allowed = (kept | ~outside) & ~void
     if solid is not None and not kept.any():
-        raise UserError("keep_solid: no voxel of it lies outside the hole")
+        raise UserError("keep_solid: all of its voxels are inside the hole")
     if not allowed.any():
-        raise UserError("envelope and hole leave no voxel of the cube to grow in")
+        raise UserError("envelope and hole leave no voxel free for growth")
     return Rules(
         None if allowed.all() else allowed,
         None if solid is None else kept,

@@ -42,9 +42,9 @@ def check_ggcnn(weights: str | None) -> str:
     if weights is None:
         raise UserError(f"{WHERE}: ggcnn needs `weights: FILE`; {GGCNN_WEIGHTS}")
     if not Path(weights).is_file():
-        raise UserError(f"{WHERE}: there is no file {weights}; {GGCNN_WEIGHTS}")
+        raise UserError(f"{WHERE}: no such file: {weights}; {GGCNN_WEIGHTS}")
     if _size(Path(weights)) > MOST_BYTES:
-        raise UserError(f"{WHERE}: {weights} is too large to be weights of GG-CNN; {GGCNN_WEIGHTS}")
+        raise UserError(f"{WHERE}: {weights} is too large for weights of GG-CNN; {GGCNN_WEIGHTS}")
     return weights
 
 
@@ -121,9 +121,7 @@ class GGCNN(MapDetector):
             from egad.learning import networks  # noqa: PLC0415 (an extra)
             from egad.learning import weights as files  # noqa: PLC0415
         except ModuleNotFoundError as error:
-            raise UserError(
-                "ggcnn needs PyTorch: install egad with its extra, egad[vision]"
-            ) from error
+            raise UserError("ggcnn needs PyTorch: pip install 'egad[vision]'") from error
         try:
             super().__init__(networks.inference(files.read(path)))
         except files.WeightsError as error:

@@ -59,7 +59,7 @@ def _own(config: DetectorConfig) -> Callable[..., Any]:
     found = own_code.find(config.detector, WHERE, "class or function")
     if not isinstance(found, type):
         if config.weights:
-            raise UserError(f"{WHERE}: {config.detector} is no class that takes `weights`")
+            raise UserError(f"{WHERE}: {config.detector} is not a class that takes `weights`")
         return found  # type: ignore[no-any-return]
     arguments = [config.weights] if config.weights else []
     try:

@@ -79,7 +79,7 @@ class Child:
             self._worker.start()
         except UserError as error:
             if self._was_ready:
-                raise DetectorError(f"it cannot be started anew: {error}") from error
+                raise DetectorError(f"it cannot be restarted: {error}") from error
             raise
         self._was_ready = True
 

@@ -40,7 +40,7 @@ def write_cornell(picture: Picture, gripper: Gripper, folder: Path) -> bool:
     height, width = picture.depth.shape
     if height > HEIGHT or width > WIDTH:
         raise UserError(
-            f"Cornell's images have {WIDTH} x {HEIGHT} pixels, these {width} x {height}"
+            f"images of Cornell have {WIDTH} x {HEIGHT} pixels, these have {width} x {height}"
         )
     if not picture.grasps.collision_free.any():
         return False

@@ -27,10 +27,10 @@ def mesh_files(folder: Path, pattern: str = EVERY_FILE) -> list[Path]:
         raise UserError(f"{folder}: there is no such folder of meshes")
     try:
         if pattern.count("**") > 1:
-            raise ValueError("`**` may stand in it once")
+            raise ValueError("`**` is allowed once")
         found = sorted(path for path in folder.glob(pattern) if _is_mesh(path, folder))
     except (ValueError, IndexError, NotImplementedError) as error:
-        raise UserError(f"pattern {pattern!r} cannot be used: {error}") from error
+        raise UserError(f"pattern {pattern!r} is not valid: {error}") from error
     if not found:
         where = "in it" if pattern == EVERY_FILE else f"that fit the pattern {pattern}"
         raise UserError(f"{folder}: no mesh files {where}; allowed endings: {' '.join(ENDINGS)}")

@@ -69,7 +69,7 @@ def write_gqcnn(pictures: Iterable[Picture], folder: Path) -> int:
         splits += [picture.split] * len(picture.grasps.u)
         waiting = _written(waiting, folder, len(splits))
     if not splits:
-        raise UserError("no grasp can be reached in any of these images, so there are no tensors")
+        raise UserError("these images have no reachable grasps, so there are no tensors to write")
     if len(splits) % FILE:
         _save(waiting, folder, len(splits) // FILE)
     maps = {"object_category_map.json": objects, "pose_category_map.json": poses}

@@ -34,13 +34,15 @@ def grasp_table(path: Path, gripper: str | None) -> Path:
     """The table of grasps: the file itself, or that of a gripper in the folder of a dataset."""
     if path.is_file():
         if gripper is not None:
-            raise UserError(f"{path}: a gripper is named with the folder of a dataset, not a file")
+            raise UserError(
+                f"{path}: a gripper can be named only for the folder of a dataset, not for a file"
+            )
         return path
     known = sorted(
         file.stem for file in (path / "grasps").glob("*.parquet") if "." not in file.stem
     )
     if not known:
-        raise UserError(f"{path}: neither a table of grasps nor a dataset that has any")
+        raise UserError(f"{path}: neither a table of grasps nor a dataset with grasps")
     if gripper not in known:
         asked = "name a gripper" if gripper is None else f"no grasps of gripper {gripper!r}"
         raise UserError(f"{path}: {asked}; there are {', '.join(known)}")

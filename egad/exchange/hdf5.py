@@ -20,7 +20,7 @@ _WRITE_FAILED = re.compile(r"write failed.*?" + _SYSTEM_REASON.pattern, re.DOTAL
 
 
 class DamagedError(UserError):
-    """A file is not HDF5, is cut short or damaged, or lacks what should be in it.
+    """A file is not HDF5, is truncated or damaged, or lacks what should be in it.
 
     Attributes:
         reason: In HDF5's words.
@@ -28,7 +28,7 @@ class DamagedError(UserError):
 
     def __init__(self, path: Path, reason: str) -> None:
         """Name the file and say what to do about it."""
-        super().__init__(f"{path}: cut short or damaged ({reason}); delete it and make it again")
+        super().__init__(f"{path}: truncated or damaged ({reason}); delete it and make it again")
         self.reason = reason
 
 
@@ -56,7 +56,7 @@ def sound_keys(path: Path, group: str) -> list[str]:
     """Names in a group of a file, all of which is read to see that nothing is damaged.
 
     Raises:
-        DamagedError: It is not HDF5, is cut short or damaged, or has no such group.
+        DamagedError: It is not HDF5, is truncated or damaged, or has no such group.
         UserError: It is missing, or the system does not let it be read.
     """
     try:

@@ -38,7 +38,7 @@ def write_jacquard(picture: Picture, gripper: Gripper, folder: Path) -> bool:
     """
     height, width = picture.depth.shape
     if height != width:
-        raise UserError(f"Jacquard's images are square, these have {width} x {height} pixels")
+        raise UserError(f"images of Jacquard are square, these have {width} x {height} pixels")
     place = folder / picture.label
     place.mkdir(parents=True, exist_ok=True)
     name = f"{picture.image}_{picture.label}"

@@ -63,7 +63,7 @@ def _check_length(data: bytes) -> None:
     lines = data.count(b"\n") + data.count(b"\r")
     counts = re.match(rb"\s*C?OFF\s+(\d+)\s+(\d+)", re.sub(rb"#[^\n]*", b"", data[:100_000]))
     if counts and int(counts[1]) + int(counts[2]) > lines:
-        raise RejectedError("it is cut short")
+        raise RejectedError("it is truncated")
 
 
 def _check_unpacked(data: bytes) -> None:

@@ -55,7 +55,7 @@ def _load(path: Path) -> Arrays:
     except Exception as error:
         raise RejectedError(unreadable) from error
     if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
-        raise RejectedError(f"{unreadable}: faces name vertices that are not there")
+        raise RejectedError(f"{unreadable}: faces refer to vertices that do not exist")
     return vertices, faces
 
 

@@ -59,7 +59,7 @@ def read_sums(path: Path) -> tuple[dict[Path, str], dict[str, Any]]:
         UserError: It is damaged, or about a file outside of its folder.
     """
     if path.stat().st_size > MOST_BYTES:
-        raise UserError(f"{path}: not a file of sums (larger than {MOST_BYTES:,} bytes)")
+        raise UserError(f"{path}: not a checksum file (larger than {MOST_BYTES:,} bytes)")
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
         made = [json.loads(line[len(_ORIGIN) :]) for line in lines if line.startswith(_ORIGIN)]
@@ -67,7 +67,7 @@ def read_sums(path: Path) -> tuple[dict[Path, str], dict[str, Any]]:
         sums = {path.parent / _inside(name): value for value, name in pairs}
         return sums, dict(made[0] if made else {})
     except (ValueError, TypeError, RecursionError) as error:
-        raise UserError(f"{path}: not a file of sums ({error})") from error
+        raise UserError(f"{path}: not a checksum file ({error})") from error
 
 
 def _inside(name: str) -> str:

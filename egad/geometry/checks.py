@@ -33,7 +33,7 @@ def check_mesh(mesh: trimesh.Trimesh) -> None:
     if not np.isfinite(mesh.vertices).all():
         raise RejectedError("coordinates that are not finite")
     if faces.min() < 0 or faces.max() >= len(mesh.vertices):
-        raise RejectedError("faces name vertices that are not there")
+        raise RejectedError("faces refer to vertices that do not exist")
 
 
 def _not_a_mesh(given: object) -> str:

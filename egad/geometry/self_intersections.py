@@ -153,7 +153,7 @@ def untangle(solid: Solid) -> Solid:
         )
         inside, outside = solid.split(union(map(box, lows, highs)))
         solid = union([outside, *_apart(inside, size)])
-    raise RejectedError("the surface passes through itself, and could not be untangled")
+    raise RejectedError("the surface intersects itself and could not be repaired")
 
 
 def _apart(piece: Solid, size: float) -> list[Solid]:

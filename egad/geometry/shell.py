@@ -51,7 +51,7 @@ def _check_thickness(mesh: trimesh.Trimesh, thickness: float) -> None:
     size, thinnest = float(mesh.extents.max()), float(np.sqrt(mesh.area / LARGEST))
     if thickness >= size:
         raise RejectedError(
-            f"open surface of {size:.3g} m, less than the thickness of its shell, "
+            f"open surface of {size:.3g} m, smaller than the thickness of its shell, "
             f"{thickness:.3g} m: is the unit of the mesh right?"
         )
     if thickness < thinnest:

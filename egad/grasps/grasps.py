@@ -146,7 +146,7 @@ def _rigid(matrix: ArrayLike) -> tuple[Floats, Floats]:
     """Rotation (3, 3) and translation (3,) of a transform."""
     whole = np.asarray(matrix, dtype=np.float64)
     if whole.shape != (4, 4) or not np.isfinite(whole).all():
-        raise UserError(f"a transform is a finite (4, 4) matrix, not one of shape {whole.shape}")
+        raise UserError(f"a transform must be a finite (4, 4) matrix, got shape {whole.shape}")
     rotation, last = whole[:3, :3], whole[3]
     off = np.abs(rotation.T @ rotation - np.eye(3)).max()
     if off > RIGID or np.linalg.det(rotation) < 0 or np.abs(last - [0, 0, 0, 1]).max() > RIGID:

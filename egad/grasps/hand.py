@@ -85,5 +85,5 @@ def _hull(points: Floats, retreat: float) -> Part:
         corners = points[ConvexHull(points).vertices]
         planes = np.unique(np.round(ConvexHull(swept).equations, 12), axis=0)
     except QhullError as error:
-        raise RejectedError("a body of it is flat") from error
+        raise RejectedError("one of its bodies is flat") from error
     return Part(np.stack([swept.min(axis=0), swept.max(axis=0)]), planes, corners.mean(axis=0))

@@ -93,7 +93,7 @@ class Dataset:
         """
         found = np.flatnonzero(self.index["split"] == split)
         if len(found) == 0:
-            raise UserError(f"{self.folder}: no image is of the split {split}")
+            raise UserError(f"{self.folder}: no image in the split {split}")
         return found
 
     def image(self, number: int) -> tuple[NDArray[np.float32], Rectangles]:
@@ -185,7 +185,7 @@ def positives(shown: Mapping[str, Any], rule: PositiveFilter) -> Rectangles:
         breadth = rule.breadth * shown["focal"] / depth
         found = np.column_stack([u, v, half_turn(angle), opening, breadth])[rows]
     if not (np.abs(found) < FARTHEST).all() or (found[:, 3:] < 0).any():
-        raise ValueError("a grasp of it has numbers that are no pixels")
+        raise ValueError("one of its grasps has numbers that are not pixels")
     return found
 
 

@@ -83,15 +83,19 @@ class Checkpoint:
             values = torch.load(self.path, weights_only=True)
             fits = values["meaning"] == self.meaning
         except Exception as error:  # anything may be raised by a damaged file
-            log.warning("%s cannot be read (%s): training starts anew", self.path, error)
+            log.warning(
+                "%s cannot be read (%s): training starts from the beginning", self.path, error
+            )
             return
         if not fits:
-            log.warning("%s is of another training: this one starts anew", self.path)
+            log.warning(
+                "%s belongs to another training: this one starts from the beginning", self.path
+            )
             return
         state.network.load_state_dict(values["network"])
         state.optimizer.load_state_dict(values["optimizer"])
         state.rows[:], state.best = values["rows"], values["best"]
-        log.info("training goes on after epoch %d", len(state.rows))
+        log.info("training resumes after epoch %d", len(state.rows))
 
 
 def train(
@@ -238,7 +242,7 @@ def _note(state: State, images: int, losses: Losses, judgements: list[ImageScore
     """Add an epoch to the history, and keep the weights if they are the best."""
     validation = float(np.mean([each.losses.sum() for each in judgements]))
     if not math.isfinite(validation + losses.sum()):
-        raise UserError("training: the loss is not finite any more; try a lower learning_rate")
+        raise UserError("training: the loss is no longer finite; try a lower learning_rate")
     parts = {f"{name}_loss": float(loss) for name, loss in zip(MAPS, losses, strict=True)}
     if all(validation < row["validation_loss"] for row in state.rows):
         state.best = {key: value.clone() for key, value in state.network.state_dict().items()}

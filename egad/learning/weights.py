@@ -44,7 +44,7 @@ def read(path: str | Path) -> Heads:
         more = f"; and {len(wrong) - MOST_NAMED} more" if len(wrong) > MOST_NAMED else ""
         said = "; ".join(wrong[:MOST_NAMED])
         raise WeightsError(
-            f"{path}: the weights are of another network than GG-CNN and GG-CNN2; most like "
+            f"{path}: these are not weights of GG-CNN or GG-CNN2; most similar to "
             f"{TITLES[name]}, but {said}{more}"
         )
     network.load_state_dict(state)
@@ -68,7 +68,7 @@ def _safe(path: str | Path, data: bytes) -> Mapping[str, torch.Tensor]:
     try:
         state: dict[str, torch.Tensor] = safetensors.torch.load(data)
     except Exception as error:
-        raise WeightsError(f"{path} is no whole safetensors file: {error}") from error
+        raise WeightsError(f"{path} is not a complete safetensors file: {error}") from error
     return state
 
 
@@ -80,7 +80,7 @@ def _pickled(path: str | Path) -> Mapping[str, torch.Tensor]:
     if not isinstance(state, Mapping):
         raise WeightsError(f"{path} is not a state dictionary: it holds a {type(state).__name__}")
     if not all(isinstance(value, torch.Tensor) for value in state.values()):
-        raise WeightsError(f"{path} is not a state dictionary: not all of it are tensors")
+        raise WeightsError(f"{path} is not a state dictionary: some values are not tensors")
     return state
 
 

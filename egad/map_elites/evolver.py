@@ -93,8 +93,8 @@ class Evolver:
         values, count = np.asarray(measures, dtype=np.float64), len(self._asked)
         if values.shape != (count, 2) and (count or values.size):
             raise UserError(
-                f"measures have the shape {values.shape}; {count} candidates were asked for, so "
-                f"({count}, 2) is needed"
+                f"expected measures of shape ({count}, 2), one row per candidate, "
+                f"got {values.shape}"
             )
         graphs = self._settings.similarity
         pairs = zip(self._asked, values.reshape(-1, 2).tolist(), strict=True)

@@ -55,7 +55,7 @@ def pixels(row: Mapping[str, Any], name: str, mode: str) -> NDArray[np.integer]:
     try:
         with Image.open(io.BytesIO(row[name]), formats=["PNG"]) as image:
             if image.size != (row["width"], row["height"]) or not image.mode.startswith(mode):
-                raise ValueError("it is not of the size and kind that is said")
+                raise ValueError("its size or type differs from the declared one")
             return np.asarray(image)
     except (ValueError, OSError, SyntaxError, TypeError, Image.DecompressionBombError) as error:
         raise TableError(f"its {name} cannot be read: {error}") from error

@@ -30,7 +30,7 @@ def files(folder: Path) -> list[Path]:
     """
     found = sorted(folder.glob("images-*.parquet"))
     if not found:
-        raise UserError(f"{folder}: no images here; `egad render` and the workflow make them")
+        raise UserError(f"{folder}: no images found; make them with `egad render` or the workflow")
     notes = {path.name: parquet.notes(path) for path in found}
     totals = {each.get("shards") for each in notes.values()}
     if len(totals) > 1 or not isinstance(total := totals.pop(), int):
@@ -40,7 +40,7 @@ def files(folder: Path) -> list[Path]:
         raise UserError(f"{folder}: its shards are of several sets; render them again")
     whole = [f"images-{number}.parquet" for number in range(total)]
     if missing := [name for name in whole if name not in notes]:
-        raise UserError(f"{folder}: half written, {_listed(missing)} of {total} shards missing")
+        raise UserError(f"{folder}: incomplete, {_listed(missing)} of {total} shards missing")
     return [folder / name for name in whole]
 
 

@@ -60,7 +60,7 @@ def _read(package: Path, module: str) -> tuple[str, frozenset[str]]:
     """The code of a module in one fixed layout, and the modules of the package it imports."""
     path = _source(package, module)
     if path is None:
-        raise ModuleNotFoundError(f"{module} is not a module in {package}")
+        raise ModuleNotFoundError(f"{module} is not a module of {package}")
     tree = ast.parse(path.read_bytes(), filename=str(path))
     here = module if path.name == "__init__.py" else module.rpartition(".")[0]
     found = {

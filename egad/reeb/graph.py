@@ -249,5 +249,5 @@ def unpack(data: bytes) -> ReebGraph:
     ints = np.frombuffer(body, "<i4", nodes + 2 * links, offset).astype(np.int32)
     pairs = ints[nodes:].reshape(-1, 2)
     if (ints < 0).any() or (ints[:nodes] >= ranges).any() or (pairs >= nodes).any():
-        raise UserError("The packed Reeb graph names parts that are not there.")
+        raise UserError("The packed Reeb graph refers to parts that do not exist.")
     return _graph(Parts(ints[:nodes], floats[:nodes], floats[nodes:], pairs), ranges)

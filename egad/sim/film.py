@@ -86,7 +86,7 @@ def write_film(frames: list[Pixels], path: Path) -> None:
             )
         except ImportError as error:
             raise UserError(
-                f"{path}: MP4 needs ffmpeg, pip install imageio-ffmpeg; GIF needs nothing"
+                f"{path}: MP4 needs ffmpeg (pip install imageio-ffmpeg); GIF does not"
             ) from error
     with atomic_output(path) as temporary:
         temporary.write_bytes(data)

@@ -191,7 +191,7 @@ class World:
             self.client.stepSimulation()
             velocity = self.client.getBaseVelocity(self.object)[0]
             if not math.hypot(*velocity) < FASTEST:  # which a NaN is not, either
-                raise UnstableError("the object was shot away")
+                raise UnstableError("the object was thrown away")
             if self.watch is not None:
                 self.watch(self)
 

@@ -101,7 +101,7 @@ def _check_objects(pairs: pd.DataFrame) -> None:
         label, first, second = differ.iloc[0][["label", "id_1", "id_2"]]
         raise UserError(
             f"{label} is the object {first} in one table and {second} in the other: "
-            "only trials of one evaluation set can be compared"
+            "only trials of the same evaluation set can be compared"
         )
 
 

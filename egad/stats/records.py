@@ -67,7 +67,7 @@ def gather(paths: Sequence[Path]) -> dict[str, pd.DataFrame]:
         for name, table in read(path).items():
             key = name if name not in found else f"{path.parent.name}/{name}"
             if key in found:
-                raise UserError(f"{path}: there are two tables of the detector {key}; rename one")
+                raise UserError(f"{path}: two tables have the same detector {key}; rename one")
             found[key] = table
     return found
 
@@ -102,7 +102,7 @@ def _csv(path: Path) -> pd.DataFrame:
             f"allowed: {', '.join(COLUMNS)}"
         )
     if repeated := [name for name in COLUMNS if names.count(name) > 1]:
-        raise UserError(f"{path}: the column {repeated[0]} is there twice")
+        raise UserError(f"{path}: the column {repeated[0]} occurs twice")
     blank = dict.fromkeys(COLUMNS, "")
     cells = [(line, blank | dict(zip(names, row, strict=True))) for line, row in lines]
     rows = [_row(path, line, row) for line, row in cells if row["success"]]
@@ -112,7 +112,7 @@ def _csv(path: Path) -> pd.DataFrame:
     twice = frame.duplicated(["detector", "label", "attempt"])
     if twice.any():
         first = frame[twice].iloc[0]
-        raise UserError(f"{path}: attempt {first['attempt']} at {first['label']} is there twice")
+        raise UserError(f"{path}: attempt {first['attempt']} at {first['label']} occurs twice")
     return frame
 
 

@@ -123,8 +123,8 @@ def check_starts(rows: pd.DataFrame) -> None:
     if len(odd):
         detector, label, attempt = odd.iloc[0][["detector", "label", "attempt"]]
         raise UserError(
-            f"{detector} began attempt {attempt} at {label} with another drop than the detectors "
-            "before it: with trials.reset redrop all must have the same, so make the trials again"
+            f"{detector} started attempt {attempt} at {label} with a different drop than earlier "
+            "detectors; with `trials.reset: redrop` all drops must be equal: repeat the trials"
         )
 
 
@@ -166,8 +166,8 @@ def _opposite(
     most = max(len(one), len(other))
     if {len(one), len(other)} - {1, most}:
         raise UserError(
-            f"{len(one)} networks of {first} and {len(other)} of {second} are no pairs: "
-            "both sets must have as many, or one of them a single network"
+            f"{len(one)} networks of {first} and {len(other)} of {second} cannot be "
+            "paired: both sets need equal numbers, or one of them a single network"
         )
     return list(zip(one * (most // len(one)), other * (most // len(other)), strict=True))
 

@@ -79,4 +79,4 @@ def check_names(frame: pd.DataFrame, path: Path, columns: Sequence[str] = LABELS
     for column in (name for name in columns if name in frame):
         for name in frame[column].unique():
             if isinstance(name, str) and _UNSAFE.search(name):
-                raise TableError(f"{path}: the {column} {name!r} cannot be the name of a file")
+                raise TableError(f"{path}: the {column} {name!r} is not a valid file name")

@@ -158,17 +158,17 @@ def test_a_shape_right_at_its_limits_is_within_them():
 @pytest.mark.parametrize(
     ("sections", "words"),
     [
-        ({"hole": Hole(kind="box")}, "no voxel of the cube to grow in"),
+        ({"hole": Hole(kind="box")}, "no voxel free for growth"),
         (
             {
                 "keep_solid": KeepSolid(kind="ellipsoid", size=(0.4, 0.4, 0.4)),
                 "hole": Hole(kind="box"),
             },
-            "outside the hole",
+            "inside the hole",
         ),
         (
             {"envelope": Envelope(kind="box", size=(0.01, 1, 1), center=(0.5, 0, 0))},
-            "no voxel of the cube to grow in",
+            "no voxel free for growth",
         ),
     ],
 )

@@ -127,7 +127,7 @@ def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
 def test_weights_that_are_far_too_large_are_not_read(tmp_path):
     with (tmp_path / "weights.pt").open("wb") as file:
         file.truncate(1 << 30)
-    with pytest.raises(UserError, match="too large to be weights of GG-CNN"):
+    with pytest.raises(UserError, match="too large for weights of GG-CNN"):
         check_ggcnn(str(tmp_path / "weights.pt"))
 
 

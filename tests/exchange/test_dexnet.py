@@ -186,7 +186,7 @@ def test_a_damaged_part_is_named_and_kept(dataset, tmp_path, settings):
     for part, cut in itertools.product(parts, (0, 1, 2000)):
         whole = part.read_bytes()
         part.write_bytes(whole[: len(whole) - cut] if cut else b"")
-        with pytest.raises(UserError, match=rf"{part.name}: cut short or damaged .* delete it"):
+        with pytest.raises(UserError, match=rf"{part.name}: truncated or damaged .* delete it"):
             joined(settings, dataset, parts, tmp_path / "out.hdf5")
         part.write_bytes(whole)
     assert not (tmp_path / "out.hdf5").exists()
@@ -227,14 +227,14 @@ def test_grasps_of_an_object_that_is_not_there_are_refused(dataset, tmp_path, se
     export(settings, dataset, tmp_path, 2)
     parts = [tmp_path / f"part-2-{shard}.hdf5" for shard in range(2)]
     fuller = max(parts, key=lambda part: part.stat().st_size)
-    with pytest.raises(UserError, match="is none of those that were written"):
+    with pytest.raises(UserError, match="is not among the written objects"):
         joined(settings, dataset, [part for part in parts if part != fuller], tmp_path / "out.hdf5")
 
 
 def test_an_object_with_an_illegal_name_is_refused(dataset, tmp_path, settings):
     rows = pd.read_parquet(dataset / "objects.parquet").assign(label="a/b")
     parquet.write(rows, OBJECTS, tmp_path / "objects.parquet")
-    with pytest.raises(TableError, match="'a/b' cannot be"):
+    with pytest.raises(TableError, match="'a/b' is not a valid file name"):
         dexnet_objects.run(
             select(settings, DexNetObjects),
             tmp_path / "objects.parquet",
@@ -261,4 +261,4 @@ def test_an_unreadable_mesh_is_left_out(dataset, tmp_path, caplog, settings):
     dexnet_objects.run(wanted, dataset / "objects.parquet", tmp_path, (0, 1), out)
     with h5py.File(out) as file:
         assert list(file["objects"]) == ["A00_0"]
-    assert "C02_0 is left out: no such file" in caplog.text
+    assert "C02_0 is omitted: no such file" in caplog.text

@@ -41,7 +41,7 @@ def test_a_gripper_that_is_not_there_is_named(dataset, tmp_path):
         egad.load_grasps(dataset)
     with pytest.raises(UserError, match="neither a table of grasps nor a dataset"):
         egad.load_grasps(tmp_path, "yumi")
-    with pytest.raises(UserError, match="named with the folder of a dataset, not a file"):
+    with pytest.raises(UserError, match="named only for the folder of a dataset, not for a file"):
         egad.load_grasps(dataset / "grasps" / "yumi.parquet", "yumi")
 
 

@@ -65,7 +65,7 @@ def test_a_file_cut_short_or_damaged_is_one_sentence(part):
     whole = part.read_bytes()
     for content in (whole[:-1], whole[: len(whole) // 2], b"", b"PAR1"):
         part.write_bytes(content)
-        with pytest.raises(DamagedError, match=r"part\.h5: cut short or damaged .* make"):
+        with pytest.raises(DamagedError, match=r"part\.h5: truncated or damaged .* make"):
             sound_keys(part, "objects")
 
 

@@ -70,7 +70,7 @@ BROKEN = {
         "property float x\nproperty float y\nproperty float z\n"
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
         "0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n",
-        "faces name vertices that are not there",
+        "faces refer to vertices that do not exist",
     ),
     "points.obj": ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no faces|not a readable"),
 }

@@ -57,7 +57,7 @@ def test_other_programs_can_check_them(folder, made):
 )
 def test_damaged_sums_are_named(folder, text):
     (folder / NAME).write_bytes(text.encode("latin-1"))
-    with pytest.raises(UserError, match="SHA256SUMS: not a file of sums"):
+    with pytest.raises(UserError, match="SHA256SUMS: not a checksum file"):
         read_sums(folder / NAME)
 
 

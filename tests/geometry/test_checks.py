@@ -72,8 +72,8 @@ UNUSABLE = {
     "infinite": (with_vertex(np.inf), "not finite"),
     "empty": (trimesh.Trimesh(), "no faces"),
     "points": (raw(BOX.vertices, np.empty((0, 3), dtype=int)), "no faces"),
-    "corner too high": (with_corner(8), "vertices that are not there"),
-    "corner too low": (with_corner(-1), "vertices that are not there"),
+    "corner too high": (with_corner(8), "vertices that do not exist"),
+    "corner too low": (with_corner(-1), "vertices that do not exist"),
 }
 NO_SOLID = {
     "open": (raw(BOX.vertices, BOX.faces[2:]), "open"),

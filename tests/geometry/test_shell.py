@@ -249,7 +249,7 @@ def test_a_repaired_shell_is_left_alone(thickened):
 
 
 def test_walls_that_cannot_be_made_say_what_can():
-    with pytest.raises(RejectedError, match="less than the thickness of its shell"):
+    with pytest.raises(RejectedError, match="smaller than the thickness of its shell"):
         repair(crate(), "thicken", 0.08)
     large = crate().apply_scale(1000)  # 70 m: millimetres taken for metres
     thinnest = np.sqrt(large.area / LARGEST)

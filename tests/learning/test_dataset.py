@@ -81,11 +81,11 @@ def test_a_copy_for_another_process_gives_the_same(images):
 
 
 def test_a_folder_without_images_or_with_a_gap_is_a_mistake(write, pictures, tmp_path):
-    with pytest.raises(UserError, match="no images here"):
+    with pytest.raises(UserError, match="no images found"):
         Dataset(tmp_path, RULE)
     write(tmp_path, pictures[:6], shards=3)
     (tmp_path / "images-1.parquet").unlink()
-    with pytest.raises(UserError, match=r"half written, images-1\.parquet of 3 shards missing"):
+    with pytest.raises(UserError, match=r"incomplete, images-1\.parquet of 3 shards missing"):
         Dataset(tmp_path, RULE)
 
 
@@ -102,7 +102,7 @@ def test_a_shard_that_is_cut_short_or_lacks_a_column_is_a_mistake(write, picture
 
 def test_an_unknown_split_and_an_empty_one_are_mistakes(write, changed, tmp_path):
     shards = Dataset(write(tmp_path / "one", changed()), RULE)
-    with pytest.raises(UserError, match="no image is of the split test"):
+    with pytest.raises(UserError, match="no image in the split test"):
         shards.indices("test")
     with pytest.raises(UserError, match="split 'holdout' is none of train, validation, test"):
         Dataset(write(tmp_path / "two", changed(split="holdout")), RULE)
@@ -128,7 +128,7 @@ def test_a_damaged_image_is_named(write, changed, tmp_path, values, words):
 )
 def test_numbers_that_are_no_pixels_are_refused(write, pictures, tmp_path, name, value):
     row = {**pictures[1], name: np.full(len(pictures[1]["u"]), value, np.float32)}
-    with pytest.raises(TableError, match="numbers that are no pixels"):
+    with pytest.raises(TableError, match="numbers that are not pixels"):
         Dataset(write(tmp_path, [row], 1), RULE).image(0)
 
 

@@ -111,15 +111,17 @@ def test_the_default_settings_are_read():
 
 def test_nothing_to_learn_from_is_a_mistake(write, pictures, tmp_path):
     strict = SETTINGS.model_copy(update={"training": PLAN.model_copy(update={"quality": 1.0})})
-    with pytest.raises(UserError, match=r"no image of the split train has a grasp .*quality, 1\.0"):
+    with pytest.raises(
+        UserError, match=r"no image of the split train has a collision-free grasp .*quality, 1\.0"
+    ):
         stage.open_dataset(write(tmp_path / "all", pictures), strict)
     kept = [row for row in pictures if row["split"] != "test"]
-    with pytest.raises(UserError, match="no image is of the split test"):
+    with pytest.raises(UserError, match="no image in the split test"):
         stage.open_dataset(write(tmp_path / "some", kept), SETTINGS)
 
 
 def test_a_folder_of_something_else_is_a_mistake(tmp_path):
-    with pytest.raises(UserError, match="no images here"):
+    with pytest.raises(UserError, match="no images found"):
         stage.open_dataset(tmp_path, SETTINGS)
     (tmp_path / "images-0.parquet").write_text("hello")
     with pytest.raises(TableError, match="not a readable Parquet file"):

@@ -81,7 +81,7 @@ def test_a_checkpoint_of_something_else_is_not_taken(shards, undisturbed, tmp_pa
     if damage:
         path.write_bytes(path.read_bytes()[:300])
     assert same(trained(shards, kept=checkpoint.Checkpoint(path, "this")), undisturbed)
-    assert ("cannot be read" if damage else "is of another training") in caplog.text
+    assert ("cannot be read" if damage else "belongs to another training") in caplog.text
 
 
 def test_the_history_tells_every_epoch(undisturbed):
@@ -134,7 +134,7 @@ def test_it_ends_when_nothing_gets_better(shards, monkeypatch):
 
 
 def test_a_loss_that_is_not_finite_ends_it(shards):
-    with pytest.raises(UserError, match="not finite any more; try a lower learning_rate"):
+    with pytest.raises(UserError, match="no longer finite; try a lower learning_rate"):
         training.train(Tiny(math.inf), shards, SHORT, 0)
 
 

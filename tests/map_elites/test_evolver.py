@@ -82,7 +82,7 @@ def test_steps_out_of_order_and_wrong_numbers_are_refused():
     with pytest.raises(UserError, match="tell the measures"):
         evolver.ask()
     for shape in ((count + 1, 2), (2, count), (2 * count,)):
-        with pytest.raises(UserError, match=rf"{count} candidates .* \({count}, 2\) is needed"):
+        with pytest.raises(UserError, match=rf"of shape \({count}, 2\)"):
             evolver.tell(np.ones(shape))
     with pytest.raises(UserError, match="at least 1"):
         egad.evolve(0)

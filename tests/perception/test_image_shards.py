@@ -82,9 +82,9 @@ def test_the_same_bytes_whatever_is_rendered_beside(block, grasped, hand, render
 
 def test_half_written_folders_say_what_is_missing(folder):
     (folder / "images-0.parquet").unlink()
-    with pytest.raises(UserError, match=r"half written, images-0\.parquet of 2 shards missing"):
+    with pytest.raises(UserError, match=r"incomplete, images-0\.parquet of 2 shards missing"):
         read(folder)
-    with pytest.raises(UserError, match="no images here"):
+    with pytest.raises(UserError, match="no images found"):
         read(folder / "nowhere")
 
 

@@ -18,7 +18,7 @@ def test_values_keep_all_their_digits():
     tables = {table.name: table for table in parameter_tables(Settings())}
     values = {item.name: item.value for item in tables["space"].parameters}
     assert values["difficulty_range"] == "0.0005, 0.004"
-    assert tables["schedule"].summary.startswith("How evolution is cut")
+    assert tables["schedule"].summary.startswith("Division of evolution into jobs")
 
 
 def test_grippers_stand_side_by_side():

@@ -160,7 +160,7 @@ def test_key_numbers(page):
 
 def test_every_setting_is_listed_with_its_meaning(page, report):
     words = page.words()
-    assert "seed 11 default 0 every random draw follows from this number" in words
+    assert "seed 11 default 0 seed of all random numbers" in words
     for name, field in Settings.model_fields.items():
         assert name in words
         for key in getattr(field.annotation, "model_fields", {}):

@@ -38,7 +38,7 @@ def test_every_pair_that_can_be_compared_is_once_the_better_first(tables):
 
 
 def test_a_label_of_another_object_is_refused(tables):
-    with pytest.raises(UserError, match="only trials of one evaluation set can be compared"):
+    with pytest.raises(UserError, match="only trials of the same evaluation set can be compared"):
         pairs(tables | {"other": tables["poor"].assign(id="another")})
 
 

@@ -83,14 +83,14 @@ def test_a_robots_objects_are_known_by_their_label_only(written):
             "line 2: label is 'A00'; allowed: a letter and a digit",
         ),
         ("label,attempt,success\nA0,first,1\n", "line 2: attempt is 'first'; allowed: a whole"),
-        ("label,attempt,success\nA0,0,1\nA0,0,0\n", "attempt 0 at A0 is there twice"),
+        ("label,attempt,success\nA0,0,1\nA0,0,0\n", "attempt 0 at A0 occurs twice"),
         (
             "label,attempt,success,outcome\nA0,0,0,fell\n",
             "outcome is 'fell'; allowed: success, coll",
         ),
         ("label,attempt,success,outcome\nA0,0,0,success\n", "success just where success is 1"),
         ("label,attempt,success,quality\nA0,0,1,high\n", "quality is 'high'; allowed: a number"),
-        ("label,attempt,Success,success\nA0,0,1,0\n", "the column success is there twice"),
+        ("label,attempt,Success,success\nA0,0,1,0\n", "the column success occurs twice"),
         ("label,attempt,success\nA0,0,1\nA0,1,0,missed\n", "line 3: 4 cells; the first line has 3"),
         ("label,attempt,success\nA0,0\n", "no row says whether"),
         ('label,attempt,success\nA0,0,1\n"A1,0,1\n', "not a CSV file: unexpected end of data"),
@@ -141,7 +141,7 @@ def test_tables_of_the_simulation_have_the_name_of_their_file(tmp_path):
     assert (found["id"], found["initial_pose"]) == ("some/object", "00" * 56)  # seven zeros
     files = [tmp_path / folder / "antipodal-depth.parquet" for folder in ("one", "two")]
     assert list(gather(files)) == ["antipodal-depth", "two/antipodal-depth"]
-    with pytest.raises(UserError, match="two tables of the detector two/antipodal-depth"):
+    with pytest.raises(UserError, match="two tables have the same detector two/antipodal-depth"):
         gather([*files, files[1]])
 
 

@@ -131,7 +131,7 @@ def test_numbers_of_networks_that_make_no_pairs_are_refused(table):
     sets = by_set(table)
     third = sets["good"][sets["good"]["seed"] == 0].assign(seed=2)
     three = pd.concat([sets["good"], third])
-    with pytest.raises(UserError, match="2 networks of poor and 3 of three are no pairs"):
+    with pytest.raises(UserError, match="2 networks of poor and 3 of three cannot be paired"):
         set_pairs({"poor": sets["poor"], "three": three})
     (pair,) = set_pairs({"given": sets["given"], "three": three})
     assert len(pair.each) == 3
@@ -153,7 +153,7 @@ def test_what_began_alike_is_counted_and_what_should_have_is_refused(table):
     (pair,) = set_pairs({"good": sets["good"], "poor": moved})
     assert (pair.result.attempts, pair.result.alike) == (len(moved), len(moved) - 3)
     check_starts(table)
-    with pytest.raises(UserError, match="poor-0 began attempt 0 at A0 with another drop"):
+    with pytest.raises(UserError, match="poor-0 started attempt 0 at A0 with a different drop"):
         check_starts(pd.concat([sets["good"], moved]))
 
 
@@ -174,7 +174,7 @@ def test_a_single_set_has_no_pairs(table):
 
 def test_other_objects_of_the_same_name_are_refused(table):
     sets = by_set(table)
-    with pytest.raises(UserError, match="only trials of one evaluation set can be compared"):
+    with pytest.raises(UserError, match="only trials of the same evaluation set can be compared"):
         set_pairs({"good": sets["good"], "poor": sets["poor"].assign(id="another")})
 
 

@@ -18,7 +18,7 @@ def killed(number):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-WANT = "probably because memory ran out; use fewer cores: --jobs"
+WANT = "probably out of memory; use fewer cores: --jobs"
 
 
 @contextmanager
@@ -143,7 +143,7 @@ def test_a_process_that_takes_too_long_is_ended_and_counts_as_one_that_died(tmp_
         assert [work(number) for number in (4, 0, 13, 6)] == [2, 0, None, 3]
         marks.with_suffix(".last").touch()
     assert time.monotonic() - before < 200
-    assert caplog.text.count("no answer within 0.5 s") == 3
+    assert caplog.text.count("did not answer within 0.5 s") == 3
 
 
 def test_a_worker_says_how_it_ended_and_starts_anew(tmp_path):
@@ -153,7 +153,7 @@ def test_a_worker_says_how_it_ended_and_starts_anew(tmp_path):
         assert not work.running
         assert work(4) == 2
     with Worker(partial(sleeping, tmp_path / "slept"), limit=0.5) as work:
-        with pytest.raises(WorkerTimeoutError, match=r"no answer within 0\.5 s"):
+        with pytest.raises(WorkerTimeoutError, match=r"did not answer within 0\.5 s"):
             work(13)
         assert work(4) == 2
 

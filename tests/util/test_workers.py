@@ -36,7 +36,7 @@ def killed(number):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-WANT = "probably because memory ran out; use fewer cores: --jobs"
+WANT = "probably out of memory; use fewer cores: --jobs"
 
 
 def test_a_worker_killed_for_memory_stops_all_with_advice():

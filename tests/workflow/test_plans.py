@@ -257,7 +257,7 @@ def test_exports_are_made_if_they_are_asked_for(copy):
     status, _ = copy.snakemake("--cores", 2, configs=configs)
     assert status != 0
     log = (copy.folder / "logs/egad/dexnet/egad_75mm.log").read_text()
-    assert f"{damaged.name}: cut short or damaged" in log
+    assert f"{damaged.name}: truncated or damaged" in log
     assert "Traceback" not in log
     assert not damaged.exists()
     copy.make("--cores", 2, configs=configs)

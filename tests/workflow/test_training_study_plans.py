@@ -74,7 +74,7 @@ def test_nothing_of_it_is_made_unless_it_is_named(clean, configs):
     [
         (
             {"training_sets": {"given": {"weights": "lost.pt"}}},
-            "The detector given-0 cannot be used: detectors: there is no file lost.pt",
+            "The detector given-0 cannot be used: detectors: no such file: lost.pt",
         ),
         ({"training_study": {"sets": []}}, "training_study.sets names no training set"),
         ({"training_study": {"tests": []}}, "training_study.tests names no dataset"),

@@ -78,4 +78,4 @@ def check_empty(out: Path) -> None:
     """
     check_folder(out)
     if out.is_dir() and any(out.iterdir()):
-        raise UserError(f"--out {out} is not empty, and what is in it would be lost")
+        raise UserError(f"--out {out} is not empty, and its files would be lost")

@@ -95,7 +95,7 @@ def run(
     check(dataset, gripper, grasps)
     homes, labels = _homes(parts, (dataset / "parts").resolve()), _labels(grasps)
     if lost := sorted(labels - homes.keys()):
-        raise UserError(f"{grasps}: object {lost[0]!r} is none of those that were written")
+        raise UserError(f"{grasps}: object {lost[0]!r} is not among the written objects")
     found = by_object(grasps, COLUMNS)
     with writing(out) as file:
         objects = add_dataset(file, dataset.absolute().name, metrics(settings), _meanings())
@@ -138,7 +138,7 @@ def _keys(part: Path, ours: bool) -> list[str]:
             raise
         part.unlink()
         raise UserError(
-            f"{part}: cut short or damaged ({error.reason}); it was removed, and the next run of "
+            f"{part}: truncated or damaged ({error.reason}); it was removed, and the next run of "
             "snakemake makes it anew"
         ) from error
 

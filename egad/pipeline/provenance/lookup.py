@@ -66,4 +66,4 @@ def origin_of(path: Path) -> Noted | None:
     try:
         return Noted.model_validate({**values, "path": path}) if values else None
     except (ValidationError, TypeError) as error:
-        raise UserError(f"{path}: what is noted of its origin is damaged") from error
+        raise UserError(f"{path}: its provenance record is damaged") from error

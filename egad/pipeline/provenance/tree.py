@@ -62,9 +62,9 @@ def _node(
 ) -> Node:
     was = f"its sha256 was {digest[:16]}..."
     if not os.path.exists(path):  # noqa: PTH110 (that of `Path` raises for what can be none)
-        return Node(path, None, f"not there; {was}")
+        return Node(path, None, f"missing; {was}")
     if not is_near(path, folders):
-        return Node(path, None, f"not looked at: it is outside of the working directory; {was}")
+        return Node(path, None, f"not checked: outside the working directory; {was}")
     if digest_of(path) != digest:
         return Node(path, None, f"ALTERED since; {was}")
     return Node(path, origin_of(path))
@@ -82,7 +82,7 @@ def _line(group: list[Node]) -> str:
     """Files that were made alike; characters that would move the cursor are not let through."""
     node = group[0]
     more = f" and {len(group) - 1} more" if len(group) > 1 else ""
-    made = ", ".join(_words(node.noted)) if node.noted else "nothing is noted of it"
+    made = ", ".join(_words(node.noted)) if node.noted else "no provenance recorded"
     line = f"{node.path}{more}: {node.problem or made}"
     return "".join(letter if letter.isprintable() else "?" for letter in line)
 

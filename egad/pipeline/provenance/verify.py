@@ -11,7 +11,7 @@ from egad.pipeline.provenance.lookup import TABLE, is_near, origin_of
 from egad.tables.seal import is_whole
 
 Found = Iterator[tuple[Path, str]]  # files, and what is wrong with them; empty if nothing is
-UNSEALED = "nothing is noted in it: not written by this program, or by an older one"
+UNSEALED = "no provenance recorded: not written by egad, or by an older version"
 
 
 @dataclass(frozen=True)
@@ -45,19 +45,19 @@ def verify(folder: Path) -> Verdict:
         UserError: There is no such folder, or nothing is noted of any file in it.
     """
     if not folder.is_dir():
-        raise UserError(f"{folder}: there is no such folder")
+        raise UserError(f"{folder}: no such folder")
     files = [*files_of(folder), *(path for path in [folder / NAME] if path.is_file())]
     records = [path for path in files if path.name == NAME or path.suffix == ENDING]
     tables = [path for path in files if path.suffix == TABLE]
     digest = cache(checksum)
     found = [*_tables(tables), *_others(records, digest)]
     if not found:
-        raise UserError(f"{folder}: nothing is noted of any file in it")
+        raise UserError(f"{folder}: no provenance recorded for any file")
     altered = {path for path, problem in found if problem}
     sources = _sources([*(path for path in tables if path not in altered), *map(_made, records)])
     there = {source for _, source, _ in sources if is_near(source, (folder, Path.cwd()))}
     chained = [
-        (path, f"made from another {source} than is there now")
+        (path, f"made from a different version of {source}")
         for path, source, value in sources
         if source in there and digest(source) != value
     ]
@@ -86,14 +86,14 @@ def _others(records: Iterable[Path], digest: Callable[[Path], str]) -> Found:
         try:
             sums = read_sums(record)[0]
         except UserError:
-            yield record, "altered: not a file of sums"
+            yield record, "altered: not a checksum file"
             continue
         for path, value in sums.items():
             same = path.is_file() and digest(path) == value
             yield path, "" if same else "altered" if path.is_file() else "deleted"
         for path in files_of(record.parent) if record.name == NAME else []:
             if path not in sums:
-                yield path, "added: it is not among the files that were made here"
+                yield path, "added: not among the files that were written here"
 
 
 def _sources(paths: Iterable[Path]) -> list[tuple[Path, Path, str]]:

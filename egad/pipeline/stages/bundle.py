@@ -125,7 +125,7 @@ def run(
         write_sums(folder)
     beyond = [row["label"] for row in rows if not row["within"]]
     if beyond:
-        log.warning("volume error beyond the bound: %s", ", ".join(beyond))
+        log.warning("volume error above bundle.volume_error: %s", ", ".join(beyond))
     log.info("%d objects, %d rejected", len(rows), len(left_out))
     return len(left_out)
 

@@ -62,7 +62,7 @@ def run(
             try:
                 solid = _solid(settings, row, meshes / f"{key}.obj")
             except RejectedError as reason:
-                log.warning("%s is left out: %s", key, reason)
+                log.warning("%s is omitted: %s", key, reason)
             else:
                 add_object(group, key, solid)
 

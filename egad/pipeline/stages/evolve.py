@@ -62,7 +62,7 @@ def run(
         steps, counts = evolve(archive, settings, epoch, island, rules, mapper, watch)
     if not len(archive):
         most = "; ".join(f"{reason} ({count})" for reason, count in counts.most_common(3))
-        raise UserError(f"none of {counts.total()} offspring could be kept: {most}")
+        raise UserError(f"none of {counts.total()} offspring was accepted: {most}")
     parquet.write(steps, HISTORY, history)
     parquet.write(archive.to_frame(), EPOCH, out, provenance(settings))
     log.info("%d elites, coverage %.3f", len(archive), archive.coverage)

@@ -31,7 +31,7 @@ def tidy(images: Path, shards: int) -> list[Path]:
         UserError: Shards are missing, or belong to different sets.
     """
     if parquet.notes(images / "images-0.parquet").get("shards") != shards:
-        raise UserError(f"{images}: its images are not in {shards} shards; render them again")
+        raise UserError(f"{images}: expected images in {shards} shards; render them again")
     wanted = {f"images-{number}.parquet" for number in range(shards)}
     for path in images.glob("images-*.parquet"):
         if path.name not in wanted:

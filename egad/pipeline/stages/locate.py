@@ -59,7 +59,7 @@ def reference(path: Path, settings: LocateMeshes) -> Reference:
     if path.is_dir():
         path = path / "objects.parquet"
     if not path.is_file():
-        raise UserError(f"--in {path}: no such file; name an archive or the folder of a dataset")
+        raise UserError(f"--in {path}: no such file; give an archive or the folder of a dataset")
     names = parquet.columns(path)
     if "voxels" in names:
         check_provenance(path, settings, ("shape",))
@@ -80,7 +80,7 @@ def reference(path: Path, settings: LocateMeshes) -> Reference:
 def _of_dataset(objects: pd.DataFrame, meshes: Path) -> Reference:
     files = {label: meshes / f"{label}.obj" for label in objects["label"]}
     if missing := [file for file in files.values() if not file.is_file()]:
-        raise UserError(f"{missing[0]}: this mesh of the dataset is not there")
+        raise UserError(f"{missing[0]}: this mesh of the dataset is missing")
     return Reference(
         objects, {label: partial(read_mesh, file, "m") for label, file in files.items()}
     )

@@ -101,7 +101,7 @@ def warn_of_units(table: pd.DataFrame, units: str) -> None:
     if len(odd):
         log.warning(
             "%d of %d meshes are smaller than %g m or larger than %g m, %s for one (%.3g m): "
-            "are they really in %s?",
+            "is their unit %s?",
             *(len(odd), len(table), *USUAL_SIDES),
             *(odd["name"].iloc[0], odd["longest_side"].iloc[0], units),
         )

@@ -232,7 +232,7 @@ def _log_result(rows: list[Row], gripper: str, settings: PrintFiles) -> None:
     if rows and not plates:
         log.warning(
             "No object can be printed for gripper %s with its opening of %g mm: "
-            "take a wider gripper, a finer nozzle (print_check.wall) or a larger bed",
+            "use a wider gripper, a finer nozzle (print_check.wall) or a larger bed",
             gripper,
             1000 * settings.gripper.opening,
         )

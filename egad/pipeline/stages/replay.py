@@ -40,7 +40,7 @@ def run(
     """
     row = _row(trials, label, attempt)
     if not row["initial_pose"]:
-        raise UserError(f"{label}, attempt {attempt} never began: {row['outcome']}")
+        raise UserError(f"{label}, attempt {attempt} never started: {row['outcome']}")
     again, frames = repeat_attempt(settings, row, bundle)
     write_film(frames, out)
     _check(row, columns_of(again))
@@ -84,7 +84,7 @@ def _check(row: Mapping[str, Any], again: Mapping[str, Any]) -> None:
     before, after = ([values[name] for name in END] for values in (row, again))
     if outcome != row["outcome"] or not np.array_equal(before, after, equal_nan=True):
         raise UserError(
-            f"{row['label']}, attempt {row['attempt']} came out differently: {outcome}, not "
-            f"{row['outcome']}; settings, bundle, machine or the version of PyBullet must be "
-            "others than those of the trials"
+            f"{row['label']}, attempt {row['attempt']} was not reproduced: {outcome}, not "
+            f"{row['outcome']}; settings, bundle, machine or the version of PyBullet must "
+            "differ from those of the trials"
         )

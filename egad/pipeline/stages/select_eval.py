@@ -124,6 +124,8 @@ def _log_result(found: Selection, distances: Distances, settings: EvalSelection)
     if found.left_out:
         log.info("%d candidates cannot be printed", len(found.left_out))
     if borrowed := found.table.loc[found.table["borrowed"].astype(bool), "label"].tolist():
-        log.info("%d cells took an object from beside them: %s", len(borrowed), " ".join(borrowed))
+        log.info(
+            "%d cells took an object from a neighboring cell: %s", len(borrowed), " ".join(borrowed)
+        )
     if empty := empty_cells(found.table, settings.select_eval):
         log.info("%d cells without a printable object: %s", len(empty), " ".join(empty))

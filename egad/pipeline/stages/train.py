@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 CHART, CARD = "history.svg", "README.md"
 TABLE, REACHED = "history.parquet", "score.parquet"
 CHECKPOINT = "checkpoint.pt"
-NEEDED = "training needs PyTorch and safetensors: install egad with its extra, egad[vision]"
+NEEDED = "training needs PyTorch and safetensors: pip install 'egad[vision]'"
 
 
 class TrainNetwork(StageSettings):
@@ -105,7 +105,7 @@ def open_dataset(images: Path, settings: TrainNetwork) -> Dataset:
         shards.indices(split)
     if not shards.index.loc[shards.indices("train"), "positive"].any():
         raise UserError(
-            f"{images}: no image of the split train has a grasp that is free of collision with a "
+            f"{images}: no image of the split train has a collision-free grasp with a "
             f"robust quality above training.quality, {plan.quality}"
         )
     return shards

@@ -34,7 +34,7 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> Scene
     table = folder / "grasps" / f"{gripper}.parquet"
     scales = folder / "rescaled" / gripper / "scales.parquet"
     if not (folder / "objects.parquet").is_file():
-        raise UserError(f"--in {folder}: there is no dataset; name its folder, e.g. results/egad")
+        raise UserError(f"--in {folder}: no dataset here; give its folder, e.g. results/egad")
     for path in (scales, table):
         if not path.is_file():
             raise UserError(f"{path} is not there; make it with: snakemake --cores 2 {table}")

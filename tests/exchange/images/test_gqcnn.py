@@ -100,5 +100,5 @@ def test_missing_depths_are_filled(sets, tmp_path):
 
 def test_tensors_need_a_grasp(sets, tmp_path):
     none = [replace(each, grasps=each.grasps.chosen(np.arange(0))) for each in sets["d435"]]
-    with pytest.raises(UserError, match="no grasp can be reached"):
+    with pytest.raises(UserError, match="no reachable grasps"):
         write_gqcnn(none, tmp_path / "set")

@@ -315,7 +315,7 @@ def test_size_effect_rates_the_good_and_names_the_bad(tmp_path):
         (["size-effect", "a.obj", "--units", "mm", "--gripper", "yumy"], "did you mean yumi?"),
         (["size-effect", "a.obj", "--units", "mm", "--out", "a.pdf"], ".svg or .parquet or .csv"),
         (["size-effect", "a.obj", "--units", "mm"], "none of the 1 meshes could be used"),
-        (["view", "A0", "--in", "nowhere"], "there is no dataset"),
+        (["view", "A0", "--in", "nowhere"], "no dataset here"),
         (["view", "A0", "--gripper", "pandaa"], "did you mean panda?"),
         (["view", "a.obj"], "give its unit with --units"),
         (["view", "a.obj", "--units", "mm"], "a.obj: no such file"),

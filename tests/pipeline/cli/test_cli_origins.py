@@ -40,7 +40,7 @@ def test_a_command_notes_what_it_read(joined):
 def test_provenance_prints_a_tree():
     said = egad("provenance", "all/rows.parquet").output.splitlines()
     assert said[0].startswith("all/rows.parquet: join (by id), code ")
-    assert said[1] == "└─ a.parquet and 1 more: nothing is noted of it"
+    assert said[1] == "└─ a.parquet and 1 more: no provenance recorded"
 
 
 def test_verify_tells_by_its_status_and_names_the_file(joined):
@@ -61,7 +61,7 @@ def test_an_input_from_elsewhere_is_not_taken_for_one_of_the_same_name(tmp_path,
     assert done.exit_code == 0, done.output
     assert egad("verify", "results/egad").exit_code == 0
     lines = egad("provenance", "results/egad/archive.parquet").output.splitlines()
-    assert lines[1].startswith("└─ elsewhere:archive.parquet: not there; its sha256 was ")
+    assert lines[1].startswith("└─ elsewhere:archive.parquet: missing; its sha256 was ")
 
 
 def test_files_that_settings_name_are_inputs(tmp_path):

@@ -73,7 +73,7 @@ def test_tables_of_two_evaluation_sets_are_refused(tmp_path):
         (["report", "good.csv", "--out", "page.pdf"], "must end in .html or .parquet or .csv"),
         (["report", "missing.csv"], "missing.csv"),
         (["compare", "good.csv"], "at least two detectors"),
-        (["compare", "good.csv", "good.csv", "good.csv"], "two tables of the detector"),
+        (["compare", "good.csv", "good.csv", "good.csv"], "two tables have the same detector"),
         (["compare", "good.csv", "broken.parquet"], "not a readable Parquet file"),
     ],
 )

@@ -48,19 +48,19 @@ def test_what_is_not_as_it_was_or_not_there_is_said(made):
     (made / "parts/solids-2.parquet").write_bytes(b"another")
     _, first, _, second, third = tree(made / "objects.parquet")
     assert "solids-0.parquet: postprocess" in first
-    assert "solids-1.parquet: not there; its sha256 was " in second
+    assert "solids-1.parquet: missing; its sha256 was " in second
     assert "solids-2.parquet: ALTERED since; its sha256 was " in third
 
 
 def test_a_file_that_nothing_is_noted_of(made):
     (made / "notes.txt").write_text("mine")
-    assert list(tree(made / "notes.txt")) == [f"{made}/notes.txt: nothing is noted of it"]
+    assert list(tree(made / "notes.txt")) == [f"{made}/notes.txt: no provenance recorded"]
 
 
 @pytest.mark.parametrize("noted", ['{"stage": 1}', '{"program": "1", "inputs": 3}'])
 def test_damaged_notes_are_named(made, noted):
     (made / "map.svg.sha256").write_text(f"# egad-origin {noted}\n")
-    with pytest.raises(UserError, match="what is noted of its origin is damaged"):
+    with pytest.raises(UserError, match="its provenance record is damaged"):
         list(tree(made / "map.svg"))
 
 
@@ -72,14 +72,14 @@ def test_names_cannot_move_the_cursor(made):
 
 def test_what_a_stranger_names_is_not_read(stranger):
     _, line = tree(stranger / "plain.txt")
-    assert "not looked at" in line or "loop: not there" in line
+    assert "not checked" in line or "loop: missing" in line
 
 
 @pytest.mark.parametrize("name", ["a\0b", "a" * 5000])
 def test_what_cannot_be_a_path_is_not_there(made, name):
     noted = parquet.origin_of(made / "objects.parquet") | {"inputs": [[name, "00"]]}
     (made / "map.svg.sha256").write_text(f"# egad-origin {json.dumps(noted)}\n")
-    assert "not there" in list(tree(made / "map.svg"))[1]
+    assert ": missing" in list(tree(made / "map.svg"))[1]
 
 
 def test_an_input_is_hashed_once(made, monkeypatch):

@@ -35,20 +35,22 @@ def test_an_altered_file_is_named(made, name):
 def test_an_altered_table_that_was_written_anew_is_named(made):
     frame = parquet.read(made / "objects.parquet", REJECTED)
     frame.assign(reason="another").to_parquet(made / "objects.parquet")
-    assert "nothing is noted in it" in problems(made)["objects.parquet"]
+    assert "no provenance recorded" in problems(made)["objects.parquet"]
 
 
 def test_what_was_made_from_an_altered_table_that_is_sealed_again_is_named(made):
     row = {"id": "x", "stage": "", "reason": ""}
     parquet.write(pd.DataFrame([row]), REJECTED, made / "objects.parquet")
-    problem = f"made from another {made}/objects.parquet than is there now"
+    problem = f"made from a different version of {made}/objects.parquet"
     assert problems(made) == {"comparison.parquet": problem, "map.svg": problem}
 
 
 def test_sums_that_were_made_to_fit_are_named_too(made):
     (made / "meshes/a.obj").write_text("altered")
     write_sums(made / "meshes")
-    assert problems(made)["comparison.parquet"].startswith(f"made from another {made}/meshes than")
+    assert problems(made)["comparison.parquet"].startswith(
+        f"made from a different version of {made}/meshes"
+    )
 
 
 def test_deleted_and_added_meshes_are_named(made):
@@ -78,7 +80,7 @@ def test_hidden_files_do_not_count(made):
 
 
 def test_there_must_be_something_to_compare(tmp_path):
-    with pytest.raises(UserError, match="nothing is noted"):
+    with pytest.raises(UserError, match="no provenance recorded"):
         verify(tmp_path)
     with pytest.raises(UserError, match="no such folder"):
         verify(tmp_path / "gone")
@@ -96,7 +98,7 @@ def test_what_a_stranger_names_is_not_read(stranger):
 def test_sums_are_about_their_folder(made, name):
     with (made / f"meshes/{NAME}").open("a") as file:
         file.write(f"00  {name}\n")
-    assert problems(made)[f"meshes/{NAME}"] == "altered: not a file of sums"
+    assert problems(made)[f"meshes/{NAME}"] == "altered: not a checksum file"
 
 
 def test_inputs_in_the_working_directory_are_compared(made, tmp_path):
@@ -105,4 +107,4 @@ def test_inputs_in_the_working_directory_are_compared(made, tmp_path):
         pass
     assert not problems(made)
     (tmp_path / "scan.obj").write_text("another")
-    assert "made from another" in problems(made)["map.svg"]
+    assert "made from a different version" in problems(made)["map.svg"]

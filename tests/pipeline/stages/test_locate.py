@@ -122,7 +122,7 @@ def test_the_page_shows_places_pictures_and_reasons(among, placed):
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path):
-    with pytest.raises(UserError, match="name an archive"):
+    with pytest.raises(UserError, match="give an archive"):
         locate.reference(tmp_path / "nothing.parquet", READ)
 
 
@@ -141,7 +141,7 @@ def test_what_does_not_fit_the_configuration_is_refused(home, tmp_path):
 def test_a_dataset_without_its_meshes_is_refused(among, tmp_path):
     frame = among.objects.reindex(columns=OBJECTS.names).fillna(0)
     parquet.write(frame, OBJECTS, tmp_path / "objects.parquet")
-    with pytest.raises(UserError, match="is not there"):
+    with pytest.raises(UserError, match="is missing"):
         locate.reference(tmp_path, READ)
 
 

@@ -154,7 +154,7 @@ def test_open_surfaces_are_measured_as_shells_if_the_settings_say_so(bad, table)
 
 def test_units_that_must_be_wrong_are_pointed_out(bad, caplog):
     measure.run(SETTINGS, {"thousand": bad["thousand"]}, "m", 1)
-    assert "thousand for one (60 m): are they really in m?" in caplog.text
+    assert "thousand for one (60 m): is their unit m?" in caplog.text
     caplog.clear()
     measure.run(SETTINGS, {"thousand": bad["thousand"]}, "mm", 1)
     assert caplog.text == ""

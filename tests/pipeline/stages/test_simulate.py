@@ -166,7 +166,7 @@ def test_a_replay_from_the_command_line(dataset, tmp_path, monkeypatch, capsys):
 def test_without_ffmpeg_a_film_can_be_a_gif(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     frames = [np.full((400, 352, 3), shade, np.uint8) for shade in (10, 200)]
-    with pytest.raises(UserError, match="MP4 needs ffmpeg, pip install imageio-ffmpeg; GIF"):
+    with pytest.raises(UserError, match=r"MP4 needs ffmpeg \(pip install imageio-ffmpeg\); GIF"):
         write_film(frames, tmp_path / "film.mp4")
     write_film(frames, tmp_path / "film.gif")
     with Image.open(tmp_path / "film.gif") as film:
@@ -178,7 +178,7 @@ def test_without_ffmpeg_a_film_can_be_a_gif(tmp_path, monkeypatch):
     [
         ("Z9", 0, "no object Z9; allowed: A0, A1, B0"),
         ("A0", 3, "A0 has no attempt 3; its last is 2"),
-        ("B0", 0, "B0, attempt 0 never began: failed"),
+        ("B0", 0, "B0, attempt 0 never started: failed"),
     ],
 )
 @pytest.mark.usefixtures("table")
@@ -191,7 +191,7 @@ def test_a_replay_under_other_settings_is_noticed(dataset, table, tmp_path):
     other = SETTINGS.gripper.model_copy(update={"friction": 0.02})
     trials = parquet.read(table, TRIALS)
     row = trials[trials["success"]].iloc[0]
-    with pytest.raises(UserError, match="came out differently"):
+    with pytest.raises(UserError, match="was not reproduced"):
         replay.run(
             SETTINGS.model_copy(update={"gripper": other}),
             table,

@@ -120,7 +120,7 @@ def test_drops_that_should_be_the_same_are_compared(results):
     anew = SETTINGS.model_copy(
         update={"trials": SETTINGS.trials.model_copy(update={"reset": "redrop"})}
     )
-    with pytest.raises(UserError, match="all-1 began attempt 0 at A0 with another drop"):
+    with pytest.raises(UserError, match="all-1 started attempt 0 at A0 with a different drop"):
         stage.run(anew, "hand", results, *outputs)
 
 

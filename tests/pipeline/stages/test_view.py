@@ -83,7 +83,7 @@ def test_another_opening_than_that_of_the_dataset_is_refused(dataset):
 
 
 def test_a_folder_that_is_no_dataset_is_refused(tmp_path):
-    with pytest.raises(UserError, match="there is no dataset"):
+    with pytest.raises(UserError, match="no dataset here"):
         view.from_dataset(tmp_path, "yumi", "A0", OPENING)
 
 
