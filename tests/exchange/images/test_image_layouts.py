@@ -113,5 +113,5 @@ def test_images_that_do_not_fit_are_refused(sets, tmp_path):
     picture = replace(picture, view=view)
     with pytest.raises(UserError, match="square, these have 800 x 400"):
         write_jacquard(picture, GRIPPER, tmp_path)
-    with pytest.raises(UserError, match="these 800 x 400"):
+    with pytest.raises(UserError, match="these have 800 x 400"):
         write_cornell(picture, GRIPPER, tmp_path)

@@ -92,6 +92,6 @@ def test_half_written_and_missing_images_are_named(dataset, tmp_path, monkeypatc
         said = exported(monkeypatch, dataset, tmp_path / "out", "cornell")
     finally:
         missing.write_bytes(kept)
-    assert "half written, images-1.parquet of 2 shards missing" in said
+    assert "incomplete, images-1.parquet of 2 shards missing" in said
     assert not (tmp_path / "out").exists()
     assert "scales.parquet" in exported(monkeypatch, dataset, tmp_path / "out", "gqcnn", "yumi")

@@ -154,7 +154,7 @@ def test_the_card_counts_what_is_there(dataset, images, tmp_path):
 def test_leftovers_of_a_larger_set_are_removed(dataset, tmp_path):
     made(dataset, tmp_path, 3)
     made_again = tmp_path / "images-0.parquet"
-    with pytest.raises(UserError, match="not in 1 shards"):
+    with pytest.raises(UserError, match="expected images in 1 shards"):
         image_card.tidy(tmp_path, 1)
     assert len(list(tmp_path.glob("images-*"))) == 3
     evaluation = dataset / "eval49.parquet"
