@@ -14,7 +14,7 @@ from .export import export as export
 from .geometry.checks import UnitsWarning as UnitsWarning
 from .geometry.repair import repair as repair
 from .grasps.grasps import Grasps as Grasps
-from .grasps.gripper import gripper as gripper
+from .grasps.grippers import gripper as gripper
 from .grasps.parameters import Gripper as Gripper
 from .map_elites.archive import Archive as Archive
 from .map_elites.evolver import Evolver as Evolver

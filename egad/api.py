@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from egad._util.parameters import from_arguments
 from egad.errors import UserError
 from egad.evalset.parameters import Bundle
-from egad.exchange.grippers import palm_mesh
+from egad.exchange.palm_mesh import palm_mesh
 from egad.geometry import convex_parts as decomposition
 from egad.geometry import scaling
 from egad.geometry import stable_poses as resting
@@ -19,7 +19,7 @@ from egad.geometry.mass import mass_properties
 from egad.geometry.parameters import SIDE_FRACTION
 from egad.geometry.repair import repair as repair_mesh
 from egad.grasps.grasps import Grasps
-from egad.grasps.gripper import as_gripper
+from egad.grasps.grippers import as_gripper
 from egad.grasps.labels import label_grasps, label_parameters
 from egad.grasps.parameters import FRICTION, Gripper
 from egad.measures.grid import Cell, cell_name, cell_of

@@ -13,15 +13,15 @@ from egad.errors import RejectedError, UserError, check_name
 from egad.evalset.bundle import make_simulation_object
 from egad.evalset.parameters import Bundle
 from egad.exchange.acronym import Body, Jaws, write_acronym
-from egad.exchange.grippers import palm_mesh
 from egad.exchange.hdf5 import check_key
 from egad.exchange.meshes import write_obj, write_stl_mm
+from egad.exchange.palm_mesh import palm_mesh
 from egad.exchange.parameters import Acronym
 from egad.exchange.simulators import write_simulation_object
 from egad.geometry.mass import mass_properties
 from egad.geometry.parameters import SIDE_FRACTION, Material
 from egad.geometry.scaling import rescale
-from egad.grasps.gripper import as_gripper
+from egad.grasps.grippers import as_gripper
 from egad.grasps.hand import finger_span
 from egad.grasps.labels import label_grasps, label_parameters
 from egad.grasps.parameters import Gripper

@@ -15,7 +15,7 @@ from egad.errors import RejectedError, check_name
 from egad.evalset.parameters import Bundle
 from egad.geometry.parameters import SIDE_FRACTION, Material
 from egad.geometry.scaling import rescale
-from egad.grasps.gripper import as_gripper
+from egad.grasps.grippers import as_gripper
 from egad.grasps.parameters import Gripper
 from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.outcomes import Outcome

@@ -31,7 +31,8 @@ from egad.pipeline.config.stage_settings import select
 from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.reeb.similarity import similarity_matrix
-from egad.report.drawing import LINES, SOFT, new_figure
+from egad.report.colors import LINES, SOFT
+from egad.report.drawing import new_figure
 
 Floats = NDArray[np.float64]
 DOCS = Path(__file__).parents[1] / "docs"

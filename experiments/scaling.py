@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from egad._util.files import write_text
-from egad.report.drawing import LINES, SOFT, new_figure
+from egad.report.colors import LINES, SOFT
+from egad.report.drawing import new_figure
 
 DOCS = Path(__file__).parents[1] / "docs"
 CORES = (1, 2, 4, 8, 16, 32, 64, 128, 256)

@@ -15,7 +15,8 @@ from matplotlib.patches import Rectangle
 
 from egad._util.files import write_text
 from egad.evalset.selection import cell_of_label
-from egad.report.drawing import ink_on, new_figure
+from egad.report.colors import ink_on
+from egad.report.drawing import new_figure
 from egad.report.page import p_value
 from egad.report.training import success_chart
 from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_color

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 
 from egad.errors import UserError
+from egad.exchange.meshes import ENDINGS
 
-ENDINGS = (".3mf", ".glb", ".obj", ".off", ".ply", ".stl")
 EVERY_FILE = "*"
 _WILDCARD = re.compile(r"[*?\[]")
 

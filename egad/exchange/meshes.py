@@ -9,11 +9,11 @@ from egad._util.files import atomic_output
 from egad._util.input_limits import MAX_DIRECT_BYTES, MAX_FACES, MAX_MESH_BYTES, check_count
 from egad._util.limited import LimitError, limited
 from egad.errors import RejectedError, UserError
-from egad.exchange.folders import ENDINGS
 from egad.exchange.mesh_parsers import Arrays, parse, parse_file
 from egad.exchange.wavefront import obj_text, parse_plain_obj
 from egad.geometry.checks import check_surface
 
+ENDINGS = (".3mf", ".glb", ".obj", ".off", ".ply", ".stl")
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 
 
@@ -21,7 +21,7 @@ def read_mesh(path: Path, units: str) -> trimesh.Trimesh:
     """Read a mesh file as one mesh in metres, vertices at the same place merged.
 
     Args:
-        path: A file with one of `egad.exchange.folders.ENDINGS`.
+        path: A file with one of `ENDINGS`.
         units: Unit of its coordinates: m, cm, mm or inch.
 
     Raises:

@@ -63,32 +63,6 @@ class Gripper(Parameters):
         return pad if self.friction is None else pad._replace(friction=self.friction)
 
 
-_PANDA_PALM = (0.2, 0.063, 0.06)
-
-
-GRIPPERS = {
-    "yumi": Gripper(opening=0.05, finger_length=0.035, force=20),
-    "panda": Gripper(
-        opening=0.08, finger_length=0.0445, finger_width=0.021, palm=_PANDA_PALM, force=70
-    ),
-    "egad_75mm": Gripper(opening=0.075, finger_length=0.06, palm=_PANDA_PALM, force=70),
-    "robotiq_2f_85": Gripper(
-        opening=0.085,
-        finger_length=0.038,
-        finger_width=0.022,
-        palm=(0.15, 0.075, 0.09),
-        force=100,
-    ),
-    "robotiq_2f_140": Gripper(
-        opening=0.14,
-        finger_length=0.065,
-        finger_width=0.027,
-        palm=(0.2, 0.075, 0.09),
-        force=80,
-    ),
-}
-
-
 class Quality(Parameters):
     """Ferrari-Canny grasp quality, one deterministic value per grasp."""
 

@@ -13,7 +13,7 @@ from egad._util.workers import workers
 from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
 from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError, UserError
-from egad.grasps.gripper import gripper
+from egad.grasps.grippers import gripper
 from egad.map_elites.archive import Archive
 from egad.map_elites.island import Candidate, Island, Measured, Solid
 from egad.map_elites.parameters import Evolution, EvolutionParameters

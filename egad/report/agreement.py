@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from egad.evalset.selection import cell_of_label
-from egad.report.drawing import DASHED, LINES, SOFT, new_figure, show_percent, svg_uri
+from egad.report.colors import LINES, SOFT
+from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 from egad.report.trial_charts import draw_rates, outcome_counts
 from egad.stats.rates import Rate, rate

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from egad.measures.grid import coverage
 from egad.measures.parameters import Space
 from egad.report.axes import USUAL, AxisPair
-from egad.report.drawing import COLOR_MAP, FAINT, LINES, SOFT, new_figure, show_percent, svg_uri
+from egad.report.colors import COLOR_MAP, FAINT, LINES, SOFT
+from egad.report.drawing import new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 
 COLUMNS = 3

@@ -1,8 +1,7 @@
-"""The look of charts: colors, fonts, and SVG text that is the same for the same data."""
+"""The style of charts, and SVG text that is the same for the same data."""
 
 import base64
 import io
-import math
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,12 +9,10 @@ from typing import Any
 
 import matplotlib
 from matplotlib.axis import Axis
-from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
-INK, SOFT, FAINT = "#1c2430", "#667080", "#e4e7ec"
-UNKNOWN = "#c4c9d1"
-LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255", "#8a6d3b"]
+from egad.report.colors import FAINT, INK, SOFT
+
 DASHED = (0, (4, 4))
 THOUSANDTHS = "\N{MULTIPLICATION SIGN} 10\N{SUPERSCRIPT THREE}"
 STYLE: dict[Any, Any] = {
@@ -38,8 +35,6 @@ STYLE: dict[Any, Any] = {
     "legend.frameon": False,
 }
 FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
-
-COLOR_MAP = "viridis"  # of values on maps of objects
 
 
 class Drawing:
@@ -69,28 +64,6 @@ def new_figure(width: float, height: float) -> Iterator[Drawing]:
 def show_percent(axis: Axis) -> None:
     """Write the ticks of an axis, which are parts of 1, as percentages."""
     axis.set_major_formatter(lambda value, _: f"{value:.0%}")
-
-
-def line_color(number: int) -> str:
-    """Color of a line of a chart, by its number; after the last one they repeat."""
-    return LINES[number % len(LINES)]
-
-
-def scale_color(value: float, low: float, high: float) -> str:
-    """Color of a value on the scale `COLOR_MAP` from `low` to `high`, as `#rrggbb`.
-
-    Values outside have the colors of the ends; NaN is grey.
-    """
-    if math.isnan(value):
-        return UNKNOWN
-    share = (value - low) / (high - low) if high > low else 0.5
-    return to_hex(matplotlib.colormaps[COLOR_MAP](min(max(share, 0.0), 1.0)))
-
-
-def ink_on(color: str) -> str:
-    """Dark or white, whichever reads better on a color."""
-    red, green, blue = to_rgb(color)
-    return INK if 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.25 else "white"
 
 
 def data_uri(content: bytes, kind: str = "image/png") -> str:

@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 from egad.evalset.selection import label_at
 from egad.grasps.parameters import Gripper
 from egad.report.axes import AxisPair
-from egad.report.drawing import INK, SOFT, STYLE, data_uri
+from egad.report.colors import INK, SOFT
+from egad.report.drawing import STYLE, data_uri
 from egad.report.page import Section, section_of
 from egad.report.pictures import render
 from egad.report.viewer import Scene, viewer_data

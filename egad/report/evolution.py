@@ -14,7 +14,8 @@ from PIL import Image, ImageDraw
 from egad.measures.grid import coverage, difficulty_cells
 from egad.measures.parameters import Space
 from egad.report.axes import AxisPair
-from egad.report.drawing import data_uri, line_color, new_figure, show_percent, svg_uri
+from egad.report.colors import line_color
+from egad.report.drawing import data_uri, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 
 THIN = "\N{NARROW NO-BREAK SPACE}"

@@ -9,16 +9,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from egad.measures.size_effect import summarize
-from egad.report.drawing import (
-    FAINT,
-    INK,
-    SOFT,
-    THOUSANDTHS,
-    line_color,
-    new_figure,
-    show_percent,
-    svg_uri,
-)
+from egad.report.colors import FAINT, INK, SOFT, line_color
+from egad.report.drawing import THOUSANDTHS, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 
 COLUMNS = 3

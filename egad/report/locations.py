@@ -13,7 +13,8 @@ from matplotlib.axes import Axes
 from egad.measures.grid import cell_name
 from egad.measures.parameters import Space
 from egad.report.axes import USUAL, AxisPair
-from egad.report.drawing import INK, data_uri, new_figure, svg_uri
+from egad.report.colors import INK
+from egad.report.drawing import data_uri, new_figure, svg_uri
 from egad.report.page import render_template
 
 MARK = "#d55e00"

@@ -15,7 +15,8 @@ from PIL import Image, ImageDraw, ImageFont
 from egad.measures.grid import cell_name
 from egad.measures.parameters import Space
 from egad.report.axes import USUAL, AxisPair
-from egad.report.drawing import data_uri, scale_color
+from egad.report.colors import scale_color
+from egad.report.drawing import data_uri
 from egad.report.page import Section, section_of
 
 SHOWN = 4  # objects of a cell with a picture

@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from egad.learning.model_card import best_epoch
-from egad.report.drawing import DASHED, INK, LINES, SOFT, line_color, new_figure, show_percent
+from egad.report.colors import INK, LINES, SOFT, line_color
+from egad.report.drawing import DASHED, new_figure, show_percent
 from egad.stats.rates import Mean
 from egad.stats.training_study import TestAttempts
 

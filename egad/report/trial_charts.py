@@ -12,7 +12,8 @@ from matplotlib.patches import Rectangle
 
 from egad.evalset.selection import label_at
 from egad.report.axes import USUAL, AxisPair
-from egad.report.drawing import FAINT, INK, SOFT, ink_on, line_color, new_figure, show_percent
+from egad.report.colors import FAINT, INK, SOFT, ink_on, line_color
+from egad.report.drawing import new_figure, show_percent
 from egad.stats.rates import Mean, Rate, TrialGrid
 
 GAP = 0.35

@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 
 from egad.evalset.selection import cell_of_label
 from egad.report.axes import USUAL, AxisPair
-from egad.report.drawing import DASHED, LINES, SOFT, line_color, new_figure, show_percent, svg_uri
+from egad.report.colors import LINES, SOFT, line_color
+from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
 from egad.report.page import Section, render_template, section_of
 from egad.report.trial_charts import (
     draw_intervals,

@@ -22,7 +22,7 @@ from egad._util.files import write_text
 from egad.errors import UserError
 from egad.geometry.checks import check_mesh
 from egad.grasps.grasps import Grasps
-from egad.grasps.gripper import as_gripper
+from egad.grasps.grippers import as_gripper
 from egad.grasps.parameters import Gripper
 from egad.report.page import render_template
 from egad.tables.grasping import GRASPS

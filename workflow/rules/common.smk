@@ -15,8 +15,7 @@ from egad.pipeline.config import training_study
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config.check import check
 from egad.pipeline.config.stage_settings import select
-from egad.pipeline.config.formats import formats
-from egad.pipeline.exports import export_function, sources
+from egad.pipeline.exports import export_function, formats, sources
 from egad.pipeline.parameters import settings_type
 from egad.data import released
 from egad.pipeline.display import start_display

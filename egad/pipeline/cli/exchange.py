@@ -9,8 +9,7 @@ import typer
 
 from egad.errors import UserError
 from egad.pipeline.cli.common import TOOL, Config, Out, app, parse, settings_in
-from egad.pipeline.config.formats import Format
-from egad.pipeline.exports import export_function, sources
+from egad.pipeline.exports import Format, export_function, sources
 
 Dataset = Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")]
 Parts = Annotated[

@@ -84,8 +84,8 @@ def view(
 ) -> None:
     """Show an object in 3D with its labelled grasps, as an HTML page that works offline."""
     from egad._util.files import write_text
-    from egad.exchange.folders import ENDINGS
     from egad.exchange.frames import check_ending
+    from egad.exchange.meshes import ENDINGS
     from egad.pipeline.config.stage_settings import ViewMesh, select
     from egad.pipeline.stages import view as stage
     from egad.report.viewer import page

@@ -14,7 +14,7 @@ from egad._util.parameters import (
     check_ascending,
 )
 from egad.geometry.parameters import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
-from egad.pipeline.config.formats import Format
+from egad.pipeline.exports import Format
 
 
 class Schedule(Parameters):

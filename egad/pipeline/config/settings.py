@@ -11,7 +11,8 @@ from egad.detectors.parameters import DETECTORS, DetectorConfig
 from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange.parameters import Acronym, DexNet
 from egad.geometry.parameters import Material
-from egad.grasps.parameters import GRIPPERS, GraspLabel, Gripper, Quality, Robust, Sampling
+from egad.grasps.grippers import GRIPPERS
+from egad.grasps.parameters import GraspLabel, Gripper, Quality, Robust, Sampling
 from egad.learning.parameters import Training
 from egad.map_elites.parameters import Evolution
 from egad.measures.parameters import Complexity, CustomMeasures, Difficulty, SizeEffect, Space

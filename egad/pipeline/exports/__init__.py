@@ -6,7 +6,8 @@ export`, `targets.exports` and the rule `export` then know the format.
 
 import importlib
 from collections.abc import Callable
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
 from egad.pipeline.parameters import declared
 
@@ -18,6 +19,17 @@ SOURCES = {
     "grasps": "grasps/{gripper}.parquet",
     "images": "images/{gripper}",
 }
+
+
+def formats() -> list[str]:
+    """The names of all formats; none of their modules is imported."""
+    return sorted(path.stem for path in Path(__file__).parent.glob("[!_]*.py"))
+
+
+if TYPE_CHECKING:
+    Format = str
+else:
+    Format = Literal[tuple(formats())]
 
 
 def export_function(name: str) -> Callable[..., Any]:

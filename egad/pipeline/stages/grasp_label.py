@@ -8,8 +8,8 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad.errors import RejectedError
-from egad.exchange.grippers import palm_mesh
 from egad.exchange.meshes import read_mesh
+from egad.exchange.palm_mesh import palm_mesh
 from egad.geometry.rays import RayCaster
 from egad.grasps.labels import rate_grasps, sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters

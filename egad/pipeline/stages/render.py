@@ -10,8 +10,8 @@ import typer
 
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError
-from egad.exchange.grippers import palm_mesh
 from egad.exchange.meshes import read_mesh
+from egad.exchange.palm_mesh import palm_mesh
 from egad.grasps.grasps import vectors
 from egad.perception.image_rows import encoded
 from egad.perception.parameters import RenderParameters

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange.grasps import check_opening
-from egad.exchange.grippers import palm_mesh
 from egad.exchange.meshes import read_mesh
+from egad.exchange.palm_mesh import palm_mesh
 from egad.geometry.repair import repair
 from egad.geometry.scaling import rescale
 from egad.grasps.labels import label_grasps

@@ -2,7 +2,7 @@ import pytest
 import trimesh
 
 from egad.errors import UserError
-from egad.exchange.grippers import palm_mesh
+from egad.exchange.palm_mesh import palm_mesh
 from egad.pipeline.config import Gripper
 
 

@@ -1,4 +1,4 @@
-"""Files that a gripper names."""
+"""The mesh file of a gripper's palm."""
 
 from pathlib import Path
 

@@ -1,0 +1,33 @@
+"""The colors of charts, maps and pages."""
+
+import math
+
+import matplotlib
+from matplotlib.colors import to_hex, to_rgb
+
+INK, SOFT, FAINT = "#1c2430", "#667080", "#e4e7ec"
+UNKNOWN = "#c4c9d1"
+LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255", "#8a6d3b"]
+COLOR_MAP = "viridis"  # of values on maps of objects
+
+
+def line_color(number: int) -> str:
+    """Color of a line of a chart, by its number; after the last one they repeat."""
+    return LINES[number % len(LINES)]
+
+
+def scale_color(value: float, low: float, high: float) -> str:
+    """Color of a value on the scale `COLOR_MAP` from `low` to `high`, as `#rrggbb`.
+
+    Values outside have the colors of the ends; NaN is grey.
+    """
+    if math.isnan(value):
+        return UNKNOWN
+    share = (value - low) / (high - low) if high > low else 0.5
+    return to_hex(matplotlib.colormaps[COLOR_MAP](min(max(share, 0.0), 1.0)))
+
+
+def ink_on(color: str) -> str:
+    """Dark or white, whichever reads better on a color."""
+    red, green, blue = to_rgb(color)
+    return INK if 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.25 else "white"
