@@ -25,7 +25,7 @@ CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os
 Out = Annotated[Path, typer.Option(help="file to write")]
 OutFolder = Annotated[Path, typer.Option(help="folder to write")]
 Config = Annotated[
-    Path | None, typer.Option(help="configuration file; default: the default settings")
+    Path | None, typer.Option(help="configuration file, merged into the default settings")
 ]
 Meshes = Annotated[list[Path], typer.Argument(help="mesh files, or folders of mesh files")]
 Units = Annotated[Literal["m", "cm", "mm", "inch"], typer.Option(help="unit of the meshes")]
@@ -50,12 +50,13 @@ def parse(model: type[M], text: str) -> M:
 
 
 def settings_in(config: Path | None) -> Settings:
-    """The settings of a configuration file; the defaults without one.
+    """The settings of a configuration file, merged into the defaults; without one, the defaults.
 
     Raises:
         UserError: The file is not YAML, or has settings that are not allowed.
     """
     from egad.pipeline.config.check import check
+    from egad.pipeline.config.files import defaults, merged
 
     if config is None:
         return Settings()
@@ -63,7 +64,7 @@ def settings_in(config: Path | None) -> Settings:
         values = yaml.safe_load(config.read_text(encoding="utf-8"))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise UserError(f"{config}: not a YAML file: {error}") from error
-    return check(values or {})
+    return check(merged(defaults(), values or {}))
 
 
 def files_in(paths: list[Path]) -> list[Path]:

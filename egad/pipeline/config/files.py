@@ -185,6 +185,14 @@ def defaults() -> Values:
     return values
 
 
+def merged(old: Any, new: Any) -> Any:  # noqa: ANN401 (any values of YAML)
+    """Values merged into others as Snakemake does: tables key by key, anything else replaced."""
+    if not isinstance(new, Mapping):
+        return new
+    known = old if isinstance(old, Mapping) else {}
+    return {**known, **{key: merged(known.get(key), value) for key, value in new.items()}}
+
+
 def document(path: Path, text: str, values: Values) -> str:
     """A commented YAML file.
 

@@ -8,8 +8,8 @@ import pytest
 import trimesh
 from commands import egad
 
-from egad.pipeline.cli.common import parse
-from egad.pipeline.config import Settings
+from egad.pipeline.cli.common import parse, settings_in
+from egad.pipeline.config import Gripper, Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.merge import Merge
 from egad.pipeline.stages.postprocess import PostprocessSolids
@@ -125,6 +125,15 @@ def test_check_config_says_what_is_wrong(tmp_path, content):
     if "shard" in content:
         assert "seed" in result.stderr
         assert "shards" in result.stderr
+
+
+def test_a_configuration_file_adds_to_the_default_tables(tmp_path):
+    path = tmp_path / "hand.yaml"
+    path.write_text("grippers: {panda: {force: 20}, my_hand: {opening: 0.065}}")
+    found, usual = settings_in(path).grippers, Settings().grippers
+    assert found["my_hand"] == Gripper(opening=0.065)
+    assert found["panda"] == usual["panda"].model_copy(update={"force": 20.0})
+    assert found.keys() == usual.keys() | {"my_hand"}
 
 
 def test_check_config_accepts_the_files_that_come_along():

@@ -1,9 +1,11 @@
+import copy
 import json
 from pathlib import Path
 
 import jsonschema
 import pytest
 import yaml
+from snakemake.utils import update_config
 
 from egad.pipeline.config import Settings
 from egad.pipeline.config import files as config_files
@@ -41,6 +43,22 @@ def test_the_default_file_holds_every_setting_at_its_default():
     assert check(loaded) == Settings()
     everything = json.loads(Settings().model_dump_json(exclude_none=True))
     assert loaded == everything
+
+
+CHANGES = [
+    {},
+    {"grippers": {"panda": {"force": 20.0}, "mine": {"opening": 0.065}}},
+    {"datasets": {"egad": {"source": "archive", "archive": "released"}}},
+    {"space": {"cells": 10}, "targets": {"grippers": ["yumi", "panda"]}, "seed": 3},
+    {"print_check": None, "measures": {"complexity": "a.py:b"}, "unknown": {"key": {"of": [1]}}},
+]
+
+
+@pytest.mark.parametrize("changes", CHANGES, ids=str)
+def test_files_are_merged_as_snakemake_merges_them(changes):
+    by_snakemake = load("config.yaml")
+    update_config(by_snakemake, copy.deepcopy(changes))
+    assert config_files.merged(load("config.yaml"), changes) == by_snakemake
 
 
 def test_every_setting_has_a_comment_above_it():
