@@ -40,7 +40,8 @@ class Measures(NamedTuple):
         complexity: Entropy of the angular deficits of its vertices, bits.
         difficulty: Percentile of the quality of its sampled grasps: high is easy to grasp.
         difficulty_std: Standard error of the percentile, as if the grasps were independent.
-        cell: Of the grid, (complexity, difficulty): 0 is simplest and easiest.
+        cell: Cell of the grid: (column by complexity, row by difficulty), from 0 = simplest and
+            0 = easiest.
         label: Name of the cell, such as `M14`: row M in difficulty, column 14 in complexity.
     """
 

@@ -82,7 +82,7 @@ class Dataset:
     """Objects by label or id. Meshes are made or read when they are asked for.
 
     Attributes:
-        table: A row an object, sorted by label.
+        table: One row per object, sorted by label.
     """
 
     def __init__(

@@ -36,7 +36,7 @@ class Trials:
     """Attempts of a detector at objects.
 
     Attributes:
-        table: A row an attempt; columns as in `results/README.md`, "trials".
+        table: One row per attempt; columns as in `results/README.md`, "trials".
     """
 
     def __init__(self, table: pd.DataFrame) -> None:
@@ -51,7 +51,7 @@ class Trials:
         return f"Trials({rate.successes} of {rate.attempts} attempts succeeded)"
 
     def success_rate(self) -> Mean:
-        """Successes over attempts: `value`, and `interval`: 95 % for other objects of this kind."""
+        """Successes over attempts, `value`, with its 95 % confidence `interval` over objects."""
         return mean_rate(self.table)
 
     def by_object(self) -> pd.DataFrame:

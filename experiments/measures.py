@@ -131,7 +131,7 @@ def similarities() -> tuple[Floats, Floats]:
 
 
 def bases() -> list[tuple[int, float, float]]:
-    """How near so many even bases come to a base at every vertex: rank, and mean difference."""
+    """How near evenly spread bases come to a base at every vertex: rank, and mean difference."""
     pairs = np.triu_indices(len(shapes()), 1)
     ideal = _matrix(Similarity(base_count=EVERY))[pairs]
     found = [(count, _matrix(Similarity(base_count=count))[pairs]) for count in BASES]

@@ -27,7 +27,7 @@ class Stage(NamedTuple):
     pieces: int
 
     def wall(self, cores: int) -> float:
-        """Seconds on so many cores."""
+        """Seconds on a number of cores."""
         return self.alone + self.shared / min(cores, self.pieces)
 
 
@@ -58,7 +58,7 @@ def main() -> None:
 
 
 def seconds(stages: list[Stage], cores: int) -> float:
-    """One stage after another on so many cores."""
+    """One stage after another on a number of cores."""
     return sum(stage.wall(cores) for stage in stages)
 
 

@@ -44,11 +44,11 @@ def reach(cells: dict[str, pd.Series]) -> None:
     print(f"\ncells that a run has reached: {ever.sum()} of {len(ever)}")
     for name, counts in most.items():
         elites = counts[-1].sum() / ELITES
-        print(f"{name}: {elites / ever.sum():.3f} of their places, {elites / len(ever):.3f} of all")
+        print(f"{name}: {elites / ever.sum():.3f} of their slots, {elites / len(ever):.3f} of all")
 
 
 def after(steps: pd.DataFrame, count: int) -> str:
-    """Coverage, filled cells and QD-score after so many evaluations; empty if there were fewer."""
+    """Coverage, filled cells and QD-score after some evaluations; empty if there were fewer."""
     if steps["offspring"].iloc[-1] < count:
         return ""
     so_far = steps[steps["offspring"] <= count]

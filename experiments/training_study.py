@@ -81,7 +81,7 @@ def maps(grids: Mapping[str, TrialGrid]) -> str:
 
 
 def panel(axes: Axes, grid: TrialGrid) -> None:
-    """One of them: a square an object, percent; the easiest row is at the bottom."""
+    """One of them: one square per object, percent; the easiest row is at the bottom."""
     for (row, column), rate in grid.cells.items():
         color = rate_color(rate.value)
         box = Rectangle((column - 0.48, row - 0.48), 0.96, 0.96, facecolor=color, lw=0)
@@ -135,7 +135,7 @@ def along(test: str, grids: Mapping[str, TrialGrid]) -> None:
 
 
 def share(title: str, places: list[str], rates: Mapping[str, list[Mean]]) -> None:
-    """Print rates of places, a line a set."""
+    """Print rates of places, one line per set."""
     print(f"\n| {title} | {' | '.join(places)} |\n" + "| --- " * (len(places) + 1) + "|")
     for name, found in rates.items():
         cells = (f"{100 * rate.value:.0f}" if rate.attempts else "" for rate in found)

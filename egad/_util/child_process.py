@@ -152,7 +152,7 @@ class Worker:
         return f"{self._name} {'hung up' if status is None else f'ended with status {status}'}"
 
     def stop(self, patience: float = ENDING_TIME) -> int | None:
-        """End the process; its status if it ended by itself within so many seconds."""
+        """End the process; returns its status if it ends by itself within `patience` seconds."""
         process, self._process = self._process, None
         if process is None:
             return None

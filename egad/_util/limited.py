@@ -106,7 +106,7 @@ class LimitedProcess:
 
 @contextmanager
 def _with_limit(memory: int) -> Iterator[Work]:
-    """Calls functions in this process, which may take so many bytes from now on."""
+    """Calls functions in this process, which may take at most `memory` bytes from now on."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
     yield _call

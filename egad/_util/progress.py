@@ -129,7 +129,7 @@ class _Meter:
         self._marks: deque[tuple[float, int]] = deque()  # moments, and what was done then
 
     def rate(self, now: float, done: int) -> float:
-        """Items a second when so many are done."""
+        """Items per second, given how many are done at a time."""
         marks = self._marks
         if marks and now - marks[-1][0] < BURST:
             marks[-1] = marks[-1][0], done

@@ -73,12 +73,12 @@ def is_whole(voxels: Voxels, symmetry: Symmetry) -> bool:
 def turned(voxels: Voxels, symmetry: Symmetry) -> Voxels:
     """A body turned about the middle by one fold, by the nearest voxels; all that stay inside."""
     middle = (np.array(voxels.shape) - 1) / 2
-    places = np.indices(voxels.shape).reshape(3, -1) - middle[:, None]
+    offsets = np.indices(voxels.shape).reshape(3, -1) - middle[:, None]
     first, second = across(symmetry.axis)
     cosine, sine = np.cos(2 * np.pi / symmetry.fold), np.sin(2 * np.pi / symmetry.fold)
-    from_ = places.copy()
-    from_[first] = cosine * places[first] + sine * places[second]
-    from_[second] = cosine * places[second] - sine * places[first]
+    from_ = offsets.copy()
+    from_[first] = cosine * offsets[first] + sine * offsets[second]
+    from_[second] = cosine * offsets[second] - sine * offsets[first]
     index = np.rint(from_ + middle[:, None]).astype(np.int64)
     inside = np.all((index >= 0) & (index < np.array(voxels.shape)[:, None]), axis=0)
     image = np.zeros(voxels.size, dtype=bool)
@@ -112,8 +112,8 @@ def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None 
 
 def voxel_middles(resolution: int) -> Floats:
     """(resolution^3, 3) in C order, in a cube with sides of 1 and its middle at 0."""
-    places = np.indices((resolution,) * 3).reshape(3, -1).T
-    return np.asarray((places + 0.5) / resolution - 0.5)
+    indices = np.indices((resolution,) * 3).reshape(3, -1).T
+    return np.asarray((indices + 0.5) / resolution - 0.5)
 
 
 def _within_primitive(region: Region, scaled: Floats) -> Voxels:

@@ -45,7 +45,7 @@ def largest_body(voxels: Solid) -> Solid:
 
 
 def pack(voxels: Solid) -> bytes:
-    """One bit a voxel, C order."""
+    """One bit per voxel, C order."""
     return np.packbits(voxels.ravel()).tobytes()
 
 

@@ -26,7 +26,7 @@ MARGIN = 9  # pixels; blurring reaches 6 of them, and each of two gradients one 
 
 
 class _Edges(NamedTuple):
-    """Places where the surface falls off too steeply to slip out between two pads."""
+    """Edges where the surface falls off too steeply to slip out between two pads."""
 
     points: Floats  # (n, 3) world
     outward: Floats  # (n, 2) unit vectors, towards the lower side

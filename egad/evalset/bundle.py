@@ -101,7 +101,7 @@ PAGE = """# Objects for simulators
 | `LABEL/visual.obj` | the true surface |
 | `LABEL/parts/part-NNN.obj` | convex parts that stand for it in contacts |
 | `LABEL/poses.json` | how it can rest on a table, the most probable first |
-| `bundle.parquet` | parts, errors and mass properties, a row an object |
+| `bundle.parquet` | parts, errors and mass properties, one row per object |
 | `rejected.parquet` | what could not be made ready, and why |
 | `SHA256SUMS` | `sha256sum --check SHA256SUMS` |
 

@@ -27,7 +27,7 @@ class ForGripper:
 
 INTRODUCTION = """# Evaluation set of {dataset}
 
-{count} of {places} places of the grid are filled. Rows A, B, ... go from easy to hard to grasp,
+{count} of {cells} cells of the grid are filled. Rows A, B, ... go from easy to hard to grasp,
 columns 0, 1, ... from simple to complex. `contact-sheet.pdf` shows all objects on one page.
 {missing}
 | label | object | row | column | complexity, bit | difficulty, 1e-3 | distance to the nearest |
@@ -38,9 +38,9 @@ REPORTING = """
 
 1. Print the objects for your gripper, {advice}. An object that is
    not printable at its size is named above; leave it out and say so.
-2. As in the paper, make {attempts} attempts an object: drop it into the workspace alone, let the
-   detector choose one grasp, close, lift. It is a success if the object is held until the end.
-   Put it back at random between attempts, and count every attempt, the aborted ones too.
+2. As in the paper, make {attempts} attempts at each object: drop it into the workspace alone,
+   let the detector choose one grasp, close, lift. It is a success if the object is held until the
+   end. Put it back at random between attempts, and count every attempt, the aborted ones too.
 3. Write every attempt into a copy of `trials.csv`: `success` is 1 or 0. If you like, `outcome` is
    success, slipped, dropped, missed, collided, no_grasp, failed or other, and `detector` its name.
    `egad trials report` reads the file, `egad trials compare` holds it against others.
@@ -75,7 +75,7 @@ def page(
         )
     count = len(chosen)
     head = INTRODUCTION.format(
-        dataset=dataset, count=count, places=count + len(empty), missing=missing
+        dataset=dataset, count=count, cells=count + len(empty), missing=missing
     )
     rows = [
         f"| {row['label']} | {row['object_label']} | {row['row']} | {row['column']} "

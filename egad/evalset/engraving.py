@@ -18,12 +18,12 @@ from egad.geometry.surface_samples import spread
 Floats = NDArray[np.float64]
 
 FONT = FontProperties(family="DejaVu Sans", weight="bold")  # matplotlib brings it along
-STEP = 0.5  # of the height of the letters: between the places tried
-TURNS = 6  # of the text at each place, over half a turn
-RIM = 0.15  # of the height of the letters: room around the text
+STEP = 0.5  # of the height of the letters: between the positions tried
+TURNS = 6  # of the text at each position, over half a turn
+RIM = 0.15  # of the height of the letters: clearance around the text
 RAYS = 8  # along each side of the text
-ALIKE = 0.9  # length of the mean of the unit normals of a place that is worth looking at
-FINGER = 0.005  # metres: contacts so close to the text count as on it
+ALIKE = 0.9  # length of the mean of the unit normals of a position that is flat enough to try
+FINGER = 0.005  # metres: contacts closer to the text than this count as on it
 SKIN = 1e-6  # metres below the surface, where rays start inwards
 
 

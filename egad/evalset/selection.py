@@ -25,12 +25,12 @@ Check = Callable[[int], list[str]]
 
 
 def label_at(row: int, column: int) -> str:
-    """The name of a place; A0 is the easiest and simplest."""
+    """The name of a cell; A0 is the easiest and simplest."""
     return f"{string.ascii_uppercase[row]}{column}"
 
 
 def labels_of(rows: int, columns: int) -> list[str]:
-    """The names of all places of a set, row by row."""
+    """The names of all cells of a set, row by row."""
     return [label_at(row, column) for row in range(rows) for column in range(columns)]
 
 
@@ -56,10 +56,10 @@ def candidates_by_cell(
     allowed = np.ones(len(objects), dtype=bool)
     allowed[list(left_out)] = False
     own = coarse_cells(objects, settings, space)
-    places = _places(objects, settings, space)
+    positions = _positions(objects, settings, space)
     taken = np.where(allowed, own, -1)
     for cell in np.setdiff1d(np.arange(settings.rows * settings.columns), taken):
-        away = _distances(places, divmod(int(cell), settings.columns))
+        away = _distances(positions, divmod(int(cell), settings.columns))
         crowded = np.bincount(taken[taken >= 0], minlength=1)[taken] > 1
         away[(taken < 0) | (taken != own) | ~crowded] = np.inf
         if len(away) and away.min() <= settings.borrow:
@@ -75,21 +75,21 @@ def coarse_cells(objects: pd.DataFrame, settings: SelectEval, space: Space) -> I
     )
 
 
-def _places(objects: pd.DataFrame, settings: SelectEval, space: Space) -> Floats:
+def _positions(objects: pd.DataFrame, settings: SelectEval, space: Space) -> Floats:
     """Row and column of each object, (n, 2), as numbers that grow through the cells."""
     easy, hard = space.difficulty_range[::-1]
     simple, complicated = space.complexity_range
     rows = (objects["difficulty"].to_numpy(dtype=np.float64) - easy) / (hard - easy)
     columns = (objects["complexity"].to_numpy(dtype=np.float64) - simple) / (complicated - simple)
-    places: Floats = np.clip(np.column_stack([rows, columns]), 0, 1)
-    return places * [settings.rows, settings.columns]
+    positions: Floats = np.clip(np.column_stack([rows, columns]), 0, 1)
+    return positions * [settings.rows, settings.columns]
 
 
-def _distances(places: Floats, cell: tuple[int, int]) -> Floats:
-    """How far places lie outside a cell, in cells, (n,)."""
+def _distances(positions: Floats, cell: tuple[int, int]) -> Floats:
+    """How far positions lie outside a cell, in cells, (n,)."""
     low = np.asarray(cell, dtype=np.float64)
     distances: Floats = np.linalg.norm(
-        np.maximum(np.maximum(low - places, places - low - 1), 0), axis=1
+        np.maximum(np.maximum(low - positions, positions - low - 1), 0), axis=1
     )
     return distances
 
@@ -283,10 +283,10 @@ def _frame(
     borrowed: NDArray[np.bool_],
     nearest: NDArray[np.float64],
 ) -> pd.DataFrame:
-    places = [divmod(int(cell), columns) for cell in cells]
+    corners = [divmod(int(cell), columns) for cell in cells]
     table: pd.DataFrame = chosen.assign(
         object_label=chosen["label"],
-        label=[label_at(row, column) for row, column in places],
+        label=[label_at(row, column) for row, column in corners],
         row=cells // columns,
         column=cells % columns,
         borrowed=borrowed,

@@ -1,4 +1,4 @@
-"""ACRONYM files: one HDF5 file an object, with the grasps of a gripper."""
+"""ACRONYM files: one HDF5 file per object, with the grasps of a gripper."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -80,7 +80,7 @@ def write_acronym(path: Path, body: Body, jaws: Jaws, grasps: pd.DataFrame, held
         path: A name that ends in `.h5`.
         body: The object.
         jaws: The hand.
-        grasps: A row a grasp, with `COLUMNS`.
+        grasps: One row per grasp, with `COLUMNS`.
         held: Part of the disturbed copies that must hold the object.
     """
     with writing(path) as file:

@@ -74,7 +74,7 @@ def _matched(path: Path, pattern: str) -> list[str]:
 
 
 def _unique(parts: Mapping[Path, Sequence[str]]) -> dict[str, Path]:
-    """A name for each file that is safe in paths and hardly depends on the other files.
+    """A name for each file that is safe in paths and depends on other files only in a conflict.
 
     Other characters than letters, digits, `-`, `_` and `.` become `_`. Where that gives several
     files the same name, each gets its ending, and if that is not enough, a hash of its path.

@@ -78,7 +78,7 @@ def write_gqcnn(pictures: Iterable[Picture], folder: Path) -> int:
 
 
 def tensors(picture: Picture, object_number: int, pose_number: int) -> Tensors:
-    """The rows of an image: `FIELDS`, each with a row a grasp.
+    """The rows of an image: `FIELDS`, each with one row per grasp.
 
     `hand_poses` are row, column and depth of the center, the angle of the axis in the image,
     clockwise from its x axis in [0, 2 pi), row and column from the optical axis, and the opening in

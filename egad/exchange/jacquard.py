@@ -1,4 +1,4 @@
-"""Image sets laid out as Jacquard: a folder an object, an image and its grasps in files beside.
+"""Image sets laid out as Jacquard: a folder per object, an image and its grasps in files beside.
 
 Depierre, Dellandréa and Chen, "Jacquard: a large scale dataset for robotic grasp detection", 2018.
 """

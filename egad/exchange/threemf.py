@@ -1,4 +1,4 @@
-"""3MF plates for printers: named objects at their places, in millimetres (core specification)."""
+"""3MF plates for printers: named objects at positions, in millimetres (core specification)."""
 
 import zipfile
 from collections.abc import Mapping

@@ -87,7 +87,7 @@ def distance_field(mesh: trimesh.Trimesh, size: int, padding: int) -> DistanceFi
 
     Args:
         mesh: A surface around a solid, metres, wound outwards.
-        size: Nodes a side.
+        size: Nodes along each side.
         padding: Cells between the box and the edge of the grid.
 
     Source: the grid from SDFGen as Dex-Net calls it (100 nodes, 5 cells); distances from libigl's
@@ -108,6 +108,6 @@ def distance_field(mesh: trimesh.Trimesh, size: int, padding: int) -> DistanceFi
 
 
 def grid_nodes(size: int, origin: Floats, resolution: float) -> Floats:
-    """Places of the nodes, x slowest and z fastest, (size**3, 3), metres."""
+    """Positions of the nodes, x slowest and z fastest, (size**3, 3), metres."""
     steps = np.moveaxis(np.indices((size, size, size)), 0, -1).reshape(-1, 3)
     return np.asarray(origin + resolution * steps)

@@ -69,7 +69,7 @@ def merge_hulls(hulls: Sequence[Hull], allowed: float, most: int) -> list[Hull]:
     Args:
         hulls: Hulls of the pieces of a solid.
         allowed: Joining stops before the volumes of the hulls add up to more than this.
-        most: But it does not stop before there are at most so many.
+        most: Joining goes on in any case while there are more hulls than this.
 
     Returns:
         The hulls that are left, those that stayed as they were first.

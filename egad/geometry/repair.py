@@ -115,7 +115,7 @@ def repair(
     they were. Otherwise: cracks are welded; faces without area and doubled faces removed; every
     shell is wound outwards and its small holes closed; the union of the shells is taken, in
     which overlaps and the walls of trapped voids vanish; its largest part by volume is kept, and
-    places where that passes through itself are cut out and rebuilt.
+    regions where that passes through itself are cut out and rebuilt.
 
     What stays open, such as the scan of a glass, can be thickened: it becomes the middle of a wall
     with round rims. A side of the box grows by at most the thickness.

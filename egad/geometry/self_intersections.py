@@ -1,4 +1,4 @@
-"""Find where a surface passes through itself, and remove these places."""
+"""Find where a surface passes through itself, and remove these regions."""
 
 import numba
 import numpy as np

@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 CELLS = 4  # of the grid across a wall
-OFFSET = 0.37  # of a cell: flat surfaces hardly ever lie in a plane of nodes
+OFFSET = 0.37  # of a cell: so that flat surfaces rarely lie in a plane of nodes
 ROUNDING = 2**20 + 1  # steps of a thickness, odd: the level is in the middle between two of them
 TOLERANCES = (0.02, 0.005, 0.001)  # of the thickness: how far simplification may move the surface
 LARGEST = 30_000  # area over thickness squared; 0.12 m2 with a wall of 2 mm: 20 s and 1.8 GB

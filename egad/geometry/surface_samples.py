@@ -78,11 +78,11 @@ def rims(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:
     angles = angles[bent]
     ends = np.asarray(mesh.vertices)[np.asarray(mesh.face_adjacency_edges)[bent]]
     sides = np.asarray(mesh.face_normals)[np.asarray(mesh.face_adjacency)[bent]]
-    places = np.ceil(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / spacing).astype(np.int64)
+    steps = np.ceil(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / spacing).astype(np.int64)
     turns = np.ceil(angles / TURN).astype(np.int64) + 1
-    edge = np.repeat(np.arange(len(angles)), places * turns)
+    edge = np.repeat(np.arange(len(angles)), steps * turns)
     number = np.arange(len(edge)) - np.searchsorted(edge, edge)
-    along = (number // turns[edge] + 0.5) / places[edge]
+    along = (number // turns[edge] + 0.5) / steps[edge]
     turned = (number % turns[edge]) / (turns[edge] - 1)
     weights = np.sin(np.column_stack([1 - turned, turned]) * angles[edge, None])
     normals = np.einsum("ij,ijk->ik", weights / np.sin(angles[edge])[:, None], sides[edge])

@@ -102,8 +102,8 @@ def swallowed(
         across = np.cos(turns) * y - np.sin(turns) * z
         along = np.sin(turns) * y + np.cos(turns) * z
         turned = np.stack([np.full_like(turns, x), across, along], axis=1)
-        places = (origins[:, None] + turned @ frames).reshape(-1, 3)
-        result |= caster.contains(places).reshape(result.shape)
+        points = (origins[:, None] + turned @ frames).reshape(-1, 3)
+        result |= caster.contains(points).reshape(result.shape)
     return result
 
 

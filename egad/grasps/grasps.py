@@ -26,7 +26,7 @@ class Grasps:
         """Wrap a table.
 
         Args:
-            table: A row a grasp, with the columns of `tables.grasping.GRASPS`; `id` and `label`
+            table: One row per grasp, with the columns of `tables.grasping.GRASPS`; `id` and `label`
                 may be absent.
         """
         self._table = table.reset_index(drop=True)
@@ -126,7 +126,7 @@ class Grasps:
         return type(self)(moved)
 
     def to_frame(self) -> pd.DataFrame:
-        """A copy of the table: a row a grasp, columns as in `results/README.md`."""
+        """A copy of the table: one row per grasp, columns as in `results/README.md`."""
         return self._table.copy()
 
     def _column(self, name: str) -> Floats:

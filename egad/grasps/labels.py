@@ -64,8 +64,8 @@ def label_grasps(
         palm: A mesh in the place of the gripper's palm box, see `egad.grasps.hand.parts`.
 
     Returns:
-        A row a grasp, with the columns of `tables.grasping.GRASPS` but for `id` and `label`, in the
-        frame of the mesh.
+        One row per grasp, in the frame of the mesh, with the columns of `tables.grasping.GRASPS`
+        except `id` and `label`.
 
     Raises:
         RejectedError: There is no grasp; the reason says what became of the candidates. Or the mesh

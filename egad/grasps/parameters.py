@@ -27,12 +27,15 @@ class Gripper(Parameters):
     """A parallel-jaw gripper."""
 
     opening: Length = Field(description="widest opening, metres")
-    finger_length: Length = Field(default=0.04, description="from palm to fingertip, metres")
+    finger_length: Length = Field(
+        default=0.04, description="length of a finger from palm to fingertip, metres"
+    )
     finger_width: Length = Field(
-        default=0.02, description="of a finger, perpendicular to both axes, metres"
+        default=0.02,
+        description="width of a finger, across the closing axis and the approach, metres",
     )
     finger_thickness: Length = Field(
-        default=0.01, description="of a finger along the closing axis, metres"
+        default=0.01, description="thickness of a finger along the closing axis, metres"
     )
     palm: tuple[Length, Length, Length] = Field(
         default=(0.1, 0.06, 0.05),
@@ -40,8 +43,9 @@ class Gripper(Parameters):
     )
     mesh: str | None = Field(
         default=None,
-        description="mesh file that replaces the palm box in collision checks of grasps; metres, "
-        "x: closing axis, z: approach, origin: base of the fingers",
+        description="mesh file, in metres, that replaces the palm box where grasps are checked for "
+        "collisions; x is the closing axis, z the approach, and the origin lies midway between the "
+        "fingers, where they begin",
     )
     force: float = Field(default=40.0, gt=0, description="closing force, newtons")
     pads: Literal["silicone", "bare"] = Field(

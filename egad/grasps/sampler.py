@@ -88,8 +88,8 @@ def sample_contacts(
     First contacts are uniform over the surface; the axis leaves the inward normal by an angle
     whose tangent is uniform up to the cone. The second contact is where a finger that closes from
     the opening's far end meets the object. Then the open fingers, placed evenly about the
-    midpoint of the contacts, must be able to close to these contacts, and to come straight to
-    their places along `approach_directions` from `approach_clearance` away.
+    midpoint of the contacts, must be able to close to these contacts, and to approach in a
+    straight line of length `approach_clearance` along one of `approach_directions`.
 
     Args:
         caster: Of the object, metres.
@@ -195,7 +195,7 @@ def _close(
 def _fingers_free(
     caster: RayCaster, grasps: ContactPairs, opening: float, clearance: float
 ) -> NDArray[np.bool_]:
-    """Whether the open fingers reach their places, and from there the contacts."""
+    """Whether the open fingers reach their positions, and from there the contacts."""
     half = opening / 2 * grasps.axes
     left, right = grasps.centers - half, grasps.centers + half
     travel = (opening - grasps.widths) / 2

@@ -49,7 +49,7 @@ def change_depth(depth: NDArray[np.floating], change: Change) -> NDArray[np.floa
 
 
 def change_rectangles(rectangles: Rectangles, change: Change, size: int) -> Rectangles:
-    """The same rectangles (n, 5) where a change of an image of `size` pixels a side puts them."""
+    """The rectangles (n, 5) after a change of the image, `size` pixels along each side."""
     middle = (size - 1) / 2
     u, v = rectangles[:, 0] - middle, rectangles[:, 1] - middle
     for _ in range(change.turns % 4):

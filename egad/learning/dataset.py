@@ -28,7 +28,7 @@ from egad.tables.row_groups import RowGroups
 
 GRASP = ["u", "v", "angle", "opening", "depth_center", "quality", "collision_free"]
 NAMES = ["image", "id", "split", "depth", "mask", "height", "width", "focal", *GRASP]
-WINDOW = 2048  # images that are mixed with each other; about so many are kept in memory, packed
+WINDOW = 2048  # images that are shuffled together; about as many are kept in memory, packed
 FARTHEST = 1e5  # pixels; numbers of grasps beyond this are no pixels of an image
 
 
@@ -49,9 +49,9 @@ class Dataset:
 
     Attributes:
         folder: Where they are.
-        index: A row an image: `shard`, `group` and `row` where it is stored; `image`, `id` and
-            `split`; `grasps`, how many it shows, and `positive`, how many of these are so by the
-            rule.
+        index: One row per image: `shard`, `group` and `row` where it is stored; `image`, `id` and
+            `split`; `grasps`, how many it shows, and `positive`, how many of these are positive
+            by the rule.
     """
 
     def __init__(self, folder: Path, rule: PositiveFilter) -> None:

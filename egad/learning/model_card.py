@@ -39,7 +39,7 @@ not count. No object is in two splits.
 
 {data}
 Positive is a grasp that is free of collision and has a robust quality above {quality}. Images
-without any are learnt from, too: as places where nothing can be held.
+without a positive grasp are used too: as examples where nothing can be grasped.
 
 ## Training
 

@@ -35,7 +35,7 @@ class Heads(nn.Module):
             image = self.get_submodule(name)(image)
             image = image if name == "features" else torch.relu(image)
         heads = [self.get_submodule(name) for name in OUTPUTS]
-        # One convolution instead of four: GG-CNN learns from 1.6 times as many images a second.
+        # One convolution instead of four: GG-CNN learns from 1.6 times as many images per second.
         weight, bias = (torch.cat([getattr(head, key) for head in heads]) for key in WEIGHTS)
         return nn.functional.conv2d(image, weight, bias)
 

@@ -14,7 +14,7 @@ from egad.perception.rectangles import Rectangles
 
 Floats = NDArray[np.float64]
 
-SIZE = 300  # pixels a side of the image that goes in, and of those that come out
+SIZE = 300  # pixels along each side of the image that goes in, and of those that come out
 WIDEST = 150.0  # pixels; the width that the network calls 1
 SMOOTHING = 2.0  # pixels; of all four maps
 LEAST = 0.01  # quality; less is no grasp, and no width is read by it
@@ -82,7 +82,7 @@ def targets(rectangles: Rectangles, size: int = SIZE) -> NDArray[np.float32]:
 
     Args:
         rectangles: (n, 5), from the least important to the most.
-        size: Pixels a side.
+        size: Pixels along each side.
     """
     maps = np.zeros((4, size, size), np.float32)
     _paint(np.ascontiguousarray(rectangles, dtype=np.float64), maps)

@@ -41,7 +41,7 @@ class State:
     Attributes:
         network: As it is now.
         optimizer: With all that it remembers.
-        rows: The history, a row an epoch.
+        rows: The history, one row per epoch.
         best: Weights at the lowest validation loss.
     """
 
@@ -118,7 +118,7 @@ def train(
         checkpoint: Kept after every epoch, and gone on from.
 
     Returns:
-        A row an epoch: columns of `tables.training.HISTORY`.
+        One row per epoch: columns of `tables.training.HISTORY`.
 
     Raises:
         UserError: There are no images to train on or to validate with, or the loss is not finite.
@@ -155,7 +155,7 @@ def evaluate(
 def evaluate_split(
     network: nn.Module, shards: Dataset, most: int, jobs: int
 ) -> tuple[NDArray[np.int64], list[ImageScore]]:
-    """At most so many rows of the index of the split `test`, and a network's answers to them."""
+    """At most `most` images of the split `test`, by their index, and a network's scores on them."""
     held = spread(shards.indices("test"), most)
     with thread_pool(jobs) as workers:
         return held, evaluate(network, shards, held, workers)
@@ -168,9 +168,9 @@ def thread_pool(jobs: int) -> ThreadPoolExecutor:
 
 
 def spread(numbers: NDArray[np.int64], most: int) -> NDArray[np.int64]:
-    """At most so many of some numbers, evenly spread over them."""
-    places = np.linspace(0, len(numbers) - 1, min(most, len(numbers)))
-    return numbers[places.round().astype(int)]
+    """At most `most` of the numbers, evenly spaced."""
+    positions = np.linspace(0, len(numbers) - 1, min(most, len(numbers)))
+    return numbers[positions.round().astype(int)]
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,7 @@ def _cut(numbers: range, size: int) -> list[range]:
 
 
 def _finished(rows: list[Row], patience: int | None) -> bool:
-    """Whether the validation loss has not come to a new low for so many epochs."""
+    """Whether the validation loss has had no new minimum for `patience` epochs."""
     return bool(rows) and patience is not None and len(rows) - 1 - _lowest(rows) >= patience
 
 

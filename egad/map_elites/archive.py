@@ -1,4 +1,4 @@
-"""The MAP-Elites archive: at most a few elites a cell, kept for their diversity.
+"""The MAP-Elites archive: at most a few elites per cell, kept for their diversity.
 
 Source: EGAD, section III-D. Words as in pyribs: archive, cells, measures, elites, coverage.
 """
@@ -66,7 +66,7 @@ class Archive:
 
     @property
     def coverage(self) -> float:
-        """The part of all places that hold an elite (EGAD, Table III)."""
+        """The fraction of all slots that hold an elite (EGAD, Table III)."""
         return coverage_of(self.counts(), self.space)
 
     @property
@@ -90,13 +90,13 @@ class Archive:
         """The cell that an object belongs to: (complexity, difficulty)."""
         return cell_of(elite.complexity, elite.difficulty, self.space)
 
-    def add(self, newcomers: Iterable[Elite]) -> None:
+    def add(self, candidates: Iterable[Elite]) -> None:
         """Insert objects, then remove the least diverse ones until every cell fits.
 
         Objects that are already here are passed over. After each removal the diversities of those
         that are left in overfull cells are computed again.
         """
-        fresh = {elite.id: elite for elite in newcomers if elite.id not in self}
+        fresh = {elite.id: elite for elite in candidates if elite.id not in self}
         indices = self._neighborhood.add([elite.graph for elite in fresh.values()])
         for index, elite in zip(indices, fresh.values(), strict=True):
             self._elites[index] = elite
@@ -217,8 +217,8 @@ def ribs_frame(archive: pd.DataFrame, space: Space) -> pd.DataFrame:
         space: Its cells.
 
     Returns:
-        A row an elite: `index` (of its cell: along complexity, then difficulty, both from the low
-        end), `objective` (its diversity), `measures_0` (complexity), `measures_1` (difficulty,
+        One row per elite: `index` (of its cell: along complexity, then difficulty, both from the
+        low end), `objective` (its diversity), `measures_0` (complexity), `measures_1` (difficulty,
         high is easy), `id`. Unlike in pyribs, a cell may have several rows.
     """
     rows = space.cells - 1 - archive["difficulty_cell"].to_numpy()  # the low end is hard

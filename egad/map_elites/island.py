@@ -31,7 +31,7 @@ from egad.reeb import graph as reeb
 from egad.tables.evolution import HISTORY
 
 EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
-SCORED = 10  # the QD-score of every so many steps is computed
+SCORED = 10  # the QD-score is computed once in as many steps
 LINE = "coverage {coverage:.3f}, {elites} elites"
 Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
 
@@ -94,8 +94,8 @@ def express(row: Row, settings: EvolutionParameters, rules: constraints.Rules) -
 def measure(solid: Solid, settings: EvolutionParameters) -> Measured | str:
     """The measures of a solid, or the reason why it has none.
 
-    The grasps are drawn from a generator named after the solid, so equal solids have equal
-    measures wherever and whenever they are found, but for newcomers that are graded again.
+    The grasps are sampled with a generator named after the solid, so equal solids have equal
+    measures wherever and whenever they are found, unless they are re-evaluated.
     """
     mesh = packed_surface(solid.packed, settings.shape)
     rng = generator(settings.seed, "difficulty", solid.id)
@@ -108,7 +108,7 @@ def measure(solid: Solid, settings: EvolutionParameters) -> Measured | str:
 
 
 def reevaluate(solid: Solid, settings: EvolutionParameters) -> float | str:
-    """The difficulty of a solid by other grasps, or the reason why it has none."""
+    """The difficulty of a challenger by other grasps, or the reason why it has none."""
     mesh = packed_surface(solid.packed, settings.shape)
     rng = generator(settings.seed, "newcomer", solid.id)
     try:
@@ -280,19 +280,20 @@ def _reevaluated(
     settings: EvolutionParameters,
     mapper: Mapper,
 ) -> list[Measured | str]:
-    """The results, those graded again that would have to replace an elite (ours)."""
-    places = [
+    """The results, with challengers for full cells re-evaluated by other grasps (ours)."""
+    challengers = [
         index
         for index, result in enumerate(results)
         if isinstance(result, Measured) and archive.is_full(result.complexity, result.difficulty)
     ]
-    grades = mapper(partial(reevaluate, settings=settings), [solids[index] for index in places])
-    for index, grade in zip(places, grades, strict=True):
+    solids_in_doubt = [solids[index] for index in challengers]
+    difficulties = mapper(partial(reevaluate, settings=settings), solids_in_doubt)
+    for index, difficulty in zip(challengers, difficulties, strict=True):
         first = results[index]
-        if isinstance(first, Measured) and isinstance(grade, float):
-            results[index] = replace(first, difficulty=grade)
+        if isinstance(first, Measured) and isinstance(difficulty, float):
+            results[index] = replace(first, difficulty=difficulty)
         else:
-            results[index] = grade
+            results[index] = difficulty
     return results
 
 

@@ -28,9 +28,9 @@ class Offspring:
 def breed(elites: Sequence[Elite], settings: EvolutionParameters, *index: int) -> list[Offspring]:
     """The offspring of one step.
 
-    Parents are drawn from the whole archive, a second one with the crossover probability. Without
-    any elites the offspring are random genomes (EGAD, section III-D). Drawing them by empty places,
-    litters of siblings and restarts are ours.
+    Parents are sampled from the whole archive, a second one with the crossover probability. If
+    there are no elites, the offspring are random genomes (EGAD, section III-D). Sampling parents
+    near empty slots, litters of siblings and restarts are ours.
 
     Args:
         elites: The archive, in a fixed order.
@@ -80,17 +80,17 @@ def _running(odds: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _draw(rng: np.random.Generator, count: int, chances: NDArray[np.float64] | None) -> int:
-    """One of so many, all alike or by running sums of their chances."""
+    """A random index below `count`: uniform, or by the running sums of the probabilities."""
     if chances is None:
         return int(rng.integers(count))
     return int(np.searchsorted(chances, rng.random(), side="right"))
 
 
 def parent_odds(elites: Sequence[Elite], space: Space) -> NDArray[np.float64]:
-    """The chance of each of n elites to be a parent, (n,), by the empty places around it (ours).
+    """The probability of each of n elites to be a parent, (n,), by the empty slots near it (ours).
 
-    The weight of an elite is the number of places that are empty in its cell and the eight around
-    it, and a little more.
+    The weight of an elite is the number of empty slots in its cell and the eight cells around it,
+    plus `LEAST`.
     """
     columns = complexity_cells([elite.complexity for elite in elites], space)
     rows = difficulty_cells([elite.difficulty for elite in elites], space)

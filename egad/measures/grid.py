@@ -72,13 +72,13 @@ def coverage(objects: pd.DataFrame, space: Space) -> float:
 
 
 def coverage_of(counts: Cells, space: Space) -> float:
-    """The part of all places that is filled, each cell having as many as it keeps elites.
+    """The fraction of all slots that is filled; a cell has one slot for each elite it may keep.
 
     Args:
         counts: From `cell_counts`.
         space: The cells.
 
-    Source: EGAD, Table III, where 2331 objects fill 93 % of 2500 places.
+    Source: EGAD, Table III, where 2331 objects fill 93 % of 2500 slots.
     """
     filled = np.minimum(counts, space.elites_per_cell).sum()
     return float(filled / (space.cells**2 * space.elites_per_cell))

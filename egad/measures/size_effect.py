@@ -60,7 +60,7 @@ def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters
 def _rated(
     caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
 ) -> Iterator[dict[str, Any]]:
-    """What was found at one size, a row a percentile."""
+    """What was found at one size, one row per percentile."""
     wanted = settings.size_effect
     grasps, tally = sample_contacts(
         caster, settings.gripper.opening, wanted.grasps, settings.sampling, rng

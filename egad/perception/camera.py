@@ -36,7 +36,7 @@ class Intrinsics(NamedTuple):
 
     @classmethod
     def spanning(cls, width: int, height: int, field_of_view: float) -> Self:
-        """An image of so many pixels whose width spans an angle in degrees."""
+        """An image of the given size in pixels, whose width spans an angle in degrees."""
         focal = width / 2 / float(np.tan(np.radians(field_of_view) / 2))
         return cls(width, height, focal, ((width - 1) / 2, (height - 1) / 2))
 

@@ -123,7 +123,7 @@ def _touching(
     if len(result) == 0:
         return result[:, 0]
     for body, shifts in _bodies(hand, openings, hand.way):
-        places = origins + shifts[:, None] * frames[:, 0]
-        result |= swallowed(caster, body, places, frames, STRAIGHT)
-        result = blocked_turns(triangles, body, places, frames, STRAIGHT, known=result)
+        moved = origins + shifts[:, None] * frames[:, 0]
+        result |= swallowed(caster, body, moved, frames, STRAIGHT)
+        result = blocked_turns(triangles, body, moved, frames, STRAIGHT, known=result)
     return result[:, 0]

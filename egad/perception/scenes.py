@@ -30,7 +30,7 @@ class Scene(NamedTuple):
 
 
 def sample_object_poses(poses: Sequence[StablePose], count: int, rng: np.random.Generator) -> Ints:
-    """Numbers of the poses of so many images, ascending, drawn by their probabilities.
+    """Indices of the poses of `count` images, ascending, sampled by their probabilities.
 
     The draws are evenly spaced in probability: a pose comes up as often as it should, rounded up
     or down by chance.
@@ -41,8 +41,8 @@ def sample_object_poses(poses: Sequence[StablePose], count: int, rng: np.random.
         rng: Source of chance.
     """
     ends = np.cumsum([pose.probability for pose in poses])
-    places = (rng.random() + np.arange(count)) / max(count, 1) * ends[-1]
-    return np.asarray(np.minimum(np.searchsorted(ends, places, side="right"), len(poses) - 1))
+    levels = (rng.random() + np.arange(count)) / max(count, 1) * ends[-1]
+    return np.asarray(np.minimum(np.searchsorted(ends, levels, side="right"), len(poses) - 1))
 
 
 def sample_scene(

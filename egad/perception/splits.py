@@ -67,7 +67,7 @@ def shares(
 
 
 def shard_count(images: int) -> int:
-    """How many shards a set of so many images has."""
+    """The number of shards of a set, given its number of images."""
     return -(-images // SHARD)
 
 
@@ -96,7 +96,7 @@ def evenly(total: int, parts: int) -> list[int]:
 
 
 def _part(fraction: float, count: int) -> int:
-    """So many of `count` objects; at least one of three or more if the fraction is not 0."""
+    """A fraction of `count` objects, rounded; at least one of three or more, unless it is 0."""
     return max(round(fraction * count), int(fraction > 0 and count > 2))
 
 

@@ -192,7 +192,7 @@ class Neighborhood:
                 raise KeyError(index)
 
     def _make_room(self, count: int) -> None:
-        """Have indices for so many more shapes."""
+        """Have indices for `count` more shapes."""
         size = len(self._trees)
         needed = len(self) + count
         if needed <= size:

@@ -19,7 +19,7 @@ from egad.report.drawing import data_uri, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 
 THIN = "\N{NARROW NO-BREAK SPACE}"
-FRAMES, UNIT, LAST = 60, 12, 2500  # frames, pixels a cell, milliseconds of the last frame
+FRAMES, UNIT, LAST = 60, 12, 2500  # frames, pixels per cell, milliseconds of the last frame
 GROUND, INK = (246, 247, 249), (28, 36, 48)
 EMPTY, FULL = np.array([255, 255, 255]), np.array([11, 92, 173])
 

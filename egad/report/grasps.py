@@ -220,7 +220,7 @@ def _draw_histograms(axes: Axes, values: Mapping[str, "pd.Series[float]"]) -> No
 
 
 def size_chart(table: pd.DataFrame) -> str:
-    """Percentiles of quality over size, a panel an object, all on the same axes.
+    """Percentiles of quality over size, one panel per object, all on the same axes.
 
     A line is the mean over repetitions, its band goes from the lowest to the highest; a point is
     hollow where only some repetitions found grasps. Beneath is the share of candidates that are

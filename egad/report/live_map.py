@@ -29,7 +29,7 @@ log = logging.getLogger(__name__)
 
 INTERVAL = 10.0  # seconds between two versions of the page, at least
 SHARE = 0.01  # part of the time that may be spent on the page
-PICTURE = 36  # pixels a side
+PICTURE = 36  # pixels along each side
 POINTS = 200  # of a curve, at most
 State = dict[str, Any]
 
@@ -70,7 +70,7 @@ class LiveMap:
             page: HTML file; the files of the islands are in the folder of the same name.
             epoch: What the page is about.
             space: The cells.
-            resolution: Voxels a side of an object.
+            resolution: Voxels along each side of an object.
             axes: What the axes of the space are called.
         """
         self._page, self._epoch = page, epoch

@@ -129,7 +129,7 @@ def location_map(
 
 
 def _draw_marks(axes: Axes, marks: Sequence[tuple[int, int]]) -> None:
-    """One mark a cell, with the numbers of all objects in it."""
+    """One mark per cell, with the numbers of all objects in it."""
     numbers_of: dict[tuple[int, int], list[str]] = {}
     for number, cell in enumerate(marks, 1):
         numbers_of.setdefault(cell, []).append(str(number))

@@ -63,7 +63,7 @@ def render(mesh: trimesh.Trimesh, size: int = 96) -> Pixels:
 
     Args:
         mesh: The object, in any unit; it is scaled to fill the picture.
-        size: Pixels a side.
+        size: Pixels along each side.
 
     Returns:
         Red, green, blue and alpha (not premultiplied), (size, size, 4).
@@ -238,7 +238,7 @@ def voxel_picture(voxels: NDArray[np.bool_], size: int) -> Pixels:
 
     Args:
         voxels: (r, r, r), not empty.
-        size: Pixels a side.
+        size: Pixels along each side.
 
     Returns:
         Grey and alpha, (size, size, 2).

@@ -172,7 +172,7 @@ def collage(
         pictures: PNG of each object by its label, with a transparent ground; objects without
             one are left out.
         space: The cells.
-        unit: Pixels a side of a cell.
+        unit: Pixels along each side of a cell.
         axes: What is written along the axes.
 
     Returns:

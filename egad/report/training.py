@@ -132,7 +132,7 @@ def _draw_rate(axes: Axes, row: int, mean: Mean, color: str) -> None:
 def score_chart(
     points: Mapping[str, Sequence[tuple[float, float]]], colors: Mapping[str, str]
 ) -> str:
-    """Success in trials against the score on images of held-out objects, a dot a network.
+    """Success in trials against the score on images of held-out objects, one dot per network.
 
     Args:
         points: Score and success of each network, by training set.

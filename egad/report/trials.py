@@ -226,7 +226,7 @@ def trend_chart(
         names: What the axes are called.
 
     Returns:
-        SVG text: a dot an object, spread sideways by its value within the row or column; the
+        SVG text: one dot per object, spread sideways by its value within the row or column; the
         lines join the means, with their intervals of 95 %.
     """
     keys = {"difficulty": names.upwards, "complexity": names.across}

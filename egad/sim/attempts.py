@@ -35,7 +35,7 @@ def run_attempts(
         settings: Gripper and trials.
 
     Returns:
-        One row an attempt, columns of `tables.evaluation.TRIALS`.
+        One row per attempt, columns of `tables.evaluation.TRIALS`.
     """
     seeds = _seeds(object_id, settings)
     known = {"parts": len(model.parts), "volume_error": model.volume_error}

@@ -34,7 +34,7 @@ RATINGS = ("quality", "robust_quality", "robust_success_rate")
 
 
 def shares(total: int, objects: int) -> list[int]:
-    """So many grasps split among objects as evenly as can be."""
+    """The number of grasps of each object: `total`, split as evenly as possible."""
     return [(n + 1) * total // objects - n * total // objects for n in range(objects)]
 
 
@@ -72,7 +72,7 @@ def execute_labelled_grasps(
         settings: Gripper, friction, lift and hold.
 
     Returns:
-        One row a grasp, columns of `tables.evaluation.AGREEMENT`.
+        One row per grasp, columns of `tables.evaluation.AGREEMENT`.
     """
     found = []
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})

@@ -230,8 +230,8 @@ class TrialRunner:
     def _left_by(self, before: Attempt) -> InitialPose | None:
         """Where an attempt left the object; None if it is put back.
 
-        That is done if the simulation broke down, and for an object that hardly moved: a detector
-        would try the same again.
+        It is put back if the simulation broke down or the object did not move (`MOVED`): a detector
+        would try the same grasp again.
         """
         if before.end is None or before.rest is None:
             return None

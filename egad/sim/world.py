@@ -182,7 +182,7 @@ class World:
         return float(sum(contact[9] for contact in contacts))
 
     def step(self, steps: int = 1) -> None:
-        """Let 1/240 s pass, so many times.
+        """Advance the simulation by steps of 1/240 s.
 
         Raises:
             UnstableError: The object explodes: it gets faster than anything here can make it.

@@ -1,4 +1,4 @@
-"""Two detectors that tried the same objects: is one better, or was it luck?"""
+"""Two detectors that tried the same objects: is one better, or is the difference noise?"""
 
 from dataclasses import dataclass
 
@@ -25,12 +25,12 @@ class Comparison:
         objects: Objects that both tried.
         attempts: Attempts that both made.
         difference: Success rate of the first minus that of the second.
-        interval: Of the difference, 95 %: had other objects of the same kind been taken.
+        interval: 95 % confidence interval of the difference, by resampling objects.
         p_objects: Sign-flip test over the objects; see `sign_flip`.
-        alike: Those of them that began with the same object in the same pose.
-        only_first: Attempts of these that only the first succeeded in.
-        only_second: Attempts of these that only the second succeeded in.
-        p_attempts: Exact McNemar test over these; NaN if there are none.
+        alike: Of these attempts, those with the same initial pose for both detectors.
+        only_first: Of the alike attempts, those in which only the first succeeded.
+        only_second: Of the alike attempts, those in which only the second succeeded.
+        p_attempts: Exact McNemar test over the alike attempts; NaN if there are none.
     """
 
     objects: int
@@ -47,12 +47,12 @@ class Comparison:
 def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
     """Compare two detectors on the same attempts.
 
-    The test to go by is that over the objects: attempts on one object resemble each other, and a
-    detector that is better at one shape is so in all 20 attempts at it. McNemar's test takes them
-    for independent, and so answers for these very objects only.
+    Prefer the test over the objects. Attempts at one object resemble each other: a detector that is
+    better at a shape is better in all 20 attempts at it. McNemar's test treats attempts as
+    independent, so its result holds for these objects only.
 
-    If attempts go on where the ones before ended, two detectors face the same state only in some of
-    them; McNemar's test is over those.
+    If an attempt starts where the one before ended, two detectors face the same state in some
+    attempts only; McNemar's test uses these.
 
     Args:
         first: Columns label, id, attempt, success and initial_pose; id and initial_pose are empty

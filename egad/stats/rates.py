@@ -146,13 +146,13 @@ def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
     """Success rate of every object, row and column of the evaluation set, as in the paper.
 
     Args:
-        trials: Columns `label` (such as C4) and `success`, one row an attempt.
+        trials: Columns `label` (such as C4) and `success`, one row per attempt.
         rows: Letters of the set.
         columns: Digits of the set.
     """
-    places = [cell_of_label(label) for label in trials["label"]]
-    row, column = np.array(places, dtype=np.int64).reshape(-1, 2).T
-    cells = {(i, j): rate(trials[(row == i) & (column == j)]) for i, j in sorted(set(places))}
+    found = [cell_of_label(label) for label in trials["label"]]
+    row, column = np.array(found, dtype=np.int64).reshape(-1, 2).T
+    cells = {(i, j): rate(trials[(row == i) & (column == j)]) for i, j in sorted(set(found))}
     return TrialGrid(
         cells,
         [mean_rate(trials[row == index]) for index in range(rows)],

@@ -1,6 +1,6 @@
 """Results of trials from anywhere: tables of the simulation, or a CSV file of a real robot.
 
-The CSV file has a row an attempt and the columns label, attempt and success, and if you like
+The CSV file has one row per attempt and the columns label, attempt and success, and if you like
 outcome, quality and detector. Rows without a success have not been tried yet and are left out.
 """
 

@@ -1,4 +1,4 @@
-"""Rendered images: one row an image, the pictures as PNG files."""
+"""Rendered images: one row per image, the pictures as PNG files."""
 
 import pyarrow as pa
 

@@ -196,7 +196,7 @@ def test_difficulty(meshes):
 
 
 def test_labels(meshes):
-    """500 grasps an object with everything that is known about them, on default grippers."""
+    """500 grasps per object with everything that is known about them, on default grippers."""
     wanted = Settings.model_validate({"grasp_label": {"grasps": 500}})
     for gripper in ("egad_75mm", "yumi"):
         settings = select(wanted, LabelParameters, gripper)

@@ -44,7 +44,7 @@ sys.setrecursionlimit(20_000)
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
 
 SHARDS = range(SETTINGS.shards)
-# An evaluation set has an object a cell: more shards would be empty ones.
+# An evaluation set has one object per cell: more shards would be empty ones.
 CELLS = SETTINGS.select_eval.rows * SETTINGS.select_eval.columns
 EVALUATION_SHARDS = range(min(SETTINGS.shards, CELLS))
 IMAGE_SHARDS = range(shard_count(SETTINGS.render.images))

@@ -168,8 +168,8 @@ def _write(
     from egad.tables.evaluation import EVAL49
 
     chosen = None if evaluation is None else parquet.read(evaluation, EVAL49)
-    places = [cell_of_label(label) for table in found.values() for label in table["label"].unique()]
-    rows = max(settings.select_eval.rows, *(row + 1 for row, _ in places))
-    columns = max(settings.select_eval.columns, *(column + 1 for _, column in places))
+    cells = [cell_of_label(label) for table in found.values() for label in table["label"].unique()]
+    rows = max(settings.select_eval.rows, *(row + 1 for row, _ in cells))
+    columns = max(settings.select_eval.columns, *(column + 1 for _, column in cells))
     tried = EvaluationSet(rows, columns, chosen, axis_pair(settings.measures))
     write_text(out, page(found, tried))

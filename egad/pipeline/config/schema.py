@@ -58,8 +58,8 @@ def allowed(node: Node) -> str:
 def _child(node: Node, key: str | int) -> Node | None:
     child: Node | None
     if isinstance(key, int):
-        places = node.get("prefixItems", [])
-        child = places[key] if key < len(places) else node.get("items")
+        items = node.get("prefixItems", [])
+        child = items[key] if key < len(items) else node.get("items")
     elif "patternProperties" in node:
         child = next(iter(node["patternProperties"].values()))
     else:
@@ -70,9 +70,9 @@ def _child(node: Node, key: str | int) -> Node | None:
 
 
 def _allowed_list(node: Node) -> str:
-    places = node.get("prefixItems")
-    if places:
-        return f"a list of {len(places)}, each {allowed(places[0])}"
+    items = node.get("prefixItems")
+    if items:
+        return f"a list of {len(items)}, each {allowed(items[0])}"
     return f"a list{' (not empty)' if node.get('minItems') else ''}, each {allowed(node['items'])}"
 
 

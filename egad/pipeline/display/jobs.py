@@ -60,7 +60,11 @@ class Jobs:
     """
 
     def __init__(self, steps: int) -> None:
-        """Start without any that runs or is done, of so many."""
+        """Start with no job running or done.
+
+        Args:
+            steps: How many jobs there are.
+        """
         self.steps = 0, steps
         self._jobs: dict[int, Job] = {}
         self._lock = threading.Lock()

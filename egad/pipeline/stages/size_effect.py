@@ -59,8 +59,8 @@ def spread(evalset: pd.DataFrame) -> pd.DataFrame:
     """
     ordered = evalset.sort_values(["difficulty", "label"], ascending=[False, True])
     last = len(ordered) - 1
-    places = dict.fromkeys([0, last // 2, last] if len(ordered) else [])
-    return ordered.iloc[list(places)].reset_index(drop=True)
+    chosen = dict.fromkeys([0, last // 2, last] if len(ordered) else [])
+    return ordered.iloc[list(chosen)].reset_index(drop=True)
 
 
 def curves(
