@@ -20,8 +20,8 @@ class Axis:
         start: What objects of the first cell are.
         end: What objects of the last cell are.
         value: What its number is called.
-        unit: Unit of the number with a space before it, or empty.
-        factor: Short numbers are multiplied by this.
+        unit: Unit of the number as it is shown, with a space before it, or empty.
+        factor: The number is multiplied by this before it is shown.
     """
 
     name: str
@@ -56,7 +56,7 @@ class AxisPair(NamedTuple):
 
 
 COMPLEXITY = Axis("shape complexity", "complexity", "simple", "complex", "complexity", " bit")
-DIFFICULTY = Axis("grasp difficulty", "difficulty", "easy", "hard", "quality", factor=1000)
+DIFFICULTY = Axis("grasp difficulty", "difficulty", "easy", "hard", "quality", " 1e-3", 1000)
 USUAL = AxisPair(COMPLEXITY, DIFFICULTY)
 
 

@@ -50,7 +50,7 @@ def size_curves(table: pd.DataFrame) -> None:
     numbers = summarize(table)
     percents = [f"{percent:g}" for percent in numbers["percentile"].unique()]
     show(
-        ["name", "side/opening", "possible %", *(f"quality/1000 p{each}" for each in percents)],
+        ["name", "side/opening", "possible %", *(f"quality p{each}, 1e-3" for each in percents)],
         [
             (
                 str(name),
@@ -144,7 +144,7 @@ def _spread(row: pd.Series) -> str:
 
 
 def _titles(axes: AxisPair) -> list[str]:
-    return [axis.value + (f"/{axis.factor}" if axis.factor != 1 else "") for axis in axes]
+    return [axis.short + ("," + axis.unit if axis.unit else "") for axis in axes]
 
 
 def _orders(axes: AxisPair) -> tuple[str, str]:
