@@ -1,4 +1,7 @@
-"""Objects with sampled grasps in the formats of other programs, from Python."""
+"""Objects with sampled grasps in the formats of other programs, from Python.
+
+The command `egad export` has its own formats, in `egad/pipeline/exports/`: it reads results.
+"""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path

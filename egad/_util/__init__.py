@@ -1,1 +1,1 @@
-"""Files, worker processes, progress and compiled code: what all packages share."""
+"""Helpers that all packages share: files, worker processes, progress, compiled code, limits."""

@@ -1,1 +1,1 @@
-"""CPPN genomes, and the voxels and meshes that they describe."""
+"""CPPN genomes, the voxels and meshes that they describe, and constraints on their shapes."""

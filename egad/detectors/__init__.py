@@ -1,4 +1,4 @@
-"""Grasp detectors: what they get and return, those included, and your own."""
+"""Grasp detectors: their interface, those that egad ships, and your own."""
 
 import lazy_loader
 

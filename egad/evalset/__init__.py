@@ -1,1 +1,1 @@
-"""The evaluation set: chosen, and made ready for printers."""
+"""The evaluation set: selection, printability, plates, labels, datasheet, simulation bundle."""

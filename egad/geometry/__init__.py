@@ -1,1 +1,1 @@
-"""Meshes and solids: repair, mass, scaling, distances, convex parts, poses at rest."""
+"""Meshes and solids: repair, mass, scaling, distances, convex parts, stable poses."""

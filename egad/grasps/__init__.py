@@ -1,1 +1,1 @@
-"""Antipodal grasps of a parallel-jaw gripper, and how good they are."""
+"""Parallel-jaw grippers and their antipodal grasps: sampling, quality, collisions, labels."""

@@ -1,1 +1,1 @@
-"""Training grasp networks on rendered images, and how good they are."""
+"""Grasp networks: datasets of rendered images, training and evaluation."""

@@ -1,1 +1,1 @@
-"""Depth images of objects on a table, and where their grasps are in them."""
+"""Depth cameras, sensor noise, and rendered images of objects with their grasps."""

@@ -1,1 +1,1 @@
-"""The pipeline: configuration, stages, commands, provenance and progress."""
+"""The pipeline: configuration, stages, exports, commands, provenance and progress."""

@@ -1,1 +1,1 @@
-"""The HTML report and its figures."""
+"""The sections of the HTML report, with their charts and templates; pictures, the 3D viewer."""

@@ -1,1 +1,1 @@
-"""Grasp trials in simulation: the world, the gripper, the protocol of a trial."""
+"""Grasp trials in simulation: the world, the gripper, and the protocol of a trial."""

@@ -1,1 +1,1 @@
-"""Success rates with intervals, paired comparisons, ROC curves."""
+"""Success rates with confidence intervals, paired comparisons, and ROC curves."""

@@ -1,1 +1,1 @@
-"""The Arrow schema of every Parquet artefact: columns, units and meanings."""
+"""The schema of every table (columns, units and meanings), and how tables are read and written."""

@@ -1,4 +1,4 @@
-"""What the terminal shows while the workflow runs: which jobs run, and how far each of them is.
+"""What the terminal shows while the workflow runs: its jobs and the progress of each.
 
 Jobs write their progress to their logs, on whatever machine they run. Snakemake's own process
 reads the ends of these logs, and draws bars on a terminal or prints plain lines elsewhere.

@@ -1,1 +1,1 @@
-"""Where files come from, read back: as a tree, and whether they are still what was made."""
+"""Provenance of files: recorded, printed as a tree, and verified."""

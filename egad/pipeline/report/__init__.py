@@ -1,1 +1,1 @@
-"""Pages about a run: the report, and the training study."""
+"""Pages about a run: the report and the training study."""

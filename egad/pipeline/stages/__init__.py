@@ -1,1 +1,1 @@
-"""Stages: each reads and writes files, and calls the library in between."""
+"""Stages, one module each: they read and write files and call the library in between."""
