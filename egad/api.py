@@ -161,7 +161,8 @@ def sample_grasps(
     Args:
         mesh: A closed mesh in metres, as it is grasped: see `rescale`.
         gripper: The gripper, or its name.
-        n: Most grasps; fewer if no more are found that are 2.5 mm apart.
+        n: The largest number of grasps. Fewer are returned if no more are found that are at least
+            2.5 mm apart.
         seed: The same mesh and seed give the same grasps.
         friction: Coulomb friction coefficient that the quality is computed with; the sampler
             proposes axes up to a friction of 0.75 whatever this is.
@@ -191,11 +192,11 @@ def sample_grasps(
 def convex_parts(
     mesh: trimesh.Trimesh, *, max_parts: int = 256, volume_error: float = 0.06
 ) -> list[trimesh.Trimesh]:
-    """Convex meshes that together stand for a solid, for physics engines.
+    """Convex meshes that together approximate a solid, for physics engines.
 
     Args:
         mesh: A closed surface, in any unit.
-        max_parts: Most parts.
+        max_parts: The largest number of parts.
         volume_error: The parts may exceed the solid by this fraction of its volume.
 
     Raises:
