@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import trimesh
 from numpy.typing import ArrayLike, NDArray
 
-from egad._util.parameters import from_arguments
+from egad._util.parameters import check_count, from_arguments
 from egad.errors import UserError
 from egad.evalset.parameters import Bundle
 from egad.exchange.palm_mesh import palm_mesh
@@ -21,7 +22,7 @@ from egad.geometry.repair import repair as repair_mesh
 from egad.grasps.grasps import Grasps
 from egad.grasps.grippers import as_gripper
 from egad.grasps.labels import label_grasps, label_parameters
-from egad.grasps.parameters import FRICTION, Gripper
+from egad.grasps.parameters import APPROACH_ANGLES, CONE, FRICTION, Gripper
 from egad.measures.grid import Cell, cell_name, cell_of
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import Space, default_measures
@@ -62,19 +63,19 @@ def measure(
 
     Args:
         mesh: Any mesh, in any unit.
-        gripper: The gripper that grasps are sampled for, or its name. The published labels are
-            for `yumi`.
-        grasps: Grasps that the percentile is taken from.
+        gripper: The gripper that grasps are sampled for, or its name. The default is `yumi`, as
+            the published labels are for it.
+        grasps: Grasps that the percentile is taken from; evolution takes 100, which is quicker and
+            noisier.
         seed: Of the grasps.
 
     Raises:
         RejectedError: The mesh cannot be repaired, is flat, or has no grasp.
-        UserError: There is no gripper of this name, or no grasps are asked for.
+        UserError: There is no gripper of this name, or a number is not allowed.
 
     Source: EGAD (Morrison, Corke and Leitner 2020), section III.
     """
-    if grasps < 1:
-        raise UserError(f"grasps is {grasps}; at least 1 is needed")
+    check_count("grasps", grasps)
     solid = repair_mesh(mesh).mesh
     place = measure_repeatably(solid, default_measures(as_gripper(gripper), seed), grasps)
     space = Space()
@@ -154,6 +155,8 @@ def sample_grasps(
     *,
     seed: int = 0,
     friction: float = FRICTION,
+    cone: float = CONE,
+    approach_angles: int = APPROACH_ANGLES,
     center_of_mass: ArrayLike | None = None,
 ) -> Grasps:
     """Sample antipodal grasps of a mesh, with their quality and collisions of the hand.
@@ -164,8 +167,11 @@ def sample_grasps(
         n: The largest number of grasps. Fewer are returned if no more are found that are at least
             2.5 mm apart.
         seed: The same mesh and seed give the same grasps.
-        friction: Coulomb friction coefficient that the quality is computed with; the sampler
-            proposes axes up to a friction of 0.75 whatever this is.
+        friction: Coulomb friction coefficient that the quality is computed with.
+        cone: Tangent of the widest angle between the closing axis and the normals of a sampled
+            grasp. Grasps outside the friction cone slip: their quality is 0.
+        approach_angles: Directions around the closing axis from which the hand is tested for
+            collisions, evenly spaced.
         center_of_mass: (3,) metres; by default that of a solid of uniform density.
 
     Returns:
@@ -174,7 +180,7 @@ def sample_grasps(
     Raises:
         RejectedError: The mesh is open, or there is no grasp; the text says what became of the
             candidates.
-        UserError: There is no gripper of this name.
+        UserError: There is no gripper of this name, or a number is not allowed.
 
     Warns:
         UnitsWarning: The size of the mesh suggests another unit than the metre.
@@ -183,10 +189,40 @@ def sample_grasps(
     """
     check_units(mesh)
     hand = as_gripper(gripper)
-    parameters = label_parameters(hand, n, seed, friction)
+    parameters = label_parameters(
+        hand,
+        check_count("n", n),
+        seed,
+        friction=friction,
+        cone=cone,
+        approach_angles=approach_angles,
+    )
     com = _center(mesh, center_of_mass)
     rng = generator(seed, "sample_grasps")
     return Grasps(label_grasps(mesh, com, parameters, rng, palm_mesh(hand)))
+
+
+def dataset_grasps(
+    mesh: trimesh.Trimesh, object_id: str, gripper: Gripper, grasps: int, seed: int
+) -> pd.DataFrame:
+    """The labelled grasps of a scaled object, sampled as for a dataset of the pipeline.
+
+    Args:
+        mesh: A closed mesh in metres.
+        object_id: Of the object; with the seed it decides the grasps.
+        gripper: The gripper.
+        grasps: Most grasps.
+        seed: Of the grasps.
+
+    Returns:
+        Columns of `tables.grasping.GRASPS` without `id` and `label`.
+
+    Raises:
+        RejectedError: The mesh is open, or there is no grasp.
+    """
+    parameters = label_parameters(gripper, grasps, seed)
+    com, rng = mass_properties(mesh, 1.0).com, generator(seed, "grasps", object_id)
+    return label_grasps(mesh, com, parameters, rng, palm_mesh(gripper))
 
 
 def convex_parts(
@@ -217,7 +253,9 @@ def stable_poses(
         center_of_mass: (3,) in the unit of the mesh; by default that of a solid of uniform density.
 
     Returns:
-        At least one pose; the probabilities add up to 1.
+        At least one pose, with probabilities that add up to 1. `pose.matrix` is the (4, 4)
+        transform from the frame of the mesh to that of the table: z points up, the table is at
+        z = 0, and the center of mass is above the origin.
 
     Raises:
         RejectedError: The mesh is flat, or the center of mass is not inside its hull.

@@ -10,15 +10,16 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 
-from egad._util.files import atomic_output
+from egad._util.files import atomic_output, check_empty
+from egad._util.parameters import check_count
 from egad._util.progress import progress
-from egad.errors import RejectedError, UserError, check_name
+from egad.api import dataset_grasps
+from egad.errors import RejectedError, check_name
 from egad.evalset.bundle import make_simulation_object
 from egad.evalset.parameters import Bundle
 from egad.exchange.acronym import Body, Jaws, write_acronym
 from egad.exchange.hdf5 import check_key
 from egad.exchange.meshes import write_obj, write_stl_mm
-from egad.exchange.palm_mesh import palm_mesh
 from egad.exchange.parameters import Acronym
 from egad.exchange.simulators import write_simulation_object
 from egad.geometry.mass import mass_properties
@@ -26,10 +27,8 @@ from egad.geometry.parameters import SIDE_FRACTION, Material
 from egad.geometry.scaling import rescale
 from egad.grasps.grippers import as_gripper
 from egad.grasps.hand import finger_span
-from egad.grasps.labels import label_grasps, label_parameters
-from egad.grasps.parameters import Gripper
+from egad.grasps.parameters import FRICTION, Gripper
 from egad.objects import Dataset, NamedMesh, named_meshes
-from egad.random import generator
 
 
 class _Job(NamedTuple):
@@ -37,7 +36,7 @@ class _Job(NamedTuple):
 
     gripper: Gripper
     name: str
-    n: int
+    grasps: int
     seed: int
 
 
@@ -47,7 +46,7 @@ def export(
     gripper: Gripper | str,
     out: str | Path,
     *,
-    n: int = 100,
+    grasps: int = 100,
     seed: int = 0,
     rule: str = "paper",
 ) -> list[str]:
@@ -60,24 +59,28 @@ def export(
             metres. `stl`: meshes in millimetres, to print.
         gripper: The gripper, or its name.
         out: A new or empty folder.
-        n: Grasps of an object.
-        seed: Of the grasps.
+        grasps: Most grasps of an object; 100 as in a dataset of the pipeline.
+        seed: Of the grasps, which are those that a dataset of the pipeline has.
         rule: How objects are scaled: see `egad.rescale`.
 
     Returns:
         The labels of objects that were left out, as they cannot be scaled, grasped or decomposed.
 
     Raises:
-        UserError: There is no such format, gripper or rule, there are no objects, or the folder is
-            not empty.
+        UserError: There is no such format, gripper or rule, there are no objects, a number is not
+            allowed, or the folder is not empty.
     """
     write = WRITERS[check_name("format", format, WRITERS)]
     hand = as_gripper(gripper)
-    job = _Job(hand, gripper if isinstance(gripper, str) else "gripper", n, seed)
+    job = _Job(
+        hand,
+        gripper if isinstance(gripper, str) else "gripper",
+        check_count("grasps", grasps),
+        seed,
+    )
     items, left_out = named_meshes(objects), []
     target = Path(out)
-    if target.is_file() or (target.is_dir() and any(target.iterdir())):
-        raise UserError(f"out is {target}, which exists; name a new folder")
+    check_empty(target)
     with atomic_output(target, keep=False) as folder:
         folder.mkdir()
         for item in progress(items, "exporting", len(items)):
@@ -92,10 +95,8 @@ def export(
 
 def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
     file = f"meshes/{item.label}.obj"
-    parameters = label_parameters(job.gripper, job.n, job.seed)
     mass = mass_properties(mesh, Material().density)
-    rng = generator(job.seed, "grasps", item.id)
-    grasps = label_grasps(mesh, mass.com, parameters, rng, palm_mesh(job.gripper))
+    grasps = dataset_grasps(mesh, item.id, job.gripper, job.grasps, job.seed)
     (folder / "meshes").mkdir(exist_ok=True)
     write_obj(mesh, folder / file)
     body = Body(
@@ -105,7 +106,7 @@ def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) ->
         mass=mass.mass,
         com=np.asarray(mass.com),
         inertia=mass.inertia,
-        friction=parameters.quality.friction,
+        friction=FRICTION,
     )
     jaws = Jaws(job.name, job.gripper.opening, finger_span(job.gripper)[1])
     write_acronym(

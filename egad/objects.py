@@ -1,6 +1,6 @@
 """Datasets of objects in Python: the released one, those of a run, or any archive."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property, partial
 from pathlib import Path
 from typing import NamedTuple
@@ -82,7 +82,7 @@ class Dataset:
     """Objects by label or id. Meshes are made or read when they are asked for.
 
     Attributes:
-        table: One row per object, sorted by label.
+        table: One row per object, sorted by label unless `select` gave them another order.
     """
 
     def __init__(
@@ -107,24 +107,39 @@ class Dataset:
         """The object of a label or an id.
 
         Raises:
-            UserError: There is none; the text names labels that are spelled alike.
+            UserError: There is none; the text names labels that are spelled alike. Or it is no
+                text, such as a position.
         """
-        if name not in self._place:
-            check_name("object", str(name), self.table["label"])
-        return self._object(self._place[name])
+        return self._object(self._position(name))
 
     def __repr__(self) -> str:
         return f"Dataset({len(self)} objects)"
 
-    def select(self, names: list[str]) -> "Dataset":
-        """The dataset of some objects alone, in the order of the dataset.
+    def select(self, names: str | Iterable[str]) -> "Dataset":
+        """The dataset of some objects alone.
+
+        Args:
+            names: Labels or ids, or a single one. Their order is that of the new dataset; what is
+                named again is left out.
 
         Raises:
             UserError: One of the names is unknown.
         """
-        wanted = {self[name].label for name in names}
-        table = self.table[self.table["label"].isin(wanted)].reset_index(drop=True)
+        wanted = names if isinstance(names, Iterable) and not isinstance(names, str) else [names]
+        positions = list(dict.fromkeys(map(self._position, wanted)))
+        table = self.table.iloc[positions].reset_index(drop=True)
         return Dataset(table, self._archive, self._shape, self._meshes)
+
+    def _position(self, name: object) -> int:
+        """The row of an object in the table."""
+        if not isinstance(name, str):
+            raise UserError(
+                f"an object is asked for by its label or id, got {name!r}; "
+                "`dataset.table` lists them, and `list(dataset)` has all objects by position"
+            )
+        if name not in self._place:
+            check_name("object", name, self.table["label"])
+        return self._place[name]
 
     def _object(self, place: int) -> EvolvedObject:
         row = self.table.iloc[place]
@@ -200,4 +215,10 @@ def named_meshes(objects: Dataset | Mapping[str, trimesh.Trimesh]) -> list[Named
         raise UserError("there are no objects; give a dataset or meshes by name")
     if isinstance(objects, Dataset):
         return [NamedMesh(each.label, each.id, partial(getattr, each, "mesh")) for each in objects]
+    if isinstance(objects, dict):  # a process that gets a mesh need not get all of them
+        return [NamedMesh(name, name, partial(_itself, mesh)) for name, mesh in objects.items()]
     return [NamedMesh(name, name, partial(objects.__getitem__, name)) for name in objects]
+
+
+def _itself(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    return mesh

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, Literal, get_args
 
 import pandas as pd
@@ -9,14 +10,19 @@ import trimesh
 
 from egad._util.parameters import ScaleRule, from_arguments
 from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.api import dataset_grasps
 from egad.detectors.base import Detector
+from egad.detectors.labels import Labels
 from egad.detectors.registry import QUICK, with_checked_answers
-from egad.errors import RejectedError, check_name
+from egad.errors import RejectedError, UserError, check_name
+from egad.evalset.bundle import wind_outwards
 from egad.evalset.parameters import Bundle
+from egad.geometry.checks import check_mesh
 from egad.geometry.parameters import SIDE_FRACTION, Material
 from egad.geometry.scaling import rescale
 from egad.grasps.grippers import as_gripper
-from egad.grasps.parameters import Gripper
+from egad.grasps.parameters import GraspLabel, Gripper
 from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.outcomes import Outcome
 from egad.sim.attempts import failed_attempts, run_attempts
@@ -26,9 +32,12 @@ from egad.sim.parameters import Trials as Protocol
 from egad.stats.paired import Comparison, compare
 from egad.stats.rates import Mean, by_object, mean_rate
 from egad.stats.records import results
+from egad.tables.grasping import GRASPS
+from egad.tables.parquet import empty
 
 log = logging.getLogger(__name__)
 UNSCALED = "none"
+LABELS = "labels"
 RULES = (*get_args(ScaleRule), UNSCALED)
 
 
@@ -77,6 +86,7 @@ def run_trials(
     rule: str = "paper",
     reset: Literal["continue", "redrop"] = "continue",
     depth_noise: float = 0.0,
+    jobs: int = 1,
 ) -> Trials:
     """Let a detector grasp objects in simulation, as in EGAD, section V.
 
@@ -84,49 +94,85 @@ def run_trials(
     the detector proposes grasps, and the best one is carried out: approach, close, lift, hold.
     An object that cannot be simulated has failed attempts only.
 
-    The detector is called in this process: an error of it is one failed attempt, but an endless
-    loop is not ended.
+    An error of the detector is one failed attempt, but an endless loop is not ended.
 
     Args:
         detect: A function or object that is called with `(view, gripper, rng)` and returns grasps
             (`egad.detectors.Detector`); or the name of one without weights: `antipodal-depth`,
-            `random`.
+            `random`; or `labels`, which knows where the object is and proposes the best of 100
+            grasps that are sampled with the seed. With several jobs it must be a function or class
+            that can be imported.
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, or its name.
-        attempts: Attempts at each object.
+        attempts: Attempts at each object; 20 as in the paper.
         seed: The same seed gives the same drops, for all detectors.
         rule: How objects are scaled: see `egad.rescale`; `none`: not.
         reset: `continue`: after a success the hand drops the object from where it is, after a
             failure it stays where it lies; `redrop`: every attempt begins with a new drop.
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
+        jobs: Processes; the result does not depend on them. With several, a script needs
+            `if __name__ == "__main__":` around its call.
 
     Raises:
-        UserError: There is no such gripper, detector or rule, a number is out of bounds, or there
-            are no objects.
+        UserError: There is no such gripper, detector or rule, a number is out of bounds, there
+            are no objects, or the detector cannot be imported by other processes.
     """
     hand = as_gripper(gripper)
     check_name("rule", rule, RULES)
     trials = from_arguments(Protocol, attempts=attempts, reset=reset, depth_noise=depth_noise)
-    parameters = TrialParameters(seed=seed, gripper=hand, trials=trials)
+    parameters = from_arguments(TrialParameters, seed=seed, gripper=hand, trials=trials)
     targets = named_meshes(objects)
     if isinstance(detect, str):
-        ask = QUICK[check_name("detector", detect, QUICK)]
-    else:
-        ask = with_checked_answers(detect)
-    shown = progress(targets, "trying", len(targets))
-    return Trials(pd.concat([_attempts(target, ask, rule, parameters) for target in shown]))
+        check_name("detector", detect, (LABELS, *QUICK))
+    elif not callable(detect):
+        raise UserError(f"a detector is a function or the name of one, got {detect!r}")
+    work = partial(_attempts, detect=detect, rule=rule, parameters=parameters)
+    with workers(jobs, chunk=1) as mapper:
+        tables = progress(mapper(work, targets), "trying", len(targets))
+        return Trials(pd.concat(list(tables)))
 
 
 def _attempts(
-    target: NamedMesh, detect: Detector, rule: str, parameters: TrialParameters
+    target: NamedMesh,
+    detect: Callable[..., Any] | str,
+    rule: str,
+    parameters: TrialParameters,
 ) -> pd.DataFrame:
     """All attempts at an object, columns of `tables.evaluation.TRIALS`."""
     try:
         mesh = target.mesh()
+        check_mesh(mesh)
+        mesh = wind_outwards(mesh)
         if rule != UNSCALED:
             mesh, _ = rescale(mesh, rule, parameters.gripper.opening, SIDE_FRACTION)
         model = build(mesh, Material().density, Bundle())
     except RejectedError as reason:
         log.warning("%s cannot be simulated: %s", target.label, reason)
         return failed_attempts(target.label, target.id, parameters, Outcome.FAILED)
-    return run_attempts(model, target.label, target.id, detect, parameters)
+    ask = _detector(detect, mesh, target.id, parameters)
+    return run_attempts(model, target.label, target.id, ask, parameters)
+
+
+def _detector(
+    detect: Callable[..., Any] | str, mesh: trimesh.Trimesh, name: str, parameters: TrialParameters
+) -> Detector | Labels:
+    """What proposes the grasps of an object.
+
+    Args:
+        detect: As of `run_trials`.
+        mesh: The object, scaled.
+        name: Its id, which decides the grasps of `labels`.
+        parameters: The gripper and the seed.
+    """
+    if not isinstance(detect, str):
+        return with_checked_answers(detect)
+    if detect != LABELS:
+        return QUICK[detect]
+    try:
+        grasps = dataset_grasps(
+            mesh, name, parameters.gripper, GraspLabel().grasps, parameters.seed
+        )
+    except RejectedError as reason:
+        log.warning("%s: %s", name, reason)
+        grasps = empty(GRASPS)
+    return Labels(grasps)

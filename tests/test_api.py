@@ -133,6 +133,9 @@ def test_a_box_is_one_convex_part_that_rests_on_six_faces():
     assert [pose.probability for pose in poses] == pytest.approx([1 / 6] * 6)
     low = egad.stable_poses(box, center_of_mass=(0, 0, -0.015))
     assert low[0].height == pytest.approx(0.005)
+    placed = trimesh.transform_points([*box.vertices, (0, 0, -0.015)], low[0].matrix)
+    assert placed[:8, 2].min() == pytest.approx(0, abs=1e-12)
+    assert placed[8] == pytest.approx([0, 0, 0.005])
     with pytest.raises(UserError, match="3 finite numbers"):
         egad.stable_poses(box, center_of_mass=(0, 0))
 
@@ -142,7 +145,70 @@ def test_an_unknown_gripper_is_told_with_those_that_there_are():
         egad.gripper("pandda")
 
 
-@pytest.mark.parametrize("opening", [0, -0.1, float("nan"), 20])
+def friction_angles(grasps):
+    """Tangents of the angles between the closing axis and both normals, (n, 2)."""
+    axis = np.diff(grasps.contacts, axis=1)[:, 0] / grasps.widths[:, None]
+    cosines = np.abs(np.einsum("nck,nk->nc", grasps.normals, axis))
+    return np.sqrt(1 - np.minimum(cosines, 1) ** 2) / cosines
+
+
+def test_grasps_lie_in_the_cone_and_slip_outside_the_friction(mug):
+    narrow = egad.sample_grasps(mug, "panda", n=40, cone=0.3, friction=0.3)
+    assert friction_angles(narrow).max() < 0.3 + 1e-6
+    wide = egad.sample_grasps(mug, "panda", n=40, friction=0.3)
+    angles = friction_angles(wide).max(axis=1)
+    within = angles < 0.3 * np.cos(np.pi / 8)  # the cone of eight edges lies in the round one
+    assert 0 < within.sum() < (angles <= 0.3).sum() + 1 < 40
+    assert (wide.quality[within] > 0).all()
+    assert (wide.quality[angles > 0.3] == 0).all()
+
+
+def test_a_hand_finds_more_ways_among_more_directions(mug):
+    few, many = (
+        egad.sample_grasps(mug, "panda", n=40, approach_angles=angles) for angles in (2, 32)
+    )
+    assert np.array_equal(few.contacts, many.contacts)
+    assert few.collision_free.sum() < many.collision_free.sum()
+    assert few.to_frame()["angles_fit"].max() <= 2
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"n": 0}, "n is 0; allowed: a whole number, at least 1"),
+        ({"n": "many"}, "n is 'many'"),
+        ({"cone": 0}, "cone is 0; allowed: a number, above 0, at most 2"),
+        ({"friction": -1}, "friction is -1"),
+        ({"approach_angles": 0}, "approach_angles is 0"),
+        ({"seed": "x"}, "seed is 'x'; allowed: a whole number"),
+        ({"gripper": 0.08}, r"a gripper is an egad\.Gripper or the name of one, got 0\.08"),
+    ],
+)
+def test_wrong_arguments_of_the_sampler_are_named(wrong, message):
+    with pytest.raises(UserError, match=message):
+        egad.sample_grasps(**{"mesh": trimesh.creation.box(), "gripper": "panda"} | wrong)
+
+
+def test_wrong_arguments_of_the_measures_are_named(mug):
+    with pytest.raises(UserError, match="grasps is 0"):
+        egad.measure(mug, grasps=0)
+    with pytest.raises(UserError, match="seed is 'x'"):
+        egad.measure(mug, seed="x")
+
+
+@pytest.mark.parametrize("opening", [0, -0.1, float("nan"), 20, "wide", None])
 def test_a_gripper_that_cannot_open_is_refused(opening):
-    with pytest.raises(ValueError, match="opening"):
+    message = rf"^opening is {opening!r}; allowed: a number, above 0, at most 10 \(widest"
+    with pytest.raises(UserError, match=message):
         egad.Gripper(opening=opening)
+
+
+def test_wrong_arguments_of_a_gripper_are_told_together():
+    with pytest.raises(UserError) as error:
+        egad.Gripper(pads="soft", palm=(0.1, -0.1, 0.1))
+    first, second, third = str(error.value).split("\n")
+    assert first.startswith("opening is missing; allowed: a number")
+    assert second.startswith("palm[1] is -0.1; allowed: a list of 3")
+    assert third.startswith("pads is 'soft'; allowed: silicone or bare")
+    with pytest.raises(UserError, match="'openning' is not known; did you mean opening"):
+        egad.Gripper(openning=0.08)

@@ -18,7 +18,7 @@ FACTOR = 0.8 * 0.08 / 0.1  # the smallest side becomes 80 % of the opening
 
 def test_acronym_files_hold_the_object_and_its_grasps(tmp_path):
     left_out = egad.export(
-        {"block": BLOCK, "sheet": SHEET}, "acronym", "panda", tmp_path / "out", n=8
+        {"block": BLOCK, "sheet": SHEET}, "acronym", "panda", tmp_path / "out", grasps=8
     )
     assert left_out == ["sheet"]
     with h5py.File(tmp_path / "out/block.h5") as file:
@@ -48,10 +48,14 @@ def test_meshes_are_scaled_to_the_gripper(tmp_path, style, unit):
 
 def test_what_is_there_is_not_lost_and_mistakes_are_told(tmp_path):
     (tmp_path / "mine.txt").touch()
-    with pytest.raises(UserError, match="exists; name a new folder"):
+    with pytest.raises(UserError, match="is not empty, and its files would be lost; name a new"):
         egad.export({"block": BLOCK}, "obj", "panda", tmp_path)
     with pytest.raises(UserError, match="format 'arconym' is not known; did you mean acronym"):
         egad.export({"block": BLOCK}, "arconym", "panda", tmp_path / "out")
     with pytest.raises(UserError, match="there are no objects"):
         egad.export({}, "obj", "panda", tmp_path / "out")
+    with pytest.raises(UserError, match="is a file; name a folder"):
+        egad.export({"block": BLOCK}, "obj", "panda", tmp_path / "mine.txt")
+    with pytest.raises(UserError, match="grasps is 0"):
+        egad.export({"block": BLOCK}, "acronym", "panda", tmp_path / "out", grasps=0)
     assert not (tmp_path / "out").exists()

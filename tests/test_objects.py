@@ -46,12 +46,30 @@ def test_the_mesh_has_the_volume_of_the_voxels(objects):
     assert each.mesh.volume == pytest.approx(each.voxels.sum() * step.prod(), rel=0.05)
 
 
-def test_a_selection_keeps_the_order_of_the_dataset(objects):
-    chosen = objects.select(["M14_3", "E08_0"])
-    assert [each.label for each in chosen] == ["E08_0", "M14_3"]
-    assert len(chosen) == 2
+def test_a_selection_has_the_order_of_its_names(objects):
+    chosen = objects.select(["M14_3", objects["E08_0"].id, "M14_3"])
+    assert [each.label for each in chosen] == ["M14_3", "E08_0"]
+    assert chosen.table["label"].tolist() == ["M14_3", "E08_0"]
+    assert chosen["E08_0"].id == objects["E08_0"].id
     with pytest.raises(UserError, match="did you mean"):
         objects.select(["M14_33"])
+
+
+def test_a_single_name_selects_one_object(objects):
+    assert [each.label for each in objects.select("M14_3")] == ["M14_3"]
+
+
+@pytest.mark.parametrize("name", [0, -1, slice(3), ["M14_3"], None])
+def test_only_names_are_names(objects, name):
+    with pytest.raises(UserError, match="by its label or id, got"):
+        objects[name]
+    with pytest.raises(UserError, match="by its label or id, got"):
+        objects.select([name])
+
+
+def test_a_position_selects_nothing(objects):
+    with pytest.raises(UserError, match="by its label or id, got 3"):
+        objects.select(3)
 
 
 def test_an_archive_loads_from_its_file(objects, tmp_path):

@@ -2,7 +2,9 @@
 
 import math
 
+import h5py
 import numpy as np
+import pandas as pd
 import pytest
 import trimesh
 
@@ -10,6 +12,7 @@ import egad
 from egad.detectors import Grasp
 from egad.errors import UserError
 
+POSE = ("initial_x", "initial_y", "initial_qw", "initial_qz")
 BAR = trimesh.creation.box((0.03, 0.12, 0.03))
 
 
@@ -57,10 +60,71 @@ def test_what_a_detector_does_wrong_is_the_outcome(good, detector, outcome):
     assert (found.attempts, found.difference) == (2, 1.0)
 
 
-def test_an_object_that_is_no_solid_has_failed_attempts():
-    sheet = trimesh.Trimesh([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0.01]], [[0, 1, 2]])
-    trials = egad.run_trials("random", {"sheet": sheet}, "panda", attempts=2, rule="none")
+def open_box():
+    box = trimesh.creation.box((0.1, 0.05, 0.03))
+    box.update_faces(np.arange(12) > 1)
+    return box
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("rule", ["none", "paper"])
+@pytest.mark.parametrize(
+    "sheet", [trimesh.Trimesh([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0.01]], [[0, 1, 2]]), open_box()]
+)
+def test_an_object_that_is_no_solid_has_failed_attempts(sheet, rule, caplog):
+    trials = egad.run_trials("random", {"sheet": sheet}, "panda", attempts=2, rule=rule)
     assert trials.table["outcome"].tolist() == ["failed", "failed"]
+    assert "sheet cannot be simulated: " in caplog.text
+
+
+def test_an_object_that_is_inside_out_is_turned():
+    bar = BAR.copy()
+    bar.invert()
+    trials = egad.run_trials(across_the_bar, {"bar": bar}, "panda", attempts=4, seed=2)
+    assert trials.table["success"].all()
+    labels = egad.run_trials("labels", {"bar": bar}, "panda", attempts=1, seed=2)
+    assert labels.table["success"].all()
+
+
+def test_processes_give_the_same_table(good):
+    """Meshes by name and a dataset, with a detector of this module and one by its name."""
+    two = {"bar": BAR, "short": BAR.copy().apply_scale(0.8)}
+    one, more = (
+        egad.run_trials(across_the_bar, two, "panda", attempts=4, seed=2, jobs=jobs)
+        for jobs in (1, 2)
+    )
+    pd.testing.assert_frame_equal(one.table, more.table)
+    assert one.table["label"].tolist() == ["bar"] * 4 + ["short"] * 4
+    pd.testing.assert_frame_equal(one.table[:4], good.table)
+    dataset = egad.load("released").select(["M14_3", "E08_0"])
+    one, more = (
+        egad.run_trials("antipodal-depth", dataset, "panda", attempts=1, jobs=jobs)
+        for jobs in (1, 2)
+    )
+    pd.testing.assert_frame_equal(one.table, more.table)
+
+
+def test_the_labels_know_where_the_bar_lies(good):
+    """They hold it across its short sides, wherever the same drop leaves it."""
+    trials = egad.run_trials("labels", {"bar": BAR}, "panda", attempts=4, seed=2)
+    assert trials.table["outcome"].tolist() == ["success"] * 4
+    assert trials.table.loc[0, list(POSE)].tolist() == good.table.loc[0, list(POSE)].tolist()
+    assert trials.table["width"].between(0.03, 0.05).all()
+
+
+def test_the_labels_are_the_grasps_of_an_export(tmp_path):
+    """The quality of the grasp that is tried is one of those in the file of the same seed."""
+    trials = egad.run_trials("labels", {"bar": BAR}, "panda", attempts=2, seed=4)
+    egad.export({"bar": BAR}, "acronym", "panda", tmp_path / "out", seed=4)
+    with h5py.File(tmp_path / "out/bar.h5") as file:
+        known = file["grasps/qualities/egad/robust_quality"][()]
+    assert all(np.isclose(known, quality).any() for quality in trials.table["quality"])
+
+
+def test_an_object_without_grasps_gives_the_labels_nothing_to_propose():
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.06)
+    trials = egad.run_trials("labels", {"ball": ball}, "panda", attempts=2, rule="none")
+    assert trials.table["outcome"].tolist() == ["no_grasp"] * 2
 
 
 @pytest.mark.parametrize(
@@ -71,10 +135,15 @@ def test_an_object_that_is_no_solid_has_failed_attempts():
             "'antipodal' is not known; did you mean antipodal-depth",
         ),
         ({"objects": {}}, "there are no objects"),
+        ({"objects": {"bar": "bar.stl"}, "rule": "none"}, r"a mesh is a trimesh\.Trimesh, got str"),
         ({"gripper": "pandas"}, "gripper 'pandas' is not known; did you mean panda"),
         ({"attempts": 0}, "attempts is 0"),
         ({"rule": "best"}, "rule 'best' is not known; .*none"),
         ({"reset": "never"}, "reset is 'never'"),
+        ({"seed": "x"}, "seed is 'x'"),
+        ({"detect": 3}, "a detector is a function or the name of one, got 3"),
+        ({"jobs": 0}, "jobs is 0"),
+        ({"detect": lambda *_: [], "jobs": 2}, "in a module that can be imported"),
     ],
 )
 def test_wrong_arguments_are_told(change, message):

@@ -74,6 +74,27 @@ def write_text(path: Path, text: str) -> None:
         temporary.write_text(text, encoding="utf-8")
 
 
+def check_empty(folder: Path) -> None:
+    """Check that a folder is empty or new, so that nothing is lost when it is written.
+
+    Raises:
+        UserError: It is not empty, or is a file.
+    """
+    check_not_file(folder)
+    if folder.is_dir() and any(folder.iterdir()):
+        raise UserError(f"{folder} is not empty, and its files would be lost; name a new folder")
+
+
+def check_not_file(folder: Path) -> None:
+    """Check that a path can be a folder.
+
+    Raises:
+        UserError: It is a file.
+    """
+    if folder.is_file():
+        raise UserError(f"{folder} is a file; name a folder")
+
+
 def _remove(path: Path) -> None:
     if path.is_dir():
         shutil.rmtree(path)

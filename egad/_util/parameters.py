@@ -1,11 +1,12 @@
-"""Base classes and bounded number types of all sections: closed, immutable models."""
+"""Base classes of all sections, which are closed and immutable; their limits, also in words."""
 
+import operator
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, SupportsIndex, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
-from egad.errors import UserError
+from egad.errors import UserError, check_name
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_\-]*$")]
 Fraction = Annotated[float, Field(ge=0, le=1)]
@@ -17,7 +18,21 @@ FractionRange = tuple[Fraction, Fraction]
 Offset = Annotated[float, Field(ge=-0.5, le=0.5)]
 Axis = Literal["x", "y", "z"]
 Activation = Literal["sin", "sigmoid", "gaussian", "identity"]
+Pixels = Annotated[int, Field(ge=16, le=4096)]
+Percent = Annotated[float, Field(ge=0, le=100)]
+SideFraction = Annotated[float, Field(gt=0, le=3)]
+Angle = Annotated[float, Field(ge=0, le=60)]
 ScaleRule = Literal["paper", "egad-script", "exact"]
+
+
+Node = dict[str, Any]
+_KINDS = {
+    "integer": "a whole number",
+    "number": "a number",
+    "string": "a text",
+    "boolean": "true or false",
+    "null": "nothing",
+}
 
 
 class Parameters(BaseModel):
@@ -59,9 +74,52 @@ def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields o
     try:
         return kind(**values)
     except ValidationError as error:
-        wrong = error.errors(include_url=False)
-        told = (f"{'.'.join(map(str, e['loc']))} is {e['input']!r}: {e['msg']}" for e in wrong)
-        raise UserError("; ".join(told)) from error
+        raise UserError(_in_words(error, kind)) from error
+
+
+def _in_words(error: ValidationError, kind: type[BaseModel]) -> str:
+    """A sentence for each wrong argument: what was given, and what is allowed."""
+    known = kind.model_json_schema()["properties"]
+    sentences = []
+    for each in error.errors(include_url=False):
+        if each["type"] == "value_error":
+            sentences.append(str(each["ctx"]["error"]))
+            continue
+        name, *inside = each["loc"]
+        check_name("argument", str(name), known)
+        where = "".join([str(name), *(f"[{key}]" for key in inside)])
+        given = "is missing" if each["type"] == "missing" else f"is {each['input']!r}"
+        sentences.append(f"{where} {given}; allowed: {wanted(known[name])}")
+    return "\n".join(sentences)
+
+
+class UserParameters(Parameters):
+    """Parameters that users make themselves: a wrong argument is a `UserError`.
+
+    Inside a configuration, it is a problem like any other of pydantic.
+    """
+
+    if not TYPE_CHECKING:  # which knows the arguments from the fields
+
+        def __init__(self, /, **values: Any) -> None:  # noqa: ANN401 (fields of any type)
+            try:
+                super().__init__(**values)
+            except ValidationError as error:
+                raise UserError(_in_words(error, type(self))) from error
+
+        __init__.__pydantic_base_init__ = True  # else pydantic calls it for configurations, too
+
+
+def check_count(name: str, given: object) -> int:
+    """A whole number of at least 1, the argument of a public function.
+
+    Raises:
+        UserError: It is something else.
+    """
+    count = operator.index(given) if isinstance(given, SupportsIndex) else 0
+    if count < 1:
+        raise UserError(f"{name} is {given!r}; allowed: a whole number, at least 1")
+    return count
 
 
 def check_ascending(section: Parameters, *names: str) -> None:
@@ -72,9 +130,50 @@ def check_ascending(section: Parameters, *names: str) -> None:
             raise ValueError(f"{name} must go from low to high, got {low} to {high}")
 
 
-Pixels = Annotated[int, Field(ge=16, le=4096)]
+def keys_of(node: Node) -> list[str]:
+    """The keys that a section can have; none for a table with names of the user's own."""
+    return list(node.get("properties", {}))
 
-Percent = Annotated[float, Field(ge=0, le=100)]
-SideFraction = Annotated[float, Field(gt=0, le=3)]
 
-Angle = Annotated[float, Field(ge=0, le=60)]
+def allowed(node: Node) -> str:
+    """What a value may be, as a phrase: `a whole number, at least 1`."""
+    if "anyOf" in node:
+        return " or ".join(allowed(option) for option in node["anyOf"])
+    choices = [node["const"]] if "const" in node else node.get("enum")
+    if choices:
+        return " or ".join(map(str, choices))
+    if node["type"] == "array":
+        return _allowed_list(node)
+    if "properties" in node:
+        return f"a section with the keys {', '.join(keys_of(node))}"
+    if node["type"] == "object":
+        return "a table with at least one name"
+    if "pattern" in node:
+        return "a name of small letters, digits, _ and -"
+    return ", ".join([_KINDS[node["type"]], *_limits(node)])
+
+
+def wanted(node: Node) -> str:
+    """What is allowed, and what it means."""
+    meaning = node.get("description") if "properties" not in node else None
+    return f"{allowed(node)} ({meaning})" if meaning else allowed(node)
+
+
+def _allowed_list(node: Node) -> str:
+    places = node.get("prefixItems")
+    if places:
+        return f"a list of {len(places)}, each {allowed(places[0])}"
+    return f"a list{' (not empty)' if node.get('minItems') else ''}, each {allowed(node['items'])}"
+
+
+def _limits(node: Node) -> list[str]:
+    low, high = node.get("minimum"), node.get("maximum")
+    if low is not None and high is not None:
+        return [f"{low:g} to {high:g}"]
+    words = {
+        "exclusiveMinimum": "above {:g}",
+        "minimum": "at least {:g}",
+        "exclusiveMaximum": "below {}",
+        "maximum": "at most {:g}",
+    }
+    return [words[key].format(node[key]) for key in words if key in node]

@@ -56,7 +56,7 @@ def make_simulation_object(
         RejectedError: The mesh does not bound a solid, or has no such parts.
         UserError: CoACD is wanted and not installed.
     """
-    solid = _outward(mesh)
+    solid = wind_outwards(mesh)
     if settings.method == "coacd":
         parts = coacd_parts(solid, settings.coacd_threshold, settings.max_parts)
     else:
@@ -75,18 +75,18 @@ def make_simulation_object(
     )
 
 
-def _outward(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """The mesh wound outwards.
+def wind_outwards(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """A copy of a closed surface that is wound outwards.
 
     Raises:
         RejectedError: It does not bound a solid.
     """
-    found = mesh.copy()
-    if found.volume < 0:
-        found.invert()
-    solid = to_solid(found.vertices, found.faces)
-    if not is_solid(solid) or not solid.volume() > 0:
+    solid = to_solid(mesh.vertices, mesh.faces)
+    if not is_solid(solid) or not abs(solid.volume()) > 0:
         raise RejectedError("the surface does not bound a solid")
+    found = mesh.copy()
+    if solid.volume() < 0:
+        found.invert()
     return found
 
 

@@ -49,7 +49,7 @@ def _poses(made: SimulationObject) -> list[dict[str, Any]]:
     return [
         {
             "probability": pose.probability,
-            "transform": pose.transform(made.physics.com).tolist(),
+            "transform": pose.matrix.tolist(),
             "face_normal": pose.normal.tolist(),
             "height": pose.height,
             "margin": float(np.degrees(pose.margin)),

@@ -109,7 +109,7 @@ def repair(
     open_surfaces: OpenSurfaces = "reject",
     thickness: float = SHELL_THICKNESS,
 ) -> Repaired:
-    """The outer surface of the largest solid part of a mesh (ours, on manifold3d).
+    """The outer surface of the largest solid part of a mesh.
 
     A mesh that already is one closed surface without crossings comes back with its triangles as
     they were. Otherwise: cracks are welded; faces without area and doubled faces removed; every
@@ -132,6 +132,8 @@ def repair(
         RejectedError: The mesh is not finite, has no area or no volume, holes too large to close,
             or faces that no solid can have.
         UserError: It is not a mesh, or an option is not among those allowed.
+
+    Source: not in the EGAD paper; on manifold3d.
     """
     _check_options(open_surfaces, thickness)
     check_surface(mesh)

@@ -28,6 +28,7 @@ class StablePose(NamedTuple):
         rotation: From the frame of the mesh to that of the table, (3, 3).
         height: Of the center of mass above the table, in the unit of the mesh.
         margin: The least angle by which the table must be tilted for it to topple, radians.
+        center: Center of mass in the frame of the mesh, (3,).
     """
 
     probability: float
@@ -36,16 +37,14 @@ class StablePose(NamedTuple):
     rotation: Floats
     height: float
     margin: float
+    center: Floats
 
-    def transform(self, center: Floats) -> Floats:
-        """The (4, 4) transform from the frame of the mesh to that of the table.
-
-        Args:
-            center: Center of mass in the frame of the mesh, (3,).
-        """
+    @property
+    def matrix(self) -> Floats:
+        """The (4, 4) transform from the frame of the mesh to that of the table, a rigid one."""
         matrix = np.eye(4)
         matrix[:3, :3] = self.rotation
-        matrix[:3, 3] = [0, 0, self.height] - self.rotation @ center
+        matrix[:3, 3] = [0, 0, self.height] - self.rotation @ self.center
         return matrix
 
 
@@ -99,7 +98,9 @@ def stable_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
             chances[face] = 0.0
     resting = np.flatnonzero((target == np.arange(len(target))) & (chances > 0))
     order = resting[np.argsort(-chances[resting], kind="stable")]
-    return [_pose(facets, face, float(chances[face]), float(margins[face])) for face in order]
+    return [
+        _pose(facets, face, float(chances[face]), float(margins[face]), center) for face in order
+    ]
 
 
 def group_poses(poses: list[StablePose], angle: float) -> list[StablePose]:
@@ -124,10 +125,10 @@ def group_poses(poses: list[StablePose], angle: float) -> list[StablePose]:
     return sorted(kept, key=lambda pose: -pose.probability)
 
 
-def _pose(facets: _Facets, face: int, chance: float, margin: float) -> StablePose:
+def _pose(facets: _Facets, face: int, chance: float, margin: float, center: Floats) -> StablePose:
     normal, height = facets.normals[face], float(facets.heights[face])
     corners = np.unique(facets.triangles[facets.face == face])
-    return StablePose(chance, corners, normal, rotation_to_table(normal), height, margin)
+    return StablePose(chance, corners, normal, rotation_to_table(normal), height, margin, center)
 
 
 def rotation_to_table(normal: Floats) -> Floats:

@@ -1,6 +1,6 @@
 """The parallel-jaw grippers that egad knows by name."""
 
-from egad.errors import check_name
+from egad.errors import UserError, check_name
 from egad.grasps.parameters import Gripper
 
 _PANDA_PALM = (0.2, 0.063, 0.06)
@@ -43,6 +43,10 @@ def as_gripper(hand: Gripper | str) -> Gripper:
     """A gripper, given itself or by its name.
 
     Raises:
-        UserError: There is no gripper of this name.
+        UserError: There is no gripper of this name, or it is something else.
     """
-    return gripper(hand) if isinstance(hand, str) else hand
+    if isinstance(hand, str):
+        return gripper(hand)
+    if not isinstance(hand, Gripper):
+        raise UserError(f"a gripper is an egad.Gripper or the name of one, got {hand!r}")
+    return hand

@@ -14,6 +14,8 @@ from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches
 from egad.grasps.opening import needed_openings
 from egad.grasps.parameters import (
+    APPROACH_ANGLES,
+    CONE,
     FRICTION,
     GraspLabel,
     Gripper,
@@ -30,18 +32,25 @@ Floats = NDArray[np.float64]
 
 
 def label_parameters(
-    gripper: Gripper, grasps: int, seed: int, friction: float = FRICTION
+    gripper: Gripper,
+    grasps: int,
+    seed: int,
+    *,
+    friction: float = FRICTION,
+    cone: float = CONE,
+    approach_angles: int = APPROACH_ANGLES,
 ) -> LabelParameters:
     """The default parameters of labelled grasps, with those that are given.
 
     Raises:
         UserError: A value is not allowed.
     """
-    return LabelParameters(
+    return from_arguments(
+        LabelParameters,
         seed=seed,
         gripper=gripper,
-        grasp_label=from_arguments(GraspLabel, grasps=grasps),
-        sampling=Sampling(),
+        grasp_label=from_arguments(GraspLabel, grasps=grasps, approach_angles=approach_angles),
+        sampling=from_arguments(Sampling, cone=cone),
         quality=from_arguments(Quality, friction=friction),
         robust=Robust(),
     )

@@ -4,7 +4,7 @@ from typing import Literal, NamedTuple
 
 from pydantic import Field
 
-from egad._util.parameters import Length, ParameterGroup, Parameters, Sigma
+from egad._util.parameters import Length, ParameterGroup, Parameters, Sigma, UserParameters
 
 
 class Pad(NamedTuple):
@@ -20,10 +20,12 @@ class Pad(NamedTuple):
 
 
 FRICTION = 0.5  # of the contacts that grasps are rated for
+CONE = 0.75  # tangent of the widest angle between the axis of a grasp and its normals
+APPROACH_ANGLES = 16  # around the closing axis
 PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}
 
 
-class Gripper(Parameters):
+class Gripper(UserParameters):
     """A parallel-jaw gripper."""
 
     opening: Length = Field(description="widest opening, metres")
@@ -93,7 +95,7 @@ class Sampling(Parameters):
     """Antipodal grasp sampler."""
 
     cone: float = Field(
-        0.75, gt=0, le=2, description="tangent of the widest angle between axis and normals"
+        CONE, gt=0, le=2, description="tangent of the widest angle between axis and normals"
     )
     spacing: float = Field(
         0.0025,
@@ -115,7 +117,10 @@ class GraspLabel(Parameters):
 
     grasps: int = Field(100, ge=1, description="largest number of grasps per object")
     approach_angles: int = Field(
-        16, ge=1, le=360, description="approach angles tried, evenly spaced around the closing axis"
+        APPROACH_ANGLES,
+        ge=1,
+        le=360,
+        description="approach angles tried, evenly spaced around the closing axis",
     )
     approach_way: float = Field(
         0.1, ge=0, le=10, description="length of the straight approach of the hand, metres"

@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from egad._util.parameters import check_count, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
@@ -57,7 +59,7 @@ class Evolver:
             elites_per_cell: Most objects that a cell keeps: those that are least alike.
 
         Raises:
-            ValueError: A number is out of bounds; the message says which.
+            UserError: A number is out of bounds; the message says which.
         """
         settings = _parameters(seed, population, ranges, cells, elites_per_cell)
         self.archive = Archive(settings.space, settings.similarity)
@@ -117,8 +119,9 @@ def evolve(
     Args:
         evaluations: Offspring in all, rounded up to whole steps of `population`.
         seed: The same arguments give the same archive, for any number of jobs.
-        measures: From a closed mesh to two numbers; by default EGAD's complexity and difficulty.
-            With several jobs it must be a function that can be imported.
+        measures: From a closed mesh in metres to two numbers; by default EGAD's complexity and
+            difficulty for the gripper `yumi`, as `egad.measure`. With several jobs it must be a
+            function that can be imported.
         ranges: Lowest and highest value of each measure.
         population: Offspring of a step.
         jobs: Processes. With several, a script needs `if __name__ == "__main__":` around its call.
@@ -128,13 +131,11 @@ def evolve(
         objects with their meshes.
 
     Raises:
-        UserError: There are no evaluations.
-        ValueError: Another number is out of bounds; the message says which.
+        UserError: A number is out of bounds, or the measures cannot be imported by other processes.
 
     Source: EGAD (Morrison, Corke and Leitner 2020), section III.
     """
-    if evaluations < 1:
-        raise UserError(f"evaluations is {evaluations}; at least 1 is needed")
+    check_count("evaluations", evaluations)
     settings = _parameters(seed, population, ranges, Space().cells, Space().elites_per_cell)
     archive = Archive(settings.space, settings.similarity, jobs)
     evaluate = None if measures is None else partial(_measure, measures=measures, settings=settings)
@@ -149,11 +150,15 @@ def evolve(
 def _parameters(
     seed: int, population: int, ranges: tuple[Range, Range], cells: int, elites_per_cell: int
 ) -> EvolutionParameters:
-    """The default parameters of evolution, with those that were given."""
-    first, second = ranges
+    """The default parameters of evolution, with those that were given.
+
+    Raises:
+        UserError: One of them is not allowed.
+    """
+    first, second = _checked(ranges)
     return EvolutionParameters(
         **dict(default_measures(gripper(Difficulty().gripper), seed)),
-        evolution=Evolution(population=population),
+        evolution=from_arguments(Evolution, population=population),
         neat=Neat(),
         shape=Shape(),
         envelope=Envelope(),
@@ -161,13 +166,32 @@ def _parameters(
         hole=Hole(),
         symmetry=Symmetry(),
         limits=Limits(),
-        space=Space(
+        space=from_arguments(
+            Space,
             complexity_range=first,
             difficulty_range=second,
             cells=cells,
             elites_per_cell=elites_per_cell,
         ),
     )
+
+
+def _checked(ranges: tuple[Range, Range]) -> tuple[Range, Range]:
+    """The ranges of two measures, if they are ranges."""
+    values = None
+    with suppress(TypeError, ValueError):
+        values = np.asarray(ranges, dtype=np.float64)
+    if values is None or values.shape != (2, 2) or not _ascend(values):
+        raise UserError(
+            f"ranges is {ranges!r}; allowed: two ranges of finite numbers, "
+            "each from low to high, such as ((1, 5), (0, 0.004))"
+        )
+    (a, b), (c, d) = values.tolist()
+    return (a, b), (c, d)
+
+
+def _ascend(ranges: NDArray[np.float64]) -> bool:
+    return bool(np.isfinite(ranges).all() and (np.diff(ranges) > 0).all())
 
 
 def _measure(solid: Solid, measures: Measure, settings: EvolutionParameters) -> Measured | str:

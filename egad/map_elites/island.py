@@ -64,7 +64,7 @@ class Candidate:
 
     @cached_property
     def mesh(self) -> trimesh.Trimesh:
-        """Its closed surface."""
+        """Its closed surface, metres."""
         return packed_surface(self.solid.packed, self.shape)
 
 

@@ -15,6 +15,7 @@ from egad._util.parameters import (
     Range,
     SideFraction,
     check_ascending,
+    from_arguments,
 )
 from egad.grasps.parameters import Gripper, Quality, Robust, Sampling
 from egad.reeb.parameters import Similarity
@@ -148,8 +149,12 @@ def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
     Args:
         gripper: What grasps are sampled for.
         seed: Of the grasps.
+
+    Raises:
+        UserError: The seed is no whole number.
     """
-    return MeasureParameters(
+    return from_arguments(
+        MeasureParameters,
         seed=seed,
         gripper=gripper,
         measures=CustomMeasures(),

@@ -84,7 +84,7 @@ def pictures(
     numbers = sample_object_poses(poses, share.images, generator(seed, "render poses", name))
     image = share.first
     for pose, count in zip(*np.unique(numbers, return_counts=True), strict=True):
-        resting = poses[pose].transform(com)
+        resting = poses[pose].matrix
         tilt = float(np.radians(settings.render.tilt))
         found, free = reachable(caster, grasps, resting, hand, tilt)
         for view in range(count):

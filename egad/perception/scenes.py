@@ -53,7 +53,7 @@ def sample_scene(
     All is uniform within its range, as in Dex-Net (Mahler et al. 2017).
 
     Args:
-        resting: (4, 4) `StablePose.transform`, center of mass above the origin.
+        resting: (4, 4) `StablePose.matrix`, center of mass above the origin.
         center: (3,) center of mass in the frame of the mesh.
         settings: The ranges.
         rng: Source of chance.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy import ndimage
 
-from egad.errors import RejectedError, UserError
+from egad._util.parameters import check_count
 from egad.geometry.checks import check_mesh
 from egad.geometry.rays import TriangleScene
 
@@ -55,7 +55,7 @@ class _Hits(NamedTuple):
 
 
 def render(mesh: trimesh.Trimesh, size: int = 96) -> Pixels:
-    """Draw a mesh on a transparent ground, seen from in front and above (ours).
+    """Draw a mesh on a transparent ground, seen from in front and above.
 
     Orthographic rays, two by two a pixel. A key light from the upper left, an open sky (ambient
     occlusion) and darkened silhouettes let the shape read on any ground. Faces may be wound
@@ -73,12 +73,7 @@ def render(mesh: trimesh.Trimesh, size: int = 96) -> Pixels:
         UserError: It is not a mesh, or there are no pixels.
     """
     check_mesh(mesh)
-    if size < 1:
-        raise UserError(f"size is {size}; at least 1 pixel is needed")
-    if len(mesh.faces) == 0:
-        raise RejectedError("no faces to draw")
-    if not np.isfinite(mesh.vertices).all():
-        raise RejectedError("coordinates are not finite")
+    check_count("size", size)
     vertices = _to_view(np.asarray(mesh.vertices, dtype=np.float64))
     faces = np.ascontiguousarray(mesh.faces, dtype=np.int32)
     scene = TriangleScene(vertices, faces)

@@ -108,12 +108,12 @@ def pack(scene: Scene) -> dict[str, Any]:
     }
 
 
-def page(scene: Scene, name: str, gripper: Gripper) -> str:
+def page(scene: Scene, name: str | None, gripper: Gripper) -> str:
     """An HTML page with one object that needs no other file.
 
     Args:
         scene: The object.
-        name: Name of the gripper.
+        name: Name of the gripper, may be empty; None: it is not named.
         gripper: What the grasps are for.
     """
     data = viewer_data([scene], gripper)
@@ -171,7 +171,7 @@ class MeshView:
 def view(
     mesh: trimesh.Trimesh,
     grasps: Grasps | None = None,
-    gripper: Gripper | str = "panda",
+    gripper: Gripper | str | None = None,
     *,
     title: str = "",
 ) -> MeshView:
@@ -180,19 +180,22 @@ def view(
     Args:
         mesh: Metres.
         grasps: In the frame of the mesh; none if omitted.
-        gripper: What the grasps are for, or its name: its fingers are drawn.
+        gripper: What the grasps are for, or its name: its fingers are drawn. Needed with grasps.
         title: Shown above the view.
 
     Raises:
-        UserError: There is no gripper of this name, the mesh is none, or the grasps are of a mesh
-            in another frame or at another scale.
+        UserError: There is no gripper of this name, or none is given for grasps; the mesh is none;
+            or the grasps are of a mesh in another frame or at another scale.
         RejectedError: The mesh is empty or not finite.
     """
     check_mesh(mesh)
     _check_contacts(mesh, grasps)
-    name = gripper if isinstance(gripper, str) else "gripper"
+    if grasps is not None and gripper is None:
+        raise UserError("grasps are drawn with the fingers of a gripper: name it, such as 'panda'")
+    name = gripper if isinstance(gripper, str | None) else ""
+    hand = as_gripper("panda" if gripper is None else gripper)  # any, if nothing is drawn of it
     rows = empty(GRASPS) if grasps is None else grasps.to_frame()
-    return MeshView(page(Scene(title or "mesh", "", mesh, rows), name, as_gripper(gripper)))
+    return MeshView(page(Scene(title or "mesh", "", mesh, rows), name, hand))
 
 
 def _check_contacts(mesh: trimesh.Trimesh, grasps: Grasps | None) -> None:

@@ -89,10 +89,10 @@ def test_poses_stand_on_the_table_and_their_chances_add_up(seed):
     poses = stable_poses(mesh, center)
     assert sum(pose.probability for pose in poses) == pytest.approx(1)
     for pose in poses:
-        placed = trimesh.transform_points(mesh.vertices, pose.transform(center))
+        placed = trimesh.transform_points(mesh.vertices, pose.matrix)
         assert np.abs(placed[pose.face, 2]).max() < 1e-12
         assert placed[:, 2].min() > -1e-12
-        moved = trimesh.transform_points([center], pose.transform(center))[0]
+        moved = trimesh.transform_points([center], pose.matrix)[0]
         np.testing.assert_allclose(moved, [0, 0, pose.height], atol=1e-12)
         assert 0 <= pose.margin < np.pi / 2
         assert np.linalg.det(pose.rotation) == pytest.approx(1)

@@ -84,9 +84,32 @@ def test_steps_out_of_order_and_wrong_numbers_are_refused():
     for shape in ((count + 1, 2), (2, count), (2 * count,)):
         with pytest.raises(UserError, match=rf"of shape \({count}, 2\)"):
             evolver.tell(np.ones(shape))
-    with pytest.raises(UserError, match="at least 1"):
-        egad.evolve(0)
-    with pytest.raises(ValueError, match="from low to high"):
-        egad.evolve(8, ranges=((1, 0), (0, 1)))
-    with pytest.raises(ValueError, match="population"):
-        egad.evolve(8, population=0)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"evaluations": 0}, "evaluations is 0; .*at least 1"),
+        ({"evaluations": 1.5}, "evaluations is 1.5"),
+        ({"population": 0}, "population is 0; allowed: a whole number, at least 1"),
+        ({"seed": "x"}, "seed is 'x'; allowed: a whole number"),
+        ({"jobs": 0}, "jobs is 0"),
+        ({"measures": lambda mesh: (mesh.volume, 1.0), "jobs": 2}, "that can be imported"),
+        ({"ranges": ((1, 0), (0, 1))}, r"ranges is \(\(1, 0\).*each from low to high"),
+        ({"ranges": ((0, 1), (0, np.inf))}, "two ranges of finite numbers"),
+        ({"ranges": (0, 1)}, "two ranges"),
+        ({"ranges": (("a", "b"), (0, 1))}, "two ranges"),
+        ({"ranges": None}, "two ranges"),
+    ],
+)
+def test_wrong_arguments_of_evolution_are_named(wrong, message):
+    with pytest.raises(UserError, match=message):
+        egad.evolve(**{"evaluations": 8} | wrong)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("cells", 27), ("elites_per_cell", 0), ("population", -1)]
+)
+def test_wrong_arguments_of_an_evolver_are_named(name, value):
+    with pytest.raises(UserError, match=f"^{name} is {value}; allowed: a whole number"):
+        egad.Evolver(**{name: value})

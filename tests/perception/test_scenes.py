@@ -19,7 +19,7 @@ def poses():
 
 
 def scenes(poses, camera, count=300):
-    resting = poses[0].transform(CENTER)
+    resting = poses[0].matrix
     return [
         sample_scene(resting, CENTER, camera, np.random.default_rng(seed)) for seed in range(count)
     ]
@@ -66,7 +66,7 @@ def test_turns_of_object_and_camera_are_spread_over_their_ranges(poses):
     camera = CAMERAS["dexnet"].model_copy(update={"roll": (-30.0, 60.0)})
     yaws, leans, rolls = [], [], []
     for scene in scenes(poses, camera, 1000):
-        turn = scene.matrix[:3, :3] @ poses[0].transform(CENTER)[:3, :3].T
+        turn = scene.matrix[:3, :3] @ poses[0].matrix[:3, :3].T
         yaws.append(np.arctan2(turn[1, 0], turn[0, 0]))
         up = -scene.camera[:3, 2]
         leans.append(np.arctan2(up[1], up[0]))

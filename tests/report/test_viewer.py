@@ -144,8 +144,18 @@ def test_the_same_object_gives_the_same_bytes(html, grasps):
 def test_grasps_of_another_size_are_not_shown():
     box = trimesh.creation.box((0.03, 0.04, 0.05))
     grasps = egad.sample_grasps(box, "panda", n=5)
-    assert "<!DOCTYPE html>" in egad.view(box, grasps).html
+    assert "Gripper panda, opening 80 mm" in egad.view(box, grasps, "panda").html
     with pytest.raises(UserError, match="same scale"):
-        egad.view(box.copy().apply_scale(0.5), grasps)
+        egad.view(box.copy().apply_scale(0.5), grasps, "panda")
     with pytest.raises(UserError, match=r"a mesh is a trimesh\.Trimesh"):
         egad.view(trimesh.Scene(box))
+
+
+def test_grasps_are_shown_with_the_gripper_that_they_are_for():
+    box = trimesh.creation.box((0.03, 0.04, 0.05))
+    hand = egad.Gripper(opening=0.065)
+    grasps = egad.sample_grasps(box, hand, n=5)
+    assert "Gripper, opening 65 mm" in " ".join(egad.view(box, grasps, hand).html.split())
+    with pytest.raises(UserError, match="fingers of a gripper: name it"):
+        egad.view(box, grasps)
+    assert "opening" not in egad.view(box).html.partition("<script")[0].partition("<h1")[2]

@@ -44,6 +44,57 @@ def test_a_worker_killed_for_memory_stops_all_with_advice():
         list(mapper(killed, range(9)))
 
 
+UNGUARDED = """
+from egad._util.workers import workers
+
+with workers(2) as mapper:
+    print(list(mapper(abs, [-1, -2, -3])))
+"""
+
+
+def test_a_script_without_a_guard_is_told_so_in_one_sentence(tmp_path):
+    program = tmp_path / "unguarded.py"
+    program.write_text(UNGUARDED)
+    done = subprocess.run(
+        [sys.executable, program], capture_output=True, text=True, check=False, timeout=300
+    )
+    *_, last = done.stderr.strip().splitlines()
+    assert last.startswith("egad.errors.UserError: a worker process could not start: ")
+    assert '`if __name__ == "__main__":`' in last
+    assert "bootstrapping phase" not in done.stderr
+    assert done.stdout == ""
+    guard = "if __name__ == '__main__':\n  with workers"
+    program.write_text(UNGUARDED.replace("with workers", guard))
+    done = subprocess.run([sys.executable, program], capture_output=True, text=True, check=True)
+    assert done.stdout == "[1, 2, 3]\n"
+
+
+AT_A_PROMPT = """
+from egad._util.workers import workers
+
+def double(number):
+    return 2 * number
+
+with workers(2) as mapper:
+    print(list(mapper(double, [1, 2])))
+"""
+
+
+@pytest.mark.parametrize("program", ["-", "-c"])
+def test_functions_of_a_prompt_are_told(program):
+    """Given as input or in the command, they have no file that a process could import."""
+    command = [sys.executable, program, *([AT_A_PROMPT] if program == "-c" else [])]
+    done = subprocess.run(command, input=AT_A_PROMPT, capture_output=True, text=True, check=False)
+    assert "must be in a module that can be imported; one of a notebook" in done.stderr
+    assert "memory" not in done.stderr
+
+
+@pytest.mark.parametrize("count", [0, -1, 1.5, "2"])
+def test_a_number_of_processes_that_is_none_is_told(count):
+    with pytest.raises(UserError, match=f"jobs is {count!r}"), workers(count):
+        pass
+
+
 ABANDONS = """
 import os, signal, time
 from egad._util.workers import workers

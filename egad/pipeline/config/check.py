@@ -8,9 +8,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from egad._util.parameters import Node, keys_of, wanted
 from egad.errors import UserError
 from egad.pipeline.config import Settings
-from egad.pipeline.config.schema import Node, allowed, keys_of, node_at, schema
+from egad.pipeline.config.schema import node_at, schema
 
 Problem = Mapping[str, Any]  # an error of pydantic: its type, loc, input and msg
 Path = tuple[str | int, ...]
@@ -74,10 +75,8 @@ def _sentences(error: Problem) -> list[str]:
     if node is None:
         return [f"{where}: {_shown(value)}: {error['msg']}"]
     if error["type"] == "missing":
-        return [f"{where}: is missing; needed: {_wanted(node)}"]
-    return [
-        f"{where}: {_shown(value)} is not allowed{_hint(value, node)}; allowed: {_wanted(node)}"
-    ]
+        return [f"{where}: is missing; needed: {wanted(node)}"]
+    return [f"{where}: {_shown(value)} is not allowed{_hint(value, node)}; allowed: {wanted(node)}"]
 
 
 def _unknown_key(path: Path) -> str:
@@ -104,12 +103,6 @@ def _all_keys(node: Node, path: Path) -> list[Path]:
         child = node_at((*path, key)) or {}
         found += [*_all_keys(child, (*path, key)), (*path, key)]
     return found
-
-
-def _wanted(node: Node) -> str:
-    """What is allowed, and what it means."""
-    meaning = node.get("description") if "properties" not in node else None
-    return f"{allowed(node)} ({meaning})" if meaning else allowed(node)
 
 
 def _hint(value: object, node: Node) -> str:

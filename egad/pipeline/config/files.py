@@ -13,8 +13,9 @@ from typing import Any
 import yaml
 
 from egad._util.files import write_text
+from egad._util.parameters import Node, allowed, keys_of
 from egad.pipeline.config import TRAINING_SETS, Settings
-from egad.pipeline.config.schema import Node, allowed, keys_of, node_at, schema
+from egad.pipeline.config.schema import node_at, schema
 
 WIDTH = 98
 SCHEMA = Path("workflow/schemas/config.schema.json")

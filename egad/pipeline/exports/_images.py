@@ -5,9 +5,8 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from egad._util.files import atomic_output
+from egad._util.files import atomic_output, check_empty
 from egad._util.progress import progress
-from egad.errors import UserError
 from egad.perception.image_shards import Images, files, shards
 from egad.perception.rendering import Picture
 from egad.perception.splits import SPLITS
@@ -58,24 +57,3 @@ def pictures(images: Path) -> Iterator[Picture]:
     """All pictures of a folder; one shard at a time is in memory."""
     for table in shards(images):
         yield from progress(Images(table), "writing images", len(table))
-
-
-def check_folder(out: Path) -> None:
-    """Check that an export into a folder replaces no file.
-
-    Raises:
-        UserError: It would.
-    """
-    if out.is_file():
-        raise UserError(f"--out {out} is a file; name a folder")
-
-
-def check_empty(out: Path) -> None:
-    """Check that a folder is empty or new.
-
-    Raises:
-        UserError: It is not empty, or is a file.
-    """
-    check_folder(out)
-    if out.is_dir() and any(out.iterdir()):
-        raise UserError(f"--out {out} is not empty, and its files would be lost")

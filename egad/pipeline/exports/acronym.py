@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from egad._util.files import atomic_output
+from egad._util.files import atomic_output, check_not_file
 from egad._util.progress import progress
 from egad.errors import UserError
 from egad.exchange.acronym import COLUMNS, Body, Jaws, is_ours, write_acronym
@@ -15,7 +15,6 @@ from egad.exchange.hdf5 import check_key
 from egad.grasps.hand import finger_span
 from egad.pipeline.config import Acronym, Gripper, Quality
 from egad.pipeline.config.stage_settings import StageSettings
-from egad.pipeline.exports._images import check_folder
 from egad.pipeline.parameters import Input, Output
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
@@ -54,7 +53,7 @@ def run(
     Raises:
         UserError: A name is not allowed, tables do not match, or the folder has other files.
     """
-    check_folder(out)
+    check_not_file(out)
     if foreign := [path.name for path in sorted(out.glob("*")) if not is_ours(path)]:
         raise UserError(
             f"--out {out}: {foreign[0]} is no earlier export and would be lost; "

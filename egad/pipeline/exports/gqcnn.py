@@ -4,9 +4,9 @@ import logging
 from pathlib import Path
 from typing import Annotated
 
-from egad._util.files import atomic_output
+from egad._util.files import atomic_output, check_empty
 from egad.exchange.gqcnn import write_gqcnn
-from egad.pipeline.exports._images import IMAGES, ImageLayouts, check_empty, pictures
+from egad.pipeline.exports._images import IMAGES, ImageLayouts, pictures
 from egad.pipeline.parameters import Output
 
 log = logging.getLogger(__name__)

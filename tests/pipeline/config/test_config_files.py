@@ -7,10 +7,11 @@ import pytest
 import yaml
 from snakemake.utils import update_config
 
+from egad._util.parameters import allowed
 from egad.pipeline.config import Settings
 from egad.pipeline.config import files as config_files
 from egad.pipeline.config.check import check
-from egad.pipeline.config.schema import allowed, node_at, schema
+from egad.pipeline.config.schema import node_at, schema
 
 ROOT = Path(__file__).parents[3]
 DATASETS = ["datasets/ycb.yaml", "datasets/egad.yaml"]
