@@ -160,9 +160,9 @@ def wanted(node: Node) -> str:
 
 
 def _allowed_list(node: Node) -> str:
-    places = node.get("prefixItems")
-    if places:
-        return f"a list of {len(places)}, each {allowed(places[0])}"
+    items = node.get("prefixItems")
+    if items:
+        return f"a list of {len(items)}, each {allowed(items[0])}"
     return f"a list{' (not empty)' if node.get('minItems') else ''}, each {allowed(node['items'])}"
 
 
