@@ -10,26 +10,27 @@ from numpy.typing import ArrayLike, NDArray
 
 from egad._util.parameters import check_count, from_arguments
 from egad.errors import UserError
-from egad.evalset.parameters import Bundle
+from egad.evalset import Bundle
 from egad.exchange.palm_mesh import palm_mesh
+from egad.geometry import SIDE_FRACTION, check_units, mass_properties, scaling
 from egad.geometry import convex_parts as decomposition
-from egad.geometry import scaling
 from egad.geometry import stable_poses as resting
-from egad.geometry.checks import check_units
-from egad.geometry.mass import mass_properties
-from egad.geometry.parameters import SIDE_FRACTION
 from egad.geometry.repair import repair as repair_mesh
-from egad.grasps.grasps import Grasps
-from egad.grasps.grippers import as_gripper
-from egad.grasps.labels import label_grasps, label_parameters
-from egad.grasps.parameters import APPROACH_ANGLES, CONE, FRICTION, Gripper
-from egad.measures.grid import Cell, cell_name, cell_of
-from egad.measures.measure import measure_repeatably
-from egad.measures.parameters import Space, default_measures
+from egad.grasps import (
+    APPROACH_ANGLES,
+    CONE,
+    FRICTION,
+    Grasps,
+    Gripper,
+    as_gripper,
+    label_grasps,
+    label_parameters,
+)
+from egad.measures import Cell, Space, cell_name, cell_of, default_measures, measure_repeatably
 from egad.random import generator
+from egad.reeb import Similarity
 from egad.reeb import graph as reeb
 from egad.reeb import similarity as matching
-from egad.reeb.parameters import Similarity
 
 Floats = NDArray[np.float64]
 

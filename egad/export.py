@@ -15,19 +15,19 @@ from egad._util.parameters import check_count
 from egad._util.progress import progress
 from egad.api import dataset_grasps
 from egad.errors import RejectedError, check_name
-from egad.evalset.bundle import make_simulation_object
-from egad.evalset.parameters import Bundle
-from egad.exchange.acronym import Body, Jaws, write_acronym
-from egad.exchange.hdf5 import check_key
-from egad.exchange.meshes import write_obj, write_stl_mm
-from egad.exchange.parameters import Acronym
-from egad.exchange.simulators import write_simulation_object
-from egad.geometry.mass import mass_properties
-from egad.geometry.parameters import SIDE_FRACTION, Material
-from egad.geometry.scaling import rescale
-from egad.grasps.grippers import as_gripper
-from egad.grasps.hand import finger_span
-from egad.grasps.parameters import FRICTION, Gripper
+from egad.evalset import Bundle, make_simulation_object
+from egad.exchange import (
+    Acronym,
+    Body,
+    Jaws,
+    check_key,
+    write_acronym,
+    write_obj,
+    write_simulation_object,
+    write_stl_mm,
+)
+from egad.geometry import SIDE_FRACTION, Material, mass_properties, rescale
+from egad.grasps import FRICTION, Gripper, as_gripper, finger_span
 from egad.objects import Dataset, NamedMesh, named_meshes
 
 

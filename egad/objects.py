@@ -10,16 +10,13 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
-from egad.cppn.genome import Row
-from egad.cppn.parameters import Shape
-from egad.cppn.surface import packed_surface
-from egad.cppn.voxels import unpack
+from egad.cppn import Row, Shape, packed_surface, unpack
 from egad.data import released
 from egad.errors import UserError, check_name
-from egad.exchange.meshes import read_mesh
+from egad.exchange import read_mesh
 from egad.geometry.repair import repair
-from egad.map_elites.archive import Archive
-from egad.measures.grid import labels
+from egad.map_elites import Archive
+from egad.measures import labels
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME
 from egad.tables.objects import OBJECTS

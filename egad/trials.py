@@ -12,26 +12,16 @@ from egad._util.parameters import ScaleRule, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.api import dataset_grasps
-from egad.detectors.base import Detector
-from egad.detectors.labels import Labels
-from egad.detectors.registry import QUICK, with_checked_answers
+from egad.detectors import QUICK, Detector, Labels, with_checked_answers
 from egad.errors import RejectedError, UserError, check_name
-from egad.evalset.bundle import wind_outwards
-from egad.evalset.parameters import Bundle
-from egad.geometry.checks import check_mesh
-from egad.geometry.parameters import SIDE_FRACTION, Material
-from egad.geometry.scaling import rescale
-from egad.grasps.grippers import as_gripper
-from egad.grasps.parameters import GraspLabel, Gripper
+from egad.evalset import Bundle, wind_outwards
+from egad.geometry import SIDE_FRACTION, Material, check_mesh, rescale
+from egad.grasps import GraspLabel, Gripper, as_gripper
 from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.outcomes import Outcome
-from egad.sim.attempts import failed_attempts, run_attempts
-from egad.sim.model import build
-from egad.sim.parameters import TrialParameters
-from egad.sim.parameters import Trials as Protocol
-from egad.stats.paired import Comparison, compare
-from egad.stats.rates import Mean, by_object, mean_rate
-from egad.stats.records import results
+from egad.sim import TrialParameters, build, failed_attempts, run_attempts
+from egad.sim import Trials as Protocol
+from egad.stats import Comparison, Mean, by_object, compare, mean_rate, results
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 

@@ -9,7 +9,7 @@ import numpy as np
 from egad._util.files import write_text
 from egad.pipeline.config import Settings
 from egad.report.agreement import agreement
-from egad.stats.roc import Area
+from egad.stats import Area
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT
 

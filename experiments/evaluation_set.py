@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 
 from egad._util.files import atomic_output
-from egad.evalset.engraving import Patch, cut_text
+from egad.evalset import Patch, cut_text
 from egad.pipeline.config import Engraving
 from egad.report.pictures import CAMERA, Pixels, png_bytes, render
 

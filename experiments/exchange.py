@@ -8,8 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
-from egad.grasps.hand import finger_span, parts
-from egad.grasps.poses import PANDA_REACH
+from egad.grasps import PANDA_REACH, finger_span, parts
 from egad.pipeline.config import GRIPPERS
 
 OUT = Path(__file__).parents[1] / "docs/exchange.svg"

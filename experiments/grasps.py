@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
 
 from egad._util.files import atomic_output
-from egad.grasps.hand import finger_span, parts
+from egad.grasps import finger_span, parts
 from egad.pipeline.config import GRIPPERS
 
 DOCS = Path(__file__).parents[1] / "docs"

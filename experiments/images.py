@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from egad._util.files import atomic_output
-from egad.perception.image_shards import read
-from egad.perception.rendering import Picture
+from egad.perception import Picture, read
 
 DOCS = Path(__file__).parents[1] / "docs"
 COLUMNS, ROWS, SCALE = 5, 2, 3

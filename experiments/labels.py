@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from egad.learning.dataset import PositiveFilter, positive
-from egad.perception.image_shards import files
+from egad.learning import PositiveFilter, positive
+from egad.perception import files
 from egad.pipeline.config import Training
 from egad.tables import parquet
 

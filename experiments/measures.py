@@ -19,18 +19,17 @@ from scipy.stats import spearmanr
 from egad._util.files import write_text
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.exchange.folders import mesh_files
-from egad.exchange.meshes import read_mesh
+from egad.exchange import mesh_files, read_mesh
 from egad.geometry.repair import repair
-from egad.grasps.quality import ferrari_canny
+from egad.grasps import ferrari_canny
+from egad.measures import MeasureParameters
 from egad.measures.complexity import complexity
 from egad.measures.difficulty import difficulty
-from egad.measures.parameters import MeasureParameters
 from egad.pipeline.config import Settings, Similarity
 from egad.pipeline.config.stage_settings import select
 from egad.random import generator
 from egad.reeb import graph as reeb
-from egad.reeb.similarity import similarity_matrix
+from egad.reeb import similarity_matrix
 from egad.report.colors import LINES, SOFT
 from egad.report.drawing import new_figure
 

@@ -14,11 +14,7 @@ import trimesh
 from egad.pipeline.config import GRIPPERS, Bundle, Trials
 from egad.pipeline.stages.bundled import model_in, rows_by_id
 from egad.random import generator
-from egad.sim.arms import Axis, HandPose
-from egad.sim.gripper import Hand
-from egad.sim.model import build
-from egad.sim.trial import InitialPose, initial_poses
-from egad.sim.world import TIME_STEP, Pose, World
+from egad.sim import TIME_STEP, Axis, Hand, HandPose, InitialPose, Pose, World, build, initial_poses
 
 STANDING = np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # the thickness is that along x
 SIDE = 0.04

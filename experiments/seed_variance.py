@@ -3,7 +3,7 @@
 import numpy as np
 
 from egad.random import generator
-from egad.stats.paired import sign_flip
+from egad.stats import sign_flip
 
 OBJECTS, ATTEMPTS, REPEATS = 48, 20, 4000
 SHIFTS, SPREADS = (0.0, 0.04, 0.1), (0.0, 0.1)

@@ -14,20 +14,23 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from egad._util.files import write_text
-from egad.evalset.selection import cell_of_label
+from egad.evalset import cell_of_label
 from egad.report.colors import ink_on
 from egad.report.drawing import new_figure
 from egad.report.page import p_value
 from egad.report.training import success_chart
 from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_color
-from egad.stats.rates import Mean, Rate, TrialGrid, trial_grid
-from egad.stats.training_study import (
+from egad.stats import (
+    Mean,
+    Rate,
     TestAttempts,
+    TrialGrid,
     by_set,
     by_test,
     references,
     seed_variance,
     set_pairs,
+    trial_grid,
 )
 from egad.tables import parquet
 from egad.tables.grasping import SCALES

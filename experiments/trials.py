@@ -17,7 +17,7 @@ from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.replay import repeat_attempt
 from egad.pipeline.stages.simulate import SimulatedTrials
-from egad.sim.film import Pixels
+from egad.sim import Pixels
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 

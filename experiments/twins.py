@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.perception.parameters import RenderParameters
+from egad.perception import RenderParameters
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select

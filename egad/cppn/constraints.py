@@ -12,7 +12,7 @@ from egad.cppn import voxels
 from egad.cppn.parameters import Limits, Region, Symmetry
 from egad.cppn.voxels import Solid
 from egad.errors import RejectedError, UserError
-from egad.geometry.rays import RayCaster
+from egad.geometry import RayCaster
 
 Points = NDArray[np.float32]
 Voxels = NDArray[np.bool_]

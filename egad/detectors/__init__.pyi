@@ -1,3 +1,12 @@
 from .base import Detector as Detector
 from .base import Grasp as Grasp
+from .base import best_grasp as best_grasp
 from .ggcnn import GGCNN as GGCNN
+from .labels import Labels as Labels
+from .parameters import DETECTORS as DETECTORS
+from .parameters import DetectorConfig as DetectorConfig
+from .registry import QUICK as QUICK
+from .registry import fingerprint as fingerprint
+from .registry import with_checked_answers as with_checked_answers
+from .subprocess import Child as Child
+from .subprocess import DetectorTimeoutError as DetectorTimeoutError

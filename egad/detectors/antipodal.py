@@ -7,10 +7,8 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from egad.detectors.base import Grasp, rank_grasps
-from egad.grasps.collision import TABLE_CLEARANCE, roomy
-from egad.grasps.parameters import Gripper
-from egad.perception.camera import View, Window
-from egad.perception.heightmap import Heightmap, heightmap_of, min_fingertip_height, window_of
+from egad.grasps import TABLE_CLEARANCE, Gripper, roomy
+from egad.perception import Heightmap, View, Window, heightmap_of, min_fingertip_height, window_of
 
 Floats = NDArray[np.float64]
 

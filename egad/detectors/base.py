@@ -8,9 +8,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.grasps.parameters import Gripper
+from egad.grasps import Gripper
 from egad.outcomes import Outcome
-from egad.perception.camera import View
+from egad.perception import View
 
 Floats = NDArray[np.float64]
 

@@ -15,11 +15,9 @@ from scipy import ndimage
 
 from egad.detectors.base import WHERE, Grasp
 from egad.errors import UserError
-from egad.grasps.collision import TABLE_CLEARANCE
-from egad.grasps.parameters import Gripper
-from egad.learning.targets import SIZE, peaks, prepare_input, read_maps
-from egad.perception.camera import View
-from egad.perception.noise import fill_missing
+from egad.grasps import TABLE_CLEARANCE, Gripper
+from egad.learning import SIZE, peaks, prepare_input, read_maps
+from egad.perception import View, fill_missing
 
 MOST_BYTES = 1 << 24  # some 50 times those that were published
 GGCNN_WEIGHTS = (

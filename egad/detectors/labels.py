@@ -9,10 +9,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad.detectors.base import Grasp, rank_grasps
-from egad.grasps.collision import LEAST_BITE, roomy
-from egad.grasps.parameters import Gripper
-from egad.perception.camera import View
-from egad.perception.heightmap import heightmap_of, min_fingertip_height
+from egad.grasps import LEAST_BITE, Gripper, roomy
+from egad.perception import View, heightmap_of, min_fingertip_height
 
 Floats = NDArray[np.float64]
 

@@ -3,9 +3,8 @@
 import numpy as np
 
 from egad.detectors.base import Grasp
-from egad.grasps.collision import TABLE_CLEARANCE
-from egad.grasps.parameters import Gripper
-from egad.perception.camera import View
+from egad.grasps import TABLE_CLEARANCE, Gripper
+from egad.perception import View
 
 
 def random_grasp(view: View, gripper: Gripper, rng: np.random.Generator) -> list[Grasp]:

@@ -13,8 +13,8 @@ from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.parameters import DetectorConfig
 from egad.detectors.random_detector import random_grasp
 from egad.errors import UserError
-from egad.grasps.parameters import Gripper
-from egad.perception.camera import View
+from egad.grasps import Gripper
+from egad.perception import View
 
 QUICK: dict[str, Detector] = {"antipodal-depth": antipodal_depth, "random": random_grasp}
 """Detectors that need nothing but the image, and no process of their own to be stopped."""

@@ -12,8 +12,8 @@ from egad.detectors.base import Detector, Grasp
 from egad.detectors.parameters import DetectorConfig
 from egad.detectors.registry import make_detector
 from egad.errors import UserError
-from egad.grasps.parameters import Gripper
-from egad.perception.camera import View
+from egad.grasps import Gripper
+from egad.perception import View
 
 STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load
 

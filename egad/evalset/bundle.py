@@ -9,12 +9,20 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.evalset.parameters import Bundle
-from egad.geometry.coacd import coacd_parts
-from egad.geometry.convex_parts import convex_parts, union_of_parts
-from egad.geometry.distance import largest_deviation
-from egad.geometry.manifold import is_solid, to_mesh, to_solid
-from egad.geometry.mass import MassProperties, mass_properties
-from egad.geometry.stable_poses import StablePose, group_poses, stable_poses
+from egad.geometry import (
+    MassProperties,
+    StablePose,
+    coacd_parts,
+    group_poses,
+    is_solid,
+    largest_deviation,
+    mass_properties,
+    to_mesh,
+    to_solid,
+    union_of_parts,
+)
+from egad.geometry.convex_parts import convex_parts
+from egad.geometry.stable_poses import stable_poses
 from egad.tables import parquet
 
 LEAST_PROBABILITY = 0.001  # of the poses that are listed

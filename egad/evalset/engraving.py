@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from egad.evalset.parameters import Engraving
-from egad.geometry.manifold import is_solid, to_mesh, to_solid
-from egad.geometry.rays import RayCaster
-from egad.geometry.surface_samples import spread
+from egad.geometry import RayCaster, is_solid, spread, to_mesh, to_solid
 
 Floats = NDArray[np.float64]
 

@@ -7,8 +7,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
-from egad.geometry.manifold import to_solid
-from egad.geometry.mass import mass_properties
+from egad.geometry import mass_properties, to_solid
 from egad.geometry.stable_poses import stable_poses
 
 Floats = NDArray[np.float64]

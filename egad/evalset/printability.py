@@ -9,9 +9,7 @@ from scipy.sparse import coo_array, csgraph
 from scipy.spatial import cKDTree
 
 from egad.evalset.parameters import PrintCheck
-from egad.geometry.distance import nearest
-from egad.geometry.rays import RayCaster
-from egad.geometry.surface_samples import rims, spread
+from egad.geometry import RayCaster, nearest, rims, spread
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -13,8 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad.evalset.parameters import SelectEval
-from egad.measures.grid import complexity_cells, difficulty_cells
-from egad.measures.parameters import Space
+from egad.measures import Space, complexity_cells, difficulty_cells
 from egad.tables.evaluation import EVAL49
 
 LABEL = re.compile(r"[A-Z][0-9]")

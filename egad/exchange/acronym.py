@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from egad.exchange import sums
 from egad.exchange.hdf5 import add_array, add_group, writing
-from egad.grasps.grasps import Grasps
-from egad.grasps.poses import panda_poses
+from egad.grasps import Grasps, panda_poses
 
 Floats = NDArray[np.float64]
 QUALITIES = (

@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 
 from egad.errors import UserError
 from egad.exchange.pictures import corners, write_depth
-from egad.grasps.parameters import Gripper
-from egad.perception.camera import table_depth
-from egad.perception.rectangles import ImageGrasps
-from egad.perception.rendering import Picture
+from egad.grasps import Gripper
+from egad.perception import ImageGrasps, Picture, table_depth
 
 WIDTH, HEIGHT = 640, 480  # pixels of the images, which readers count on
 

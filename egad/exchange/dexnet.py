@@ -14,8 +14,7 @@ from h5py import h5a, h5g, h5p, h5s, h5t
 from numpy.typing import NDArray
 
 from egad.exchange.hdf5 import add_array, add_group
-from egad.geometry.distance import DistanceField
-from egad.geometry.stable_poses import StablePose
+from egad.geometry import DistanceField, StablePose
 
 Floats = NDArray[np.float64]
 UNTIMED = "01-01-1980-00h-00m-00s"  # same input, same bytes

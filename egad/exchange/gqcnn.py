@@ -13,9 +13,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from egad.errors import UserError
-from egad.perception.image_rows import pose_values
-from egad.perception.noise import fill_missing
-from egad.perception.rendering import Picture
+from egad.perception import Picture, fill_missing, pose_values
 
 Image = NDArray[np.float32]
 Tensors = dict[str, NDArray[Any]]

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from egad.errors import UserError
-from egad.grasps.grasps import Grasps
+from egad.grasps import Grasps
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS, SCALES
 

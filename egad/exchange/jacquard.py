@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from egad.errors import UserError
 from egad.exchange.pictures import write_depth, write_mask
-from egad.grasps.parameters import Gripper
-from egad.perception.rendering import Picture
+from egad.grasps import Gripper
+from egad.perception import Picture
 
 Kind = TypeVar("Kind", np.float32, np.bool_)
 SIDE = 1024  # pixels of the images, which readers count on

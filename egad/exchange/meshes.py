@@ -11,7 +11,7 @@ from egad._util.limited import LimitError, limited
 from egad.errors import RejectedError, UserError
 from egad.exchange.mesh_parsers import Arrays, parse, parse_file
 from egad.exchange.wavefront import obj_text, parse_plain_obj
-from egad.geometry.checks import check_surface
+from egad.geometry import check_surface
 
 ENDINGS = (".3mf", ".glb", ".obj", ".off", ".ply", ".stl")
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}

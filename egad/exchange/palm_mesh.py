@@ -6,8 +6,7 @@ import trimesh
 
 from egad.errors import RejectedError, UserError
 from egad.exchange.meshes import read_mesh
-from egad.grasps.hand import parts
-from egad.grasps.parameters import Gripper
+from egad.grasps import Gripper, parts
 
 
 def palm_mesh(gripper: Gripper) -> trimesh.Trimesh | None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from egad.perception.rectangles import ImageGrasps
+from egad.perception import ImageGrasps
 
 NOTHING = 0.0  # what readers of these sets take for a missing depth
 

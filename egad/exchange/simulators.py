@@ -9,9 +9,9 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.evalset.bundle import SimulationObject
+from egad.evalset import SimulationObject
 from egad.exchange.meshes import write_obj
-from egad.geometry.mass import MassProperties
+from egad.geometry import MassProperties
 
 Floats = NDArray[np.float64]
 

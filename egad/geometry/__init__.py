@@ -1,1 +1,5 @@
 """Meshes and solids: repair, mass, scaling, distances, convex parts, stable poses."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,1 +1,5 @@
 """Parallel-jaw grippers and their antipodal grasps: sampling, quality, collisions, labels."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

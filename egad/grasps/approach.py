@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.geometry.rays import RayCaster
+from egad.geometry import RayCaster
 from egad.grasps.collision import blocked_turns
 from egad.grasps.hand import Part, parts
 from egad.grasps.parameters import Gripper

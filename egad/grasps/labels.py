@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from egad._util.parameters import from_arguments
 from egad.errors import RejectedError
-from egad.geometry.checks import check_solid
-from egad.geometry.rays import RayCaster
+from egad.geometry import RayCaster, check_solid
 from egad.grasps.approach import best_approaches
 from egad.grasps.opening import needed_openings
 from egad.grasps.parameters import (

@@ -5,8 +5,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.geometry.rays import RayCaster
-from egad.geometry.surface_samples import spread
+from egad.geometry import RayCaster, spread
 from egad.grasps.collision import apart, clipped, local, spheres
 from egad.grasps.hand import finger_span
 from egad.grasps.parameters import Gripper

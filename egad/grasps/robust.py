@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.geometry.rays import RayCaster
+from egad.geometry import RayCaster
 from egad.grasps.parameters import Quality, Robust
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.sampler import ContactPairs

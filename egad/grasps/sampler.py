@@ -10,7 +10,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.geometry.rays import RayCaster
+from egad.geometry import RayCaster
 from egad.grasps.parameters import Sampling
 
 Floats = NDArray[np.float64]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from egad.perception.rectangles import Rectangles, half_turn
+from egad.perception import Rectangles, half_turn
 
 
 class Change(NamedTuple):

@@ -18,11 +18,7 @@ from numpy.typing import NDArray
 from egad.errors import TableError, UserError
 from egad.learning.augmentation import Change, change_depth, change_rectangles, sample_change
 from egad.learning.targets import SIZE, prepare_input, targets
-from egad.perception.image_rows import depth_of, pixels
-from egad.perception.image_shards import files
-from egad.perception.noise import fill_missing
-from egad.perception.rectangles import Rectangles, half_turn
-from egad.perception.splits import SPLITS
+from egad.perception import SPLITS, Rectangles, depth_of, files, fill_missing, half_turn, pixels
 from egad.random import generator
 from egad.tables.row_groups import RowGroups
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from egad.learning.dataset import Dataset, example
 from egad.learning.targets import best, read_maps
-from egad.perception.rectangles import Rectangles, agrees, half_turn
-from egad.stats.rates import mean_rate
+from egad.perception import Rectangles, agrees, half_turn
+from egad.stats import mean_rate
 from egad.tables.training import SCORE
 
 if TYPE_CHECKING:

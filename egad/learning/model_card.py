@@ -11,7 +11,7 @@ import pandas as pd
 
 from egad import __version__
 from egad.learning.evaluation import Score
-from egad.perception.splits import SPLITS
+from egad.perception import SPLITS
 
 PACKAGES = ("torch", "safetensors", "numpy", "scipy", "pillow")
 PAGE = """# {title}, trained on {source}

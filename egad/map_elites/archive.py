@@ -12,12 +12,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad.cppn.genome import Row
-from egad.measures.grid import Cell, cell_of, coverage_of
-from egad.measures.parameters import Space
+from egad.cppn import Row
+from egad.measures import Cell, Space, cell_of, coverage_of
+from egad.reeb import Neighborhood, Similarity
 from egad.reeb import graph as reeb
-from egad.reeb.neighbors import Neighborhood
-from egad.reeb.parameters import Similarity
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, GENOME
 

@@ -12,16 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from egad._util.parameters import check_count, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
-from egad.cppn.surface import packed_surface
+from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry, packed_surface
 from egad.errors import RejectedError, UserError
-from egad.grasps.grippers import gripper
+from egad.grasps import gripper
 from egad.map_elites.archive import Archive
 from egad.map_elites.island import Candidate, Island, Measured, Solid
 from egad.map_elites.parameters import Evolution, EvolutionParameters
-from egad.measures.parameters import Difficulty, Space, default_measures
+from egad.measures import Difficulty, Space, default_measures
+from egad.reeb import Similarity
 from egad.reeb import graph as reeb
-from egad.reeb.parameters import Similarity
 
 Range = tuple[float, float]
 Measure = Callable[[trimesh.Trimesh], tuple[float, float]]

@@ -14,18 +14,13 @@ from numpy.typing import NDArray
 
 from egad._util.progress import progress
 from egad._util.workers import Mapper
-from egad.cppn import constraints, voxels
+from egad.cppn import UNBOUND, Row, Rules, Shape, constraints, packed_surface, voxels
 from egad.cppn import query as cppn
-from egad.cppn.constraints import UNBOUND, Rules
-from egad.cppn.genome import Row
-from egad.cppn.parameters import Shape
-from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError
 from egad.map_elites.archive import Archive, Elite
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import Offspring, breed
-from egad.measures.grid import coverage_of, filled_part
-from egad.measures.measure import measure_mesh
+from egad.measures import coverage_of, filled_part, measure_mesh
 from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.tables.evolution import HISTORY

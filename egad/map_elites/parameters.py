@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from egad._util.parameters import SEARCH_ONLY, Archived, Fraction, Parameters
-from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
-from egad.measures.parameters import MeasureParameters, Space
+from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
+from egad.measures import MeasureParameters, Space
 
 
 class Evolution(Parameters):

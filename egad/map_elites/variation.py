@@ -7,11 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import convolve
 
-from egad.cppn.genome import Row, child, neat_config, random_genome
+from egad.cppn import Row, child, neat_config, random_genome
 from egad.map_elites.archive import Elite
 from egad.map_elites.parameters import EvolutionParameters
-from egad.measures.grid import complexity_cells, difficulty_cells
-from egad.measures.parameters import Space
+from egad.measures import Space, complexity_cells, difficulty_cells
 from egad.random import entropy, generator
 
 LEAST = 0.25  # weight of a parent that has no empty place around it: it may still be drawn

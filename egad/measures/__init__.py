@@ -1,1 +1,5 @@
 """Measures of an object: complexity, grasp difficulty, similarity; the grid they span."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

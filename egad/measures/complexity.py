@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.geometry.checks import check_mesh
+from egad.geometry import check_mesh
 
 Floats = NDArray[np.float64]
 

@@ -12,11 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import betainc
 
 from egad.errors import RejectedError
-from egad.geometry.checks import check_mesh
-from egad.geometry.rays import RayCaster
-from egad.grasps.quality import ferrari_canny
-from egad.grasps.robust import robust_ferrari_canny
-from egad.grasps.sampler import ContactPairs, sample_contacts
+from egad.geometry import RayCaster, check_mesh
+from egad.grasps import ContactPairs, ferrari_canny, robust_ferrari_canny, sample_contacts
 from egad.measures.parameters import MeasureParameters
 
 Floats = NDArray[np.float64]

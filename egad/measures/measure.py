@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 
-from egad.geometry.checks import check_mesh
+from egad.geometry import check_mesh
 from egad.measures.complexity import complexity
 from egad.measures.custom import plugin_value
 from egad.measures.difficulty import GraspDifficulty, difficulty

@@ -17,8 +17,8 @@ from egad._util.parameters import (
     check_ascending,
     from_arguments,
 )
-from egad.grasps.parameters import Gripper, Quality, Robust, Sampling
-from egad.reeb.parameters import Similarity
+from egad.grasps import Gripper, Quality, Robust, Sampling
+from egad.reeb import Similarity
 
 
 class Space(Parameters):

@@ -12,10 +12,8 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
-from egad.geometry.rays import RayCaster
-from egad.geometry.scaling import box_sides
-from egad.grasps.quality import ferrari_canny
-from egad.grasps.sampler import sample_contacts
+from egad.geometry import RayCaster, box_sides
+from egad.grasps import ferrari_canny, sample_contacts
 from egad.measures.difficulty import center_of_mass, percentile
 from egad.measures.parameters import SizeEffectParameters
 from egad.random import generator

@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.geometry.rays import TriangleScene
+from egad.geometry import TriangleScene
 
 Floats = NDArray[np.float64]
 Depth = NDArray[np.float32]

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from egad.grasps.collision import TABLE_CLEARANCE
-from egad.grasps.parameters import Gripper
+from egad.grasps import TABLE_CLEARANCE, Gripper
 from egad.perception.camera import View, Window
 
 Floats = NDArray[np.float64]

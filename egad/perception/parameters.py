@@ -16,7 +16,7 @@ from egad._util.parameters import (
     Range,
     check_ascending,
 )
-from egad.grasps.parameters import GraspLabel, Gripper
+from egad.grasps import GraspLabel, Gripper
 
 
 class Camera(Parameters):

@@ -10,11 +10,18 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.geometry.rays import RayCaster
-from egad.grasps.approach import first_approaches, swallowed
-from egad.grasps.collision import LEAST_BITE, TABLE_CLEARANCE, blocked_turns, roomy
-from egad.grasps.hand import Part, parts
-from egad.grasps.parameters import Gripper
+from egad.geometry import RayCaster
+from egad.grasps import (
+    LEAST_BITE,
+    TABLE_CLEARANCE,
+    Gripper,
+    Part,
+    blocked_turns,
+    first_approaches,
+    parts,
+    roomy,
+    swallowed,
+)
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -11,8 +11,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.grasps.collision import roomy
-from egad.grasps.parameters import Gripper
+from egad.grasps import Gripper, roomy
 from egad.perception.reachability import GraspCandidates
 from egad.perception.scenes import Scene
 

@@ -7,8 +7,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.geometry.mass import mass_properties
-from egad.geometry.rays import RayCaster
+from egad.geometry import RayCaster, mass_properties
 from egad.geometry.stable_poses import stable_poses
 from egad.perception.camera import DepthCamera, View, object_mask
 from egad.perception.noise import add_sensor_noise

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.geometry.stable_poses import StablePose
+from egad.geometry import StablePose
 from egad.perception.camera import LOOKING_DOWN, Intrinsics
 from egad.perception.parameters import Camera
 

@@ -6,8 +6,7 @@ from typing import Any
 
 from egad._util.parameters import Archived, Parameters
 from egad.errors import UserError
-from egad.measures.custom import source_hash
-from egad.measures.parameters import MeasureParameters
+from egad.measures import MeasureParameters, source_hash
 from egad.tables import parquet
 
 

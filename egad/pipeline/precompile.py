@@ -13,16 +13,12 @@ import trimesh
 from egad._util.kernel_cache import compiled_marker
 from egad.cppn.surface import surface
 from egad.geometry.repair import repair
-from egad.grasps.labels import label_grasps
-from egad.grasps.parameters import LabelParameters
+from egad.grasps import LabelParameters, label_grasps
 from egad.measures.complexity import complexity
 from egad.pipeline.config import Settings, Shape
 from egad.pipeline.config.stage_settings import select
 from egad.random import generator
-from egad.reeb.forest import Forest
-from egad.reeb.graph import extract
-from egad.reeb.neighbors import diversities
-from egad.reeb.similarity import similarities
+from egad.reeb import Forest, diversities, extract, similarities
 
 
 def compile_grasps() -> None:

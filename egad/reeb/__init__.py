@@ -1,1 +1,5 @@
 """Multiresolution Reeb graphs of shapes, their matching, and exact nearest neighbors."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

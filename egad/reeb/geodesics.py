@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.geometry.refinement import Triangulation
+from egad.geometry import Triangulation
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]

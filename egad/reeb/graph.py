@@ -14,8 +14,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError, UserError
-from egad.geometry.checks import check_mesh
-from egad.geometry.refinement import Triangulation, face_areas, refine, triangulation
+from egad.geometry import Triangulation, check_mesh, face_areas, refine, triangulation
 from egad.reeb.geodesics import edge_graph, even_integral, scan_integral
 from egad.reeb.parameters import Similarity
 from egad.reeb.ranges import Parts, cut, distinct, labels, outer_shell, unite

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
-from egad.geometry.refinement import Triangulation, lexicographic
+from egad.geometry import Triangulation, lexicographic
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]

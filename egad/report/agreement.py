@@ -9,13 +9,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from egad.evalset.selection import cell_of_label
+from egad.evalset import cell_of_label
 from egad.report.colors import LINES, SOFT
 from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 from egad.report.trial_charts import draw_rates, outcome_counts
-from egad.stats.rates import Rate, rate
-from egad.stats.roc import Area, Bin, area, gain, reliability
+from egad.stats import Area, Bin, Rate, area, gain, rate, reliability
 
 QUALITIES = {
     "quality": "nominal quality",

@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from egad.measures.custom import plugin_name
-from egad.measures.parameters import CustomMeasures
+from egad.measures import CustomMeasures, plugin_name
 
 ARROW = "\N{RIGHTWARDS ARROW}"
 COMPARATIVES = {"simple": "simpler", "easy": "easier", "low": "lower", "high": "higher"}

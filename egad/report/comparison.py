@@ -15,8 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from egad.measures.grid import coverage
-from egad.measures.parameters import Space
+from egad.measures import Space, coverage
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import COLOR_MAP, FAINT, LINES, SOFT
 from egad.report.drawing import new_figure, show_percent, svg_uri

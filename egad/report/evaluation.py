@@ -11,8 +11,8 @@ import pandas as pd
 import trimesh
 from matplotlib.figure import Figure
 
-from egad.evalset.selection import label_at
-from egad.grasps.parameters import Gripper
+from egad.evalset import label_at
+from egad.grasps import Gripper
 from egad.report.axes import AxisPair
 from egad.report.colors import INK, SOFT
 from egad.report.drawing import STYLE, data_uri

@@ -11,8 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from egad.measures.grid import coverage, difficulty_cells
-from egad.measures.parameters import Space
+from egad.measures import Space, coverage, difficulty_cells
 from egad.report.axes import AxisPair
 from egad.report.colors import line_color
 from egad.report.drawing import data_uri, new_figure, show_percent, svg_uri

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from egad.measures.size_effect import summarize
+from egad.measures import summarize
 from egad.report.colors import FAINT, INK, SOFT, line_color
 from egad.report.drawing import THOUSANDTHS, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of

@@ -16,10 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from egad._util.progress import duration, rate_text
-from egad.cppn.voxels import unpack
-from egad.map_elites.archive import Archive, Elite
-from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
-from egad.measures.parameters import Space
+from egad.cppn import unpack
+from egad.map_elites import Archive, Elite
+from egad.measures import Space, cell_name, complexity_cells, difficulty_cells
 from egad.report.axes import USUAL, AxisPair
 from egad.report.drawing import data_uri
 from egad.report.page import render_template

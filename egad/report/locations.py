@@ -10,8 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from egad.measures.grid import cell_name
-from egad.measures.parameters import Space
+from egad.measures import Space, cell_name
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import INK
 from egad.report.drawing import data_uri, new_figure, svg_uri

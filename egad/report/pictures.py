@@ -10,8 +10,7 @@ from PIL import Image
 from scipy import ndimage
 
 from egad._util.parameters import check_count
-from egad.geometry.checks import check_mesh
-from egad.geometry.rays import TriangleScene
+from egad.geometry import TriangleScene, check_mesh
 
 Floats = NDArray[np.float32]
 Pixels = NDArray[np.uint8]

@@ -12,8 +12,7 @@ import numpy as np
 import pandas as pd
 from PIL import Image, ImageDraw, ImageFont
 
-from egad.measures.grid import cell_name
-from egad.measures.parameters import Space
+from egad.measures import Space, cell_name
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import scale_color
 from egad.report.drawing import data_uri

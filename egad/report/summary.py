@@ -6,8 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from egad.measures.grid import coverage, filled_cells
-from egad.measures.parameters import Space
+from egad.measures import Space, coverage, filled_cells
 from egad.report.axes import AxisPair
 from egad.report.page import Section, section_of
 from egad.report.trials import Results

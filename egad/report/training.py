@@ -6,11 +6,10 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
-from egad.learning.model_card import best_epoch
+from egad.learning import best_epoch
 from egad.report.colors import INK, LINES, SOFT, line_color
 from egad.report.drawing import DASHED, new_figure, show_percent
-from egad.stats.rates import Mean
-from egad.stats.training_study import TestAttempts
+from egad.stats import Mean, TestAttempts
 
 STYLES = ("-", "--", ":", "-.")
 

@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
-from egad.evalset.selection import label_at
+from egad.evalset import label_at
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import FAINT, INK, SOFT, ink_on, line_color
 from egad.report.drawing import new_figure, show_percent
-from egad.stats.rates import Mean, Rate, TrialGrid
+from egad.stats import Mean, Rate, TrialGrid
 
 GAP = 0.35
 DASH = "\N{EN DASH}"

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from egad.evalset.selection import cell_of_label
+from egad.evalset import cell_of_label
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import LINES, SOFT, line_color
 from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
@@ -23,9 +23,20 @@ from egad.report.trial_charts import (
     rate_bars,
     trial_heat_map,
 )
-from egad.stats.paired import Comparison, NothingInCommonError, compare
-from egad.stats.rates import Mean, Trend, TrialGrid, object_positions, trend, trial_grid
-from egad.stats.roc import Bin, discrimination, reliability
+from egad.stats import (
+    Bin,
+    Comparison,
+    Mean,
+    NothingInCommonError,
+    Trend,
+    TrialGrid,
+    compare,
+    discrimination,
+    object_positions,
+    reliability,
+    trend,
+    trial_grid,
+)
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,8 @@ from numpy.typing import NDArray
 
 from egad._util.files import write_text
 from egad.errors import UserError
-from egad.geometry.checks import check_mesh
-from egad.grasps.grasps import Grasps
-from egad.grasps.grippers import as_gripper
-from egad.grasps.parameters import Gripper
+from egad.geometry import check_mesh
+from egad.grasps import Grasps, Gripper, as_gripper
 from egad.report.page import render_template
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty

@@ -6,7 +6,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from egad.grasps.parameters import Gripper
+from egad.grasps import Gripper
 from egad.sim.hand_urdf import TIP, on_axis, on_panda
 from egad.sim.world import TIME_STEP, World
 

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from egad.detectors.base import Detector, Grasp
-from egad.detectors.labels import Labels
+from egad.detectors import Detector, Grasp, Labels
 from egad.outcomes import Outcome
 from egad.random import entropy
 from egad.sim.model import Model

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.detectors.base import Grasp
-from egad.grasps.parameters import Gripper
+from egad.detectors import Grasp
+from egad.grasps import Gripper
 from egad.outcomes import Outcome
 from egad.sim.arms import ARMS, HandPose, UnreachableError
 from egad.sim.gripper import HEAVIEST, Hand

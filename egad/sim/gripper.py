@@ -6,7 +6,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from egad.grasps.parameters import Gripper
+from egad.grasps import Gripper
 from egad.sim.arms import Arm
 from egad.sim.hand_urdf import LEFT, PALM, RIGHT
 from egad.sim.world import TIME_STEP, World

@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import pybullet_data
 
-from egad.grasps.parameters import Gripper
+from egad.grasps import Gripper
 
 PALM, LEFT, RIGHT, TIP = "palm", "left", "right", "tip"
 PALM_MASS = 0.6

@@ -13,10 +13,8 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.detectors.base import Grasp
-from egad.grasps.hand import finger_span
-from egad.grasps.parameters import Gripper
-from egad.grasps.poses import hand_poses
+from egad.detectors import Grasp
+from egad.grasps import Gripper, finger_span, hand_poses
 from egad.outcomes import Outcome
 from egad.random import generator
 from egad.sim.execution import Execution, execute

@@ -7,9 +7,8 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.evalset.bundle import make_simulation_object
-from egad.evalset.parameters import Bundle
-from egad.geometry.mass import MassProperties
+from egad.evalset import Bundle, make_simulation_object
+from egad.geometry import MassProperties
 
 Floats = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels
-from egad.grasps.parameters import Gripper, Quality
+from egad.grasps import Gripper, Quality
 
 
 class Lifting(Parameters):

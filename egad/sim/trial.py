@@ -10,14 +10,11 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.detectors.base import Detector, Grasp, best_grasp
-from egad.detectors.labels import Labels
-from egad.detectors.subprocess import DetectorTimeoutError
+from egad.detectors import Detector, DetectorTimeoutError, Grasp, Labels, best_grasp
 from egad.errors import UserError
-from egad.grasps.parameters import Gripper
+from egad.grasps import Gripper
 from egad.outcomes import Outcome
-from egad.perception.camera import DepthCamera, Intrinsics, View, camera_above
-from egad.perception.noise import add_disparity_noise
+from egad.perception import DepthCamera, Intrinsics, View, add_disparity_noise, camera_above
 from egad.sim.execution import execute
 from egad.sim.parameters import Trials
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World

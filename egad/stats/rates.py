@@ -8,7 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest, norm, rankdata, t
 
-from egad.evalset.selection import cell_of_label
+from egad.evalset import cell_of_label
 from egad.random import generator
 
 Floats = NDArray[np.float64]

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from egad.errors import UserError
-from egad.evalset.selection import LABEL
+from egad.evalset import LABEL
 from egad.outcomes import Outcome
 from egad.tables import parquet
 from egad.tables.columns import INITIAL

@@ -20,11 +20,11 @@ from egad.pipeline.parameters import settings_type
 from egad.data import released
 from egad.pipeline.display import start_display
 from egad.errors import UserError
-from egad.exchange.sums import checksum
+from egad.exchange import checksum
 from egad._util.kernel_cache import compile_kernels
-from egad.measures.custom import source_hash
-from egad.detectors.registry import fingerprint
-from egad.perception.splits import shard_count
+from egad.measures import source_hash
+from egad.detectors import fingerprint
+from egad.perception import shard_count
 
 try:
     SETTINGS = check(config)

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from egad.errors import UserError
-from egad.exchange.folders import EVERY_FILE, objects_in
+from egad.exchange import EVERY_FILE, objects_in
 from egad.pipeline.stages.shards import by_shard
 
 

@@ -69,7 +69,7 @@ def settings_in(config: Path | None) -> Settings:
 
 def files_in(paths: list[Path]) -> list[Path]:
     """The given files, and the files in the given folders, without duplicates."""
-    from egad.exchange.folders import mesh_files
+    from egad.exchange import mesh_files
 
     files: dict[Path, Path] = {}
     for path in paths:

@@ -28,7 +28,7 @@ def export(
     part: Parts = [],  # noqa: B006 (typer copies it)
 ) -> None:
     """Export labelled grasps for Dex-Net or ACRONYM, or rendered images in other layouts."""
-    from egad.exchange.grasps import check_opening, grasp_table
+    from egad.exchange import check_opening, grasp_table
     from egad.pipeline.parameters import declared, settings_type
     from egad.pipeline.provenance.record import run_recorded
 

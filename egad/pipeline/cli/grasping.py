@@ -42,9 +42,8 @@ def size_effect(
 ) -> None:
     """Compute grasp quality of meshes at several sizes, relative to the gripper opening."""
     from egad._util.files import write_text
-    from egad.exchange.folders import object_names
-    from egad.exchange.frames import check_ending, write_frame
-    from egad.measures.parameters import SizeEffectParameters
+    from egad.exchange import check_ending, object_names, write_frame
+    from egad.measures import SizeEffectParameters
     from egad.pipeline.cli.show import size_curves
     from egad.pipeline.config.stage_settings import select
     from egad.pipeline.stages import size_effect as stage
@@ -84,8 +83,7 @@ def view(
 ) -> None:
     """Show an object in 3D with its labelled grasps, as an HTML page that works offline."""
     from egad._util.files import write_text
-    from egad.exchange.frames import check_ending
-    from egad.exchange.meshes import ENDINGS
+    from egad.exchange import ENDINGS, check_ending
     from egad.pipeline.config.stage_settings import ViewMesh, select
     from egad.pipeline.stages import view as stage
     from egad.report.viewer import page

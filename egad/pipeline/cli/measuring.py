@@ -51,8 +51,7 @@ def measure(
     jobs: Jobs = CORES,
 ) -> None:
     """Measure complexity and difficulty of meshes, and print their cells."""
-    from egad.exchange.folders import object_names
-    from egad.exchange.frames import check_ending, write_frame
+    from egad.exchange import check_ending, object_names, write_frame
     from egad.pipeline.cli.show import measured
     from egad.pipeline.config.stage_settings import MeasureMeshes, select
     from egad.pipeline.stages import measure as stage
@@ -79,8 +78,7 @@ def similarity(
     jobs: Jobs = CORES,
 ) -> None:
     """Compute pairwise similarities of meshes: 1 for equal shapes, 0 for nothing in common."""
-    from egad.exchange.folders import object_names
-    from egad.exchange.frames import check_ending, write_matrix
+    from egad.exchange import check_ending, object_names, write_matrix
     from egad.pipeline.cli.show import square
     from egad.pipeline.stages import similarity as stage
 
@@ -107,8 +105,7 @@ def locate(
     """Show the positions of meshes in the space of a dataset, and the most similar objects."""
     from egad._util.files import write_text
     from egad.data import archive_path
-    from egad.exchange.folders import object_names
-    from egad.exchange.frames import check_ending, write_frame
+    from egad.exchange import check_ending, object_names, write_frame
     from egad.pipeline.cli.show import located
     from egad.pipeline.config.stage_settings import LocateMeshes, select
     from egad.pipeline.stages import locate as stage

@@ -7,11 +7,11 @@ import pandas as pd
 from rich.console import Console
 from rich.table import Table
 
-from egad.measures.grid import cell_name
+from egad.measures import cell_name
 from egad.report.axes import AxisPair
 from egad.report.page import p_value
 from egad.report.trials import Pair
-from egad.stats.rates import Mean
+from egad.stats import Mean
 
 DASH = "-"
 WIDE = 200  # columns of a table that goes into a file
@@ -45,7 +45,7 @@ def located(table: pd.DataFrame, axes: AxisPair) -> None:
 
 def size_curves(table: pd.DataFrame) -> None:
     """Print columns of `tables.grasping.SIZE_EFFECT`: means, lowest to highest in brackets."""
-    from egad.measures.size_effect import summarize
+    from egad.measures import summarize
 
     numbers = summarize(table)
     percents = [f"{percent:g}" for percent in numbers["percentile"].unique()]

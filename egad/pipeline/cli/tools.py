@@ -38,7 +38,7 @@ def rescale(
     jobs: Jobs = CORES,
 ) -> None:
     """Scale meshes to a gripper."""
-    from egad.geometry.scaling import scale_suffix
+    from egad.geometry import scale_suffix
     from egad.pipeline.config.check import check
     from egad.pipeline.config.stage_settings import select
     from egad.pipeline.provenance.record import run_recorded

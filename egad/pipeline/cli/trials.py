@@ -37,8 +37,8 @@ def compare(
 
     Simulated results must be of the same evaluation set, scaled to the same gripper.
     """
-    from egad.exchange.frames import check_ending
-    from egad.stats.records import gather
+    from egad.exchange import check_ending
+    from egad.stats import gather
 
     check_ending(out, (".html",))
     found = gather(tables)
@@ -59,8 +59,8 @@ def report(
     """Report the results of a real robot in the same way as simulated results."""
     import pandas as pd
 
-    from egad.exchange.frames import check_ending, write_frame
-    from egad.stats.records import read
+    from egad.exchange import check_ending, write_frame
+    from egad.stats import read
     from egad.tables.evaluation import RESULTS
 
     for path in out:
@@ -91,12 +91,12 @@ def replay(
     config: Config = None,
 ) -> None:
     """Repeat a simulated attempt exactly, and film it."""
-    from egad.exchange.frames import check_ending
+    from egad.exchange import check_ending
     from egad.pipeline.config.stage_settings import select
     from egad.pipeline.config.training_study import with_networks
     from egad.pipeline.stages import replay as stage
     from egad.pipeline.stages.simulate import SimulatedTrials
-    from egad.sim.film import ENDINGS
+    from egad.sim import ENDINGS
 
     film = out or Path(f"{label}-{attempt}.gif")
     check_ending(film, ENDINGS)
@@ -126,10 +126,9 @@ def template(
 ) -> None:
     """Write a CSV file to fill in at the robot: one row per attempt, `success` is 1 or 0."""
     from egad._util.files import atomic_output
-    from egad.evalset.datasheet import ATTEMPTS
-    from egad.evalset.selection import labels_of
-    from egad.exchange.frames import check_ending
-    from egad.stats.records import template as empty
+    from egad.evalset import ATTEMPTS, labels_of
+    from egad.exchange import check_ending
+    from egad.stats import template as empty
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49
 
@@ -150,7 +149,7 @@ def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
     """Print success rates, and comparisons of pairs of detectors."""
     from egad.pipeline.cli.show import compared, succeeded
     from egad.report.trials import pairs
-    from egad.stats.rates import mean_rate
+    from egad.stats import mean_rate
 
     succeeded({name: mean_rate(table) for name, table in found.items()})
     if len(found) > 1:
@@ -161,7 +160,7 @@ def _write(
     out: Path, found: "Mapping[str, pd.DataFrame]", evaluation: Path | None, settings: Settings
 ) -> None:
     from egad._util.files import write_text
-    from egad.evalset.selection import cell_of_label
+    from egad.evalset import cell_of_label
     from egad.report.axes import axis_pair
     from egad.report.trials import EvaluationSet, page
     from egad.tables import parquet

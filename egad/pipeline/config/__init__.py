@@ -6,17 +6,16 @@ Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles de
 """
 
 from egad._util.parameters import Axis, Name, Parameters, Range, ScaleRule
-from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Neat, Region, Shape, Symmetry
-from egad.detectors.parameters import DETECTORS, DetectorConfig
-from egad.evalset.parameters import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
-from egad.exchange.parameters import Acronym, DexNet
-from egad.geometry.parameters import Material
-from egad.grasps.grippers import GRIPPERS
-from egad.grasps.parameters import GraspLabel, Gripper, Quality, Robust, Sampling
-from egad.learning.parameters import Training
-from egad.map_elites.parameters import Evolution
-from egad.measures.parameters import Complexity, CustomMeasures, Difficulty, SizeEffect, Space
-from egad.perception.parameters import CAMERAS, Camera, ImageNoise, Render
+from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Region, Shape, Symmetry
+from egad.detectors import DETECTORS, DetectorConfig
+from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
+from egad.exchange import Acronym, DexNet
+from egad.geometry import Material
+from egad.grasps import GRIPPERS, GraspLabel, Gripper, Quality, Robust, Sampling
+from egad.learning import Training
+from egad.map_elites import Evolution
+from egad.measures import Complexity, CustomMeasures, Difficulty, SizeEffect, Space
+from egad.perception import CAMERAS, Camera, ImageNoise, Render
 from egad.pipeline.config.sections import (
     TRAINING_SETS,
     Dataset,
@@ -28,8 +27,8 @@ from egad.pipeline.config.sections import (
     TrainingStudy,
 )
 from egad.pipeline.config.settings import Settings
-from egad.reeb.parameters import Similarity
-from egad.sim.parameters import Agreement, Lifting, Trials
+from egad.reeb import Similarity
+from egad.sim import Agreement, Lifting, Trials
 
 __all__ = [
     "CAMERAS",

@@ -13,7 +13,7 @@ from egad._util.parameters import (
     ScaleRule,
     check_ascending,
 )
-from egad.geometry.parameters import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
+from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
 from egad.pipeline.exports import Format
 
 

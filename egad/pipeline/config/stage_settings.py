@@ -8,8 +8,8 @@ the stages that read it and no other. Here are those that several modules read.
 from typing import TypeVar
 
 from egad._util.parameters import ParameterGroup
-from egad.grasps.parameters import LabelParameters
-from egad.measures.parameters import MeasureParameters
+from egad.grasps import LabelParameters
+from egad.measures import MeasureParameters
 from egad.pipeline.config import (
     CustomMeasures,
     Material,

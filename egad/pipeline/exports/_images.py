@@ -7,9 +7,7 @@ from typing import Any
 
 from egad._util.files import atomic_output, check_empty
 from egad._util.progress import progress
-from egad.perception.image_shards import Images, files, shards
-from egad.perception.rendering import Picture
-from egad.perception.splits import SPLITS
+from egad.perception import SPLITS, Images, Picture, files, shards
 from egad.pipeline.config import Gripper
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input

@@ -9,10 +9,8 @@ import numpy as np
 from egad._util.files import atomic_output, check_not_file
 from egad._util.progress import progress
 from egad.errors import UserError
-from egad.exchange.acronym import COLUMNS, Body, Jaws, is_ours, write_acronym
-from egad.exchange.grasps import by_object
-from egad.exchange.hdf5 import check_key
-from egad.grasps.hand import finger_span
+from egad.exchange import COLUMNS, Body, Jaws, by_object, check_key, is_ours, write_acronym
+from egad.grasps import finger_span
 from egad.pipeline.config import Acronym, Gripper, Quality
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Output

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from egad.exchange.cornell import write_cornell
+from egad.exchange import write_cornell
 from egad.pipeline.exports._images import IMAGES, ImageLayouts, write_by_split
 from egad.pipeline.parameters import Output
 

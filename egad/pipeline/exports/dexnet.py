@@ -12,11 +12,18 @@ import pyarrow as pa
 
 from egad._util.progress import progress
 from egad.errors import UserError
-from egad.exchange.dexnet import MEASURES, add_dataset, add_grasps
-from egad.exchange.grasps import by_object
-from egad.exchange.hdf5 import DamagedError, check_key, copy_group, sound_keys, writing
-from egad.grasps.grasps import vectors
-from egad.grasps.poses import dexnet_configurations
+from egad.exchange import (
+    MEASURES,
+    DamagedError,
+    add_dataset,
+    add_grasps,
+    by_object,
+    check_key,
+    copy_group,
+    sound_keys,
+    writing,
+)
+from egad.grasps import dexnet_configurations, vectors
 from egad.pipeline.config import Gripper, Quality, Robust
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, NotNoted, Output

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated
 
 from egad._util.files import atomic_output, check_empty
-from egad.exchange.gqcnn import write_gqcnn
+from egad.exchange import write_gqcnn
 from egad.pipeline.exports._images import IMAGES, ImageLayouts, pictures
 from egad.pipeline.parameters import Output
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from egad.exchange.jacquard import write_jacquard
+from egad.exchange import write_jacquard
 from egad.pipeline.exports._images import IMAGES, ImageLayouts, write_by_split
 from egad.pipeline.parameters import Output
 

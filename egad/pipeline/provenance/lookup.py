@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from egad.errors import UserError
-from egad.exchange.sums import NAME, read_sums, sums_path
+from egad.exchange import NAME, read_sums, sums_path
 from egad.tables import parquet
 from egad.tables.origin import ELSEWHERE
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from egad import __version__
 from egad.errors import UserError
-from egad.exchange.sums import checksum, write_sums
+from egad.exchange import checksum, write_sums
 from egad.pipeline.code_version import code_version
 from egad.pipeline.parameters import Declared, Input, Renamed, ShardOf, declared
 from egad.plugins import source_file

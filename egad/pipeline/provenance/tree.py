@@ -7,7 +7,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
-from egad.exchange.sums import checksum
+from egad.exchange import checksum
 from egad.pipeline.provenance.lookup import Noted, is_near, origin_of
 
 

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 from egad.errors import TableError, UserError
-from egad.exchange.sums import ENDING, NAME, checksum, files_of, read_sums
+from egad.exchange import ENDING, NAME, checksum, files_of, read_sums
 from egad.pipeline.provenance.lookup import TABLE, is_near, origin_of
 from egad.tables.seal import is_whole
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from egad.learning.model_card import best_epoch
+from egad.learning import best_epoch
 from egad.pipeline.config.sections import TrainingSet
 from egad.pipeline.config.stage_settings import TrainingStudyReport
 from egad.pipeline.config.training_study import Network
@@ -14,17 +14,19 @@ from egad.report.page import render_template
 from egad.report.training import score_chart, set_colors, success_chart, training_curves
 from egad.report.trial_charts import outcome_chart, rate_bars, trial_heat_map
 from egad.report.trials import EvaluationSet
-from egad.stats.rates import Mean, TrialGrid, trial_grid
-from egad.stats.training_study import (
+from egad.stats import (
+    Mean,
     SeedVariance,
     SetPair,
     SetRate,
     TestAttempts,
+    TrialGrid,
     by_set,
     by_test,
     references,
     seed_variance,
     set_pairs,
+    trial_grid,
 )
 
 

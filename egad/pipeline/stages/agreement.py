@@ -14,7 +14,7 @@ from egad._util.progress import phase, progress
 from egad.pipeline.parameters import Evaluation, Input, Output, Shard, command
 from egad.pipeline.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.pipeline.stages.shards import rows_in_shard
-from egad.sim.parameters import LabelTrialParameters
+from egad.sim import LabelTrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49
 from egad.tables.grasping import GRASPS
@@ -77,7 +77,7 @@ def executor(
     settings: LabelTrialParameters, bundle: Path
 ) -> Iterator[Callable[[Task], pd.DataFrame]]:
     """A function that executes grasps of an object, given its row in the bundle and the grasps."""
-    from egad.sim.labelled_trials import execute_labelled_grasps  # noqa: PLC0415
+    from egad.sim import execute_labelled_grasps  # noqa: PLC0415
 
     def carry_out(task: Task) -> pd.DataFrame:
         row, sample = task

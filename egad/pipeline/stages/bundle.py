@@ -12,11 +12,9 @@ from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
-from egad.evalset.bundle import SimulationObject, make_simulation_object, page
-from egad.exchange.folders import object_names
-from egad.exchange.meshes import read_mesh
-from egad.exchange.simulators import write_simulation_object
-from egad.exchange.sums import write_sums
+from egad.evalset import SimulationObject, make_simulation_object
+from egad.evalset.bundle import page
+from egad.exchange import object_names, read_mesh, write_simulation_object, write_sums
 from egad.pipeline.config import Bundle, Material
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Jobs, Output

@@ -8,12 +8,11 @@ from typing import Any, TypeVar
 import numpy as np
 import pandas as pd
 
-from egad.exchange.meshes import read_mesh
-from egad.exchange.simulators import VISUAL
-from egad.geometry.mass import MassProperties
+from egad.exchange import VISUAL, read_mesh
+from egad.geometry import MassProperties
 from egad.outcomes import Outcome
 from egad.pipeline.stages.bundle import MOMENTS
-from egad.sim.model import Model, model_of
+from egad.sim import Model, model_of
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from egad._util.files import atomic_output
 from egad._util.progress import progress
-from egad.exchange.meshes import read_mesh
+from egad.exchange import read_mesh
 from egad.pipeline.config import CustomMeasures, Space
 from egad.report.axes import axis_pair
 from egad.report.pictures import png_bytes, render

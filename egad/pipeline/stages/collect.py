@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.exchange.meshes import write_obj
-from egad.measures.grid import complexity_cells, difficulty_cells, labels
+from egad.exchange import write_obj
+from egad.measures import complexity_cells, difficulty_cells, labels
 from egad.pipeline.config import Similarity, Space
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Jobs, Output, command
 from egad.pipeline.stages.shards import join
+from egad.reeb import diversities
 from egad.reeb import graph as reeb
-from egad.reeb.neighbors import diversities
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
 

@@ -7,7 +7,7 @@ import pandas as pd
 import typer
 
 from egad._util.files import write_text
-from egad.measures.grid import coverage, filled_cells
+from egad.measures import coverage, filled_cells
 from egad.pipeline.config import CustomMeasures, Space
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Output, command

@@ -8,14 +8,14 @@ import typer
 
 from egad._util.files import atomic_output, write_text
 from egad._util.progress import phase
-from egad.evalset.datasheet import ATTEMPTS, ForGripper, page
-from egad.evalset.selection import empty_cells
-from egad.exchange.meshes import read_mesh
+from egad.evalset import ATTEMPTS, ForGripper, empty_cells
+from egad.evalset.datasheet import page
+from egad.exchange import read_mesh
 from egad.pipeline.config import PrintExport, SelectEval
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Evaluation, Input, Output, command
 from egad.report.evaluation import contact_sheet
-from egad.stats.records import template
+from egad.stats import template
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 

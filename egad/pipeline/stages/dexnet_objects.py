@@ -11,12 +11,9 @@ from numpy.typing import NDArray
 
 from egad._util.progress import progress
 from egad.errors import RejectedError
-from egad.exchange.dexnet import MEASURES, Solid, add_object
-from egad.exchange.hdf5 import check_key, writing
-from egad.exchange.meshes import read_mesh
-from egad.geometry.distance import distance_field
-from egad.geometry.mass import mass_properties
-from egad.geometry.stable_poses import StablePose, stable_poses
+from egad.exchange import MEASURES, Solid, add_object, check_key, read_mesh, writing
+from egad.geometry import StablePose, distance_field, mass_properties
+from egad.geometry.stable_poses import stable_poses
 from egad.pipeline.config import DexNet, Material
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Output, Shard, command

@@ -9,14 +9,12 @@ import trimesh
 
 from egad._util.progress import phase
 from egad._util.workers import workers
-from egad.cppn.constraints import Rules, build_rules
+from egad.cppn import Rules, build_rules
 from egad.errors import RejectedError, UserError
-from egad.exchange.meshes import read_mesh
+from egad.exchange import read_mesh
 from egad.geometry.repair import repair
-from egad.map_elites.archive import Archive, elites_of
-from egad.map_elites.island import Watch, evolve
-from egad.map_elites.parameters import EvolutionParameters
-from egad.measures.custom import check_measures
+from egad.map_elites import Archive, EvolutionParameters, Watch, elites_of, evolve
+from egad.measures import check_measures
 from egad.pipeline.archive_settings import check_provenance, provenance
 from egad.pipeline.parameters import Input, Jobs, NotNoted, Output, command
 from egad.tables import parquet

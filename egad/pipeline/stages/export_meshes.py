@@ -4,8 +4,8 @@ from pathlib import Path
 
 from egad._util.files import atomic_output
 from egad._util.progress import progress
-from egad.cppn.surface import packed_surface
-from egad.exchange.meshes import write_obj
+from egad.cppn import packed_surface
+from egad.exchange import write_obj
 from egad.pipeline.config import Shape
 from egad.tables import parquet
 from egad.tables.columns import check_names

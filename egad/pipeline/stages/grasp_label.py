@@ -8,12 +8,11 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad.errors import RejectedError
-from egad.exchange.meshes import read_mesh
+from egad.exchange import read_mesh
 from egad.exchange.palm_mesh import palm_mesh
-from egad.geometry.rays import RayCaster
-from egad.grasps.labels import rate_grasps, sample_for_labels, statistics_row
-from egad.grasps.parameters import LabelParameters
-from egad.measures.difficulty import center_of_mass
+from egad.geometry import RayCaster
+from egad.grasps import LabelParameters, rate_grasps, sample_for_labels, statistics_row
+from egad.measures import center_of_mass
 from egad.pipeline.parameters import Input, Output, Shard, command
 from egad.pipeline.stages.shards import rejection, rows_in_shard
 from egad.random import generator

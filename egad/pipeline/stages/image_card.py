@@ -8,9 +8,7 @@ import pandas as pd
 
 from egad._util.files import write_text
 from egad.errors import UserError
-from egad.perception.dataset_card import card, summary
-from egad.perception.image_shards import files
-from egad.perception.parameters import RenderParameters
+from egad.perception import RenderParameters, card, files, summary
 from egad.pipeline.parameters import Input, NotNoted, Output, command
 from egad.pipeline.stages.shards import join
 from egad.tables import parquet

@@ -12,16 +12,16 @@ import trimesh
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.cppn.surface import packed_surface
+from egad.cppn import packed_surface
 from egad.errors import RejectedError, UserError
-from egad.exchange.meshes import read_mesh
-from egad.measures.grid import labels
+from egad.exchange import read_mesh
+from egad.measures import labels
 from egad.pipeline.archive_settings import check_provenance
 from egad.pipeline.config import Shape, Similarity
 from egad.pipeline.config.stage_settings import LocateMeshes
 from egad.pipeline.stages.measure import measure_row, warn_of_units
+from egad.reeb import Neighborhood
 from egad.reeb import graph as reeb
-from egad.reeb.neighbors import Neighborhood
 from egad.report.locations import Located, Neighbor
 from egad.report.pictures import png_bytes, render
 from egad.tables import parquet

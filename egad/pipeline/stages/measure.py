@@ -12,11 +12,9 @@ import trimesh
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
-from egad.exchange.meshes import read_mesh
-from egad.geometry.checks import USUAL_SIDES, has_usual_size
-from egad.geometry.mass import Body, repair_and_weigh
-from egad.measures.grid import cell_of
-from egad.measures.measure import measure_repeatably
+from egad.exchange import read_mesh
+from egad.geometry import USUAL_SIDES, Body, has_usual_size, repair_and_weigh
+from egad.measures import cell_of, measure_repeatably
 from egad.pipeline.config import Postprocess
 from egad.pipeline.config.stage_settings import MeasureMeshes
 from egad.tables.objects import MEASURED

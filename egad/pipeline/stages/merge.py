@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from egad._util.progress import phase
-from egad.map_elites.archive import merge
+from egad.map_elites import merge
 from egad.pipeline.config import Similarity, Space
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Jobs, Output, command

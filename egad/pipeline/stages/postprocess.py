@@ -12,13 +12,11 @@ import trimesh
 import typer
 
 from egad._util.progress import progress
-from egad.cppn.surface import packed_surface
+from egad.cppn import packed_surface
 from egad.errors import RejectedError, UserError
-from egad.exchange.folders import EVERY_FILE, objects_in
-from egad.exchange.meshes import read_mesh
-from egad.geometry.primitives import joined_primitives
-from egad.measures.measure import measure_repeatably
-from egad.measures.parameters import MeasureParameters
+from egad.exchange import EVERY_FILE, objects_in, read_mesh
+from egad.geometry import joined_primitives
+from egad.measures import MeasureParameters, measure_repeatably
 from egad.pipeline.archive_settings import MEASURING, check_provenance, differences
 from egad.pipeline.config import Material, Postprocess, Shape
 from egad.pipeline.parameters import Input, NotNoted, Output, Shard, command

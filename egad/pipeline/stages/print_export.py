@@ -13,13 +13,9 @@ from numpy.typing import NDArray
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.errors import RejectedError
-from egad.evalset.engraving import engrave
-from egad.evalset.plates import PrintItem, plan_prints
-from egad.evalset.print_poses import LAYER
-from egad.evalset.printability import print_problems
-from egad.exchange.meshes import read_mesh, write_stl_mm
-from egad.exchange.threemf import Placed, write_3mf
-from egad.geometry.scaling import scale_suffix
+from egad.evalset import LAYER, PrintItem, engrave, plan_prints, print_problems
+from egad.exchange import Placed, read_mesh, write_3mf, write_stl_mm
+from egad.geometry import scale_suffix
 from egad.pipeline.config import Engraving, Gripper, PrintCheck, PrintExport, Rescale
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Evaluation, Input, NotNoted, Output, command

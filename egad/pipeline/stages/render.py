@@ -10,14 +10,18 @@ import typer
 
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError
-from egad.exchange.meshes import read_mesh
+from egad.exchange import read_mesh
 from egad.exchange.palm_mesh import palm_mesh
-from egad.grasps.grasps import vectors
-from egad.perception.image_rows import encoded
-from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import GraspCandidates, Hand
-from egad.perception.rendering import pictures
-from egad.perception.splits import Share, shares
+from egad.grasps import vectors
+from egad.perception import (
+    GraspCandidates,
+    Hand,
+    RenderParameters,
+    Share,
+    encoded,
+    pictures,
+    shares,
+)
 from egad.pipeline.parameters import Input, Output, Shard, command
 from egad.pipeline.stages.shards import rejection
 from egad.tables import parquet

@@ -9,10 +9,17 @@ import numpy as np
 from egad.errors import UserError
 from egad.pipeline.stages.bundled import model_in, rows_by_id
 from egad.pipeline.stages.simulate import SimulatedTrials
-from egad.sim.attempts import END, columns_of, read_attempt
-from egad.sim.film import Film, Pixels, write_film
-from egad.sim.trial import Attempt, TrialRunner
-from egad.sim.world import World
+from egad.sim import (
+    END,
+    Attempt,
+    Film,
+    Pixels,
+    TrialRunner,
+    World,
+    columns_of,
+    read_attempt,
+    write_film,
+)
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 

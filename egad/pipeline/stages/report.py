@@ -13,7 +13,7 @@ import typer
 from egad._util.files import write_text
 from egad._util.progress import phase, progress
 from egad._util.workers import Mapper, workers
-from egad.exchange.meshes import read_mesh
+from egad.exchange import read_mesh
 from egad.pipeline.config import Settings
 from egad.pipeline.parameters import Input, Jobs, NotNoted, Output, command
 from egad.pipeline.report.page import DatasetReport, ReportData, build

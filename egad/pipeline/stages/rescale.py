@@ -12,10 +12,9 @@ from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
-from egad.exchange.folders import object_names
-from egad.exchange.meshes import read_mesh, write_obj, write_stl_mm
-from egad.geometry.scaling import rescale
-from egad.grasps.opening import graspable_fraction, graspable_widths
+from egad.exchange import object_names, read_mesh, write_obj, write_stl_mm
+from egad.geometry import rescale
+from egad.grasps import graspable_fraction, graspable_widths
 from egad.pipeline.config import Gripper, Rescale
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Jobs, NotNoted, Output, Renamed

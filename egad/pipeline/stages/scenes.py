@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import pyarrow as pa
 
-from egad.exchange.meshes import read_mesh
+from egad.exchange import read_mesh
 from egad.report.viewer import Scene
 from egad.tables import parquet
 from egad.tables.columns import ID, LABEL

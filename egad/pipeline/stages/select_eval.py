@@ -11,24 +11,24 @@ import trimesh
 
 from egad._util.progress import phase, progress
 from egad.errors import RejectedError
-from egad.evalset.printability import print_problems
-from egad.evalset.selection import (
+from egad.evalset import (
     Distances,
     Selection,
     best_of_random,
     bound,
     empty_cells,
     mean_distance,
+    print_problems,
     select,
 )
-from egad.geometry.scaling import rescale
+from egad.geometry import rescale
 from egad.pipeline.config import Gripper, PrintCheck, Rescale, SelectEval, Similarity, Space
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Jobs, Output, command
 from egad.pipeline.stages.shards import join, rejection
 from egad.random import generator
 from egad.reeb import graph as reeb
-from egad.reeb.similarity import similarity_matrix
+from egad.reeb import similarity_matrix
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.objects import OBJECTS, REJECTED, SOLIDS

@@ -11,11 +11,11 @@ import trimesh
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
-from egad.exchange.meshes import read_mesh
+from egad.exchange import read_mesh
 from egad.geometry.repair import repair
 from egad.pipeline.config import Similarity
 from egad.reeb import graph as reeb
-from egad.reeb.similarity import similarity_matrix
+from egad.reeb import similarity_matrix
 
 
 def run(

@@ -11,16 +11,12 @@ import pandas as pd
 
 from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
-from egad.detectors.base import Detector
-from egad.detectors.labels import Labels
-from egad.detectors.parameters import DetectorConfig
-from egad.detectors.registry import QUICK
-from egad.detectors.subprocess import Child
+from egad.detectors import QUICK, Child, Detector, DetectorConfig, Labels
 from egad.errors import UserError
 from egad.pipeline.parameters import Evaluation, Input, Output, Shard, command
 from egad.pipeline.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.pipeline.stages.shards import rows_in_shard
-from egad.sim.parameters import TrialParameters
+from egad.sim import TrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.grasping import GRASPS
@@ -57,7 +53,7 @@ def run(
         out: Simulated trials of detector P with gripper G, one attempt per row.
         grasps: Labelled grasps of the objects, for the detector `labels`.
     """
-    from egad.sim.attempts import failed_attempts  # noqa: PLC0415 (PyBullet greets on stderr)
+    from egad.sim import failed_attempts  # noqa: PLC0415 (PyBullet greets on stderr)
 
     chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
     known = rows_by_id(bundle)
@@ -78,7 +74,7 @@ def open_runner(
     settings: SimulatedTrials, bundle: Path, grasps: Path | None
 ) -> Iterator[Callable[[Mapping[str, Any]], pd.DataFrame]]:
     """A function that runs all attempts of an object, given its row in the bundle."""
-    from egad.sim.attempts import run_attempts  # noqa: PLC0415
+    from egad.sim import run_attempts  # noqa: PLC0415
 
     with open_detector(settings, grasps) as detector_of:
 

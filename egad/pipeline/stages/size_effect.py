@@ -11,9 +11,9 @@ import pandas as pd
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
-from egad.exchange.meshes import read_mesh
+from egad.exchange import read_mesh
 from egad.geometry.repair import repair
-from egad.measures.parameters import SizeEffectParameters
+from egad.measures import SizeEffectParameters
 from egad.measures.size_effect import size_effect
 from egad.pipeline.parameters import Evaluation, Input, Output, command
 from egad.tables import parquet

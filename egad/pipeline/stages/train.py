@@ -9,10 +9,17 @@ import pandas as pd
 
 from egad._util.files import write_text
 from egad.errors import UserError
-from egad.exchange.sums import checksum
-from egad.learning.dataset import Dataset, PositiveFilter
-from egad.learning.evaluation import Score, count_correct, score_table, total_score
-from egad.learning.model_card import TrainedNetwork, card
+from egad.exchange import checksum
+from egad.learning import (
+    Dataset,
+    PositiveFilter,
+    Score,
+    TrainedNetwork,
+    card,
+    count_correct,
+    score_table,
+    total_score,
+)
 from egad.perception import image_shards as folder
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config import Training

@@ -8,15 +8,14 @@ import pandas as pd
 import typer
 
 from egad._util.files import write_text
-from egad.perception.image_shards import files
+from egad.perception import files
 from egad.pipeline.config.stage_settings import TrainingStudyReport
 from egad.pipeline.config.training_study import Network, networks
 from egad.pipeline.parameters import Input, NotNoted, Output, command
 from egad.pipeline.report.training_study import Images, Study, Training, page
 from egad.report.axes import axis_pair
 from egad.report.trials import EvaluationSet
-from egad.stats.records import read
-from egad.stats.training_study import check_starts
+from egad.stats import check_starts, read
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.training import COMPARED, HISTORY, SCORE

@@ -3,12 +3,11 @@
 from pathlib import Path
 
 from egad.errors import RejectedError, UserError, check_name
-from egad.exchange.grasps import check_opening
-from egad.exchange.meshes import read_mesh
+from egad.exchange import check_opening, read_mesh
 from egad.exchange.palm_mesh import palm_mesh
+from egad.geometry import rescale
 from egad.geometry.repair import repair
-from egad.geometry.scaling import rescale
-from egad.grasps.labels import label_grasps
+from egad.grasps import label_grasps
 from egad.pipeline.config.stage_settings import ViewMesh
 from egad.pipeline.stages.scenes import scene
 from egad.random import generator

@@ -1,0 +1,17 @@
+from .constraints import UNBOUND as UNBOUND
+from .constraints import Rules as Rules
+from .constraints import build_rules as build_rules
+from .genome import Row as Row
+from .genome import child as child
+from .genome import neat_config as neat_config
+from .genome import random_genome as random_genome
+from .parameters import Envelope as Envelope
+from .parameters import Hole as Hole
+from .parameters import KeepSolid as KeepSolid
+from .parameters import Limits as Limits
+from .parameters import Neat as Neat
+from .parameters import Region as Region
+from .parameters import Shape as Shape
+from .parameters import Symmetry as Symmetry
+from .surface import packed_surface as packed_surface
+from .voxels import unpack as unpack

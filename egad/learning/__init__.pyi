@@ -1,0 +1,15 @@
+from .dataset import Dataset as Dataset
+from .dataset import PositiveFilter as PositiveFilter
+from .dataset import positive as positive
+from .evaluation import Score as Score
+from .evaluation import count_correct as count_correct
+from .evaluation import score_table as score_table
+from .evaluation import total_score as total_score
+from .model_card import TrainedNetwork as TrainedNetwork
+from .model_card import best_epoch as best_epoch
+from .model_card import card as card
+from .parameters import Training as Training
+from .targets import SIZE as SIZE
+from .targets import peaks as peaks
+from .targets import prepare_input as prepare_input
+from .targets import read_maps as read_maps
