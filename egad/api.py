@@ -12,7 +12,14 @@ from egad._util.parameters import check_count, from_arguments
 from egad.errors import UserError
 from egad.evalset import Bundle
 from egad.exchange.palm_mesh import palm_mesh
-from egad.geometry import SIDE_FRACTION, check_units, mass_properties, scaling
+from egad.geometry import (
+    MAX_PARTS,
+    SIDE_FRACTION,
+    VOLUME_ERROR,
+    check_units,
+    mass_properties,
+    scaling,
+)
 from egad.geometry import convex_parts as decomposition
 from egad.geometry import stable_poses as resting
 from egad.geometry.repair import repair as repair_mesh
@@ -227,7 +234,7 @@ def dataset_grasps(
 
 
 def convex_parts(
-    mesh: trimesh.Trimesh, *, max_parts: int = 256, volume_error: float = 0.06
+    mesh: trimesh.Trimesh, *, max_parts: int = MAX_PARTS, volume_error: float = VOLUME_ERROR
 ) -> list[trimesh.Trimesh]:
     """Convex meshes that together approximate a solid, for physics engines.
 

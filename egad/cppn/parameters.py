@@ -5,7 +5,6 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from egad._util.parameters import (
-    Activation,
     Axis,
     Fraction,
     FractionRange,
@@ -17,6 +16,8 @@ from egad._util.parameters import (
     Sigma,
     check_ascending,
 )
+
+Activation = Literal["sin", "sigmoid", "gaussian", "identity"]  # `query.activate`
 
 
 class Shape(Parameters):

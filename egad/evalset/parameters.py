@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from egad._util.parameters import Length, Name, Parameters, PositiveFraction
+from egad.geometry import MAX_PARTS, VOLUME_ERROR
 
 
 class SelectEval(Parameters):
@@ -80,9 +81,11 @@ class Bundle(Parameters):
         description="how the convex parts are made: cut by planes, or by CoACD, which is installed "
         "with `pip install 'egad[coacd]'`",
     )
-    max_parts: int = Field(256, ge=1, description="largest number of convex parts of an object")
+    max_parts: int = Field(
+        MAX_PARTS, ge=1, description="largest number of convex parts of an object"
+    )
     volume_error: float = Field(
-        0.06,
+        VOLUME_ERROR,
         gt=0,
         lt=1,
         description="largest relative excess volume of the parts; objects above it are marked",

@@ -17,8 +17,10 @@ from .mass import Body as Body
 from .mass import MassProperties as MassProperties
 from .mass import mass_properties as mass_properties
 from .mass import repair_and_weigh as repair_and_weigh
+from .parameters import MAX_PARTS as MAX_PARTS
 from .parameters import SHELL_THICKNESS as SHELL_THICKNESS
 from .parameters import SIDE_FRACTION as SIDE_FRACTION
+from .parameters import VOLUME_ERROR as VOLUME_ERROR
 from .parameters import Material as Material
 from .parameters import OpenSurfaces as OpenSurfaces
 from .primitives import joined_primitives as joined_primitives

@@ -8,6 +8,8 @@ from egad._util.parameters import Parameters
 
 OpenSurfaces = Literal["reject", "thicken"]
 SIDE_FRACTION = 0.8  # of a gripper's opening: the smallest side that scale rules aim at
+MAX_PARTS = 256  # convex parts of an object
+VOLUME_ERROR = 0.06  # relative excess volume of the convex parts
 SHELL_THICKNESS = 0.002  # metres: glasses, cups and bowls are 1 to 5 mm thick
 
 

@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
-from egad.pipeline.cli.show import measured
+from egad.pipeline.cli.terminal_tables import measured
 from egad.pipeline.config import CustomMeasures, Space
 from egad.pipeline.report.page import build
 from egad.report.axes import USUAL, axis_pair

@@ -44,7 +44,7 @@ def size_effect(
     from egad._util.files import write_text
     from egad.exchange import check_ending, object_names, write_frame
     from egad.measures import SizeEffectParameters
-    from egad.pipeline.cli.show import size_curves
+    from egad.pipeline.cli.terminal_tables import size_curves
     from egad.pipeline.config.stage_settings import select
     from egad.pipeline.stages import size_effect as stage
     from egad.report.grasps import size_chart

@@ -52,7 +52,7 @@ def measure(
 ) -> None:
     """Measure complexity and difficulty of meshes, and print their cells."""
     from egad.exchange import check_ending, object_names, write_frame
-    from egad.pipeline.cli.show import measured
+    from egad.pipeline.cli.terminal_tables import measured
     from egad.pipeline.config.stage_settings import MeasureMeshes, select
     from egad.pipeline.stages import measure as stage
     from egad.report.axes import axis_pair
@@ -79,7 +79,7 @@ def similarity(
 ) -> None:
     """Compute pairwise similarities of meshes: 1 for equal shapes, 0 for nothing in common."""
     from egad.exchange import check_ending, object_names, write_matrix
-    from egad.pipeline.cli.show import square
+    from egad.pipeline.cli.terminal_tables import square
     from egad.pipeline.stages import similarity as stage
 
     check_ending(out)
@@ -106,7 +106,7 @@ def locate(
     from egad._util.files import write_text
     from egad.data import archive_path
     from egad.exchange import check_ending, object_names, write_frame
-    from egad.pipeline.cli.show import located
+    from egad.pipeline.cli.terminal_tables import located
     from egad.pipeline.config.stage_settings import LocateMeshes, select
     from egad.pipeline.stages import locate as stage
     from egad.report.axes import axis_pair

@@ -147,7 +147,7 @@ def template(
 
 def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
     """Print success rates, and comparisons of pairs of detectors."""
-    from egad.pipeline.cli.show import compared, succeeded
+    from egad.pipeline.cli.terminal_tables import compared, succeeded
     from egad.report.trials import pairs
     from egad.stats import mean_rate
 

@@ -220,6 +220,7 @@ def _section(path: tuple[str, ...], values: Values) -> Iterator[str]:
             yield ""
         if "properties" in node:
             yield from _comment(node["description"], indent)
+            yield from _source(path, key, values)
             yield f"{indent}{key}:"
             yield from _section((*path, key), values[key])
         elif node.get("type") == "object":
@@ -227,6 +228,13 @@ def _section(path: tuple[str, ...], values: Values) -> Iterator[str]:
         else:
             yield from _comment(f"{node['description']} [{allowed(node)}]", indent)
             yield f"{indent}{key}: {_flow(values[key])}"
+
+
+def _source(path: tuple[str, ...], key: str, values: Values) -> Iterator[str]:
+    """Where a section of the file is defined, if the file has all sections."""
+    kind = Settings.model_fields[key].annotation
+    if kind and not path and len(values) == len(Settings.model_fields):
+        yield f"# Defined by {kind.__name__} in {kind.__module__.replace('.', '/')}.py."
 
 
 def _table(key: str, node: Node, entries: Values) -> Iterator[str]:
