@@ -29,11 +29,20 @@ from egad.grasps import (
     FRICTION,
     Grasps,
     Gripper,
+    LabelParameters,
     as_gripper,
     label_grasps,
     label_parameters,
 )
-from egad.measures import Cell, Space, cell_name, cell_of, default_measures, measure_repeatably
+from egad.measures import (
+    Cell,
+    Space,
+    cell_name,
+    cell_of,
+    center_of_mass,
+    default_measures,
+    measure_repeatably,
+)
 from egad.random import generator
 from egad.reeb import Similarity
 from egad.reeb import graph as reeb
@@ -211,16 +220,14 @@ def sample_grasps(
 
 
 def dataset_grasps(
-    mesh: trimesh.Trimesh, object_id: str, gripper: Gripper, grasps: int, seed: int
+    mesh: trimesh.Trimesh, object_id: str, parameters: LabelParameters
 ) -> pd.DataFrame:
-    """The labelled grasps of a scaled object, sampled as for a dataset of the pipeline.
+    """The labelled grasps of a scaled object, the same as in a dataset of the pipeline.
 
     Args:
         mesh: A closed mesh in metres.
         object_id: Of the object; with the seed it decides the grasps.
-        gripper: The gripper.
-        grasps: Most grasps.
-        seed: Of the grasps.
+        parameters: The gripper, the seed, how many grasps, and how to rate them.
 
     Returns:
         Columns of `tables.grasping.GRASPS` without `id` and `label`.
@@ -228,9 +235,9 @@ def dataset_grasps(
     Raises:
         RejectedError: The mesh is open, or there is no grasp.
     """
-    parameters = label_parameters(gripper, grasps, seed)
-    com, rng = mass_properties(mesh, 1.0).com, generator(seed, "grasps", object_id)
-    return label_grasps(mesh, com, parameters, rng, palm_mesh(gripper))
+    rng = generator(parameters.seed, "grasps", object_id)
+    palm = palm_mesh(parameters.gripper)
+    return label_grasps(mesh, center_of_mass(mesh), parameters, rng, palm)
 
 
 def convex_parts(

@@ -26,18 +26,23 @@ from egad.exchange import (
     write_simulation_object,
     write_stl_mm,
 )
-from egad.geometry import SIDE_FRACTION, Material, mass_properties, rescale
-from egad.grasps import FRICTION, Gripper, as_gripper, finger_span
-from egad.objects import Dataset, NamedMesh, named_meshes
+from egad.geometry import Material, mass_properties
+from egad.grasps import (
+    FRICTION,
+    Gripper,
+    LabelParameters,
+    as_gripper,
+    finger_span,
+    label_parameters,
+)
+from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
 
 
 class _Job(NamedTuple):
-    """What is exported for: the gripper and its name, grasps of an object, the seed."""
+    """What is exported for: the name of the gripper, and how grasps are labelled."""
 
-    gripper: Gripper
-    name: str
-    grasps: int
-    seed: int
+    gripper: str
+    labels: LabelParameters
 
 
 def export(
@@ -59,35 +64,37 @@ def export(
             metres. `stl`: meshes in millimetres, to print.
         gripper: The gripper, or its name.
         out: A new or empty folder.
-        grasps: Most grasps of an object; 100 as in a dataset of the pipeline.
-        seed: Of the grasps, which are those that a dataset of the pipeline has.
-        rule: How objects are scaled: see `egad.rescale`.
+        grasps: Most grasps of an object, for `acronym` only; 100 as in a dataset of the pipeline.
+        seed: Of the grasps, for `acronym` only. They are those that a dataset of the pipeline has
+            with the same seed.
+        rule: How objects are scaled: see `egad.rescale`; `none`: not.
 
     Returns:
-        The labels of objects that were left out, as they cannot be scaled, grasped or decomposed.
+        The labels of objects that were left out: their mesh does not bound a solid, or they cannot
+        be scaled, grasped or decomposed.
 
     Raises:
-        UserError: There is no such format, gripper or rule, there are no objects, a number is not
-            allowed, or the folder is not empty.
+        UserError: There is no such format, gripper or rule, there are no objects, a name or number
+            is not allowed, the folder is not empty, or a mesh file of the dataset is missing.
+
+    Warns:
+        UnitsWarning: The size of a mesh suggests another unit than the metre.
     """
     write = WRITERS[check_name("format", format, WRITERS)]
     hand = as_gripper(gripper)
-    job = _Job(
-        hand,
-        gripper if isinstance(gripper, str) else "gripper",
-        check_count("grasps", grasps),
-        seed,
-    )
+    check_name("rule", rule, RULES)
+    labels = label_parameters(hand, check_count("grasps", grasps), seed)
+    job = _Job(gripper if isinstance(gripper, str) else "gripper", labels)
     items, left_out = named_meshes(objects), []
+    for item in items:
+        check_key(item.label)
     target = Path(out)
     check_empty(target)
     with atomic_output(target, keep=False) as folder:
         folder.mkdir()
         for item in progress(items, "exporting", len(items)):
-            check_key(item.label)
             try:
-                mesh, _ = rescale(item.mesh(), rule, hand.opening, SIDE_FRACTION)
-                write(folder, item, mesh, job)
+                write(folder, item, scaled_solid(item, hand, rule), job)
             except RejectedError:
                 left_out.append(item.label)
     return left_out
@@ -96,7 +103,7 @@ def export(
 def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
     file = f"meshes/{item.label}.obj"
     mass = mass_properties(mesh, Material().density)
-    grasps = dataset_grasps(mesh, item.id, job.gripper, job.grasps, job.seed)
+    grasps = dataset_grasps(mesh, item.id, job.labels)
     (folder / "meshes").mkdir(exist_ok=True)
     write_obj(mesh, folder / file)
     body = Body(
@@ -108,7 +115,8 @@ def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) ->
         inertia=mass.inertia,
         friction=FRICTION,
     )
-    jaws = Jaws(job.name, job.gripper.opening, finger_span(job.gripper)[1])
+    hand = job.labels.gripper
+    jaws = Jaws(job.gripper, hand.opening, finger_span(hand)[1])
     write_acronym(
         folder / f"{item.label}.h5", body, jaws, grasps, Acronym().min_robust_success_rate
     )

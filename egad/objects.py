@@ -3,18 +3,22 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property, partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import numpy as np
 import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.parameters import ScaleRule
 from egad.cppn import Row, Shape, packed_surface, unpack
 from egad.data import released
-from egad.errors import UserError, check_name
+from egad.errors import RejectedError, UserError, check_name
+from egad.evalset import wind_outwards
 from egad.exchange import read_mesh
+from egad.geometry import SIDE_FRACTION, check_units, rescale
 from egad.geometry.repair import repair
+from egad.grasps import Gripper
 from egad.map_elites import Archive
 from egad.measures import labels
 from egad.tables import parquet
@@ -22,6 +26,8 @@ from egad.tables.evolution import ARCHIVE, GENOME
 from egad.tables.objects import OBJECTS
 
 RELEASED = "released"
+UNSCALED = "none"
+RULES = (*get_args(ScaleRule), UNSCALED)
 
 
 class EvolvedObject:
@@ -45,9 +51,13 @@ class EvolvedObject:
 
     @cached_property
     def mesh(self) -> trimesh.Trimesh:
-        """The closed surface, in metres."""
+        """The closed surface, in metres.
+
+        Raises:
+            UserError: The mesh file of a dataset folder is missing or damaged.
+        """
         if self._meshes is not None:
-            return read_mesh(self._meshes / f"{self.label}.obj", "m")
+            return _dataset_mesh(self._meshes / f"{self.label}.obj")
         return repair(packed_surface(self._evolved["voxels"], self._shape)).mesh
 
     @cached_property
@@ -73,6 +83,14 @@ class EvolvedObject:
         if self._elite is None:
             raise UserError(f"{self.label} comes from a mesh: it has no voxels and no genome")
         return self._elite
+
+
+def _dataset_mesh(path: Path) -> trimesh.Trimesh:
+    """A mesh of a dataset: the dataset is broken if it cannot be read, not the object."""
+    try:
+        return read_mesh(path, "m")
+    except RejectedError as reason:
+        raise UserError(f"{path}: {reason}") from reason
 
 
 class Dataset:
@@ -149,16 +167,23 @@ class Dataset:
 def load(source: str | Path | Archive = RELEASED) -> Dataset:
     """Load objects.
 
+    A label names the cell that an object has in this source. The pipeline measures objects again,
+    with more grasps than evolution. So most objects of `results/egad` have another label than in
+    the archive that they come from, and the same label may name another object. The id of an
+    object stays.
+
     Args:
         source: `released`: the archive that egad ships; the folder of a dataset, such as
             `results/egad`; a file `archive.parquet`; or an archive that `egad.evolve` returned.
 
     Raises:
-        UserError: There is no such file or folder.
+        UserError: There is no such file or folder, or the source is of another type.
         TableError: A table is damaged or of another version.
     """
     if isinstance(source, Archive):
         return _from_archive(source.to_frame(), Shape())
+    if not isinstance(source, str | Path):
+        raise UserError(f"a source of objects is a path or an archive, got {source!r}")
     path = released() if source == RELEASED else Path(source)
     if path.is_dir() and (path / "objects.parquet").is_file():
         archive = path / "archive.parquet"
@@ -206,15 +231,50 @@ def named_meshes(objects: Dataset | Mapping[str, trimesh.Trimesh]) -> list[Named
     """The objects of a dataset, or meshes by name.
 
     Raises:
-        UserError: There are none.
+        UserError: There are none, or it is something else.
     """
+    if not isinstance(objects, Dataset | Mapping):
+        raise UserError(_not_objects(type(objects).__name__))
     if not len(objects):
         raise UserError("there are no objects; give a dataset or meshes by name")
     if isinstance(objects, Dataset):
         return [NamedMesh(each.label, each.id, partial(getattr, each, "mesh")) for each in objects]
+    for name in objects:
+        if not isinstance(name, str):
+            raise UserError(_not_objects(f"the name {name!r}"))
     if isinstance(objects, dict):  # a process that gets a mesh need not get all of them
         return [NamedMesh(name, name, partial(_itself, mesh)) for name, mesh in objects.items()]
     return [NamedMesh(name, name, partial(objects.__getitem__, name)) for name in objects]
+
+
+def _not_objects(given: str) -> str:
+    return (
+        "objects are a dataset, as `egad.load` and `dataset.select` return, or a dictionary of "
+        f"meshes by name, such as {{'mug': mesh}}; got {given}"
+    )
+
+
+def scaled_solid(target: NamedMesh, gripper: Gripper, rule: str) -> trimesh.Trimesh:
+    """The mesh of an object as it is grasped: a closed surface wound outwards, scaled, metres.
+
+    Args:
+        target: The object.
+        gripper: What it is scaled to.
+        rule: One of `RULES`: see `egad.rescale`; `none`: it is not scaled.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid, or is flat.
+        UserError: It is not a mesh, or its file is missing.
+
+    Warns:
+        UnitsWarning: The size of the mesh suggests another unit than the metre.
+    """
+    mesh = target.mesh()
+    check_units(mesh, f"the mesh {target.label!r}")
+    solid = wind_outwards(mesh)
+    if rule == UNSCALED:
+        return solid
+    return rescale(solid, rule, gripper.opening, SIDE_FRACTION)[0]
 
 
 def _itself(mesh: trimesh.Trimesh) -> trimesh.Trimesh:

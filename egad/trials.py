@@ -3,21 +3,21 @@
 import logging
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 import pandas as pd
 import trimesh
 
-from egad._util.parameters import ScaleRule, from_arguments
+from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.api import dataset_grasps
 from egad.detectors import QUICK, Detector, Labels, with_checked_answers
 from egad.errors import RejectedError, UserError, check_name
-from egad.evalset import Bundle, wind_outwards
-from egad.geometry import SIDE_FRACTION, Material, check_mesh, rescale
-from egad.grasps import GraspLabel, Gripper, as_gripper
-from egad.objects import Dataset, NamedMesh, named_meshes
+from egad.evalset import Bundle
+from egad.geometry import Material
+from egad.grasps import GraspLabel, Gripper, as_gripper, label_parameters
+from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
 from egad.outcomes import Outcome
 from egad.sim import TrialParameters, build, failed_attempts, run_attempts
 from egad.sim import Trials as Protocol
@@ -26,9 +26,7 @@ from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
 log = logging.getLogger(__name__)
-UNSCALED = "none"
 LABELS = "labels"
-RULES = (*get_args(ScaleRule), UNSCALED)
 
 
 class Trials:
@@ -105,7 +103,12 @@ def run_trials(
 
     Raises:
         UserError: There is no such gripper, detector or rule, a number is out of bounds, there
-            are no objects, or the detector cannot be imported by other processes.
+            are no objects, a mesh file of the dataset is missing, or the detector cannot be
+            imported by other processes.
+
+    Warns:
+        UnitsWarning: The size of a mesh suggests another unit than the metre. With several jobs,
+            it appears on the error output only.
     """
     hand = as_gripper(gripper)
     check_name("rule", rule, RULES)
@@ -130,11 +133,7 @@ def _attempts(
 ) -> pd.DataFrame:
     """All attempts at an object, columns of `tables.evaluation.TRIALS`."""
     try:
-        mesh = target.mesh()
-        check_mesh(mesh)
-        mesh = wind_outwards(mesh)
-        if rule != UNSCALED:
-            mesh, _ = rescale(mesh, rule, parameters.gripper.opening, SIDE_FRACTION)
+        mesh = scaled_solid(target, parameters.gripper, rule)
         model = build(mesh, Material().density, Bundle())
     except RejectedError as reason:
         log.warning("%s cannot be simulated: %s", target.label, reason)
@@ -159,9 +158,8 @@ def _detector(
     if detect != LABELS:
         return QUICK[detect]
     try:
-        grasps = dataset_grasps(
-            mesh, name, parameters.gripper, GraspLabel().grasps, parameters.seed
-        )
+        wanted = label_parameters(parameters.gripper, GraspLabel().grasps, parameters.seed)
+        grasps = dataset_grasps(mesh, name, wanted)
     except RejectedError as reason:
         log.warning("%s: %s", name, reason)
         grasps = empty(GRASPS)

@@ -46,6 +46,30 @@ def test_meshes_are_scaled_to_the_gripper(tmp_path, style, unit):
     assert mesh.volume == pytest.approx(BLOCK.volume * (FACTOR * unit) ** 3, rel=1e-5)
 
 
+@pytest.mark.parametrize("style", ["acronym", "simulation", "obj", "stl"])
+def test_a_mesh_is_wound_outwards_and_an_open_one_left_out(tmp_path, style):
+    inverted = BLOCK.copy()
+    inverted.invert()
+    tray = trimesh.Trimesh(BLOCK.vertices, BLOCK.faces[2:], process=False)
+    given = {"inverted": inverted, "tray": tray}
+    assert egad.export(given, style, "panda", tmp_path / "out", grasps=2) == ["tray"]
+    files = [p for p in (tmp_path / "out").rglob("*") if p.suffix in (".obj", ".stl")]
+    assert files
+    for path in files:
+        assert trimesh.load_mesh(path).volume > 0
+        assert "tray" not in path.name
+
+
+def test_objects_need_not_be_scaled(tmp_path):
+    assert egad.export({"block": BLOCK}, "obj", "panda", tmp_path / "out", rule="none") == []
+    assert trimesh.load_mesh(tmp_path / "out/block.obj").extents == pytest.approx(BLOCK.extents)
+
+
+def test_a_wrong_name_is_told_before_anything_is_made(tmp_path):
+    with pytest.raises(UserError, match="object 'a/b' cannot be exported under this name"):
+        egad.export({"no_mesh": None, "a/b": BLOCK}, "obj", "panda", tmp_path / "out")
+
+
 def test_what_is_there_is_not_lost_and_mistakes_are_told(tmp_path):
     (tmp_path / "mine.txt").touch()
     with pytest.raises(UserError, match="is not empty, and its files would be lost; name a new"):
@@ -58,4 +82,9 @@ def test_what_is_there_is_not_lost_and_mistakes_are_told(tmp_path):
         egad.export({"block": BLOCK}, "obj", "panda", tmp_path / "mine.txt")
     with pytest.raises(UserError, match="grasps is 0"):
         egad.export({"block": BLOCK}, "acronym", "panda", tmp_path / "out", grasps=0)
+    for style in ("acronym", "obj"):
+        with pytest.raises(UserError, match="seed is 'x'"):
+            egad.export({"block": BLOCK}, style, "panda", tmp_path / "out", seed="x")
+    with pytest.raises(UserError, match="rule 'papr' is not known; did you mean paper"):
+        egad.export({"block": BLOCK}, "obj", "panda", tmp_path / "out", rule="papr")
     assert not (tmp_path / "out").exists()

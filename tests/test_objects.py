@@ -3,13 +3,18 @@
 import numpy as np
 import pandas as pd
 import pytest
+import trimesh
 
 import egad
 from egad.cppn.parameters import Shape
 from egad.cppn.query import query
 from egad.cppn.voxels import identity, solid
 from egad.data import released
-from egad.errors import TableError, UserError
+from egad.errors import RejectedError, TableError, UserError
+from egad.geometry.checks import UnitsWarning
+from egad.objects import named_meshes, scaled_solid
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS
 
 
 @pytest.fixture(scope="module")
@@ -90,3 +95,63 @@ def test_what_is_no_dataset_is_a_sentence(tmp_path):
     frame.to_parquet(tmp_path / "other.parquet")
     with pytest.raises(TableError):
         egad.load(tmp_path / "other.parquet")
+    for source in (None, 3):
+        with pytest.raises(UserError, match=f"a path or an archive, got {source}"):
+            egad.load(source)
+
+
+@pytest.mark.parametrize("content", [None, "milk, eggs"])
+def test_a_mesh_file_that_a_dataset_lacks_is_named(tmp_path, content):
+    """An error of the dataset: no failure of the detector, nothing that an export leaves out."""
+    blank = {field.name: "" if str(field.type) == "string" else 0 for field in OBJECTS}
+    table = pd.DataFrame(blank | {"id": "d", "label": "D03_0"}, index=[0])
+    parquet.write(table, OBJECTS, tmp_path / "objects.parquet")
+    if content:
+        (tmp_path / "meshes").mkdir()
+        (tmp_path / "meshes/D03_0.obj").write_text(content)
+    dataset = egad.load(tmp_path)
+    for use in (
+        lambda: dataset["D03_0"].mesh,
+        lambda: egad.run_trials("random", dataset, "panda", attempts=1),
+        lambda: egad.export(dataset, "obj", "panda", tmp_path / "out"),
+    ):
+        with pytest.raises(UserError, match=r"meshes/D03_0\.obj: no"):
+            use()
+
+
+BOX = trimesh.creation.box((0.1, 0.2, 0.3))
+SIDE = 0.8 * 0.08  # of the opening of the panda gripper
+
+
+@pytest.mark.parametrize("given", [[BOX], BOX, None, "released", {1: BOX}, {"a": BOX, None: BOX}])
+def test_objects_are_a_dataset_or_meshes_by_name(objects, given, tmp_path):
+    for wrong in (given, objects["M14_3"]):
+        with pytest.raises(UserError, match=r"objects are a dataset, .* of meshes by name"):
+            egad.run_trials("random", wrong, "panda")
+        with pytest.raises(UserError, match=r"objects are a dataset, .* of meshes by name"):
+            egad.export(wrong, "obj", "panda", tmp_path / "out")
+
+
+@pytest.mark.parametrize(("rule", "side"), [("paper", SIDE), ("none", 0.1)])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_solid_is_wound_outwards_and_scaled(rule, side, turned):
+    box = BOX.copy()
+    if turned:
+        box.invert()
+    (target,) = named_meshes({"box": box})
+    mesh = scaled_solid(target, egad.gripper("panda"), rule)
+    assert mesh.volume == pytest.approx(6 * side**3)
+    assert box.volume == pytest.approx(-0.006 if turned else 0.006)
+
+
+def test_a_surface_that_bounds_no_solid_is_rejected():
+    sheet = trimesh.Trimesh(BOX.vertices, BOX.faces[2:], process=False)
+    (target,) = named_meshes({"sheet": sheet})
+    with pytest.raises(RejectedError, match="does not bound a solid"):
+        scaled_solid(target, egad.gripper("panda"), "paper")
+
+
+def test_the_mesh_whose_unit_looks_wrong_is_named():
+    (target,) = named_meshes({"box": BOX.copy().apply_scale(1000)})
+    with pytest.warns(UnitsWarning, match="the longest side of the mesh 'box' is 300 m"):
+        scaled_solid(target, egad.gripper("panda"), "paper")

@@ -1,6 +1,9 @@
 """Checks of meshes that users pass: typed errors before anything is computed from them."""
 
+import inspect
+import traceback
 import warnings
+from itertools import takewhile
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from egad.errors import RejectedError, UserError
 
+PACKAGE = Path(__file__).parents[1]
 USUAL_SIDES = (0.001, 2.0)  # longest sides of things that are grasped, metres
 ROUNDING = 1e-12  # of the cube of the longest side: a smaller volume is none
 
@@ -87,11 +91,16 @@ def _relative_volume(mesh: trimesh.Trimesh) -> float:
     return float(np.einsum("ij,ij", a, np.cross(b, c))) / 6
 
 
-def check_units(mesh: trimesh.Trimesh) -> None:
+def check_units(mesh: trimesh.Trimesh, what: str = "the mesh") -> None:
     """Warn if a mesh is so large or small that its coordinates cannot be in metres.
 
+    Args:
+        mesh: The mesh.
+        what: What the warning calls it.
+
     Warns:
-        UnitsWarning: The longest side is not between 1 mm and 2 m.
+        UnitsWarning: The longest side is not between 1 mm and 2 m. It names the line that called
+            egad.
 
     Raises:
         UserError: It is not a mesh.
@@ -102,11 +111,18 @@ def check_units(mesh: trimesh.Trimesh) -> None:
     if not has_usual_size(longest):
         low, high = USUAL_SIDES
         warnings.warn(
-            f"the longest side of the mesh is {longest:.3g} m, which is not between {low:g} m and "
+            f"the longest side of {what} is {longest:.3g} m, which is not between {low:g} m and "
             f"{high:g} m: are its coordinates really in metres?",
             UnitsWarning,
-            stacklevel=2,
+            stacklevel=_calls_within_egad(),
         )
+
+
+def _calls_within_egad() -> int:
+    """How many calls, with this one, lie above the line of the user's program."""
+    calls = traceback.walk_stack(inspect.currentframe())
+    within = takewhile(lambda call: PACKAGE in Path(call[0].f_code.co_filename).parents, calls)
+    return len(list(within))
 
 
 def has_usual_size(longest_sides: ArrayLike) -> NDArray[np.bool_]:

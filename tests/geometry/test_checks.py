@@ -1,5 +1,6 @@
 """Bad meshes at the functions that users call: a typed error with a sentence, never a crash."""
 
+import contextlib
 import warnings
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
+import egad
 from egad.errors import EgadError, RejectedError, UserError
 from egad.geometry.checks import UnitsWarning, check_mesh, check_solid, check_units
 from egad.geometry.convex_parts import convex_parts
@@ -157,3 +159,23 @@ def test_units_that_look_wrong_give_a_warning(side, usual):
     else:
         with pytest.warns(UnitsWarning, match=f"is {side:.3g} m, which .* really in metres"):
             check_units(mesh)
+
+
+CRATE = trimesh.creation.box((20, 30, 50))
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda _: egad.rescale(CRATE, "panda"),
+        lambda _: egad.sample_grasps(CRATE, "panda"),
+        lambda _: egad.run_trials("random", {"crate": CRATE}, "panda", attempts=1),
+        lambda folder: egad.export({"crate": CRATE}, "obj", "panda", folder / "out"),
+    ],
+)
+def test_the_warning_names_the_line_of_the_user(call, tmp_path):
+    with pytest.warns(UnitsWarning) as found, contextlib.suppress(RejectedError):
+        call(tmp_path)
+    assert [(each.filename, each.lineno) for each in found] == [
+        (__file__, call.__code__.co_firstlineno)
+    ]

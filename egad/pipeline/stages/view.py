@@ -8,6 +8,7 @@ from egad.exchange.palm_mesh import palm_mesh
 from egad.geometry import rescale
 from egad.geometry.repair import repair
 from egad.grasps import label_grasps
+from egad.measures import center_of_mass
 from egad.pipeline.config.stage_settings import ViewMesh
 from egad.pipeline.stages.scenes import scene
 from egad.random import generator
@@ -67,7 +68,7 @@ def from_mesh(path: Path, units: str, settings: ViewMesh) -> Scene:
     title = f"{path.name}, scaled by {row['factor']:.3g}"
     rng = generator(settings.seed, "grasps", path.stem)
     try:
-        rows = label_grasps(mesh, mesh.center_mass, settings, rng, palm_mesh(settings.gripper))
+        rows = label_grasps(mesh, center_of_mass(mesh), settings, rng, palm_mesh(settings.gripper))
         return Scene(path.stem, title, mesh, rows)
     except RejectedError as reason:
         return Scene(path.stem, title, mesh, parquet.empty(GRASPS), str(reason))

@@ -1,9 +1,56 @@
+"""Labels of grasps by the stage and by the library; the palm mesh of a gripper."""
+
+import pandas as pd
 import pytest
 import trimesh
 
+import egad
+from egad.api import dataset_grasps
 from egad.errors import UserError
+from egad.exchange.meshes import write_obj
 from egad.exchange.palm_mesh import palm_mesh
-from egad.pipeline.config import Gripper
+from egad.grasps.labels import label_parameters
+from egad.grasps.parameters import LabelParameters
+from egad.objects import named_meshes, scaled_solid
+from egad.pipeline.config import GraspLabel, Gripper, Settings
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.stages import grasp_label, rescale
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS
+from egad.tables.objects import OBJECTS
+
+
+def label_by_stages(folder, each, gripper, grasps, seed):
+    """Grasps of a dataset of one object, which is made in a folder."""
+    kinds = {"string": "", "bool": True}
+    blank = {field.name: kinds.get(str(field.type), 0) for field in OBJECTS}
+    table = pd.DataFrame(blank | {"id": each.id, "label": each.label}, index=[0])
+    parquet.write(table, OBJECTS, folder / "objects.parquet")
+    (folder / "meshes").mkdir()
+    write_obj(each.mesh, folder / f"meshes/{each.label}.obj")
+    settings = Settings(grasp_label=GraspLabel(grasps=grasps), seed=seed)
+    scaling = select(settings, rescale.RescaleMeshes, gripper)
+    rescale.run(scaling, [folder / "meshes"], "m", folder / "scaled")
+    grasp_label.run(
+        select(settings, LabelParameters, gripper),
+        folder / "objects.parquet",
+        folder / "scaled",
+        (0, 1),
+        *(folder / f"{name}.parquet" for name in ("grasps", "sampling", "rejected")),
+    )
+    return parquet.read(folder / "grasps.parquet", GRASPS)
+
+
+@pytest.mark.parametrize("gripper", ["panda", "yumi"])  # yumi is too small for it as it is
+def test_the_library_samples_the_grasps_of_the_stage(tmp_path, gripper):
+    expected = label_by_stages(tmp_path, egad.load("released")["M14_3"], gripper, 30, 5)
+    assert len(expected) == 30
+    (target,) = named_meshes(egad.load(tmp_path))
+    hand = egad.gripper(gripper)
+    mesh = scaled_solid(target, hand, "paper")
+    found = dataset_grasps(mesh, target.id, label_parameters(hand, 30, 5))
+    found = found.assign(id=target.id, label=target.label)[GRASPS.names]
+    pd.testing.assert_frame_equal(found, expected, check_exact=True, check_dtype=False)
 
 
 def test_a_gripper_without_mesh_has_none():
