@@ -8,8 +8,8 @@ import pandas as pd
 import trimesh
 from numpy.typing import ArrayLike, NDArray
 
-from egad._util.parameters import check_count, from_arguments
-from egad.errors import UserError
+from egad._util.arguments import check_array, check_number
+from egad._util.parameters import MAX_SIDE_FRACTION, check_count, from_arguments
 from egad.evalset import Bundle
 from egad.exchange.palm_mesh import palm_mesh
 from egad.geometry import (
@@ -76,7 +76,8 @@ def measure(
     """Complexity and grasp difficulty of a mesh.
 
     The mesh is repaired, then scaled until its smallest side is 80 % of the opening of the
-    gripper, so its size and unit do not matter. The same mesh and seed give the same values.
+    gripper, so its size and unit do not matter beyond rounding, which may lead to other grasps. The
+    same mesh and seed give the same values.
 
     Args:
         mesh: Any mesh, in any unit.
@@ -159,9 +160,8 @@ def rescale(
         UnitsWarning: The size of the mesh suggests another unit than the metre.
     """
     check_units(mesh)
-    if not 0 < side_fraction <= 3:
-        raise UserError(f"side_fraction is {side_fraction}; allowed: above 0, at most 3")
-    scaled, row = scaling.rescale(mesh, rule, as_gripper(gripper).opening, side_fraction)
+    fraction = check_number("side_fraction", side_fraction, above=0, most=MAX_SIDE_FRACTION)
+    scaled, row = scaling.rescale(mesh, rule, as_gripper(gripper).opening, fraction)
     return scaled, row["factor"]
 
 
@@ -215,7 +215,7 @@ def sample_grasps(
         approach_angles=approach_angles,
     )
     com = _center(mesh, center_of_mass)
-    rng = generator(seed, "sample_grasps")
+    rng = generator(parameters.seed, "sample_grasps")
     return Grasps(label_grasps(mesh, com, parameters, rng, palm_mesh(hand)))
 
 
@@ -264,7 +264,8 @@ def stable_poses(
     """The poses in which a solid can rest on a table, the most probable first.
 
     Args:
-        mesh: Any surface, in any unit; only its convex hull counts.
+        mesh: A closed surface, in any unit; any surface if the center of mass is given, as only
+            its convex hull counts then.
         center_of_mass: (3,) in the unit of the mesh; by default that of a solid of uniform density.
 
     Returns:
@@ -273,7 +274,9 @@ def stable_poses(
         z = 0, and the center of mass is above the origin.
 
     Raises:
-        RejectedError: The mesh is flat, or the center of mass is not inside its hull.
+        RejectedError: The mesh is flat, or the center of mass is not inside its hull. Or the
+            center of mass is not given, and the mesh is open or inside out.
+        UserError: It is not a mesh, or the center of mass is not 3 finite numbers.
 
     Source: after Goldberg et al., Part pose statistics, 1999.
     """
@@ -284,7 +287,4 @@ def _center(mesh: trimesh.Trimesh, given: ArrayLike | None) -> Floats:
     """The center of mass that is given, or that of the solid."""
     if given is None:
         return mass_properties(mesh, 1.0).com
-    found = np.asarray(given, dtype=np.float64)
-    if found.shape != (3,) or not np.isfinite(found).all():
-        raise UserError(f"a center of mass is 3 finite numbers, got {given!r}")
-    return found
+    return check_array("center_of_mass", given, (3,), "3 finite numbers")

@@ -3,7 +3,7 @@
 import difflib
 from collections.abc import Iterable
 
-LESS_MEMORY = "use fewer cores: --jobs of a command, --cores of the workflow"
+LESS_MEMORY = "use fewer processes: `jobs` in Python, --jobs of a command, --cores of the workflow"
 MOST_NAMES = 12
 
 
@@ -23,16 +23,17 @@ class TableError(EgadError, ValueError):
     """A Parquet file is missing, damaged, or does not have the columns of its schema."""
 
 
-def check_name(what: str, name: str, names: Iterable[str], where: str = "") -> str:
+def check_name(what: str, name: object, names: Iterable[str], where: str = "") -> str:
     """The name, if there is such a thing.
 
     Raises:
-        UserError: There is none; the text has those that are spelled most alike, or a few.
+        UserError: There is none, or it is no text; the message has those that are spelled most
+            alike, or a few.
     """
     allowed = sorted(names)
-    if name in allowed:
+    if isinstance(name, str) and name in allowed:
         return name
-    near = difflib.get_close_matches(name, allowed, n=5, cutoff=0.5)
+    near = difflib.get_close_matches(str(name), allowed, n=5, cutoff=0.5)
     few = ", ".join(allowed[:MOST_NAMES]) + (", ..." if len(allowed) > MOST_NAMES else "")
     hint = f"did you mean {' or '.join(near)}?" if near else f"known: {few or 'none'}"
     raise UserError(f"{what} {name!r} is not known{where}; {hint}")

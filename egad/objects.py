@@ -10,6 +10,7 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.files import as_path
 from egad._util.parameters import ScaleRule
 from egad.cppn import Row, Shape, packed_surface, unpack
 from egad.data import released
@@ -177,14 +178,12 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
             `results/egad`; a file `archive.parquet`; or an archive that `egad.evolve` returned.
 
     Raises:
-        UserError: There is no such file or folder, or the source is of another type.
+        UserError: There is no such file or folder, or it is no path.
         TableError: A table is damaged or of another version.
     """
     if isinstance(source, Archive):
         return _from_archive(source.to_frame(), Shape())
-    if not isinstance(source, str | Path):
-        raise UserError(f"a source of objects is a path or an archive, got {source!r}")
-    path = released() if source == RELEASED else Path(source)
+    path = released() if source == RELEASED else as_path("source", source)
     if path.is_dir() and (path / "objects.parquet").is_file():
         archive = path / "archive.parquet"
         elites = parquet.read(archive, ARCHIVE) if archive.is_file() else None

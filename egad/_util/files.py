@@ -13,6 +13,17 @@ from egad.errors import UserError
 OF_DISKS = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG)
 
 
+def as_path(name: str, given: object) -> Path:
+    """The argument of a public function that names a file or folder.
+
+    Raises:
+        UserError: It is something else.
+    """
+    if not isinstance(given, str | os.PathLike):
+        raise UserError(f"{name} is {given!r}; allowed: a path")
+    return Path(given)
+
+
 @contextmanager
 def atomic_output(path: Path, keep: bool = True) -> Iterator[Path]:
     """Give a temporary path beside `path`; on success it takes the place of `path`.

@@ -19,8 +19,10 @@ Offset = Annotated[float, Field(ge=-0.5, le=0.5)]
 Axis = Literal["x", "y", "z"]
 Pixels = Annotated[int, Field(ge=16, le=4096)]
 Percent = Annotated[float, Field(ge=0, le=100)]
-SideFraction = Annotated[float, Field(gt=0, le=3)]
+MAX_SIDE_FRACTION = 3
+SideFraction = Annotated[float, Field(gt=0, le=MAX_SIDE_FRACTION)]
 Angle = Annotated[float, Field(ge=0, le=60)]
+Seed = Annotated[int, Field(ge=0, lt=2**32)]
 ScaleRule = Literal["paper", "egad-script", "exact"]
 
 
@@ -67,11 +69,17 @@ SEARCH_ONLY = Archived(keys=frozenset())
 def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields of any type)
     """Parameters from the arguments of a public function.
 
+    Configurations come from texts and may have `2.0` or `"2"` for an integer; arguments may not.
+
     Raises:
         UserError: A value is not allowed; the text names the argument.
     """
+    integers = [name for name in values if kind.model_fields[name].annotation is int]
+    if wrong := [name for name in integers if _whole(values[name]) is None]:
+        known = kind.model_json_schema()["properties"]
+        raise UserError("\n".join(_refusal(name, values[name], known[name]) for name in wrong))
     try:
-        return kind(**values)
+        return kind(**values | {name: _whole(values[name]) for name in integers})
     except ValidationError as error:
         raise UserError(_in_words(error, kind)) from error
 
@@ -87,9 +95,26 @@ def _in_words(error: ValidationError, kind: type[BaseModel]) -> str:
         name, *inside = each["loc"]
         check_name("argument", str(name), known)
         where = "".join([str(name), *(f"[{key}]" for key in inside)])
-        given = "is missing" if each["type"] == "missing" else f"is {each['input']!r}"
-        sentences.append(f"{where} {given}; allowed: {wanted(known[name])}")
+        if each["type"] == "missing":
+            sentences.append(f"{where} is missing; allowed: {wanted(known[name])}")
+        else:
+            sentences.append(_refusal(where, each["input"], known[name]))
     return "\n".join(sentences)
+
+
+def _refusal(where: str, given: object, node: Node) -> str:
+    """The sentence for a wrong argument, with the schema of what is allowed."""
+    return f"{where} is {given!r}; allowed: {wanted(node)}"
+
+
+def _whole(given: object) -> int | None:
+    """An integer as Python or numpy has it; None for a text, a float, or True and False."""
+    if isinstance(given, bool) or not isinstance(given, SupportsIndex):
+        return None
+    try:
+        return operator.index(given)
+    except TypeError:  # an array
+        return None
 
 
 class UserParameters(Parameters):
@@ -115,8 +140,8 @@ def check_count(name: str, given: object) -> int:
     Raises:
         UserError: It is something else.
     """
-    count = operator.index(given) if isinstance(given, SupportsIndex) else 0
-    if count < 1:
+    count = _whole(given)
+    if count is None or count < 1:
         raise UserError(f"{name} is {given!r}; allowed: a whole number, at least 1")
     return count
 

@@ -26,6 +26,7 @@ UNGUARDED = (
     "could not start: with several jobs, a script needs "
     '`if __name__ == "__main__":` around its calls'
 )
+NO_FILE = "could not start: several jobs need a script that is a file; save the program, or use 1"
 NOT_IMPORTABLE = "with several jobs, functions must be in a module that can be imported"
 Work = Callable[[Any], Any]
 Mapper = Callable[[Work, Iterable[Any]], Iterable[Any]]
@@ -55,29 +56,38 @@ def workers(count: int, chunk: int = 2) -> Iterator[Mapper]:
     started = ANEW.Event()
 
     def mapper(work: Work, items: Iterable[Any]) -> Iterable[Any]:
-        _check_importable(work)
-        return pool.map(partial(_told, work), items, chunksize=chunk)
+        pickled = _pickled(work)
+        if b"__main__" in pickled and not Path(_main_file()).is_file():
+            raise UserError(f"{NOT_IMPORTABLE}; one of a notebook or a prompt cannot")
+        return pool.map(partial(_told, pickled), map(_pickled, items), chunksize=chunk)
 
     try:
         with ProcessPoolExecutor(count, ANEW, _start_worker, (started,)) as pool:
             yield mapper
     except BrokenProcessPool as error:
-        reason = f"ended unexpectedly, probably out of memory; {LESS_MEMORY}"
-        raise UserError(f"a worker process {reason if started.is_set() else UNGUARDED}") from error
+        raise UserError(f"a worker process {_ending(started.is_set())}") from error
 
 
-def _check_importable(work: Work) -> None:
-    """Make sure that other processes can import a function.
+def _ending(started: bool) -> str:
+    """Why the processes of a pool have ended, as far as it can be told."""
+    if started:
+        return f"ended unexpectedly, probably out of memory; {LESS_MEMORY}"
+    program = _main_file()
+    return NO_FILE if program and not Path(program).is_file() else UNGUARDED
+
+
+def _pickled(what: Any) -> bytes:  # noqa: ANN401 (whatever the work takes, or the work)
+    """Something as other processes get it.
+
+    They unpickle it with the work, not in the queue of the pool: there, an error would end them.
 
     Raises:
-        UserError: They cannot.
+        UserError: It cannot be pickled.
     """
     try:
-        names = pickle.dumps(work)
-    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        return pickle.dumps(what)
+    except (pickle.PicklingError, AttributeError, TypeError, ValueError) as error:
         raise UserError(f"{NOT_IMPORTABLE} ({error})") from error
-    if b"__main__" in names and not Path(_main_file()).is_file():
-        raise UserError(f"{NOT_IMPORTABLE}; one of a notebook or a prompt cannot")
 
 
 def _main_file() -> str:
@@ -85,10 +95,19 @@ def _main_file() -> str:
     return getattr(sys.modules["__main__"], "__file__", None) or ""
 
 
-def _told(work: Work, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
-    """Do the work on an item in a process that says when it compiles kernels."""
+def _told(work: bytes, item: bytes) -> Any:  # noqa: ANN401 (whatever the work gives)
+    """Do pickled work on an item in a process that says when it compiles kernels.
+
+    Raises:
+        UserError: The work or the item is of a module that this process does not have.
+        Exception: What the work raises.
+    """
     report_compilation()
-    return work(item)
+    try:
+        call, what = pickle.loads(work), pickle.loads(item)  # noqa: S301 (our own)
+    except (ImportError, AttributeError) as error:
+        raise UserError(f"{NOT_IMPORTABLE} ({error})") from error
+    return call(what)
 
 
 def _start_worker(started: Event) -> None:

@@ -25,7 +25,7 @@ def packed_surface(packed: bytes, shape: Shape) -> trimesh.Trimesh:
 
 
 def surface(voxels: Solid, shape: Shape) -> trimesh.Trimesh:
-    """The surface of a solid: marching cubes, Humphrey smoothing, scaled and centerd.
+    """The surface of a solid: marching cubes, Humphrey smoothing, scaled and centered.
 
     Source: EGAD, section III-B; smoothing by Vollmer, Mencl, Mueller 1999.
 
@@ -34,7 +34,7 @@ def surface(voxels: Solid, shape: Shape) -> trimesh.Trimesh:
         shape: Smoothing and size.
 
     Returns:
-        A mesh in metres with outward normals, its axis-aligned box centerd on the origin.
+        A mesh in metres with outward normals, its axis-aligned box centered on the origin.
     """
     padded = np.pad(voxels, 1).astype(np.float32)
     vertices, faces, _, _ = marching_cubes(padded, 0.5, gradient_direction="ascent")

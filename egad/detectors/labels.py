@@ -37,7 +37,7 @@ class Labels:
 
         The space is looked up in the depth image, straight from above, for a hand that opens 8 mm
         wider than the contacts on either side, or as wide as it can where that reaches lower. The
-        pads are centerd on the contacts, or as low as they can get. The quality is the robust
+        pads are centered on the contacts, or as low as they can get. The quality is the robust
         quality.
 
         Args:

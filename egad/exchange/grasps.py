@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from egad._util.files import as_path
 from egad.errors import UserError
 from egad.grasps import Grasps
 from egad.tables import parquet
@@ -24,10 +25,11 @@ def load_grasps(path: str | Path, gripper: str | None = None) -> Grasps:
         `of(label)` gives those of one object.
 
     Raises:
-        UserError: There is no such gripper in the folder, none is named, or one with a file.
+        UserError: There is no such gripper in the folder, none is named, or one with a file;
+            or the path is none.
         TableError: The table is damaged, or is not one of grasps.
     """
-    return Grasps(parquet.read(grasp_table(Path(path), gripper), GRASPS))
+    return Grasps(parquet.read(grasp_table(as_path("path", path), gripper), GRASPS))
 
 
 def grasp_table(path: Path, gripper: str | None) -> Path:

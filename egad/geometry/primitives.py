@@ -47,7 +47,7 @@ def joined_primitives(rng: np.random.Generator, longest_side: float) -> trimesh.
         longest_side: Longest axis-aligned side of the object, metres.
 
     Returns:
-        One closed body, wound outwards, its axis-aligned box centerd on the origin.
+        One closed body, wound outwards, its axis-aligned box centered on the origin.
     """
     mesh = to_mesh(union(map(solid_of, random_pieces(rng))))
     low, high = mesh.bounds

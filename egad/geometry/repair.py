@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csgraph
 from scipy.spatial import cKDTree
 
-from egad.errors import RejectedError, UserError
+from egad._util.arguments import check_number
+from egad.errors import RejectedError, check_name
 from egad.geometry.checks import check_surface
 from egad.geometry.manifold import Solid, is_solid, to_mesh, to_solid, union
 from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
@@ -74,12 +75,12 @@ def simple_loops(edges: Ints) -> list[Loop] | None:
 
 def _triangles(rim: Floats) -> Ints:
     """Triangles between the points of a rim (n, 3), wound as the rim is; (n - 2, 3)."""
-    centerd = rim - rim.mean(axis=0)
-    normal = np.cross(centerd, np.roll(centerd, -1, axis=0)).sum(axis=0)
+    centered = rim - rim.mean(axis=0)
+    normal = np.cross(centered, np.roll(centered, -1, axis=0)).sum(axis=0)
     if not normal.any():
         return np.empty((0, 3), dtype=np.int64)
     to_plane = trimesh.geometry.align_vectors(normal, [0, 0, 1])
-    seen = np.ascontiguousarray((centerd @ to_plane[:3, :3].T)[:, :2])
+    seen = np.ascontiguousarray((centered @ to_plane[:3, :3].T)[:, :2])
     return np.asarray(manifold3d.triangulate([seen])).astype(np.int64).reshape(-1, 3)
 
 
@@ -148,10 +149,8 @@ def repair(
 
 def _check_options(open_surfaces: str, thickness: float) -> None:
     allowed = get_args(OpenSurfaces)
-    if open_surfaces not in allowed:
-        raise UserError(f"open_surfaces is {open_surfaces!r}; allowed: {', '.join(allowed)}")
-    if not 0 < thickness < np.inf:
-        raise UserError(f"a thickness is a positive number of metres, got {thickness!r}")
+    check_name("open_surfaces", open_surfaces, allowed)
+    check_number("thickness", thickness, above=0)
 
 
 def _is_sound(mesh: trimesh.Trimesh) -> bool:

@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
-from egad.errors import RejectedError, UserError
+from egad.errors import RejectedError, check_name
 from egad.geometry.checks import check_mesh
 
 Floats = NDArray[np.float64]
@@ -114,9 +114,7 @@ def scale_factor(rule: str, sides: Floats, opening: float, side_fraction: float)
         "egad-script": min(opening / float(sides[-1]), fitting),
         "exact": fitting,
     }
-    if rule not in factors:
-        raise UserError(f"scale rule {rule!r} is not known; allowed: {', '.join(factors)}")
-    return factors[rule]
+    return factors[check_name("rule", rule, factors)]
 
 
 def scale_suffix(rule: str, opening: float) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from egad._util.arguments import check_array
 from egad.errors import UserError
 from egad.grasps.poses import hand_poses
 
@@ -144,9 +145,7 @@ def _columns(name: str) -> list[Any]:
 
 def _rigid(matrix: ArrayLike) -> tuple[Floats, Floats]:
     """Rotation (3, 3) and translation (3,) of a transform."""
-    whole = np.asarray(matrix, dtype=np.float64)
-    if whole.shape != (4, 4) or not np.isfinite(whole).all():
-        raise UserError(f"a transform must be a finite (4, 4) matrix, got shape {whole.shape}")
+    whole = check_array("matrix", matrix, (4, 4), "a (4, 4) array of finite numbers")
     rotation, last = whole[:3, :3], whole[3]
     off = np.abs(rotation.T @ rotation - np.eye(3)).max()
     if off > RIGID or np.linalg.det(rotation) < 0 or np.abs(last - [0, 0, 0, 1]).max() > RIGID:

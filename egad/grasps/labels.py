@@ -109,7 +109,7 @@ def rate_grasps(
     rng: np.random.Generator,
     palm: trimesh.Trimesh | None = None,
 ) -> pd.DataFrame:
-    """Rate grasps: arguments and result are those of `label`, with a caster of the mesh."""
+    """Rate grasps: arguments and result are those of `label_grasps`, with a caster of the mesh."""
     gripper, wanted = settings.gripper, settings.grasp_label
     quality = ferrari_canny(
         grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()

@@ -1,10 +1,11 @@
 """Parameters of the sampling, rating and labelling of grasps."""
 
-from typing import Literal, NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from egad._util.parameters import Length, ParameterGroup, Parameters, Sigma, UserParameters
+from egad._util.parameters import Length, ParameterGroup, Parameters, Seed, Sigma, UserParameters
 
 
 class Pad(NamedTuple):
@@ -25,6 +26,16 @@ APPROACH_ANGLES = 16  # around the closing axis
 PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}
 
 
+def _as_text(path: object) -> object:
+    return str(path) if isinstance(path, Path) else path
+
+
+if TYPE_CHECKING:  # what may be given; it is kept as a text
+    FilePath = str | Path
+else:
+    FilePath = Annotated[str, BeforeValidator(_as_text)]
+
+
 class Gripper(UserParameters):
     """A parallel-jaw gripper."""
 
@@ -43,7 +54,7 @@ class Gripper(UserParameters):
         default=(0.1, 0.06, 0.05),
         description="palm box, metres: along the closing axis, across it, along the approach",
     )
-    mesh: str | None = Field(
+    mesh: FilePath | None = Field(
         default=None,
         description="mesh file, in metres, that replaces the palm box where grasps are checked for "
         "collisions; x is the closing axis, z the approach, and the origin lies midway between the "
@@ -130,7 +141,7 @@ class GraspLabel(Parameters):
 class LabelParameters(ParameterGroup):
     """The settings that labelled grasps depend on."""
 
-    seed: int
+    seed: Seed
     gripper: Gripper
     grasp_label: GraspLabel
     sampling: Sampling

@@ -1,15 +1,15 @@
 """Evolution from Python: in one call, or step by step with measures of your own."""
 
 import math
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from egad._util.parameters import check_count, from_arguments
+from egad._util.arguments import as_floats, check_array
+from egad._util.parameters import Range, check_count, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry, packed_surface
@@ -22,9 +22,9 @@ from egad.measures import Difficulty, Space, default_measures
 from egad.reeb import Similarity
 from egad.reeb import graph as reeb
 
-Range = tuple[float, float]
 Measure = Callable[[trimesh.Trimesh], tuple[float, float]]
-COMPLEXITY_RANGE, DIFFICULTY_RANGE = Space().complexity_range, Space().difficulty_range
+SPACE, POPULATION = Space(), Evolution().population
+RANGES = SPACE.complexity_range, SPACE.difficulty_range
 
 
 class Evolver:
@@ -42,10 +42,10 @@ class Evolver:
         self,
         *,
         seed: int = 0,
-        population: int = 100,
-        ranges: tuple[Range, Range] = (COMPLEXITY_RANGE, DIFFICULTY_RANGE),
-        cells: int = 25,
-        elites_per_cell: int = 4,
+        population: int = POPULATION,
+        ranges: tuple[Range, Range] = RANGES,
+        cells: int = SPACE.cells,
+        elites_per_cell: int = SPACE.elites_per_cell,
     ) -> None:
         """Start with an empty archive.
 
@@ -87,19 +87,19 @@ class Evolver:
             measures: (n, 2) both measures of each candidate; NaN: it is rejected.
 
         Raises:
-            UserError: Nothing was asked for, or the array has another shape.
+            UserError: Nothing was asked for, or the measures are no array of this shape.
         """
         if self._asked is None:
             raise UserError("ask for candidates before telling their measures")
-        values, count = np.asarray(measures, dtype=np.float64), len(self._asked)
-        if values.shape != (count, 2) and (count or values.size):
+        values, count = as_floats(measures), len(self._asked)
+        if values is None or (values.shape != (count, 2) and (count or values.size)):
+            found = repr(measures) if values is None else values.shape
             raise UserError(
-                f"expected measures of shape ({count}, 2), one row per candidate, "
-                f"got {values.shape}"
+                f"expected measures of shape ({count}, 2), one row per candidate, got {found}"
             )
         graphs = self._settings.similarity
         pairs = zip(self._asked, values.reshape(-1, 2).tolist(), strict=True)
-        results = [_with_graph(each.mesh, pair, graphs) for each, pair in pairs]
+        results = [_with_graph(each.mesh, first, second, graphs) for each, (first, second) in pairs]
         self._island.tell(self._asked, results)
         self._asked = None
 
@@ -109,8 +109,10 @@ def evolve(
     *,
     seed: int = 0,
     measures: Measure | None = None,
-    ranges: tuple[Range, Range] = (COMPLEXITY_RANGE, DIFFICULTY_RANGE),
-    population: int = 100,
+    ranges: tuple[Range, Range] = RANGES,
+    cells: int = SPACE.cells,
+    elites_per_cell: int = SPACE.elites_per_cell,
+    population: int = POPULATION,
     jobs: int = 1,
 ) -> Archive:
     """Evolve objects that span two measures.
@@ -122,6 +124,8 @@ def evolve(
             difficulty for the gripper `yumi`, as `egad.measure`. With several jobs it must be a
             function that can be imported.
         ranges: Lowest and highest value of each measure.
+        cells: Cells along each measure.
+        elites_per_cell: Most objects that a cell keeps: those that are least alike.
         population: Offspring of a step.
         jobs: Processes. With several, a script needs `if __name__ == "__main__":` around its call.
 
@@ -130,18 +134,21 @@ def evolve(
         objects with their meshes.
 
     Raises:
-        UserError: A number is out of bounds, or the measures cannot be imported by other processes.
+        UserError: A number is out of bounds; the measures are no function, do not return two
+            numbers, or cannot be imported by other processes.
 
     Source: EGAD (Morrison, Corke and Leitner 2020), section III.
     """
-    check_count("evaluations", evaluations)
-    settings = _parameters(seed, population, ranges, Space().cells, Space().elites_per_cell)
-    archive = Archive(settings.space, settings.similarity, jobs)
+    if not (measures is None or callable(measures)):
+        raise UserError(f"measures is {measures!r}; allowed: a function from a mesh to two numbers")
+    settings = _parameters(seed, population, ranges, cells, elites_per_cell)
+    size, threads = settings.evolution.population, check_count("jobs", jobs)
+    steps = -(-check_count("evaluations", evaluations) // size)
+    archive = Archive(settings.space, settings.similarity, threads)
     evaluate = None if measures is None else partial(_measure, measures=measures, settings=settings)
-    steps = -(-evaluations // population)
-    with workers(jobs) as mapper:
+    with workers(threads) as mapper:
         island = Island(archive, settings, 0, 0, mapper=mapper, evaluate=evaluate)
-        for _ in progress(range(steps), "evaluations", steps, scale=population):
+        for _ in progress(range(steps), "evaluations", steps, scale=size):
             island.advance()
     return archive
 
@@ -177,36 +184,40 @@ def _parameters(
 
 def _checked(ranges: tuple[Range, Range]) -> tuple[Range, Range]:
     """The ranges of two measures, if they are ranges."""
-    values = None
-    with suppress(TypeError, ValueError):
-        values = np.asarray(ranges, dtype=np.float64)
-    if values is None or values.shape != (2, 2) or not _ascend(values):
-        raise UserError(
-            f"ranges is {ranges!r}; allowed: two ranges of finite numbers, "
-            "each from low to high, such as ((1, 5), (0, 0.004))"
-        )
+    allowed = "two ranges of finite numbers, each from low to high, such as ((1, 5), (0, 0.004))"
+    values = check_array("ranges", ranges, (2, 2), allowed)
+    if not (np.diff(values) > 0).all():
+        raise UserError(f"ranges is {ranges!r}; allowed: {allowed}")
     (a, b), (c, d) = values.tolist()
     return (a, b), (c, d)
-
-
-def _ascend(ranges: NDArray[np.float64]) -> bool:
-    return bool(np.isfinite(ranges).all() and (np.diff(ranges) > 0).all())
 
 
 def _measure(solid: Solid, measures: Measure, settings: EvolutionParameters) -> Measured | str:
     """The measures of a solid by a function of the user, or the reason why it has none."""
     mesh = packed_surface(solid.packed, settings.shape)
     try:
-        return _with_graph(mesh, measures(mesh), settings.similarity)
+        return _with_graph(mesh, *_pair(measures(mesh)), settings.similarity)
     except RejectedError as reason:
         return str(reason)
 
 
+def _pair(values: object) -> tuple[float, float]:
+    """What a function of the user returned, if it is two numbers.
+
+    Raises:
+        UserError: It is not.
+    """
+    pair = as_floats(values)
+    if pair is None or pair.shape != (2,):
+        raise UserError(f"the measures of a mesh must be two numbers, got {values!r}")
+    first, second = pair.tolist()
+    return first, second
+
+
 def _with_graph(
-    mesh: trimesh.Trimesh, values: Sequence[float], similarity: Similarity
+    mesh: trimesh.Trimesh, first: float, second: float, similarity: Similarity
 ) -> Measured | str:
     """Two measures with the Reeb graph that diversity needs, or why the shape is rejected."""
-    first, second = (float(value) for value in values)
     if not math.isfinite(first + second):
         return "not measured"
     try:

@@ -13,6 +13,7 @@ from egad._util.parameters import (
     Percent,
     PositiveFraction,
     Range,
+    Seed,
     SideFraction,
     check_ascending,
     from_arguments,
@@ -132,7 +133,7 @@ class SizeEffect(Parameters):
 class MeasureParameters(ParameterGroup):
     """The settings that the measures of an object depend on."""
 
-    seed: Annotated[int, Archived(difficulty=False)]
+    seed: Annotated[Seed, Archived(difficulty=False)]
     gripper: Annotated[Gripper, Archived(keys=frozenset({"opening"}))]  # the rest is for the hand
     measures: CustomMeasures
     complexity: Annotated[Complexity, Archived(difficulty=False)]
@@ -151,7 +152,7 @@ def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
         seed: Of the grasps.
 
     Raises:
-        UserError: The seed is no whole number.
+        UserError: The seed is not allowed.
     """
     return from_arguments(
         MeasureParameters,

@@ -71,7 +71,7 @@ def reachable(
     """The grasps that can be approached from above, and which of them are free.
 
     The hand opens 8 mm wider than the contacts on either side, or as wide as it can. Its pads are
-    centerd on the contacts, or as low as they get: it stays 3 mm above the table, and reaches at
+    centered on the contacts, or as low as they get: it stays 3 mm above the table, and reaches at
     least 3 mm beyond the contacts. A grasp is free if the hand can do that without touching the
     object there or on its way in.
 

@@ -118,12 +118,12 @@ def _encode(image: Image.Image, **options: Any) -> bytes:  # noqa: ANN401 (as Pi
 
 
 def _to_view(vertices: NDArray[np.float64]) -> Floats:
-    """Camera coordinates, centerd, the wider of width and height between -FILL and FILL."""
+    """Camera coordinates, centered, the wider of width and height between -FILL and FILL."""
     seen = vertices @ CAMERA.T
     low, high = seen.min(axis=0), seen.max(axis=0)
     reach = max((high - low)[:2].max() / 2, np.finfo(np.float64).tiny)
-    centerd: Floats = ((seen - (low + high) / 2) * (FILL / reach)).astype(np.float32)
-    return centerd
+    centered: Floats = ((seen - (low + high) / 2) * (FILL / reach)).astype(np.float32)
+    return centered
 
 
 def _cast(scene: TriangleScene, vertices: Floats, faces: NDArray[np.int32], side: int) -> _Hits:

@@ -18,10 +18,10 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
-from egad._util.files import write_text
+from egad._util.files import as_path, write_text
 from egad.errors import UserError
 from egad.geometry import check_mesh
-from egad.grasps import Grasps, Gripper, as_gripper
+from egad.grasps import Grasps, Gripper, as_gripper, finger_span
 from egad.report.page import render_template
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
@@ -65,7 +65,7 @@ def viewer_data(scenes: Sequence[Scene], gripper: Gripper) -> dict[str, Any]:
         key, name, and the value that has the last color, the same for all objects.
     """
     return {
-        "finger": gripper.finger_length - min(gripper.finger_width, gripper.finger_length) / 2,
+        "finger": -finger_span(gripper)[0],
         "objects": [pack(scene) for scene in scenes],
         "metrics": [[key, name, _top(scenes, key)] for key, name in METRICS.items()],
     }
@@ -157,8 +157,12 @@ class MeshView:
     html: str
 
     def save(self, path: str | Path) -> None:
-        """Write the page, atomically."""
-        write_text(Path(path), self.html)
+        """Write the page, atomically.
+
+        Raises:
+            UserError: The path is none, or cannot be written.
+        """
+        write_text(as_path("path", path), self.html)
 
     def _repr_html_(self) -> str:
         """The page in a frame of its own, for notebooks."""
@@ -183,10 +187,15 @@ def view(
 
     Raises:
         UserError: There is no gripper of this name, or none is given for grasps; the mesh is none;
-            or the grasps are of a mesh in another frame or at another scale.
+            the grasps are no `egad.Grasps`, or are of a mesh in another frame or at another scale.
         RejectedError: The mesh is empty or not finite.
     """
     check_mesh(mesh)
+    if not isinstance(grasps, Grasps | None):
+        raise UserError(
+            f"grasps are egad.Grasps, got {type(grasps).__name__}; "
+            "`egad.Grasps(table)` makes them of a table"
+        )
     _check_contacts(mesh, grasps)
     if grasps is not None and gripper is None:
         raise UserError("grasps are drawn with the fingers of a gripper: name it, such as 'panda'")

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels
+from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels, Seed
 from egad.grasps import Gripper, Quality
 
 
@@ -73,7 +73,7 @@ class Agreement(Parameters):
 class TrialParameters(ParameterGroup):
     """The settings that simulated trials depend on."""
 
-    seed: int
+    seed: Seed
     gripper: Gripper
     trials: Trials
 

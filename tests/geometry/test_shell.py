@@ -257,12 +257,14 @@ def test_walls_that_cannot_be_made_say_what_can():
         repair(large, "thicken")
 
 
-@pytest.mark.parametrize("thickness", [0, -0.001, np.nan, np.inf])
+@pytest.mark.parametrize("thickness", [0, -0.001, np.nan, np.inf, "2mm", None])
 def test_a_thickness_is_positive(thickness):
-    with pytest.raises(UserError, match="positive number of metres"):
+    with pytest.raises(
+        UserError, match=f"thickness is {thickness!r}; allowed: a finite number, above 0"
+    ):
         repair(crate(), "thicken", thickness)
 
 
 def test_an_unknown_way_with_open_surfaces_is_told_with_those_allowed():
-    with pytest.raises(UserError, match="allowed: reject, thicken"):
+    with pytest.raises(UserError, match="'close' is not known; known: reject, thicken"):
         repair(crate(), "close")

@@ -1,5 +1,7 @@
 """Grasps as arrays: choosing, sorting and moving them, against the table and plain algebra."""
 
+import re
+
 import numpy as np
 import pytest
 import trimesh
@@ -60,6 +62,13 @@ def test_moving_grasps_multiplies_their_poses(grasps):
 def test_only_rigid_transforms_are_allowed(grasps, matrix):
     with pytest.raises(UserError, match=r"rigid|finite"):
         grasps.transformed(matrix)
+
+
+@pytest.mark.parametrize("wrong", ["x", None, [[1.0], [1.0, 2.0]], 1.0])
+def test_transforms_that_are_no_matrix_are_told(grasps, wrong):
+    message = f"matrix is {wrong!r}; allowed: a (4, 4) array of finite numbers"
+    with pytest.raises(UserError, match=re.escape(message)):
+        grasps.transformed(wrong)
 
 
 def test_the_table_is_a_copy(grasps):

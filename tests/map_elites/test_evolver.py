@@ -81,9 +81,10 @@ def test_steps_out_of_order_and_wrong_numbers_are_refused():
     count = len(evolver.ask())
     with pytest.raises(UserError, match="tell the measures"):
         evolver.ask()
-    for shape in ((count + 1, 2), (2, count), (2 * count,)):
+    ragged = [*[(1.0, 2.0)] * (count - 1), (1.0, 2.0, 3.0)]
+    for wrong in (*map(np.ones, ((count + 1, 2), (2, count), (2 * count,))), "x", None, ragged):
         with pytest.raises(UserError, match=rf"of shape \({count}, 2\)"):
-            evolver.tell(np.ones(shape))
+            evolver.tell(wrong)
 
 
 @pytest.mark.parametrize(
@@ -92,8 +93,13 @@ def test_steps_out_of_order_and_wrong_numbers_are_refused():
         ({"evaluations": 0}, "evaluations is 0; .*at least 1"),
         ({"evaluations": 1.5}, "evaluations is 1.5"),
         ({"population": 0}, "population is 0; allowed: a whole number, at least 1"),
+        ({"population": "10"}, "population is '10'; allowed: a whole number, at least 1"),
+        ({"population": 10.0}, "population is 10.0"),
+        ({"cells": 27}, "cells is 27; allowed: a whole number, 1 to 26"),
         ({"seed": "x"}, "seed is 'x'; allowed: a whole number"),
         ({"jobs": 0}, "jobs is 0"),
+        ({"jobs": "2"}, "jobs is '2'"),
+        ({"measures": "volume"}, "measures is 'volume'; allowed: a function"),
         ({"measures": lambda mesh: (mesh.volume, 1.0), "jobs": 2}, "that can be imported"),
         ({"ranges": ((1, 0), (0, 1))}, r"ranges is \(\(1, 0\).*each from low to high"),
         ({"ranges": ((0, 1), (0, np.inf))}, "two ranges of finite numbers"),
@@ -105,6 +111,24 @@ def test_steps_out_of_order_and_wrong_numbers_are_refused():
 def test_wrong_arguments_of_evolution_are_named(wrong, message):
     with pytest.raises(UserError, match=message):
         egad.evolve(**{"evaluations": 8} | wrong)
+
+
+@pytest.mark.parametrize("returned", [(1, 2, 3), 1.0, None, "ab", ("a", "b"), ((1, 2), (3, 4))])
+def test_measures_that_are_not_two_numbers_are_told(returned):
+    with pytest.raises(UserError, match="measures of a mesh must be two numbers, got"):
+        egad.evolve(8, measures=lambda _: returned, population=8)
+
+
+def test_cells_and_elites_per_cell_are_those_of_an_evolver():
+    options = {"seed": 5, "ranges": RANGES, "population": 16, "cells": 2, "elites_per_cell": 1}
+    found = egad.evolve(np.int64(32), measures=bulk_and_length, **options)
+    evolver = egad.Evolver(**options)
+    for _ in range(2):
+        evolver.tell([bulk_and_length(each.mesh) for each in evolver.ask()])
+    frame = found.to_frame()
+    pd.testing.assert_frame_equal(frame, evolver.archive.to_frame())
+    assert not frame.duplicated(["complexity_cell", "difficulty_cell"]).any()
+    assert frame[["complexity_cell", "difficulty_cell"]].max().max() == 1
 
 
 @pytest.mark.parametrize(

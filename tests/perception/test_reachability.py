@@ -20,7 +20,7 @@ def lying(mesh, turn=None):
 
 
 def across(width):
-    """A grasp along x whose contacts are so far apart, centerd on the origin."""
+    """A grasp along x whose contacts are so far apart, centered on the origin."""
     centers, axes = np.zeros((1, 3)), np.array([[1.0, 0, 0]])
     return GraspCandidates(np.array([0]), centers, axes, np.array([width]), np.ones(1))
 

@@ -103,7 +103,7 @@ def test_a_camera_that_does_not_tilt_is_that_of_the_trials(poses):
     assert scene.intrinsics.focal == pytest.approx(whole.focal, abs=0.1)
 
 
-def test_a_centerd_image_is_cut_out_around_the_object(poses):
+def test_a_centered_image_is_cut_out_around_the_object(poses):
     for scene in scenes(poses, CAMERAS["dexnet"], 20):
         seen = np.linalg.inv(scene.camera) @ scene.matrix @ [*CENTER, 1]
         np.testing.assert_allclose(scene.intrinsics.pixels(seen[None, :3]), [[149.5, 149.5]])

@@ -149,6 +149,12 @@ def test_grasps_of_another_size_are_not_shown():
         egad.view(box.copy().apply_scale(0.5), grasps, "panda")
     with pytest.raises(UserError, match=r"a mesh is a trimesh\.Trimesh"):
         egad.view(trimesh.Scene(box))
+    for wrong in (grasps.to_frame(), grasps.poses, "grasps"):
+        name = type(wrong).__name__
+        with pytest.raises(UserError, match=rf"grasps are egad\.Grasps, got {name}"):
+            egad.view(box, wrong, "panda")
+    with pytest.raises(UserError, match="path is None"):
+        egad.view(box).save(None)
 
 
 def test_grasps_are_shown_with_the_gripper_that_they_are_for():

@@ -18,7 +18,7 @@ def killed(number):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-WANT = "probably out of memory; use fewer cores: --jobs"
+WANT = "probably out of memory; use fewer processes: `jobs`"
 
 
 @contextmanager

@@ -1,7 +1,9 @@
+import ctypes
 import os
 import signal
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import psutil
@@ -36,7 +38,7 @@ def killed(number):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-WANT = "probably out of memory; use fewer cores: --jobs"
+WANT = "probably out of memory; use fewer processes: `jobs` in Python"
 
 
 def test_a_worker_killed_for_memory_stops_all_with_advice():
@@ -89,7 +91,51 @@ def test_functions_of_a_prompt_are_told(program):
     assert "memory" not in done.stderr
 
 
-@pytest.mark.parametrize("count", [0, -1, 1.5, "2"])
+def run(program, **options):
+    return subprocess.run(program, capture_output=True, text=True, check=False, **options)
+
+
+GUARDED = """
+from egad._util.workers import workers
+
+if __name__ == "__main__":
+    def double(number):
+        return 2 * number
+
+    class Item:
+        pass
+
+    with workers(2) as mapper:
+        print(list(mapper(WORK, ITEMS)))
+"""
+
+
+@pytest.mark.parametrize(("work", "items"), [("double", "[1, 2]"), ("type", "[Item()]")])
+def test_what_is_defined_within_the_guard_cannot_be_imported(tmp_path, work, items):
+    """Other processes import the script without running what is within the guard."""
+    program = tmp_path / "guarded.py"
+    program.write_text(GUARDED.replace("WORK", work).replace("ITEMS", items))
+    *_, last = run([sys.executable, program]).stderr.strip().splitlines()
+    assert "egad.errors.UserError: with several jobs, functions must be in a module" in last
+    assert ("double" if work == "double" else "Item") in last
+    assert "memory" not in last
+
+
+def test_a_program_from_standard_input_is_told_that_jobs_need_a_file():
+    program = GUARDED.replace("WORK", "abs").replace("ITEMS", "[-1, -2]")
+    *_, last = run([sys.executable, "-"], input=program).stderr.strip().splitlines()
+    assert "several jobs need a script that is a file" in last
+    assert "__main__" not in last
+
+
+def test_work_that_cannot_be_pickled_is_told():
+    pointer = ctypes.pointer(ctypes.c_int(1))
+    for work, items in ((partial(max, pointer), [1]), (abs, [pointer]), (lambda _: 1, [1])):
+        with pytest.raises(UserError, match="that can be imported"), workers(2) as mapper:
+            list(mapper(work, items))
+
+
+@pytest.mark.parametrize("count", [0, -1, 1.5, "2", True])
 def test_a_number_of_processes_that_is_none_is_told(count):
     with pytest.raises(UserError, match=f"jobs is {count!r}"), workers(count):
         pass

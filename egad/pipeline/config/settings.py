@@ -5,7 +5,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Name, Parameters
+from egad._util.parameters import Name, Parameters, Seed
 from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
 from egad.detectors import DETECTORS, DetectorConfig
 from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
@@ -33,7 +33,7 @@ from egad.sim import Agreement, Trials
 class Settings(Parameters):
     """The whole configuration."""
 
-    seed: int = Field(0, ge=0, lt=2**32, description="seed of all random numbers")
+    seed: Seed = Field(0, description="seed of all random numbers")
     shards: int = Field(
         4, ge=1, le=1024, description="jobs per dataset; does not change any result"
     )

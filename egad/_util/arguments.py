@@ -1,0 +1,61 @@
+"""Numbers and arrays among the arguments of public functions: a wrong one is a `UserError`."""
+
+import math
+from contextlib import suppress
+from typing import SupportsFloat
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.errors import UserError
+
+Floats = NDArray[np.float64]
+
+
+def check_number(name: str, given: object, *, above: float, most: float = math.inf) -> float:
+    """A finite number within bounds.
+
+    Args:
+        name: What the argument is called.
+        given: What was passed: a number of Python or numpy, no text.
+        above: It must be greater than this.
+        most: The largest value allowed.
+
+    Raises:
+        UserError: It is something else.
+    """
+    number = math.nan
+    if isinstance(given, SupportsFloat) and not isinstance(given, bool):
+        with suppress(TypeError, ValueError):  # of arrays
+            number = float(given)
+    if not (above < number <= most and math.isfinite(number)):
+        kind, limit = "a number", f", at most {most:g}"
+        if math.isinf(most):
+            kind, limit = "a finite number", ""
+        raise UserError(f"{name} is {given!r}; allowed: {kind}, above {above:g}{limit}")
+    return number
+
+
+def check_array(name: str, given: object, shape: tuple[int, ...], allowed: str) -> Floats:
+    """An array of finite numbers.
+
+    Args:
+        name: What the argument is called.
+        given: What was passed.
+        shape: The shape it must have.
+        allowed: What it may be, for the message.
+
+    Raises:
+        UserError: It is something else.
+    """
+    array = as_floats(given)
+    if array is None or array.shape != shape or not np.isfinite(array).all():
+        raise UserError(f"{name} is {given!r}; allowed: {allowed}")
+    return array
+
+
+def as_floats(given: object) -> Floats | None:
+    """An array of numbers, of any shape; None if it is something else, such as ragged rows."""
+    with suppress(TypeError, ValueError):
+        return np.asarray(given, dtype=np.float64)
+    return None
