@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 
-from egad._util.files import atomic_output, check_empty
+from egad._util.files import as_path, atomic_output, check_empty
 from egad._util.parameters import check_count
 from egad._util.progress import progress
 from egad.api import dataset_grasps
@@ -81,14 +81,14 @@ def export(
         UnitsWarning: The size of a mesh suggests another unit than the metre.
     """
     write = WRITERS[check_name("format", format, WRITERS)]
-    hand = as_gripper(gripper)
     check_name("rule", rule, RULES)
+    hand = as_gripper(gripper)
     labels = label_parameters(hand, check_count("grasps", grasps), seed)
     job = _Job(gripper if isinstance(gripper, str) else "gripper", labels)
     items, left_out = named_meshes(objects), []
     for item in items:
         check_key(item.label)
-    target = Path(out)
+    target = as_path("out", out)
     check_empty(target)
     with atomic_output(target, keep=False) as folder:
         folder.mkdir()

@@ -17,12 +17,52 @@ LAYERS = [
 ]
 
 
+def imports(source, package):
+    """What a module of egad imports from egad, in functions too: (module, name), name may be empty.
+
+    Args:
+        source: Its text.
+        package: The package that it is in, such as `egad.grasps`: relative imports start there.
+    """
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            found = [(alias.name, "") for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            above = package.split(".")[: len(package.split(".")) - node.level + 1]
+            module = ".".join([*(above if node.level else []), *filter(None, [node.module])])
+            found = [(module, alias.name) for alias in node.names]
+        else:
+            continue
+        yield from (each for each in found if each[0].partition(".")[0] == "egad")
+
+
+def imports_of(path):
+    return imports(path.read_bytes(), ".".join(["egad", *path.relative_to(PACKAGE).parts[:-1]]))
+
+
 def imported_parts(path):
-    """Packages and top modules of egad that a module imports, in functions too."""
-    for node in ast.walk(ast.parse(path.read_bytes())):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] == "egad":
-            names = [alias.name for alias in node.names] if node.module == "egad" else [node.module]
-            yield from (name.removeprefix("egad.").partition(".")[0] for name in names)
+    """Packages and top modules of egad that a module imports."""
+    for module, name in imports_of(path):
+        _, _, inside = f"{module}.{name}".rstrip(".").partition(".")
+        if inside:
+            yield inside.partition(".")[0]
+
+
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [
+        ("import egad.api, os", [("egad.api", "")]),
+        ("from egad import api", [("egad", "api")]),
+        ("from egad.api import measure", [("egad.api", "measure")]),
+        ("from . import poses", [("egad.grasps", "poses")]),
+        ("from .. import api", [("egad", "api")]),
+        ("from ..reeb.graph import extract", [("egad.reeb.graph", "extract")]),
+        ("def late():\n    import egad.sim", [("egad.sim", "")]),
+        ("from egadx import api", []),
+    ],
+)
+def test_imports_of_all_kinds_are_seen(source, expected):
+    assert list(imports(source, "egad.grasps")) == expected
 
 
 def test_no_module_imports_upwards():
@@ -45,14 +85,12 @@ def test_every_package_has_its_place():
 def test_packages_are_imported_by_what_they_offer():
     """Another package's names come from its `__init__.pyi`, if it lists them."""
     past = [
-        f"{path.relative_to(PACKAGE)} imports {alias.name} from {node.module}"
+        f"{path.relative_to(PACKAGE)} imports {name} from {source}"
         for path in sorted(PACKAGE.rglob("*.py"))
-        for node in ast.walk(ast.parse(path.read_bytes()))
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("egad.")
-        for package, _, module in [node.module.removeprefix("egad.").partition(".")]
+        for source, name in imports_of(path)
+        for package, _, module in [source.removeprefix("egad.").partition(".")]
         if module and package != path.relative_to(PACKAGE).parts[0]
-        for alias in node.names
-        if alias.name in offered(package)
+        if name in offered(package)
     ]
     assert past == []
 

@@ -17,7 +17,7 @@ MAX_MEMORY = 4 << 30  # bytes
 MAX_SECONDS = 600.0
 
 
-def check_count(count: int, most: int, what: str) -> None:
+def check_at_most(count: int, most: int, what: str) -> None:
     """Refuse more of something than is read.
 
     Raises:

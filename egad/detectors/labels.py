@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad.detectors.base import Grasp, rank_grasps
-from egad.grasps import LEAST_BITE, Gripper, roomy
+from egad.grasps import LEAST_BITE, Gripper, finger_span, roomy
 from egad.perception import View, heightmap_of, min_fingertip_height
 
 Floats = NDArray[np.float64]
@@ -57,7 +57,7 @@ class Labels:
         flat = axis[level, :2] / np.linalg.norm(axis[level, :2], axis=1, keepdims=True)
         narrow = roomy(self._width[level], gripper)
         wide = np.full_like(narrow, gripper.opening)
-        pad = min(gripper.finger_width, gripper.finger_length) / 2
+        pad = finger_span(gripper)[1]
         tips = [
             np.maximum(
                 center[:, 2] - pad,

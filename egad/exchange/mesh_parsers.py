@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad._util.input_limits import MAX_FACES, MAX_UNPACKED_BYTES, MAX_VERTICES, check_count
+from egad._util.input_limits import MAX_FACES, MAX_UNPACKED_BYTES, MAX_VERTICES, check_at_most
 from egad.errors import RejectedError
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
@@ -43,8 +43,8 @@ def parse(data: bytes, ending: str) -> Arrays:
     vertices = np.asarray(found.vertices, dtype=np.float64).reshape(-1, 3)
     faces = np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
     # Each face of an STL file has three vertices of its own.
-    check_count(len(vertices), (3 if ending == "stl" else 1) * MAX_VERTICES, "vertices")
-    check_count(len(faces), MAX_FACES, "faces")
+    check_at_most(len(vertices), (3 if ending == "stl" else 1) * MAX_VERTICES, "vertices")
+    check_at_most(len(faces), MAX_FACES, "faces")
     return vertices, faces
 
 
@@ -69,4 +69,4 @@ def _check_length(data: bytes) -> None:
 def _check_unpacked(data: bytes) -> None:
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         size = sum(entry.file_size for entry in archive.infolist())
-    check_count(size, MAX_UNPACKED_BYTES, "bytes unpacked")
+    check_at_most(size, MAX_UNPACKED_BYTES, "bytes unpacked")

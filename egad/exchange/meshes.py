@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 
 from egad._util.files import atomic_output
-from egad._util.input_limits import MAX_DIRECT_BYTES, MAX_FACES, MAX_MESH_BYTES, check_count
+from egad._util.input_limits import MAX_DIRECT_BYTES, MAX_FACES, MAX_MESH_BYTES, check_at_most
 from egad._util.limited import LimitError, limited
 from egad.errors import RejectedError, UserError
 from egad.exchange.mesh_parsers import Arrays, parse, parse_file
@@ -45,7 +45,7 @@ def _load(path: Path) -> Arrays:
     if path.suffix.lower() not in ENDINGS:
         raise RejectedError(f"not a mesh file; allowed endings: {' '.join(ENDINGS)}")
     unreadable = f"not a readable {path.suffix[1:]} file"
-    check_count(path.stat().st_size, MAX_MESH_BYTES, "bytes")
+    check_at_most(path.stat().st_size, MAX_MESH_BYTES, "bytes")
     try:
         vertices, faces = _parsed(path)
     except (RejectedError, LimitError) as reason:
@@ -83,7 +83,7 @@ def _is_binary_stl(path: Path) -> bool:
         count = int.from_bytes(file.read(84)[80:], "little")
     if path.stat().st_size != 84 + 50 * count:
         return False
-    check_count(count, MAX_FACES, "faces")
+    check_at_most(count, MAX_FACES, "faces")
     return True
 
 

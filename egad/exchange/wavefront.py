@@ -8,7 +8,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 from pyarrow import csv
 
-from egad._util.input_limits import MAX_FACES, MAX_VERTICES, check_count
+from egad._util.input_limits import MAX_FACES, MAX_VERTICES, check_at_most
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -44,8 +44,8 @@ def parse_plain_obj(data: bytes) -> tuple[Floats, Ints] | None:
     Raises:
         RejectedError: It has more vertices or faces than are read.
     """
-    check_count(data.count(b"\nv ") + data.startswith(b"v "), MAX_VERTICES, "vertices")
-    check_count(data.count(b"\nf "), MAX_FACES, "faces")
+    check_at_most(data.count(b"\nv ") + data.startswith(b"v "), MAX_VERTICES, "vertices")
+    check_at_most(data.count(b"\nf "), MAX_FACES, "faces")
     middle = data.find(b"\nf ") + 1
     vertices = _numbers(data[:middle], b"v ", b"+-.e", np.float64)
     faces = _numbers(data[middle:], b"f ", b"", np.int64)

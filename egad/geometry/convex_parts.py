@@ -81,15 +81,6 @@ def convex_parts(
     return [hull_mesh(hull) for hull in merge_hulls(hulls, (1 + volume_error) * volume, max_parts)]
 
 
-def excess_volume(parts: list[trimesh.Trimesh], mesh: trimesh.Trimesh) -> float:
-    """Volume of the union of the parts / volume of the mesh - 1.
-
-    Raises:
-        RejectedError: A part does not bound a solid.
-    """
-    return float(union_of_parts(parts).volume() / abs(mesh.volume) - 1)
-
-
 def union_of_parts(parts: list[trimesh.Trimesh]) -> Solid:
     """The union of convex parts.
 

@@ -54,6 +54,9 @@ class Archive:
     def __len__(self) -> int:
         return len(self._elites)
 
+    def __repr__(self) -> str:
+        return f"Archive({len(self)} elites, coverage {self.coverage:.3f})"
+
     def __contains__(self, elite_id: str) -> bool:
         return elite_id in self._ids
 
@@ -170,6 +173,10 @@ class Archive:
         )
         return frame.assign(slot=frame.groupby(cell).cumcount())
 
+    def to_ribs_frame(self) -> pd.DataFrame:
+        """The elites with the columns of a pyribs `ArchiveDataFrame`: see `ribs_frame`."""
+        return ribs_frame(self.to_frame(), self.space)
+
 
 def elites_of(frame: pd.DataFrame) -> list[Elite]:
     """The elites of a table with the columns of `tables.evolution.EPOCH`, in its order."""
@@ -211,7 +218,8 @@ def ribs_frame(archive: pd.DataFrame, space: Space) -> pd.DataFrame:
     """The elites with the columns of a pyribs `ArchiveDataFrame`, for its tools.
 
     Args:
-        archive: Columns of `tables.evolution.ARCHIVE`.
+        archive: One row per elite, with the columns `id`, `complexity`, `difficulty`, `diversity`,
+            `complexity_cell` and `difficulty_cell`, as in `archive.parquet` or `Dataset.table`.
         space: Its cells.
 
     Returns:

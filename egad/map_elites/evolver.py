@@ -66,6 +66,9 @@ class Evolver:
         self._island = Island(self.archive, settings, 0, 0)
         self._asked: list[Candidate] | None = None
 
+    def __repr__(self) -> str:
+        return f"Evolver({self.archive!r})"
+
     def ask(self) -> list[Candidate]:
         """The new shapes of the next step: `mesh`, `voxels` and `id` of each.
 

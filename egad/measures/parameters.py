@@ -18,6 +18,7 @@ from egad._util.parameters import (
     check_ascending,
     from_arguments,
 )
+from egad.geometry import SIDE_FRACTION
 from egad.grasps import Gripper, Quality, Robust, Sampling
 from egad.reeb import Similarity
 
@@ -102,7 +103,7 @@ class Difficulty(Parameters):
     grasps: int = Field(100, ge=1, description="grasps sampled per object during evolution")
     percentile: float = Field(75, ge=0, le=100, description="percentile of the qualities, percent")
     side_fraction: PositiveFraction = Field(
-        0.8,
+        SIDE_FRACTION,
         description="objects are scaled until their smallest side is this fraction of the opening",
     )
 

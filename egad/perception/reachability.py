@@ -17,6 +17,7 @@ from egad.grasps import (
     Gripper,
     Part,
     blocked_turns,
+    finger_span,
     first_approaches,
     parts,
     roomy,
@@ -93,7 +94,7 @@ def reachable(
     openings = roomy(chosen.widths, hand.gripper)
     lowest = _lowest(hand, chosen.centers, frames, openings, rotation[2]) + height
     lift = np.maximum(TABLE_CLEARANCE - lowest, 0) / (approaches @ -rotation[2])
-    bite = min(hand.gripper.finger_width, hand.gripper.finger_length) / 2 - lift
+    bite = finger_span(hand.gripper)[1] - lift
     origins = chosen.centers - lift[:, None] * approaches
     return chosen, (bite >= LEAST_BITE) & ~_touching(caster, hand, origins, frames, openings)
 

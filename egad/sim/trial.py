@@ -37,7 +37,7 @@ class InitialPose(NamedTuple):
     """The object at rest in some pose, from which it falls.
 
     Attributes:
-        begun: dropped: put above the middle in a random orientation; from_hand: let go by the
+        kind: dropped: put above the middle in a random orientation; from_hand: let go by the
             hand that held it, there too; left: where the attempt before left it.
         pose: Of the object.
     """

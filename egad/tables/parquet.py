@@ -89,9 +89,17 @@ def check_columns(path: Path, names: list[str]) -> None:
     """
     found = columns(path)
     if missing := [name for name in names if name not in found]:
-        writer = origin_of(path).get("program")
-        version = f"; egad {writer} wrote it, this is egad {__version__}" if writer else ""
-        raise TableError(f"{path}: columns are missing: {', '.join(missing)}{version}")
+        raise TableError(f"{path}: columns are missing: {', '.join(missing)}{_advice(path)}")
+
+
+def _advice(path: Path) -> str:
+    """What to do about a table with other columns, if egad wrote it."""
+    writer = origin_of(path).get("program")
+    if not writer:
+        return ""
+    if writer == __version__:
+        return "; make it again"
+    return f"; egad {writer} wrote it, this is egad {__version__}: make it again"
 
 
 def schema_of(path: Path) -> pa.Schema:

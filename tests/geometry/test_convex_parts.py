@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError
-from egad.geometry.convex_parts import convex_parts, excess_volume
+from egad.geometry.convex_parts import convex_parts, union_of_parts
 from egad.geometry.manifold import Solid, to_solid, union
 
 RING, TUBE = 0.03, 0.01  # radii of the torus
@@ -31,6 +31,11 @@ def ell() -> trimesh.Trimesh:
         box((0.02, 0.06, 0.02), (0.01, 0.03, 0.01)),
     ]
     return trimesh.boolean.union(parts, engine="manifold")
+
+
+def excess_volume(parts: list[trimesh.Trimesh], mesh: trimesh.Trimesh) -> float:
+    """Volume of the union of the parts / volume of the mesh - 1."""
+    return union_of_parts(parts).volume() / abs(mesh.volume) - 1
 
 
 def outside(part: trimesh.Trimesh, points: np.ndarray) -> np.ndarray:

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pandas as pd
 import pytest
 
@@ -55,8 +57,12 @@ def test_a_table_of_an_older_version_is_read_or_its_version_is_named(tmp_path):
     with made_by(older):
         parquet.write(pd.DataFrame([ROW]), REJECTED, path)
     assert parquet.read(path, REJECTED).to_dict("records") == [ROW]
-    ours = f"egad 0.0.9 wrote it, this is egad {__version__}"
+    ours = f"egad 0.0.9 wrote it, this is egad {__version__}: make it again"
     with pytest.raises(TableError, match=f"columns are missing: .*complexity.*; {ours}"):
+        parquet.read(path, OBJECTS)
+    with made_by(replace(older, program=__version__)):
+        parquet.write(pd.DataFrame([ROW]), REJECTED, path)
+    with pytest.raises(TableError, match=r"columns are missing: [^;]*; make it again$"):
         parquet.read(path, OBJECTS)
 
 
