@@ -96,7 +96,7 @@ def test_what_is_no_dataset_is_a_sentence(tmp_path):
     with pytest.raises(TableError):
         egad.load(tmp_path / "other.parquet")
     for source in (None, 3):
-        with pytest.raises(UserError, match=f"a path or an archive, got {source}"):
+        with pytest.raises(UserError, match=f"source is {source}; allowed: a path"):
             egad.load(source)
 
 

@@ -3,6 +3,7 @@
 import os
 import signal
 import subprocess
+import time
 from collections import Counter
 
 import numpy as np
@@ -16,19 +17,21 @@ KILLS, SEED = 20, 8
 @pytest.mark.timeout(4 * 3600)
 def test_twenty_kills_at_random_moments_leave_no_trace(finished, another):
     """Where a run comes to its end before all kills are spent, the next one begins."""
-    moments, longest = np.random.default_rng(SEED), seconds(finished) / 4
+    moments, most = np.random.default_rng(SEED), files(finished) // 4
     expected, killed, runs = finished.bytes(), [], 1
     run = another("run-1")
     while len(killed) < KILLS:
-        moment = moments.uniform(0, longest)
-        at_work = killed_after(moment, run.start("--cores", 2))
+        more, delay = moments.integers(0, most), moments.uniform(0, 1)
+        at_work = killed_after(more, delay, run)
         if at_work is None:
             assert run.bytes() == expected
             runs += 1
             run = another(f"run-{runs}")
         else:
             killed.append(at_work)
-            print(f"kill {len(killed)}, {moment:.1f} s after the start: {at_work}", flush=True)
+            print(
+                f"kill {len(killed)}, after {more} files and {delay:.1f} s: {at_work}", flush=True
+            )
             run.make("--unlock")
     run.make("--cores", 2)
     assert run.bytes() == expected
@@ -37,19 +40,22 @@ def test_twenty_kills_at_random_moments_leave_no_trace(finished, another):
     assert len(hit) >= 6
 
 
-def seconds(run):
-    """How long a run took, from the first of its files to the last."""
-    times = [path.stat().st_mtime for path in run.results.rglob("*")]
-    return max(times) - min(times)
+def files(run):
+    """How many files the results of a run have."""
+    return sum(path.is_file() for path in run.results.rglob("*"))
 
 
-def killed_after(moment, process):
-    """Kill a run after some seconds: the stages that were at work; None if it ended before.
+def killed_after(more, delay, run):
+    """Kill a run some seconds after it has made more files: the stages that were at work.
 
-    All of it stands still while it is looked at, so what is named is what was killed.
+    None if it ended before. All of it stands still while it is looked at, so what is named is what
+    was killed.
     """
+    wanted, process = files(run) + more, run.start("--cores", 2)
+    while process.poll() is None and files(run) < wanted:
+        time.sleep(0.1)
     try:
-        said, _ = process.communicate(timeout=moment)
+        said, _ = process.communicate(timeout=delay)
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGSTOP)
         tree = psutil.Process(process.pid).children(recursive=True)

@@ -248,7 +248,7 @@ def test_exports_are_made_if_they_are_asked_for(copy):
     assert labels
     for setting, rules in (
         ({"dexnet": {"field_size": 24}}, {"dexnet_objects", "dexnet"}),
-        ({"acronym": {"robust_success_rate": 0.9}}, {"export"}),
+        ({"acronym": {"min_robust_success_rate": 0.9}}, {"export"}),
     ):
         changed = copy.overlay("changed.yaml", setting)
         assert set(copy.planned(configs=[*configs, changed])) == rules | {"report", "all"}
