@@ -42,7 +42,7 @@ def test_twenty_kills_at_random_moments_leave_no_trace(finished, another):
 
 def files(run):
     """How many files the results of a run have."""
-    return sum(path.is_file() for path in run.results.rglob("*"))
+    return sum(len(names) for *_, names in os.walk(run.results))  # passes over vanished folders
 
 
 def killed_after(more, delay, run):
