@@ -10,11 +10,12 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.geometry import check_mesh
+from egad.measures.parameters import BINS
 
 Floats = NDArray[np.float64]
 
 
-def complexity(mesh: trimesh.Trimesh, bins: int = 512) -> float:
+def complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
     """Entropy of the angular deficits of the vertices.
 
     Args:

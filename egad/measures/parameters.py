@@ -22,6 +22,8 @@ from egad.geometry import SIDE_FRACTION
 from egad.grasps import Gripper, Quality, Robust, Sampling
 from egad.reeb import Similarity
 
+BINS = 512  # of the histogram of angular deficits
+
 
 class Space(Parameters):
     """The two measures that span the space, and the archive of elites."""
@@ -86,7 +88,7 @@ class CustomMeasures(Parameters):
 class Complexity(Parameters):
     """Shape complexity: the entropy of the angular deficits of the vertices."""
 
-    bins: int = Field(512, ge=2, description="histogram bins over [-2 pi, 2 pi)")
+    bins: int = Field(BINS, ge=2, description="histogram bins over [-2 pi, 2 pi)")
 
 
 class Difficulty(Parameters):

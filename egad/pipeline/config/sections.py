@@ -132,8 +132,8 @@ class Targets(Parameters):
     )
     exports: list[Format] = Field(
         [],
-        description="exports for other programs: labelled grasps as dexnet or acronym, rendered "
-        "images with grasps as jacquard, cornell or gqcnn",
+        description="exports for other programs, of labelled grasps or of rendered images with "
+        "grasps",
     )
     agreement: bool = Field(
         False, description="whether to execute a sample of the labelled grasps in simulation"
