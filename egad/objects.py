@@ -15,9 +15,8 @@ from egad._util.parameters import ScaleRule
 from egad.cppn import Row, Shape, packed_surface, unpack
 from egad.data import released
 from egad.errors import RejectedError, UserError, check_name
-from egad.evalset import wind_outwards
 from egad.exchange import read_mesh
-from egad.geometry import SIDE_FRACTION, check_units, rescale
+from egad.geometry import SIDE_FRACTION, check_units, rescale, wind_outwards
 from egad.geometry.repair import repair
 from egad.grasps import Gripper
 from egad.map_elites import Archive

@@ -1,6 +1,5 @@
 from .bundle import SimulationObject as SimulationObject
 from .bundle import make_simulation_object as make_simulation_object
-from .bundle import wind_outwards as wind_outwards
 from .datasheet import ATTEMPTS as ATTEMPTS
 from .datasheet import ForGripper as ForGripper
 from .engraving import Patch as Patch

@@ -7,19 +7,18 @@ import numpy as np
 import pandas as pd
 import trimesh
 
-from egad.errors import RejectedError
 from egad.evalset.parameters import Bundle
 from egad.geometry import (
     MassProperties,
     StablePose,
     coacd_parts,
     group_poses,
-    is_solid,
     largest_deviation,
     mass_properties,
     to_mesh,
     to_solid,
     union_of_parts,
+    wind_outwards,
 )
 from egad.geometry.convex_parts import convex_parts
 from egad.geometry.stable_poses import stable_poses
@@ -81,21 +80,6 @@ def make_simulation_object(
         volume_error=float(together.volume()) / physics.volume - 1,
         deviation=0.0 if beyond.is_empty() else largest_deviation(to_mesh(beyond), solid),
     )
-
-
-def wind_outwards(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """A copy of a closed surface that is wound outwards.
-
-    Raises:
-        RejectedError: It does not bound a solid.
-    """
-    solid = to_solid(mesh.vertices, mesh.faces)
-    if not is_solid(solid) or not abs(solid.volume()) > 0:
-        raise RejectedError("the surface does not bound a solid")
-    found = mesh.copy()
-    if solid.volume() < 0:
-        found.invert()
-    return found
 
 
 PAGE = """# Objects for simulators

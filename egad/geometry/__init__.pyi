@@ -13,6 +13,7 @@ from .distance import nearest as nearest
 from .manifold import is_solid as is_solid
 from .manifold import to_mesh as to_mesh
 from .manifold import to_solid as to_solid
+from .manifold import wind_outwards as wind_outwards
 from .mass import Body as Body
 from .mass import MassProperties as MassProperties
 from .mass import mass_properties as mass_properties

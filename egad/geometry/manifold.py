@@ -8,6 +8,8 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad.errors import RejectedError
+
 Solid = Any  # manifold3d.Manifold, which has no type information
 
 
@@ -21,6 +23,21 @@ def to_solid(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Solid:
 def is_solid(solid: Solid) -> bool:
     """Whether every edge had two faces, wound alike, and something is left of it."""
     return bool(solid.status() == manifold3d.Error.NoError and not solid.is_empty())
+
+
+def wind_outwards(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """A copy of a closed surface that is wound outwards.
+
+    Raises:
+        RejectedError: It does not bound a solid.
+    """
+    solid = to_solid(mesh.vertices, mesh.faces)
+    if not is_solid(solid) or not abs(solid.volume()) > 0:
+        raise RejectedError("the surface does not bound a solid")
+    found = mesh.copy()
+    if solid.volume() < 0:
+        found.invert()
+    return found
 
 
 def arrays(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
