@@ -62,9 +62,9 @@ def plan_prints(
         for label, pose in lying.items()
         if not problems[label]
     }
-    places = pack(sizes, settings.bed, settings.gap)
+    positions = pack(sizes, settings.bed, settings.gap)
     return {
-        label: _item(pose, problems[label], places.get(label), settings)
+        label: _item(pose, problems[label], positions.get(label), settings)
         for label, pose in lying.items()
     }
 
@@ -113,16 +113,16 @@ def pack(
     Returns:
         Plate number from 1, and x and y of the lowest corner, for each that fits a bed.
     """
-    places = {}
+    positions = {}
     shelves: list[_Shelf] = []
     for label, (width, depth) in sorted(sizes.items(), key=lambda item: (-item[1][1], item[0])):
         if width + 2 * gap > bed[0] or depth + 2 * gap > bed[1]:
             continue
         fitting = (shelf for shelf in shelves if shelf.end + width + gap <= bed[0])
         shelf = next(fitting, None) or _new_shelf(shelves, depth, bed, gap)
-        places[label] = (shelf.plate, shelf.end, shelf.y)
+        positions[label] = (shelf.plate, shelf.end, shelf.y)
         shelf.end += width + gap
-    return places
+    return positions
 
 
 @dataclass

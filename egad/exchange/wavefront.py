@@ -60,9 +60,9 @@ def _numbers(lines: bytes, start: bytes, also: bytes, kind: type) -> NDArray[Any
     if count == 0 or ends[-1] != len(lines) - 1 or len(spaces) != 3 * count:
         return None
     starts = np.concatenate(([0], ends[:-1] + 1))
-    begun = (text[starts] == start[0]) & (spaces[::3] == starts + 1)
+    prefixed = (text[starts] == start[0]) & (spaces[::3] == starts + 1)
     inside = spaces[2::3] < ends
-    if not (begun & inside).all() or lines.translate(None, b"0123456789 \n" + also + start):
+    if not (prefixed & inside).all() or lines.translate(None, b"0123456789 \n" + also + start):
         return None
     bare = lines.replace(start, b"")
     if start[:1] in bare:

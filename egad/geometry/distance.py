@@ -82,7 +82,7 @@ def distance_field(mesh: trimesh.Trimesh, size: int, padding: int) -> DistanceFi
     """The distance field of a solid, on the grid that SDFGen lays around it.
 
     The longest side of the axis-aligned box is `size - 2 * padding` cells long, and node
-    `size // 2` lies in the middle of the box. Distances are exact but for rounding to a power of
+    `size // 2` lies in the middle of the box. Distances are exact except for rounding to a power of
     two, about a thousandth of a cell: that halves the field when it is compressed.
 
     Args:

@@ -1,4 +1,4 @@
-"""An object at rest on a table, and a camera over it, as chance has them."""
+"""A random pose of an object at rest on a table, with a random camera above it."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

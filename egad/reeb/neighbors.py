@@ -230,7 +230,7 @@ class _Table(NamedTuple):
 
 @numba.njit(cache=True, nogil=True)
 def _nearest_to_each(table: _Table, rows: Integers, others: Integers, count: int) -> Integers:
-    """The nearest of other indices to each of n, but for itself: (n, count), padded with -1.
+    """The nearest of other indices to each of n, except itself: (n, count), padded with -1.
 
     Writes to these rows of the table alone; see `_tell`.
     """

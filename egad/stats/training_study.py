@@ -107,9 +107,9 @@ def set_rate(rows: pd.DataFrame) -> SetRate:
 
 
 def check_starts(rows: pd.DataFrame) -> None:
-    """Refuse attempts that should have begun with the same drop and did not.
+    """Refuse attempts that should start from the same drop and do not.
 
-    An attempt that never began, because its object could not be simulated, has no start.
+    An attempt at an object that cannot be simulated has no initial pose.
 
     Args:
         rows: Columns label, attempt, start and detector, of one test.
@@ -117,9 +117,9 @@ def check_starts(rows: pd.DataFrame) -> None:
     Raises:
         UserError: A detector met an object in another pose than those before it.
     """
-    begun = rows[rows["initial_pose"] != ""]
-    usual = begun.groupby(["label", "attempt"])["initial_pose"].transform("first")
-    odd = begun[begun["initial_pose"] != usual]
+    attempted = rows[rows["initial_pose"] != ""]
+    usual = attempted.groupby(["label", "attempt"])["initial_pose"].transform("first")
+    odd = attempted[attempted["initial_pose"] != usual]
     if len(odd):
         detector, label, attempt = odd.iloc[0][["detector", "label", "attempt"]]
         raise UserError(

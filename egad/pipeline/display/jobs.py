@@ -86,7 +86,7 @@ class Jobs:
 
 
 def last_progress(lines: list[str]) -> tuple[Status | None, str]:
-    """The last progress that the lines of a log tell, and the phase that has begun since.
+    """The last progress that the lines of a log tell, and the phase that started after it.
 
     Progress that has come to its end counts only until then.
     """
