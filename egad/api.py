@@ -35,8 +35,8 @@ from egad.grasps import (
     label_parameters,
 )
 from egad.measures import (
+    MAX_CANDIDATES,
     Cell,
-    Space,
     cell_name,
     cell_of,
     center_of_mass,
@@ -57,10 +57,11 @@ class Measures(NamedTuple):
     Attributes:
         complexity: Entropy of the angular deficits of its vertices, bits.
         difficulty: Percentile of the quality of its sampled grasps: high is easy to grasp.
-        difficulty_std: Standard error of the percentile, as if the grasps were independent.
+        difficulty_std: Its standard error.
         cell: Cell of the grid: (column by complexity, row by difficulty), from 0 = simplest and
             0 = easiest.
         label: Name of the cell, such as `M14`: row M in difficulty, column 14 in complexity.
+        cell_confidence: Probability that the percentile of all grasps lies in the same cell.
     """
 
     complexity: float
@@ -68,10 +69,15 @@ class Measures(NamedTuple):
     difficulty_std: float
     cell: Cell
     label: str
+    cell_confidence: float
 
 
 def measure(
-    mesh: trimesh.Trimesh, gripper: Gripper | str = "yumi", *, grasps: int = 1000, seed: int = 0
+    mesh: trimesh.Trimesh,
+    gripper: Gripper | str = "yumi",
+    *,
+    max_candidates: int = MAX_CANDIDATES,
+    seed: int = 0,
 ) -> Measures:
     """Complexity and grasp difficulty of a mesh.
 
@@ -83,8 +89,8 @@ def measure(
         mesh: Any mesh, in any unit.
         gripper: The gripper that grasps are sampled for, or its name. The default is `yumi`, as
             the published labels are for it.
-        grasps: Grasps that the percentile is taken from; evolution takes 100, which is quicker and
-            noisier.
+        max_candidates: Candidate grasps are doubled until the cell is certain (95 %), or until
+            there are so many.
         seed: Of the grasps.
 
     Raises:
@@ -93,14 +99,12 @@ def measure(
 
     Source: EGAD (Morrison, Corke and Leitner 2020), section III.
     """
-    check_count("grasps", grasps)
+    check_count("max_candidates", max_candidates)
     solid = repair_mesh(mesh).mesh
-    place = measure_repeatably(solid, default_measures(as_gripper(gripper), seed), grasps)
-    space = Space()
-    cell = cell_of(place.complexity, place.difficulty, space)
-    return Measures(
-        place.complexity, place.difficulty, place.difficulty_std, cell, cell_name(*cell)
-    )
+    settings = default_measures(as_gripper(gripper), seed)
+    complexity, difficulty, std, confidence, _ = measure_repeatably(solid, settings, max_candidates)
+    cell = cell_of(complexity, difficulty, settings.space)
+    return Measures(complexity, difficulty, std, cell, cell_name(*cell), confidence)
 
 
 def similarity(first: trimesh.Trimesh, second: trimesh.Trimesh) -> float:

@@ -55,15 +55,15 @@ def test_a_released_object_has_the_measures_of_its_label():
 
 def test_measures_do_not_depend_on_the_unit_and_repeat(mug):
     """By a power of two nothing is rounded; elsewhere, other grasps may be sampled."""
-    first = egad.measure(mug, grasps=200)
-    large = egad.measure(mug.copy().apply_scale(1024), grasps=200)
+    first = egad.measure(mug, max_candidates=512)
+    large = egad.measure(mug.copy().apply_scale(1024), max_candidates=512)
     assert large[:3] == pytest.approx(first[:3])
     for factor in (1000, 25.4):
-        other = egad.measure(mug.copy().apply_scale(factor), grasps=200)
+        other = egad.measure(mug.copy().apply_scale(factor), max_candidates=512)
         assert other.complexity == pytest.approx(first.complexity, rel=1e-3)
         assert other.difficulty == pytest.approx(first.difficulty, abs=first.difficulty_std)
-    assert egad.measure(mug, grasps=200) == first
-    assert egad.measure(mug, grasps=200, seed=1).difficulty != first.difficulty
+    assert egad.measure(mug, max_candidates=512) == first
+    assert egad.measure(mug, max_candidates=512, seed=1).difficulty != first.difficulty
 
 
 def test_similarity_is_one_for_a_turned_copy_and_less_for_another_shape(mug):
@@ -257,8 +257,8 @@ def test_wrong_arguments_of_the_sampler_are_named(wrong, message):
 
 
 def test_wrong_arguments_of_the_measures_are_named(mug):
-    with pytest.raises(UserError, match="grasps is 0"):
-        egad.measure(mug, grasps=0)
+    with pytest.raises(UserError, match="max_candidates is 0"):
+        egad.measure(mug, max_candidates=0)
     with pytest.raises(UserError, match="seed is 'x'"):
         egad.measure(mug, seed="x")
 

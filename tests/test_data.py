@@ -15,13 +15,14 @@ from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.pipeline.archive_settings import check_provenance
 from egad.pipeline.config import Settings
+from egad.pipeline.config.files import FIRST_EDITION
 from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
 from egad.reeb.neighbors import diversities
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME
 
-SETTINGS = Settings()
+SETTINGS = Settings.model_validate(FIRST_EDITION)
 EVOLVE = select(SETTINGS, EvolutionParameters)
 
 
@@ -39,7 +40,7 @@ def test_its_name_is_released(tmp_path):
     assert archive_path(tmp_path / "other.parquet") == tmp_path / "other.parquet"
 
 
-def test_it_was_made_with_the_measures_of_the_defaults():
+def test_it_was_made_with_the_settings_of_the_first_edition():
     assert parquet.notes(released())
     check_provenance(released(), EVOLVE)
 

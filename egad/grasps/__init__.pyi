@@ -33,6 +33,10 @@ from .poses import dexnet_configurations as dexnet_configurations
 from .poses import hand_poses as hand_poses
 from .poses import panda_poses as panda_poses
 from .quality import ferrari_canny as ferrari_canny
+from .quality import quality_bound as quality_bound
 from .robust import robust_ferrari_canny as robust_ferrari_canny
 from .sampler import ContactPairs as ContactPairs
+from .sampler import SamplingStatistics as SamplingStatistics
+from .sampler import join as join
 from .sampler import sample_contacts as sample_contacts
+from .sampler import valid_contacts as valid_contacts

@@ -33,6 +33,11 @@ class ContactPairs:
     normals: Floats
     axes: Floats
 
+    @classmethod
+    def empty(cls) -> "ContactPairs":
+        """No grasps."""
+        return cls(np.empty((0, 2, 3)), np.empty((0, 2, 3)), np.empty((0, 3)))
+
     def __len__(self) -> int:
         """The number of grasps."""
         return len(self.axes)
@@ -50,9 +55,6 @@ class ContactPairs:
     def take(self, indices: Indices) -> "ContactPairs":
         """Some of the grasps, in the order given."""
         return ContactPairs(self.points[indices], self.normals[indices], self.axes[indices])
-
-
-_NONE = ContactPairs(np.empty((0, 2, 3)), np.empty((0, 2, 3)), np.empty((0, 3)))
 
 
 @dataclass(frozen=True)
@@ -103,20 +105,44 @@ def sample_contacts(
         Up to `count` grasps, fewer if the rounds did not give more, and what became of the
         candidates.
     """
-    grasps, tally = _NONE, SamplingStatistics()
-    triangles, areas = np.asarray(caster.mesh.triangles), np.cumsum(caster.mesh.area_faces)
+    grasps, tally = ContactPairs.empty(), SamplingStatistics()
     for _ in range(sampling.rounds):
         draws = max(sampling.candidates, 2 * count)
-        starts, faces = _points(triangles, areas, draws, rng)
-        normals = caster.normals[faces]
-        axes = _axes_in_cone(normals, sampling.cone, rng)
-        fresh, fate = _close(caster, starts, normals, axes, opening, sampling)
+        fresh, fate = valid_contacts(caster, opening, draws, sampling, rng)
         spread = _keep_apart(grasps, fresh, sampling.spacing)
         grasps = join([grasps, fresh.take(spread)])
         tally += fate + SamplingStatistics(too_close=len(fresh) - len(spread))
         if len(grasps) >= count:
             break
     return grasps.take(np.arange(min(len(grasps), count))), tally
+
+
+def valid_contacts(
+    caster: RayCaster,
+    opening: float,
+    candidates: int,
+    sampling: Sampling,
+    rng: np.random.Generator,
+) -> tuple[ContactPairs, SamplingStatistics]:
+    """Draw candidates as `sample_contacts` does and keep all that are grasps, however close.
+
+    They are independent draws from one distribution, so a percentile of their quality has no
+    bias from spacing.
+
+    Args:
+        caster: Of the object, metres.
+        opening: Distance of the open fingers, metres.
+        candidates: How many to draw.
+        sampling: Rules; rounds and spacing do not matter.
+        rng: Where chance comes from.
+
+    Returns:
+        The grasps among them, in the order drawn, and what became of the others.
+    """
+    starts, faces = _points(caster, candidates, rng)
+    normals = caster.normals[faces]
+    axes = _axes_in_cone(normals, sampling.cone, rng)
+    return _close(caster, starts, normals, axes, opening, sampling)
 
 
 def join(parts: list[ContactPairs]) -> ContactPairs:
@@ -138,12 +164,11 @@ def approach_directions(axes: Floats) -> Floats:
     return np.where(length > 1e-9, flat / np.maximum(length, 1e-9), [1.0, 0.0, 0.0])
 
 
-def _points(
-    triangles: Floats, areas: Floats, count: int, rng: np.random.Generator
-) -> tuple[Floats, Indices]:
-    """Points uniform over (n, 3, 3) triangles with these running sums of areas, and their faces."""
+def _points(caster: RayCaster, count: int, rng: np.random.Generator) -> tuple[Floats, Indices]:
+    """Points uniform over the surface, and their faces."""
+    triangles, areas = caster.mesh.triangles, np.cumsum(caster.mesh.area_faces)
     faces = np.searchsorted(areas, rng.random(count) * areas[-1])
-    corners = triangles[faces]
+    corners = np.asarray(triangles)[faces]
     sides = corners[:, 1:] - corners[:, :1]
     along = rng.random((count, 2, 1))
     along[along.sum(axis=1)[:, 0] > 1.0] -= 1.0  # back from the other half of a parallelogram

@@ -1,3 +1,4 @@
+from .ancestry import ancestors as ancestors
 from .archive import Archive as Archive
 from .archive import Elite as Elite
 from .archive import elites_of as elites_of

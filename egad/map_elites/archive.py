@@ -4,9 +4,11 @@ Source: EGAD, section III-D. Words as in pyribs: archive, cells, measures, elite
 """
 
 import heapq
+import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -32,6 +34,28 @@ class Elite:
     graph: reeb.ReebGraph
     parents: tuple[str, ...]
     epoch: int
+    difficulty_std: float = math.nan
+    cell_confidence: float = math.nan
+
+    def row(self) -> dict[str, Any]:
+        """Columns of `tables.evolution.LINEAGE` and `EPOCH`: genome, measures and origin."""
+        return {
+            "id": self.id,
+            **self.genome,
+            "complexity": self.complexity,
+            "difficulty": self.difficulty,
+            "difficulty_std": self.difficulty_std,
+            "cell_confidence": self.cell_confidence,
+            "parents": list(self.parents),
+            "epoch": self.epoch,
+        }
+
+    def is_certain(self, confidence: float) -> bool:
+        """Whether its cell is as certain as asked for; True if nothing is known of its errors."""
+        return not self.cell_confidence < confidence
+
+
+Refine = Callable[[list[Elite]], list[Elite | None]]
 
 
 class Archive:
@@ -60,6 +84,9 @@ class Archive:
     def __contains__(self, elite_id: str) -> bool:
         return elite_id in self._ids
 
+    def __getitem__(self, elite_id: str) -> Elite:
+        return self._elites[self._ids[elite_id]]
+
     @property
     def elites(self) -> list[Elite]:
         """All elites, in the order in which they were added."""
@@ -82,31 +109,61 @@ class Archive:
             counts[difficulty_cell, complexity_cell] += 1
         return counts
 
-    def is_full(self, complexity: float, difficulty: float) -> bool:
-        """Whether the cell of an object holds all the elites that it may."""
-        cell = cell_of(complexity, difficulty, self.space)
-        return list(self._cells.values()).count(cell) >= self.space.elites_per_cell
-
     def cell(self, elite: Elite) -> Cell:
         """The cell that an object belongs to: (complexity, difficulty)."""
         return cell_of(elite.complexity, elite.difficulty, self.space)
 
-    def add(self, candidates: Iterable[Elite]) -> None:
-        """Insert objects, then remove the least diverse ones until every cell fits.
+    def add(self, candidates: Iterable[Elite], refine: Refine | None = None) -> None:
+        """Insert objects, then remove elites until every cell fits.
 
-        Objects that are already here are passed over. After each removal the diversities of those
-        that are left in overfull cells are computed again.
+        Objects that are already here are passed over. In an overfull cell uncertain elites go
+        first, then the least diverse ones. After each removal the diversities of those that are
+        left in overfull cells are computed again.
+
+        Args:
+            candidates: The objects.
+            refine: Measures objects better, in the same order; None for those that it rejects. Only
+                candidates that their cell would keep are refined, and then compete in the cell
+                where they turn out to be.
         """
         fresh = {elite.id: elite for elite in candidates if elite.id not in self}
         indices = self._neighborhood.add([elite.graph for elite in fresh.values()])
         for index, elite in zip(indices, fresh.values(), strict=True):
-            self._elites[index] = elite
-            self._cells[index] = self.cell(elite)
-            self._ids[elite.id] = index
+            self._place(index, elite)
+        if refine:
+            self._refine(indices, refine)
         self._trim()
 
+    def _place(self, index: int, elite: Elite) -> None:
+        self._elites[index] = elite
+        self._cells[index] = self.cell(elite)
+        self._ids[elite.id] = index
+
+    def _refine(self, fresh: list[int], refine: Refine) -> None:
+        """Remove fresh objects that their cells would not keep, and refine the others."""
+        losers = self._losers().intersection(fresh)
+        for index in losers:
+            self._remove(index)
+        kept = [index for index in fresh if index not in losers]
+        for index, elite in zip(kept, refine([self._elites[i] for i in kept]), strict=True):
+            if elite is None:
+                self._remove(index)
+            else:
+                self._place(index, elite)
+
+    def _losers(self) -> set[int]:
+        """What overfull cells would lose if diversities stayed as they are."""
+        counts = Counter(self._cells.values())
+        excess = {cell: count - self.space.elites_per_cell for cell, count in counts.items()}
+        losers = set()
+        for *_, index in sorted(self._queue(counts)):
+            if excess[self._cells[index]] > 0:
+                excess[self._cells[index]] -= 1
+                losers.add(index)
+        return losers
+
     def _trim(self) -> None:
-        """Remove the least diverse elite of an overfull cell until every cell fits.
+        """Remove elites of overfull cells until every cell fits.
 
         While there are more others than neighbors, a removal can only raise a diversity: one that
         is stored is then a lower bound, and is found again when it is the least of the heap.
@@ -114,25 +171,27 @@ class Archive:
         counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
         queue = self._queue(counts)
         while queue:
-            value, name, index = heapq.heappop(queue)
+            certain, value, name, index = heapq.heappop(queue)
             if counts[self._cells[index]] <= limit:
                 continue
             now = self._neighborhood.diversity(index)
             if now != value:
-                heapq.heappush(queue, (now, name, index))
+                heapq.heappush(queue, (certain, now, name, index))
                 continue
             counts[self._cells[index]] -= 1
             self._remove(index)
             if len(self) <= self.space.neighbors + 1:
                 queue = self._queue(counts)
 
-    def _queue(self, counts: Counter[Cell]) -> list[tuple[float, str, int]]:
-        """The elites of overfull cells as a heap, the least diverse first."""
-        limit = self.space.elites_per_cell
+    def _queue(self, counts: Counter[Cell]) -> list[tuple[bool, float, str, int]]:
+        """The elites of overfull cells as a heap: uncertain ones first, then the least diverse."""
+        limit, confidence = self.space.elites_per_cell, self.space.confidence
         crowded = [index for index, cell in self._cells.items() if counts[cell] > limit]
         values = self._neighborhood.diversities(crowded)
-        names = [self._elites[index].id for index in crowded]
-        queue = list(zip(values, names, crowded, strict=True))
+        elites = [self._elites[index] for index in crowded]
+        certain = [elite.is_certain(confidence) for elite in elites]
+        names = [elite.id for elite in elites]
+        queue = list(zip(certain, values, names, crowded, strict=True))
         heapq.heapify(queue)
         return queue
 
@@ -152,16 +211,11 @@ class Archive:
             complexity_cell, difficulty_cell = self._cells[index]
             rows.append(
                 {
-                    "id": elite.id,
-                    **elite.genome,
+                    **elite.row(),
                     "voxels": elite.voxels,
-                    "complexity": elite.complexity,
-                    "difficulty": elite.difficulty,
                     "diversity": diversity,
                     "complexity_cell": complexity_cell,
                     "difficulty_cell": difficulty_cell,
-                    "parents": list(elite.parents),
-                    "epoch": elite.epoch,
                     "graph": reeb.pack(elite.graph),
                 }
             )
@@ -190,6 +244,8 @@ def elites_of(frame: pd.DataFrame) -> list[Elite]:
             graph=reeb.unpack(row["graph"]),
             parents=tuple(row["parents"]),
             epoch=row["epoch"],
+            difficulty_std=row["difficulty_std"],
+            cell_confidence=row["cell_confidence"],
         )
         for row in parquet.records(frame)
     ]

@@ -165,8 +165,15 @@ def _parameters(
         UserError: One of them is not allowed.
     """
     first, second = _checked(ranges)
+    space = from_arguments(
+        Space,
+        complexity_range=first,
+        difficulty_range=second,
+        cells=cells,
+        elites_per_cell=elites_per_cell,
+    )
     return EvolutionParameters(
-        **dict(default_measures(gripper(Difficulty().gripper), seed)),
+        **dict(default_measures(gripper(Difficulty().gripper), seed)) | {"space": space},
         evolution=from_arguments(Evolution, population=population),
         neat=Neat(),
         shape=Shape(),
@@ -175,13 +182,6 @@ def _parameters(
         hole=Hole(),
         symmetry=Symmetry(),
         limits=Limits(),
-        space=from_arguments(
-            Space,
-            complexity_range=first,
-            difficulty_range=second,
-            cells=cells,
-            elites_per_cell=elites_per_cell,
-        ),
     )
 
 

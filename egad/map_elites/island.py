@@ -17,13 +17,20 @@ from egad._util.workers import Mapper
 from egad.cppn import UNBOUND, Row, Rules, Shape, constraints, packed_surface, voxels
 from egad.cppn import query as cppn
 from egad.errors import RejectedError
-from egad.map_elites.archive import Archive, Elite
+from egad.map_elites.archive import Archive, Elite, Refine
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import Offspring, breed
-from egad.measures import coverage_of, filled_part, measure_mesh
+from egad.measures import (
+    coverage_of,
+    filled_part,
+    measure_mesh,
+    rough_difficulty,
+    spaced_difficulty,
+)
+from egad.measures.difficulty import difficulty
 from egad.random import generator
 from egad.reeb import graph as reeb
-from egad.tables.evolution import HISTORY
+from egad.tables.evolution import HISTORY, LINEAGE
 
 EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
 SCORED = 10  # the QD-score is computed once in as many steps
@@ -65,11 +72,44 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Measured:
-    """The measures of a solid."""
+    """The measures of a solid; the errors are NaN for measures of the user."""
 
     complexity: float
     difficulty: float
     graph: reeb.ReebGraph
+    difficulty_std: float = math.nan
+    cell_confidence: float = math.nan
+
+
+class Advance(NamedTuple):
+    """What a step did.
+
+    Attributes:
+        outcomes: How many offspring were evaluated, empty, known already, or rejected for which
+            reason.
+        refined: How many of them were measured again.
+        accepted: Those that the archive has taken in.
+    """
+
+    outcomes: Counter[str]
+    refined: int
+    accepted: list[Elite]
+
+
+class Epoch(NamedTuple):
+    """What an epoch did.
+
+    Attributes:
+        history: The steps, with the columns of `tables.evolution.HISTORY`.
+        lineage: All objects that the archive took in, even if they left it again, with the columns
+            of `tables.evolution.LINEAGE`.
+        outcomes: How many offspring were evaluated, empty, known already, or rejected for which
+            reason.
+    """
+
+    history: pd.DataFrame
+    lineage: pd.DataFrame
+    outcomes: Counter[str]
 
 
 Evaluate = Callable[[Solid], Measured | str]
@@ -90,26 +130,45 @@ def measure(solid: Solid, settings: EvolutionParameters) -> Measured | str:
     """The measures of a solid, or the reason why it has none.
 
     The grasps are sampled with a generator named after the solid, so equal solids have equal
-    measures wherever and whenever they are found, unless they are re-evaluated.
+    measures wherever and whenever they are found. The sequential estimate is a rough one at first:
+    nothing is said of its cell, and `refine` gives the final one.
     """
     mesh = packed_surface(solid.packed, settings.shape)
-    rng = generator(settings.seed, "difficulty", solid.id)
+    evolution = settings.evolution
     try:
-        place = measure_mesh(mesh, settings, settings.difficulty.grasps, rng)
+        if evolution.estimator == "paper":
+            rng = generator(settings.seed, "difficulty", solid.id)
+            estimate = partial(spaced_difficulty, count=evolution.grasps)
+            place = measure_mesh(mesh, settings, partial(estimate, settings=settings, rng=rng))
+        else:
+            rng = generator(settings.seed, "first estimate", solid.id)
+            rough = partial(rough_difficulty, settings=settings, rng=rng)
+            place = measure_mesh(mesh, settings, rough)._replace(cell_confidence=math.nan)
         graph = reeb.extract(mesh, settings.similarity)
-        return Measured(place.complexity, place.difficulty, graph)
     except RejectedError as error:
         return str(error)
+    errors = place.difficulty_std, place.cell_confidence
+    return Measured(place.complexity, place.difficulty, graph, *errors)
 
 
-def reevaluate(solid: Solid, settings: EvolutionParameters) -> float | str:
-    """The difficulty of a challenger by other grasps, or the reason why it has none."""
-    mesh = packed_surface(solid.packed, settings.shape)
-    rng = generator(settings.seed, "newcomer", solid.id)
+def refine(elite: Elite, settings: EvolutionParameters) -> Elite | None:
+    """An object with the final estimate of its difficulty; None if there is no grasp.
+
+    Its grasps are others than those of the first estimate, so that an object which the archive
+    would keep by chance has no such luck again.
+    """
+    mesh = packed_surface(elite.voxels, settings.shape)
+    rng = generator(settings.seed, "difficulty", elite.id)
     try:
-        return measure_mesh(mesh, settings, settings.evolution.reevaluation_grasps, rng).difficulty
-    except RejectedError as error:
-        return str(error)
+        found = difficulty(mesh, settings, settings.evolution.max_candidates, rng)
+    except RejectedError:
+        return None
+    return replace(
+        elite,
+        difficulty=found.value,
+        difficulty_std=found.std,
+        cell_confidence=found.confidence,
+    )
 
 
 class Step(NamedTuple):
@@ -146,7 +205,10 @@ class Island:
                 `measure`.
         """
         self._evaluate = evaluate or partial(measure, settings=settings)
-        self.archive, self.outcomes = archive, Counter[str]()
+        self._refines = not (evaluate or settings.measures.difficulty) and (
+            settings.evolution.estimator == "sequential"
+        )
+        self.archive, self.outcomes, self.refined = archive, Counter[str](), 0
         self._settings, self._rules, self._mapper = settings, rules, mapper
         self._step = Step(epoch, island, 0)
 
@@ -167,12 +229,18 @@ class Island:
                 fresh[solid.id] = Candidate(each, solid, settings.shape)
         return list(fresh.values())
 
-    def tell(self, candidates: Sequence[Candidate], results: Sequence[Measured | str]) -> None:
+    def tell(
+        self,
+        candidates: Sequence[Candidate],
+        results: Sequence[Measured | str],
+        refine: Refine | None = None,
+    ) -> None:
         """Add candidates to the archive.
 
         Args:
             candidates: From `ask`.
             results: The measures of each, or the reason why it has none.
+            refine: As for `Archive.add`.
         """
         elites = []
         for each, result in zip(candidates, results, strict=True):
@@ -181,23 +249,20 @@ class Island:
                 elites.append(_elite(each, result, self._step.epoch))
             else:
                 self.outcomes[_kind(result)] += 1
-        self.archive.add(elites)
+        self.archive.add(elites, refine)
 
-    def advance(self) -> Counter[str]:
-        """One step: ask, measure and tell.
+    def _refine(self, elites: list[Elite]) -> list[Elite | None]:
+        self.refined += len(elites)
+        return list(self._mapper(partial(refine, settings=self._settings), elites))
 
-        Returns:
-            How many offspring of this step were evaluated, empty, known already, or rejected for
-            which reason.
-        """
-        before = self.outcomes.copy()
+    def advance(self) -> Advance:
+        """One step: ask, measure and tell."""
+        outcomes, refined = self.outcomes.copy(), self.refined
         candidates = self.ask()
-        solids = [each.solid for each in candidates]
-        results = list(self._mapper(self._evaluate, solids))
-        if self._settings.evolution.reevaluation_grasps:
-            results = _reevaluated(solids, results, self.archive, self._settings, self._mapper)
-        self.tell(candidates, results)
-        return self.outcomes - before
+        results = list(self._mapper(self._evaluate, [each.solid for each in candidates]))
+        self.tell(candidates, results, self._refine if self._refines else None)
+        accepted = [self.archive[each.id] for each in candidates if each.id in self.archive]
+        return Advance(self.outcomes - outcomes, self.refined - refined, accepted)
 
 
 def evolve(
@@ -208,7 +273,7 @@ def evolve(
     rules: Rules = UNBOUND,
     mapper: Mapper = map,
     watch: Watch | None = None,
-) -> tuple[pd.DataFrame, Counter[str]]:
+) -> Epoch:
     """Run the steps of one epoch of one island on its archive.
 
     Args:
@@ -219,37 +284,36 @@ def evolve(
         rules: What every shape must obey.
         mapper: An order-keeping `map`; where it runs does not change the result.
         watch: Is told of the archive and the steps so far after each step, and may not change them.
-
-    Returns:
-        The steps, with the columns of `tables.evolution.HISTORY`; and how many offspring were
-        evaluated, empty, known already, or rejected for which reason.
     """
     run = Island(archive, settings, epoch, island, rules, mapper)
     rows: list[dict[str, Any]] = []
+    accepted: list[dict[str, Any]] = []
     steps, size = settings.evolution.steps_per_epoch, settings.evolution.population
     words = partial(_standing, rows)
     for number in progress(range(steps), "evaluations", steps, scale=size, state=words):
-        outcomes = run.advance()
+        done = run.advance()
         scored = number % SCORED == SCORED - 1 or number == steps - 1
-        row = Step(epoch, island, number)._asdict() | snapshot(archive, outcomes, scored)
-        rows.append(row)
+        step = Step(epoch, island, number)._asdict()
+        rows.append(step | snapshot(archive, done, scored))
+        accepted += [step | elite.row() for elite in done.accepted]
         if watch:
             watch(archive, rows)
-    return pd.DataFrame(rows, columns=HISTORY.names), run.outcomes
+    lineage = pd.DataFrame(accepted, columns=LINEAGE.names)
+    return Epoch(pd.DataFrame(rows, columns=HISTORY.names), lineage, run.outcomes)
 
 
-def snapshot(archive: Archive, outcomes: Counter[str], scored: bool) -> dict[str, Any]:
+def snapshot(archive: Archive, done: Advance, scored: bool) -> dict[str, Any]:
     """What a step did: columns of `tables.evolution.HISTORY` except for the names of the step.
 
     Args:
         archive: After the step.
-        outcomes: How many offspring were evaluated, empty, known already, or rejected for which
-            reason.
+        done: What the step did.
         scored: Whether to compute the QD-score, which asks for all diversities.
     """
-    counts = archive.counts()
+    counts, outcomes = archive.counts(), done.outcomes
     return {
         "offspring": outcomes.total(),
+        "refined": done.refined,
         "evaluated": outcomes[EVALUATED],
         "empty": outcomes[EMPTY],
         "known": outcomes[KNOWN],
@@ -268,30 +332,6 @@ def _standing(rows: list[dict[str, Any]]) -> str:
     return LINE.format(**rows[-1]) + score if rows else ""
 
 
-def _reevaluated(
-    solids: list[Solid],
-    results: list[Measured | str],
-    archive: Archive,
-    settings: EvolutionParameters,
-    mapper: Mapper,
-) -> list[Measured | str]:
-    """The results, with challengers for full cells re-evaluated by other grasps (ours)."""
-    challengers = [
-        index
-        for index, result in enumerate(results)
-        if isinstance(result, Measured) and archive.is_full(result.complexity, result.difficulty)
-    ]
-    solids_in_doubt = [solids[index] for index in challengers]
-    difficulties = mapper(partial(reevaluate, settings=settings), solids_in_doubt)
-    for index, difficulty in zip(challengers, difficulties, strict=True):
-        first = results[index]
-        if isinstance(first, Measured) and isinstance(difficulty, float):
-            results[index] = replace(first, difficulty=difficulty)
-        else:
-            results[index] = difficulty
-    return results
-
-
 def _kind(reason: str) -> str:
     """A reason without its numbers."""
     return reason.partition(" (")[0]
@@ -307,4 +347,6 @@ def _elite(candidate: Candidate, measured: Measured, epoch: int) -> Elite:
         graph=measured.graph,
         parents=candidate.offspring.parents,
         epoch=epoch,
+        difficulty_std=measured.difficulty_std,
+        cell_confidence=measured.cell_confidence,
     )

@@ -6,7 +6,9 @@ from pydantic import Field
 
 from egad._util.parameters import SEARCH_ONLY, Archived, Fraction, Parameters
 from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
-from egad.measures import MeasureParameters, Space
+from egad.measures import MeasureParameters
+
+ESTIMATE = frozenset({"estimator", "max_candidates", "grasps"})  # decide how difficulty is measured
 
 
 class Evolution(Parameters):
@@ -25,18 +27,23 @@ class Evolution(Parameters):
     )
     siblings: int = Field(1, ge=1, description="successive children of the same parents")
     restart: Fraction = Field(0.0, description="probability that a child is a new random genome")
-    reevaluation_grasps: int = Field(
-        0,
-        ge=0,
-        description="grasps used to re-evaluate a challenger in a full cell, against selection "
-        "bias; 0 disables it",
+    estimator: Literal["sequential", "paper"] = Field(
+        "sequential",
+        description="how difficulty is estimated: roughly, then until the cell is certain for "
+        "those that the archive would keep; or from grasps that keep a distance, as in the paper",
     )
+    max_candidates: int = Field(
+        16384,
+        ge=1,
+        description="most candidate grasps of the sequential estimate of an object",
+    )
+    grasps: int = Field(100, ge=1, description="grasps of the paper's estimate of an object")
 
 
 class EvolutionParameters(MeasureParameters):
     """The settings that one epoch of an island depends on."""
 
-    evolution: Annotated[Evolution, Archived(keys=frozenset({"reevaluation_grasps"}))]
+    evolution: Annotated[Evolution, Archived(keys=ESTIMATE)]
     neat: Annotated[Neat, SEARCH_ONLY]
     shape: Shape
     envelope: Annotated[Envelope, SEARCH_ONLY]
@@ -44,4 +51,3 @@ class EvolutionParameters(MeasureParameters):
     hole: Annotated[Hole, SEARCH_ONLY]
     symmetry: Annotated[Symmetry, SEARCH_ONLY]
     limits: Annotated[Limits, SEARCH_ONLY]
-    space: Space

@@ -1,7 +1,10 @@
 from .custom import check_measures as check_measures
 from .custom import plugin_name as plugin_name
 from .custom import source_hash as source_hash
+from .difficulty import GraspDifficulty as GraspDifficulty
 from .difficulty import center_of_mass as center_of_mass
+from .difficulty import rough_difficulty as rough_difficulty
+from .difficulty import spaced_difficulty as spaced_difficulty
 from .grid import Cell as Cell
 from .grid import cell_name as cell_name
 from .grid import cell_of as cell_of
@@ -12,8 +15,10 @@ from .grid import difficulty_cells as difficulty_cells
 from .grid import filled_cells as filled_cells
 from .grid import filled_part as filled_part
 from .grid import labels as labels
+from .measure import MeasureValues as MeasureValues
 from .measure import measure_mesh as measure_mesh
 from .measure import measure_repeatably as measure_repeatably
+from .parameters import MAX_CANDIDATES as MAX_CANDIDATES
 from .parameters import Complexity as Complexity
 from .parameters import CustomMeasures as CustomMeasures
 from .parameters import Difficulty as Difficulty

@@ -1,22 +1,41 @@
 """Grasp difficulty: how good the better grasps of an object are.
 
-The rules are EGAD's (Morrison, Corke and Leitner, RA-L 2020): many antipodal grasps are sampled on
-the object scaled to the gripper, and a percentile of their quality is taken.
+Antipodal grasps are sampled on the object scaled to the gripper, and difficulty is a percentile of
+their quality (EGAD: Morrison, Corke and Leitner, RA-L 2020). The paper takes it from 100 grasps
+that keep a distance from each other. The more there are of those, the more the distance changes
+their distribution; so here grasps are independent, and there are as many as certainty needs.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 import trimesh
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import betainc
 
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, check_mesh
-from egad.grasps import ContactPairs, ferrari_canny, robust_ferrari_canny, sample_contacts
+from egad.grasps import (
+    ContactPairs,
+    SamplingStatistics,
+    ferrari_canny,
+    join,
+    quality_bound,
+    robust_ferrari_canny,
+    sample_contacts,
+    valid_contacts,
+)
+from egad.measures.grid import difficulty_limits
 from egad.measures.parameters import MeasureParameters
+from egad.measures.percentile import (
+    BoundedSample,
+    confidence_between,
+    percentile_rank,
+    percentile_std,
+)
 
 Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 
 
@@ -25,32 +44,35 @@ class GraspDifficulty(NamedTuple):
 
     Attributes:
         value: Percentile of the quality of sampled grasps.
-        std: Standard error of that, as if the grasps were independent of each other.
-        grasps: How many it was taken from: fewer than wanted if the sampler did not find more.
+        std: Its standard error, as if the grasps were independent.
+        confidence: Probability that the percentile of all grasps lies in the same cell.
+        grasps: How many grasps it was taken from.
     """
 
     value: float
     std: float
+    confidence: float
     grasps: int
 
 
 def difficulty(
     mesh: trimesh.Trimesh,
     settings: MeasureParameters,
-    grasps: int,
+    max_candidates: int,
     rng: np.random.Generator,
     com: Floats | None = None,
 ) -> GraspDifficulty:
-    """A percentile of the quality of sampled grasps: high values are easy objects.
+    """A percentile of the quality of independent grasps: high values are easy objects.
 
     A copy of the mesh is measured: turned until its principal axes (of the vertices) are the
     coordinate axes, then scaled until its smallest side is `side_fraction` of the opening. Grasps
-    without quality count as zeros.
+    without quality count as zeros. Candidates are doubled until the cell of the object is as
+    certain as the space asks for, or the budget is spent. (The estimator is ours.)
 
     Args:
         mesh: The object, of any size, its triangles winding outwards.
-        settings: Gripper, metric, percentile, and how grasps are sampled and rated.
-        grasps: Grasps to sample.
+        settings: Gripper, metric, percentile, how grasps are sampled and rated, and the cells.
+        max_candidates: Most candidates to draw; see `valid_contacts`.
         rng: Where chance comes from.
         com: Center of mass in the frame of the mesh; else the centroid of the volume.
 
@@ -58,64 +80,129 @@ def difficulty(
         RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
         UserError: It is not a mesh.
     """
-    check_mesh(mesh)
-    opening = settings.gripper.opening
-    place = _alignment(np.asarray(mesh.vertices), settings.difficulty.side_fraction * opening)
-    scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
-    center = _apply(place, center_of_mass(mesh) if com is None else com)
-    caster = RayCaster(scaled)
-    found, tally = sample_contacts(caster, opening, grasps, settings.sampling, rng)
-    if len(found) == 0:
-        raise RejectedError(f"no grasp ({tally})")
-    qualities = _qualities(caster, found, center, settings, rng)
-    percent = settings.difficulty.percentile
-    return GraspDifficulty(
-        percentile(qualities, percent), percentile_std(qualities, percent), len(found)
-    )
+    grasps, tally = _RatedGrasps(mesh, settings, rng, com), SamplingStatistics()
+    opening, enough = settings.gripper.opening, settings.space.confidence
+    draws = min(settings.difficulty.candidates, max_candidates)
+    while draws:
+        found, fate = valid_contacts(grasps.caster, opening, draws, settings.sampling, rng)
+        grasps.add(found)
+        tally += fate
+        if len(grasps) and grasps.difficulty(tally).confidence >= enough:
+            break
+        draws = min(tally.tried, max_candidates - tally.tried)
+    return grasps.difficulty(tally)
 
 
-def _qualities(
-    caster: RayCaster,
-    grasps: ContactPairs,
-    com: Floats,
-    settings: MeasureParameters,
-    rng: np.random.Generator,
-) -> Floats:
-    """Quality of each grasp by the metric of the settings."""
-    if settings.difficulty.metric == "nominal" or settings.robust is None:
-        rated: Floats = ferrari_canny(
-            grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()
-        )
-        return rated
-    mean, _, _ = robust_ferrari_canny(
-        caster,
-        grasps,
-        com,
-        settings.gripper.opening,
-        quality=settings.quality,
-        robust=settings.robust,
-        rng=rng,
-    )
-    return mean
+def rough_difficulty(
+    mesh: trimesh.Trimesh, settings: MeasureParameters, rng: np.random.Generator
+) -> GraspDifficulty:
+    """The percentile from the first candidates of `difficulty` alone, without its errors (NaN).
 
+    Args:
+        mesh: The object, of any size, its triangles winding outwards.
+        settings: As for `difficulty`.
+        rng: Where chance comes from.
 
-def percentile(values: Floats, percent: float) -> float:
-    """The value at index n * percent / 100 of the ascending values: no interpolation."""
-    index = min(int(len(values) * percent / 100), len(values) - 1)
-    return float(np.sort(values)[index])
-
-
-def percentile_std(values: Floats, percent: float) -> float:
-    """Standard error of a sample percentile of n independent values.
-
-    Source: Maritz and Jarrett, JASA 73 (1978).
+    Raises:
+        RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
+        UserError: It is not a mesh.
     """
-    count = len(values)
-    m = min(int(count * percent / 100), count - 1) + 1  # the percentile is the m-th smallest value
-    weights = np.diff(betainc(m, count - m + 1, np.arange(count + 1) / count))
-    ordered = np.sort(values)
-    mean = weights @ ordered
-    return float(np.sqrt(weights @ (ordered - mean) ** 2))
+    grasps = _RatedGrasps(mesh, settings, rng)
+    draws, opening = settings.difficulty.candidates, settings.gripper.opening
+    found, tally = valid_contacts(grasps.caster, opening, draws, settings.sampling, rng)
+    grasps.add(found)
+    return GraspDifficulty(grasps.percentile(tally), math.nan, math.nan, len(found))
+
+
+def spaced_difficulty(
+    mesh: trimesh.Trimesh,
+    settings: MeasureParameters,
+    count: int,
+    rng: np.random.Generator,
+    com: Floats | None = None,
+) -> GraspDifficulty:
+    """The paper's estimator: a percentile of grasps that keep a distance from each other.
+
+    Args:
+        mesh: The object, of any size, its triangles winding outwards.
+        settings: As for `difficulty`.
+        count: Grasps to sample.
+        rng: Where chance comes from.
+        com: Center of mass in the frame of the mesh; else the centroid of the volume.
+
+    Raises:
+        RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
+        UserError: It is not a mesh.
+
+    Source: EGAD, section III-C.
+    """
+    grasps = _RatedGrasps(mesh, settings, rng, com)
+    opening, sampling = settings.gripper.opening, settings.sampling
+    found, tally = sample_contacts(grasps.caster, opening, count, sampling, rng)
+    grasps.add(found)
+    return grasps.difficulty(tally)
+
+
+class _RatedGrasps:
+    """Grasps on an object, and the percentile of their quality."""
+
+    def __init__(
+        self,
+        mesh: trimesh.Trimesh,
+        settings: MeasureParameters,
+        rng: np.random.Generator,
+        com: Floats | None = None,
+    ) -> None:
+        check_mesh(mesh)
+        side = settings.difficulty.side_fraction * settings.gripper.opening
+        place = _alignment(np.asarray(mesh.vertices), side)
+        scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
+        self._com = _apply(place, center_of_mass(mesh) if com is None else com)
+        self._settings, self._rng = settings, rng
+        self._grasps = ContactPairs.empty()
+        self._sample = BoundedSample(self._qualities)
+        self.caster = RayCaster(scaled)
+
+    def __len__(self) -> int:
+        return len(self._sample)
+
+    def add(self, grasps: ContactPairs) -> None:
+        """Take in more grasps."""
+        quality, robust = self._settings.quality, self._settings.robust
+        if self._settings.difficulty.metric == "robust" and robust is not None:
+            opening, rng = self._settings.gripper.opening, self._rng
+            mean, _, _ = robust_ferrari_canny(
+                self.caster, grasps, self._com, opening, quality=quality, robust=robust, rng=rng
+            )
+            self._sample.extend(mean, exact=True)
+        else:
+            self._grasps = join([self._grasps, grasps])
+            contacts = grasps.points, grasps.normals, grasps.axes
+            rules = quality.model_dump(exclude={"cone_faces"})
+            self._sample.extend(quality_bound(*contacts, self._com, **rules))
+
+    def _qualities(self, indices: Indices) -> Floats:
+        grasps = self._grasps.take(indices)
+        contacts = grasps.points, grasps.normals, grasps.axes
+        return ferrari_canny(*contacts, self._com, **self._settings.quality.model_dump())
+
+    def percentile(self, tally: SamplingStatistics) -> float:
+        """The percentile of their quality.
+
+        Raises:
+            RejectedError: There is no grasp; the text has what became of the candidates.
+        """
+        if not len(self):
+            raise RejectedError(f"no grasp ({tally})")
+        percent = self._settings.difficulty.percentile
+        return self._sample.smallest(percentile_rank(len(self), percent))
+
+    def difficulty(self, tally: SamplingStatistics) -> GraspDifficulty:
+        """The percentile and its errors; raises as `percentile`."""
+        value, percent = self.percentile(tally), self._settings.difficulty.percentile
+        limits = difficulty_limits(value, self._settings.space)
+        confidence = confidence_between(self._sample, percent, limits)
+        return GraspDifficulty(value, percentile_std(self._sample, percent), confidence, len(self))
 
 
 def center_of_mass(mesh: trimesh.Trimesh) -> Floats:

@@ -1,5 +1,6 @@
 """The space that objects are spread over: cells of complexity and difficulty, and their names."""
 
+import math
 import string
 from collections.abc import Iterable
 
@@ -31,6 +32,14 @@ def difficulty_cells(difficulty: ArrayLike, space: Space, count: int | None = No
     """Cells along difficulty, 0 = easiest, that is, of the highest grasp quality."""
     count = count or space.cells
     return count - 1 - cells(difficulty, *space.difficulty_range, count)
+
+
+def difficulty_limits(difficulty: float, space: Space) -> tuple[float, float]:
+    """The least and the largest difficulty of a cell; infinite at the ends of the range."""
+    (low, high), count = space.difficulty_range, space.cells
+    cell = int(cells(difficulty, low, high, count))
+    below, above = (low + (high - low) * edge / count for edge in (cell, cell + 1))
+    return below if cell > 0 else -math.inf, above if cell < count - 1 else math.inf
 
 
 def cell_of(complexity: float, difficulty: float, space: Space) -> Cell:

@@ -2,6 +2,8 @@
 
 import hashlib
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -22,25 +24,30 @@ class MeasureValues(NamedTuple):
         complexity: Entropy of the angular deficits, bits; or the user's own measure.
         difficulty: Percentile of grasp quality; high is easy. Or the user's own measure.
         difficulty_std: Standard error of the percentile; NaN for a measure of the user.
+        cell_confidence: Probability that the percentile of all grasps lies in the same cell; NaN
+            for a measure of the user.
         grasps: How many grasps the percentile was taken from; 0 for a measure of the user.
     """
 
     complexity: float
     difficulty: float
     difficulty_std: float
+    cell_confidence: float
     grasps: int
 
 
+Estimate = Callable[[trimesh.Trimesh], GraspDifficulty]
+
+
 def measure_mesh(
-    mesh: trimesh.Trimesh, settings: MeasureParameters, grasps: int, rng: np.random.Generator
+    mesh: trimesh.Trimesh, settings: MeasureParameters, estimate: Estimate
 ) -> MeasureValues:
     """Measure a closed mesh.
 
     Args:
         mesh: One body, wound outwards, of any size.
         settings: What the measures depend on.
-        grasps: Grasps to sample.
-        rng: Where the grasps come from.
+        estimate: Gives the difficulty of a mesh, unless it is a measure of the user.
 
     Raises:
         RejectedError: The mesh cannot be measured, or has no grasp.
@@ -48,9 +55,9 @@ def measure_mesh(
     """
     axes = settings.measures
     along = (
-        GraspDifficulty(plugin_value(axes.difficulty, mesh, axes), math.nan, 0)
+        GraspDifficulty(plugin_value(axes.difficulty, mesh, axes), math.nan, math.nan, 0)
         if axes.difficulty
-        else difficulty(mesh, settings, grasps, rng)
+        else estimate(mesh)
     )
     across = (
         plugin_value(axes.complexity, mesh, axes)
@@ -61,7 +68,7 @@ def measure_mesh(
 
 
 def measure_repeatably(
-    mesh: trimesh.Trimesh, settings: MeasureParameters, grasps: int
+    mesh: trimesh.Trimesh, settings: MeasureParameters, max_candidates: int
 ) -> MeasureValues:
     """Measure a closed mesh by grasps that are named after its triangles.
 
@@ -70,7 +77,7 @@ def measure_repeatably(
     Args:
         mesh: One body, wound outwards, of any size.
         settings: What the measures depend on.
-        grasps: Grasps to sample.
+        max_candidates: Most candidate grasps to draw.
 
     Raises:
         RejectedError: The mesh cannot be measured, or has no grasp.
@@ -78,4 +85,6 @@ def measure_repeatably(
     """
     check_mesh(mesh)
     triangles = hashlib.sha256(np.asarray(mesh.faces, "<i8").tobytes()).hexdigest()
-    return measure_mesh(mesh, settings, grasps, generator(settings.seed, "regrade", triangles))
+    rng = generator(settings.seed, "regrade", triangles)
+    estimate = partial(difficulty, settings=settings, max_candidates=max_candidates, rng=rng)
+    return measure_mesh(mesh, settings, estimate)

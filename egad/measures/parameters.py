@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from egad._util.parameters import (
     Archived,
+    Fraction,
     Name,
     ParameterGroup,
     Parameters,
@@ -22,6 +23,7 @@ from egad.geometry import SIDE_FRACTION
 from egad.grasps import Gripper, Quality, Robust, Sampling
 from egad.reeb import Similarity
 
+MAX_CANDIDATES = 32768  # of the final estimate of difficulty
 BINS = 512  # of the histogram of angular deficits
 
 
@@ -41,6 +43,11 @@ class Space(Parameters):
     )
     neighbors: int = Field(
         10, ge=1, description="diversity is the mean distance to this many nearest objects"
+    )
+    confidence: Fraction = Field(
+        0.95,
+        description="an object is certain if its difficulty lies in its cell with at least this "
+        "probability; 0: all are",
     )
 
     @model_validator(mode="after")
@@ -102,7 +109,11 @@ class Difficulty(Parameters):
         description="quality of a grasp, or its mean over perturbed copies; the published letters "
         "follow the nominal quality (rank correlation 0.94 against 0.43, docs/measures.md)",
     )
-    grasps: int = Field(100, ge=1, description="grasps sampled per object during evolution")
+    candidates: int = Field(
+        512,
+        ge=1,
+        description="candidate grasps drawn at first; they are doubled until the cell is certain",
+    )
     percentile: float = Field(75, ge=0, le=100, description="percentile of the qualities, percent")
     side_fraction: PositiveFraction = Field(
         SIDE_FRACTION,
@@ -141,6 +152,7 @@ class MeasureParameters(ParameterGroup):
     measures: CustomMeasures
     complexity: Annotated[Complexity, Archived(difficulty=False)]
     difficulty: Difficulty
+    space: Space
     similarity: Annotated[Similarity, Archived(difficulty=False)]
     sampling: Sampling
     quality: Quality
@@ -164,6 +176,7 @@ def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
         measures=CustomMeasures(),
         complexity=Complexity(),
         difficulty=Difficulty(),
+        space=Space(),
         similarity=Similarity(),
         sampling=Sampling(),
         quality=Quality(),

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from egad.geometry import RayCaster, box_sides
 from egad.grasps import ferrari_canny, sample_contacts
-from egad.measures.difficulty import center_of_mass, percentile
+from egad.measures.difficulty import center_of_mass
 from egad.measures.parameters import SizeEffectParameters
+from egad.measures.percentile import percentile
 from egad.random import generator
 from egad.tables.grasping import SIZE_EFFECT
 

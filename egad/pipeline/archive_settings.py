@@ -52,12 +52,26 @@ def differences(
     Raises:
         TableError: The file is damaged.
     """
-    theirs, ours = dict(_flat(parquet.notes(path))), dict(_flat(provenance(settings)))
+    theirs, ours = archive_notes(path), dict(_flat(provenance(settings)))
     return [
         f"  {key}: {theirs[key]} in the archive, {ours[key]} in the configuration"
         for key in sorted(theirs.keys() & ours.keys())
         if theirs[key] != ours[key] and (sections is None or key.split(".")[0] in sections)
     ]
+
+
+def archive_notes(path: Path) -> dict[str, Any]:
+    """What an archive was made with, by dotted names.
+
+    Archives of the first edition do not name the estimator of difficulty: it was the paper's.
+
+    Raises:
+        TableError: The file is damaged.
+    """
+    notes = dict(_flat(parquet.notes(path)))
+    if (grasps := notes.pop("difficulty.grasps", None)) is not None:
+        notes |= {"evolution.estimator": "paper", "evolution.grasps": grasps}
+    return notes
 
 
 def check_provenance(

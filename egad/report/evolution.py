@@ -78,7 +78,6 @@ def section(
     space: Space,
     axes: AxisPair,
     *,
-    grasps: tuple[int, int] | None,
     islands: int,
     named: bool,
 ) -> Section:
@@ -88,12 +87,10 @@ def section(
         views: From `evolution_view`, by dataset.
         space: The cells.
         axes: What the axes of the space are called.
-        grasps: How many grasps difficulty was measured by, during evolution and afterwards; None
-            if another measure is in its place.
         islands: How many evolved side by side.
         named: Whether to write the name of each dataset.
     """
-    values = {"space": space, "axes": axes, "grasps": grasps, "islands": islands, "named": named}
+    values = {"space": space, "axes": axes, "islands": islands, "named": named}
     return section_of("evolution", "Evolution", views=views, **values)
 
 

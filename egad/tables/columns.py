@@ -23,6 +23,11 @@ def column(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Fie
     return pa.field(name, kind, metadata={"meaning": meaning, "unit": unit})
 
 
+def optional(field: pa.Field) -> pa.Field:
+    """A column that a file may lack: it is then read as NaN."""
+    return field.with_metadata({**field.metadata, b"optional": b"true"})
+
+
 def vector(
     name: str, meaning: str, unit: str = "", parts: str | tuple[str, ...] = "xyz"
 ) -> list[pa.Field]:
@@ -53,6 +58,10 @@ LABEL = column(
 )
 COMPLEXITY = column("complexity", FLOAT, "entropy of the angular deficits", "bit")
 DIFFICULTY = column("difficulty", FLOAT, "percentile of grasp quality, high for easy objects")
+DIFFICULTY_STD = column("difficulty_std", FLOAT, "standard error of the difficulty")
+CELL_CONFIDENCE = column(
+    "cell_confidence", FLOAT, "probability that the exact difficulty lies in the same cell"
+)
 CELLS = [
     column("complexity_cell", INT, "cell along complexity, 0 = simplest"),
     column("difficulty_cell", INT, "cell along difficulty, 0 = easiest"),

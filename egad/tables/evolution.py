@@ -5,15 +5,18 @@ import pyarrow as pa
 from egad.tables.columns import (
     BINARY,
     BOOL,
+    CELL_CONFIDENCE,
     CELLS,
     COMPLEXITY,
     DIFFICULTY,
+    DIFFICULTY_STD,
     DIVERSITY,
     FLOAT,
     ID,
     INT,
     STRING,
     column,
+    optional,
 )
 
 GENOME = pa.schema(
@@ -28,6 +31,11 @@ GENOME = pa.schema(
     ]
 )
 
+_ORIGIN = [
+    column("parents", pa.list_(STRING), "ids of the parents; empty for a random genome"),
+    column("epoch", INT, "epoch in which the object was created"),
+]
+_ERRORS = [optional(DIFFICULTY_STD), optional(CELL_CONFIDENCE)]  # the first edition has none
 ARCHIVE = pa.schema(
     [
         ID,
@@ -35,15 +43,28 @@ ARCHIVE = pa.schema(
         column("voxels", BINARY, "solid voxels, x slowest and z fastest, one bit each"),
         COMPLEXITY,
         DIFFICULTY,
+        *_ERRORS,
         DIVERSITY,
         *CELLS,
         column("slot", INT, "slot of the object in its cell, 0 = most diverse"),
-        column("parents", pa.list_(STRING), "ids of the parents; empty for a random genome"),
-        column("epoch", INT, "epoch in which the object was created"),
+        *_ORIGIN,
     ]
 )
 
 EPOCH = pa.schema([*ARCHIVE, column("graph", BINARY, "packed Reeb graph of the object")])
+
+LINEAGE = pa.schema(
+    [
+        ID,
+        *GENOME,
+        COMPLEXITY,
+        DIFFICULTY,
+        *_ERRORS,
+        *_ORIGIN,
+        column("island", INT, "island on which the object was created"),
+        column("step", INT, "step of that epoch in which it was created"),
+    ]
+)
 
 HISTORY = pa.schema(
     [
@@ -52,8 +73,9 @@ HISTORY = pa.schema(
         column("step", INT, "number of the step in its epoch"),
         column("offspring", INT, "number of offspring of this step"),
         column("evaluated", INT, "of these, measured and offered to the archive"),
-        column("empty", INT, "of these, without any solid voxel"),
-        column("known", INT, "of these, with the same voxels as another object"),
+        column("refined", INT, "of these, measured again, as the archive would keep them"),
+        column("empty", INT, "of the offspring, without any solid voxel"),
+        column("known", INT, "of the offspring, with the same voxels as another object"),
         column("elites", INT, "number of objects in the archive of the island after the step"),
         column("coverage", FLOAT, "archive coverage: fraction of the slots that are filled"),
         column("filled_cells", FLOAT, "fraction of the cells that hold at least one object"),

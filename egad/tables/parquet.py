@@ -146,7 +146,8 @@ def _kept(path: Path, key: str) -> dict[str, Any]:
 def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
     """Read a table and check that it has the columns of its schema.
 
-    Other columns are not read. Values of another type are taken if they can be converted.
+    Other columns are not read. Values of another type are taken if they can be converted. What is
+    optional and missing is NaN.
 
     Raises:
         TableError: The file is missing, is not Parquet, is cut short, has other columns or types,
@@ -154,18 +155,26 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
     """
     try:
         source = Source(path)
-        check_columns(path, schema.names)
-        table = source.read(schema.names).select(schema.names)
-        frame: pd.DataFrame = table.cast(_plain(schema)).to_pandas()
+        missing = _missing(path, schema)
+        names = [name for name in schema.names if name not in missing]
+        check_columns(path, names)
+        table = source.read(names).select(names)
+        frame: pd.DataFrame = table.cast(_plain(schema, names)).to_pandas()
     except DAMAGED as error:
         raise unreadable(path, error) from error
     check_names(frame, path)
-    return frame
+    return frame.reindex(columns=schema.names) if missing else frame
 
 
-def _plain(schema: pa.Schema) -> pa.Schema:
-    """Names and types alone."""
-    return pa.schema([(field.name, field.type) for field in schema])
+def _missing(path: Path, schema: pa.Schema) -> set[str]:
+    """The optional columns that a table lacks."""
+    known = columns(path)
+    return {f.name for f in schema if b"optional" in f.metadata and f.name not in known}
+
+
+def _plain(schema: pa.Schema, names: list[str]) -> pa.Schema:
+    """Some of the columns, names and types alone."""
+    return pa.schema([(name, schema.field(name).type) for name in names])
 
 
 def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from egad.grasps.quality import ferrari_canny
+from egad.grasps.quality import ferrari_canny, quality_bound
 
 REFERENCE = np.load(Path(__file__).parents[1] / "data" / "ferrari_canny.npz")
 
@@ -74,6 +74,20 @@ def test_equals_a_slow_twin(count, friction, scaling, radius, faces):
     )
     np.testing.assert_allclose(quality, expected, atol=1e-9)
     assert 0.3 < (quality > 0).mean() < 0.9
+
+
+def test_the_bound_is_the_torsion_about_the_line_of_contacts():
+    grasps = random_grasps(3000, 0.6)
+    com = np.array([0.01, -0.02, 0.005])
+    bound = quality_bound(*grasps, com)
+    quality = ferrari_canny(*grasps, com)
+    assert (quality <= bound).all()
+    held = bound > 0
+    assert (quality[~held] == 0).all()
+    assert 0.3 < held.mean() < 0.9
+    assert bound[held] == pytest.approx(closed_form(*grasps, com)[held], rel=1e-6)
+    other = {"friction": 0.3, "torque_scaling": 500.0, "finger_radius": 0.01}
+    assert (ferrari_canny(*grasps, com, **other) <= quality_bound(*grasps, com, **other)).all()
 
 
 def test_agrees_with_dex_net():

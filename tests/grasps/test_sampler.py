@@ -6,8 +6,13 @@ import trimesh
 
 from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.sampler import SamplingStatistics, approach_directions, sample_contacts
-from egad.measures.difficulty import percentile
+from egad.grasps.sampler import (
+    SamplingStatistics,
+    approach_directions,
+    sample_contacts,
+    valid_contacts,
+)
+from egad.measures.percentile import percentile
 from egad.pipeline.config import Sampling
 
 REFERENCE = np.load(Path(__file__).parents[1] / "data" / "ferrari_canny.npz")
@@ -117,6 +122,15 @@ def test_inside_out_objects_have_no_grasp():
     mesh = box(0.04, 0.04, 0.04)
     mesh.invert()
     assert len(draw(mesh)[0]) == 0
+
+
+def test_without_spacing_all_valid_candidates_are_kept():
+    caster, rules = RayCaster(ell()), Sampling(spacing=0.0, rounds=1, candidates=500)
+    grasps, tally = valid_contacts(caster, OPENING, 500, rules, np.random.default_rng(3))
+    all_rounds, same = sample_contacts(caster, OPENING, 250, rules, np.random.default_rng(3))
+    assert tally == same
+    assert len(grasps) == 500 - tally.too_wide - tally.not_antipodal - tally.blocked > 50
+    np.testing.assert_array_equal(grasps.points[: len(all_rounds)], all_rounds.points)
 
 
 def test_tally_counts_every_candidate_once():

@@ -72,6 +72,58 @@ def test_equals_the_rule_done_slowly(elites, neighbors):
     assert len(archive) == 6
 
 
+def test_uncertain_elites_go_before_less_diverse_ones(elites):
+    """The twin: the rule of the paper among the certain ones, if these fill the cell."""
+    space = SPACE.model_copy(update={"confidence": 0.9})
+    some = [replace(each, difficulty=0.003, complexity=2.0) for each in elites[:8]]
+    doubtful = [replace(each, cell_confidence=0.5) for each in some[:3]]
+    sure = [replace(each, cell_confidence=0.95) for each in some[3:]]
+    archive = Archive(space, SIMILARITY)
+    archive.add([*doubtful, *sure])
+    assert {each.id for each in archive.elites} == slow_archive([sure], space)
+    archive = Archive(space, SIMILARITY)
+    archive.add([*doubtful, sure[0]])
+    assert sure[0].id in archive
+    assert len(archive) == 2
+
+
+def test_only_what_its_cell_would_keep_is_refined(elites):
+    asked = []
+
+    def refine(chosen):
+        asked.append([each.id for each in chosen])
+        return chosen
+
+    cell = [replace(each, difficulty=0.003, complexity=2.0) for each in elites]
+    archive = Archive(SPACE, SIMILARITY)
+    archive.add(cell[:9], refine)
+    assert len(asked[0]) == 2
+    assert {each.id for each in archive.elites} == set(asked[0])
+    archive.add(cell[9:], refine)
+    assert len(asked[1]) < 9
+    assert {each.id for each in archive.elites} <= set(asked[0] + asked[1])
+
+
+def test_refined_candidates_compete_where_they_turn_out_to_be(elites):
+    """One goes to another cell, one has no grasp; the elite that they would replace stays."""
+    here = [replace(each, difficulty=0.003, complexity=2.0) for each in elites[:2]]
+    archive = Archive(SPACE, SIMILARITY)
+    archive.add(here)
+
+    def refine(chosen):
+        found = {each.id: None for each in chosen}
+        for each in chosen[::2]:
+            found[each.id] = replace(each, difficulty=0.001, difficulty_std=0.1)
+        return list(found.values())
+
+    new = [replace(each, difficulty=0.003, complexity=2.0) for each in elites[2:12]]
+    archive.add(new, refine)
+    moved = [each for each in archive.elites if each.id not in {e.id for e in here}]
+    assert {each.id for each in here} <= {each.id for each in archive.elites}
+    assert {archive.cell(each) for each in moved} == {(0, 1)}
+    assert {each.difficulty_std for each in moved} == {0.1}
+
+
 def test_of_equally_diverse_ones_the_first_name_goes(elites):
     twins = [replace(each, id=f"twin {each.id}") for each in elites]
     space = SPACE.model_copy(update={"elites_per_cell": 4})

@@ -16,7 +16,7 @@ from egad.map_elites.archive import Archive
 from egad.map_elites.island import evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.custom import plugin_value
-from egad.measures.measure import measure_mesh
+from egad.measures.difficulty import rough_difficulty
 from egad.pipeline.config.check import check
 from egad.pipeline.config.schema import schema
 from egad.pipeline.config.stage_settings import select
@@ -27,7 +27,8 @@ from egad.random import generator
 ROOT = Path(__file__).parents[2]
 EXAMPLES = {path.stem: path for path in sorted((ROOT / "config/examples").glob("*.yaml"))}
 QUICK = {
-    "evolution": {"steps_per_epoch": 4, "population": 40},
+    "evolution": {"steps_per_epoch": 4, "population": 40, "max_candidates": 256},
+    "postprocess": {"max_candidates": 256},
     "similarity": {"vertices": 300, "ranges": 16, "base_count": 8},
 }
 
@@ -39,8 +40,7 @@ def at_the_root(monkeypatch):
 
 def configured(name):
     values = yaml.safe_load(EXAMPLES[name].read_text())
-    values["evolution"] = QUICK["evolution"]
-    return check(values | QUICK | {"difficulty": values["difficulty"] | {"grasps": 8}})
+    return check(values | QUICK)
 
 
 @lru_cache
@@ -155,5 +155,5 @@ def test_slippery_fingers_make_the_same_shape_harder():
     sticky = slippery.model_copy(
         update={"quality": config.quality.model_copy(update={"friction": 0.5})}
     )
-    hard = measure_mesh(mesh, slippery, 30, generator(0, "x")).difficulty
-    assert hard < measure_mesh(mesh, sticky, 30, generator(0, "x")).difficulty
+    hard, easy = (rough_difficulty(mesh, each, generator(0, "x")) for each in (slippery, sticky))
+    assert hard.value < easy.value

@@ -5,8 +5,9 @@ import pandas as pd
 import pytest
 
 from egad._util.workers import workers
+from egad.map_elites.ancestry import ancestors
 from egad.map_elites.archive import Archive, elites_of, merge
-from egad.map_elites.island import Island, Measured, Solid, evolve, measure, reevaluate
+from egad.map_elites.island import Solid, evolve, measure, refine
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import LEAST, breed, parent_odds
 from egad.pipeline.config import Difficulty, Evolution, Settings, Shape, Similarity
@@ -16,24 +17,20 @@ from egad.tables.evolution import EPOCH, HISTORY
 
 SETTINGS = select(
     Settings(
-        evolution=Evolution(steps_per_epoch=2, population=12),
+        evolution=Evolution(steps_per_epoch=2, population=12, max_candidates=256),
         shape=Shape(resolution=16),
-        difficulty=Difficulty(grasps=8),
+        difficulty=Difficulty(candidates=64),
         similarity=Similarity(vertices=300, ranges=16, base_count=8),
     ),
     EvolutionParameters,
 )
 
 
-def is_measured(result):
-    return isinstance(result, Measured)
-
-
 def evolved(worker_count, **names):
     archive = Archive(SETTINGS.space, SETTINGS.similarity)
     with workers(worker_count) as mapper:
-        history, counts = evolve(archive, SETTINGS, **names, mapper=mapper)
-    return archive, counts, history
+        done = evolve(archive, SETTINGS, **names, mapper=mapper)
+    return archive, done
 
 
 @pytest.fixture(scope="module")
@@ -48,22 +45,23 @@ def test_what_watches_is_told_of_every_step_and_changes_nothing(island):
     def watch(now, steps):
         told.append((len(now.elites), len(steps)))
 
-    history, _ = evolve(archive, SETTINGS, 0, 0, watch=watch)
-    assert told == list(zip(history["elites"], [1, 2], strict=True))
-    pd.testing.assert_frame_equal(history, island[2])
+    done = evolve(archive, SETTINGS, 0, 0, watch=watch)
+    assert told == list(zip(done.history["elites"], [1, 2], strict=True))
+    pd.testing.assert_frame_equal(done.history, island[1].history)
 
 
 def test_every_offspring_is_accounted_for(island):
-    _, counts, _ = island
+    counts = island[1].outcomes
     assert counts.total() == 2 * 12
     assert counts["evaluated"] > 5
     assert counts["empty"] > 0
 
 
 def test_two_workers_give_the_same_bytes_as_one(island, tmp_path):
-    one, _, first = island
-    two, _, second = evolved(2, epoch=0, island=0)
-    pd.testing.assert_frame_equal(first, second)
+    one, first = island
+    two, second = evolved(2, epoch=0, island=0)
+    pd.testing.assert_frame_equal(first.history, second.history)
+    pd.testing.assert_frame_equal(first.lineage, second.lineage)
     parquet.write(one.to_frame(), EPOCH, tmp_path / "one")
     parquet.write(two.to_frame(), EPOCH, tmp_path / "two")
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
@@ -108,11 +106,45 @@ def test_without_elites_offspring_are_random():
 def test_a_solid_has_the_same_measures_whoever_bred_it(island):
     for each in island[0].elites[:3]:
         again = measure(Solid(each.id, each.voxels), SETTINGS)
-        assert (again.complexity, again.difficulty) == (each.complexity, each.difficulty)
+        assert again.complexity == each.complexity
+        assert refine(replace(each, difficulty=again.difficulty), SETTINGS) == each
+
+
+def test_the_paper_measures_once():
+    settings = with_search(estimator="paper", grasps=20)
+    archive = Archive(settings.space, settings.similarity)
+    done = evolve(archive, settings, 0, 0)
+    assert done.history["refined"].tolist() == [0, 0]
+    for each in archive.elites[:3]:
+        again = measure(Solid(each.id, each.voxels), settings)
+        assert again.difficulty == each.difficulty
+        assert each.cell_confidence > 0
+
+
+def test_what_the_archive_would_keep_is_refined_by_other_grasps(island):
+    archive, done = island
+    evaluated, refined = (done.history[name] for name in ("evaluated", "refined"))
+    assert (refined > 0).all()
+    assert (refined <= evaluated).all()
+    assert len(archive) <= refined.sum()
+    for each in archive.elites:
+        assert each.difficulty_std > 0
+        assert 0 < each.cell_confidence <= 1
+        assert measure(Solid(each.id, each.voxels), SETTINGS).difficulty != each.difficulty
+
+
+def test_the_lineage_holds_all_that_the_archive_took_in(island):
+    archive, done = island
+    ids = done.lineage["id"]
+    assert {each.id for each in archive.elites} <= set(ids)
+    parents = {name for row in done.lineage["parents"] for name in row}
+    assert parents <= set(ids)
+    table = ancestors([each.id for each in archive.elites], done.lineage)
+    assert len(table) >= len(archive)
 
 
 def test_the_history_tells_every_step(island):
-    archive, counts, history = island
+    archive, (history, _, counts) = island
     assert history.columns.tolist() == HISTORY.names
     assert history["step"].tolist() == [0, 1]
     assert history["offspring"].sum() == counts.total()
@@ -150,30 +182,3 @@ def test_siblings_share_their_parents(island):
 def test_restarts_have_no_parents(island):
     parents = [each.parents for each in breed(island[0].elites, with_search(restart=1.0), 0, 0, 7)]
     assert parents == [()] * 12
-
-
-def test_newcomers_to_full_cells_are_graded_again(monkeypatch):
-    """Here all objects share one cell, which the first ones fill."""
-    one_cell = SETTINGS.space.model_copy(update={"cells": 1, "elites_per_cell": 1})
-    settings = with_search(reevaluation_grasps=20).model_copy(update={"space": one_cell})
-    archive = Archive(one_cell, settings.similarity)
-    told = []
-    tell = Island.tell
-    monkeypatch.setattr(Island, "tell", lambda *all: (told.append(all[1:]), tell(*all)))
-    run = Island(archive, settings, 0, 0)
-    run.advance()
-    run.advance()
-    for (candidates, results), again in zip(told, (False, True), strict=True):
-        found = [(c.solid, r) for c, r in zip(candidates, results, strict=True) if is_measured(r)]
-        assert len(found) > 3
-        for solid, result in found:
-            grade = reevaluate(solid, settings) if again else measure(solid, settings).difficulty
-            assert result.difficulty == grade
-
-
-def test_a_newcomer_is_graded_again_by_other_grasps(island):
-    """As many as before: the same ones would be as lucky again."""
-    settings = with_search(reevaluation_grasps=SETTINGS.difficulty.grasps)
-    for each in island[0].elites[:3]:
-        solid = Solid(each.id, each.voxels)
-        assert reevaluate(solid, settings) != measure(solid, settings).difficulty

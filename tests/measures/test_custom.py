@@ -1,8 +1,11 @@
+from functools import partial
+
 import pytest
 import trimesh
 
 from egad.errors import RejectedError, UserError
 from egad.measures.custom import check_measures, plugin_name, plugin_value, source_hash
+from egad.measures.difficulty import rough_difficulty
 from egad.measures.measure import measure_mesh
 from egad.measures.parameters import MeasureParameters
 from egad.pipeline.config import CustomMeasures, Settings
@@ -35,7 +38,8 @@ def file(tmp_path):
 
 def placed(axes):
     settings = select(Settings(measures=axes), MeasureParameters)
-    return measure_mesh(BOX, settings, 20, generator(0, "test"))
+    estimate = partial(rough_difficulty, settings=settings, rng=generator(0, "test"))
+    return measure_mesh(BOX, settings, estimate)
 
 
 def test_the_value_is_that_of_the_function(file):

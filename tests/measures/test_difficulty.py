@@ -3,16 +3,41 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError
-from egad.measures.difficulty import center_of_mass, difficulty, percentile, percentile_std
+from egad.geometry.rays import RayCaster
+from egad.grasps.quality import ferrari_canny
+from egad.grasps.sampler import join, sample_contacts, valid_contacts
+from egad.measures.difficulty import (
+    _alignment,
+    _apply,
+    center_of_mass,
+    difficulty,
+    rough_difficulty,
+    spaced_difficulty,
+)
+from egad.measures.grid import difficulty_limits
 from egad.measures.parameters import MeasureParameters
+from egad.measures.percentile import (
+    BoundedSample,
+    confidence_between,
+    percentile,
+    percentile_std,
+)
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 
 
-def measure(mesh, grasps=100, seed=0, com=None, sampling=None, **settings):
-    config = {"difficulty": settings, "sampling": sampling or {}}
-    read = select(Settings.model_validate(config), MeasureParameters)
-    return difficulty(mesh, read, grasps, np.random.default_rng(seed), com)
+def parameters(sampling=None, confidence=0.0, **settings):
+    config = {
+        "difficulty": settings,
+        "sampling": sampling or {},
+        "space": {"confidence": confidence},
+    }
+    return select(Settings.model_validate(config), MeasureParameters)
+
+
+def measure(mesh, candidates=512, seed=0, com=None, **settings):
+    read = parameters(candidates=candidates, **settings)
+    return difficulty(mesh, read, candidates, np.random.default_rng(seed), com)
 
 
 def wedge():
@@ -20,45 +45,83 @@ def wedge():
     return trimesh.convex.convex_hull(np.random.default_rng(0).normal(size=(12, 3)) * [1, 1.5, 2])
 
 
-@pytest.mark.parametrize(
-    ("values", "percent", "expected"),
-    [
-        (range(100), 75, 75),  # the 76th smallest
-        ([3, 1, 2], 75, 3),
-        ([5, 0, 0, 0], 75, 5),
-        ([5, 0, 0, 0], 74, 0),
-        ([7], 0, 7),
-        ([7, 8], 100, 8),
-    ],
-)
-def test_percentile_is_a_plain_index(values, percent, expected):
-    assert percentile(np.array(values, dtype=float), percent) == expected
+def every_quality(mesh, settings, candidates, rng, com):
+    """All qualities of all grasps, as the sampler gives them after any number of rounds."""
+    place = _alignment(mesh.vertices, 0.8 * settings.gripper.opening)
+    scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
+    caster, parts = RayCaster(scaled), []
+    for count in candidates:
+        found, _ = valid_contacts(caster, settings.gripper.opening, count, settings.sampling, rng)
+        parts.append(found)
+    every = join(parts)
+    return ferrari_canny(every.points, every.normals, every.axes, _apply(place, com))
 
 
-@pytest.mark.parametrize("percent", [25, 75])
-def test_the_standard_error_is_the_spread_of_resampled_values(percent):
-    """It is the limit of the bootstrap for infinitely many resamples."""
-    rng = np.random.default_rng(percent)
-    values = rng.gamma(2, size=40)
-    resampled = np.sort(rng.choice(values, (40_000, 40)), axis=1)
-    spread = resampled[:, 40 * percent // 100].std()
-    assert percentile_std(values, percent) == pytest.approx(spread, rel=0.02)
+@pytest.mark.parametrize("number", range(4))
+def test_equals_the_exhaustive_estimate(spiky_box, number):
+    """Exact qualities of all grasps give the same value, error and confidence."""
+    mesh = spiky_box(number)
+    settings = parameters(confidence=1.0, candidates=100)
+    found = difficulty(mesh, settings, 800, np.random.default_rng(5))
+    rng = np.random.default_rng(5)
+    values = every_quality(mesh, settings, (100, 100, 200, 400), rng, mesh.center_mass)
+    sample = BoundedSample(lambda _: pytest.fail("computed"))
+    sample.extend(values, exact=True)
+    assert found.grasps == len(values) > 50
+    assert found.value == percentile(values, 75)
+    assert found.std == percentile_std(sample, 75)
+    limits = difficulty_limits(found.value, settings.space)
+    assert found.confidence == confidence_between(sample, 75, limits)
 
 
-def test_the_standard_error_is_the_spread_of_repeated_samples():
-    rng = np.random.default_rng(0)
-    samples = np.sort(rng.gamma(2, size=(4000, 200)), axis=1)
-    spread = samples[:, 150].std()
-    told = np.mean([percentile_std(sample, 75) for sample in samples[:300]])
-    assert told == pytest.approx(spread, rel=0.1)
+def test_candidates_are_doubled_until_the_cell_is_certain(spiky_box):
+    settings = parameters(confidence=0.95, candidates=50)
+    rng = np.random.default_rng
+    budgets = [50, 100, 200, 400, 800, 1600, 3200, 6400]
+    for number in range(4):
+        mesh = spiky_box(number)
+        found = difficulty(mesh, settings, 6400, rng(0))
+        tried = [difficulty(mesh, settings, budget, rng(0)) for budget in budgets]
+        first = next((each for each in tried if each.confidence >= 0.95), tried[-1])
+        assert found == first
+
+
+def test_the_error_is_the_spread_of_other_grasps(spiky_box):
+    settings = parameters(confidence=1.0)
+    found = [difficulty(spiky_box(1), settings, 512, np.random.default_rng(i)) for i in range(60)]
+    spread = np.std([each.value for each in found])
+    assert np.mean([each.std for each in found]) == pytest.approx(spread, rel=0.3)
+
+
+def test_the_rough_estimate_is_that_of_the_first_candidates():
+    settings = parameters(confidence=1.0, candidates=300)
+    whole = difficulty(wedge(), settings, 300, np.random.default_rng(0))
+    rough = rough_difficulty(wedge(), settings, np.random.default_rng(0))
+    assert (rough.value, rough.grasps) == (whole.value, whole.grasps)
+    assert np.isnan([rough.std, rough.confidence]).all()
+
+
+def test_the_estimator_of_the_paper_is_the_percentile_of_its_grasps():
+    settings = parameters()
+    found = spaced_difficulty(wedge(), settings, 100, np.random.default_rng(0))
+    mesh = wedge()
+    place = _alignment(mesh.vertices, 0.8 * settings.gripper.opening)
+    scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
+    grasps, _ = sample_contacts(
+        RayCaster(scaled), 0.05, 100, settings.sampling, np.random.default_rng(0)
+    )
+    com = _apply(place, mesh.center_mass)
+    values = ferrari_canny(grasps.points, grasps.normals, grasps.axes, com)
+    assert found.grasps == len(values) == 100
+    assert found.value == pytest.approx(np.sort(values)[75], rel=1e-12)
 
 
 def test_value_of_a_ball_and_of_a_slab():
-    ball, _, used = measure(trimesh.creation.icosphere(subdivisions=4))
-    slab, *_ = measure(trimesh.creation.box([0.04, 0.1, 0.1]))
-    assert used == 100
-    assert ball == pytest.approx(0.0036, abs=0.0003)
-    assert slab == pytest.approx(0.0013, abs=0.0003)
+    ball = measure(trimesh.creation.icosphere(subdivisions=4))
+    slab = measure(trimesh.creation.box([0.04, 0.1, 0.1]))
+    assert ball.grasps > 400
+    assert ball.value == pytest.approx(0.0036, abs=0.0003)
+    assert slab.value == pytest.approx(0.0013, abs=0.0003)
 
 
 def test_unit_does_not_matter():
@@ -72,7 +135,7 @@ def test_place_and_pose_matter_no_more_than_chance():
     turned = mesh.copy()
     turned.apply_transform(trimesh.transformations.rotation_matrix(2.0, [0.2, 0.7, 0.4]))
     turned.apply_translation([3, -2, 1])
-    assert measure(turned, 2000)[0] == pytest.approx(measure(mesh, 2000)[0], abs=1e-4)
+    assert measure(turned, 8000)[0] == pytest.approx(measure(mesh, 8000)[0], abs=1e-4)
 
 
 def test_a_given_center_of_mass_moves_with_the_mesh():
@@ -89,18 +152,11 @@ def test_side_fraction_sets_the_size():
     assert measure(mesh, side_fraction=0.3)[0] > measure(mesh, side_fraction=0.8)[0]
 
 
-def test_fewer_grasps_than_wanted_are_counted():
-    value, _, used = measure(wedge(), sampling={"rounds": 1, "spacing": 0.01})
-    assert 0 < used < 100
-    assert value > 0
-
-
 def test_the_robust_metric_is_lower_for_objects_as_wide_as_the_hand():
     ball = trimesh.creation.icosphere(subdivisions=3)
-    plain, *_ = measure(ball)
-    robust, _, used = measure(ball, metric="robust")
-    assert used == 100
-    assert 0 < robust < plain
+    plain, robust = measure(ball), measure(ball, metric="robust")
+    assert robust.grasps == plain.grasps
+    assert 0 < robust.value < plain.value
 
 
 def test_same_seed_gives_the_same_value():
@@ -120,7 +176,7 @@ def test_center_of_mass_of_an_open_surface_is_within_its_bounds():
 def test_inside_out_mesh_is_rejected():
     mesh = wedge()
     mesh.invert()
-    with pytest.raises(RejectedError, match=r"no grasp \(of 2000 candidates"):
+    with pytest.raises(RejectedError, match=r"no grasp \(of 512 candidates"):
         measure(mesh)
 
 

@@ -1,3 +1,4 @@
+import pyarrow as pa
 import pytest
 import trimesh
 
@@ -29,9 +30,41 @@ def test_the_same_settings_pass(archive):
     check_provenance(archive, select(Settings(), LocateMeshes), ("shape",))
 
 
-def test_newcomers_that_were_graded_again_matter(archive):
-    with pytest.raises(UserError, match=r"evolution\.reevaluation_grasps: 0 in the archive, 300"):
-        check_provenance(archive, settings(evolution={"reevaluation_grasps": 300}))
+def test_the_budget_of_the_difficulty_matters(archive):
+    with pytest.raises(UserError, match=r"evolution\.max_candidates: 16384 in the archive, 300"):
+        check_provenance(archive, settings(evolution={"max_candidates": 300}))
+
+
+@pytest.fixture
+def first_edition(tmp_path):
+    """An archive with the columns and notes that the first edition had."""
+    columns = [field for field in EPOCH if b"optional" not in field.metadata]
+    schema = pa.schema(columns)
+    notes = provenance(settings(space={"confidence": 0}))
+    notes["difficulty"] = {"grasps": 100, "percentile": 75.0}
+    notes["evolution"] = {"reevaluation_grasps": 0}
+    del notes["space"]["confidence"]
+    path = tmp_path / "first.parquet"
+    parquet.write(parquet.empty(schema), schema, path, notes)
+    return path
+
+
+def test_the_first_edition_goes_on_by_the_estimator_of_the_paper_alone(first_edition):
+    paper = {"evolution": {"estimator": "paper"}}
+    check_provenance(first_edition, settings(**paper))
+    with pytest.raises(UserError, match=r"evolution\.estimator: paper in the archive, sequential"):
+        check_provenance(first_edition, settings())
+    with pytest.raises(UserError, match=r"evolution\.grasps: 100 in the archive, 50"):
+        check_provenance(first_edition, settings(evolution=paper["evolution"] | {"grasps": 50}))
+
+
+def test_objects_of_the_first_edition_are_read_and_its_difficulties_explained(
+    first_edition, caplog
+):
+    with caplog.at_level("INFO"):
+        from_archive(first_edition, select(Settings(), PostprocessSolids), 0, 1)
+    assert "percentiles of few grasps that keep a distance" in caplog.text
+    assert parquet.read(first_edition, ARCHIVE)["cell_confidence"].isna().all()
 
 
 def test_an_edited_measure_of_ones_own_is_another_one(tmp_path):
@@ -95,7 +128,9 @@ def test_notes_travel_from_epoch_to_archive(archive, tmp_path):
 def test_evolution_refuses_to_go_on_from_a_foreign_archive(archive, tmp_path):
     out = tmp_path / "out.parquet"
     with pytest.raises(UserError, match="made with other settings"):
-        evolve.run(settings(quality={"friction": 0.8}), 1, 0, out, tmp_path / "h", archive)
+        evolve.run(
+            settings(quality={"friction": 0.8}), 1, 0, out, tmp_path / "h", tmp_path / "l", archive
+        )
     assert not out.exists()
 
 
@@ -116,10 +151,9 @@ def test_an_evolution_that_keeps_nothing_says_why(tmp_path):
     nothing = settings(
         measures={"complexity": f"{tmp_path}/mine.py:area"},
         evolution={"steps_per_epoch": 1, "population": 20},
-        difficulty={"grasps": 5},
     )
     with pytest.raises(UserError, match=r"20 offspring was accepted: .*area failed: AttributeErr"):
-        evolve.run(nothing, 0, 0, tmp_path / "out", tmp_path / "history")
+        evolve.run(nothing, 0, 0, tmp_path / "out", tmp_path / "h", tmp_path / "l")
 
 
 def test_a_region_is_one_body(tmp_path):

@@ -1,7 +1,8 @@
 """Evolve: epochs of islands, merged.
 
 Inputs: only the settings.
-Outputs: results/D/archive.parquet, the elites; history.parquet, the steps; epochs/, the
+Outputs: results/D/archive.parquet, the elites; history.parquet, the steps;
+ancestry.parquet, the elites and all their ancestors; epochs/, the
 intermediate archives.
 Steps: every island evolves from the merged archive of the previous epoch; the islands are merged;
 the archive of the last epoch, or the source archive of a dataset, is published. More epochs than
@@ -11,6 +12,7 @@ before extend a finished run.
 
 localrules:
     archive,
+    ancestry,
     history,
 
 
@@ -26,6 +28,10 @@ rule evolve:
         ),
         history=ensure(
             "results/{dataset}/epochs/epoch-{epoch}/history-{island}.parquet",
+            non_empty=True,
+        ),
+        lineage=ensure(
+            "results/{dataset}/epochs/epoch-{epoch}/lineage-{island}.parquet",
             non_empty=True,
         ),
     log:
@@ -53,7 +59,8 @@ rule evolve:
     shell:
         "egad evolve --settings {params.settings:q} --epoch {wildcards.epoch}"
         " --island {wildcards.island} {params.base:q} --jobs {threads} --page {params.page:q}"
-        " --islands {params.islands} --out {output.archive:q} --history {output.history:q} > {log:q} 2>&1"
+        " --islands {params.islands} --out {output.archive:q} --history {output.history:q}"
+        " --lineage {output.lineage:q} > {log:q} 2>&1"
 
 
 rule merge:
@@ -110,6 +117,37 @@ rule archive:
         "Publishing the archive"
     shell:
         "egad archive {input:q} --out {output:q} > {log:q} 2>&1"
+
+
+rule ancestry:
+    """Find the ancestors of the elites, back to random genomes."""
+    input:
+        archive="results/{dataset}/archive.parquet",
+        lineages=expand(
+            "results/{{dataset}}/epochs/epoch-{epoch}/lineage-{island}.parquet",
+            epoch=range(LAST_EPOCH + 1),
+            island=ISLANDS,
+        ),
+    output:
+        ensure("results/{dataset}/ancestry.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/ancestry.log",
+    benchmark:
+        "benchmarks/{dataset}/ancestry.tsv"
+    wildcard_constraints:
+        dataset=EVOLVED_DATASET,
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        **needs(mb=1000, mb_per_thread=1000, minutes=10),
+    params:
+        code=code_of("ancestry"),
+    message:
+        "Finding the ancestors of {wildcards.dataset}"
+    shell:
+        "egad ancestry --archive {input.archive:q} --out {output:q} {input.lineages:q}"
+        " > {log:q} 2>&1"
 
 
 use rule join as history with:

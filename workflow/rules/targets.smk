@@ -29,7 +29,7 @@ def published():
         "results/comparison.parquet",
         "results/comparison.svg",
         *of_datasets([*EVOLVED, *GIVEN], ["archive.parquet"]),
-        *of_datasets(EVOLVED, ["history.parquet"]),
+        *of_datasets(EVOLVED, ["history.parquet", "ancestry.parquet"]),
         *of_datasets(SETTINGS.datasets, ["objects.parquet", "rejected.parquet", "meshes"]),
         *of_datasets(targets.datasets, of_target),
     ]

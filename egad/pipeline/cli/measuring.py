@@ -24,9 +24,11 @@ if TYPE_CHECKING:
     import pandas as pd
 
 TableFile = Annotated[Path | None, typer.Option(help="table to write: .parquet or .csv")]
-Grasps = Annotated[
+MaxCandidates = Annotated[
     int | None,
-    typer.Option(min=1, help="grasps to measure the difficulty; default: as in the configuration"),
+    typer.Option(
+        min=1, help="most candidate grasps for the difficulty; default: as in the configuration"
+    ),
 ]
 Bases = Annotated[
     str | None,
@@ -46,7 +48,7 @@ def measure(
     meshes: Meshes,
     units: Units,
     out: TableFile = None,
-    grasps: Grasps = None,
+    max_candidates: MaxCandidates = None,
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
@@ -59,7 +61,7 @@ def measure(
     from egad.tables.objects import MEASURED
 
     check_ending(out)
-    whole = changed(settings_in(config), "postprocess", grasps=grasps)
+    whole = changed(settings_in(config), "postprocess", max_candidates=max_candidates)
     files = object_names(files_in(meshes))
     table = stage.run(select(whole, MeasureMeshes), files, units, jobs)
     if out is not None:
@@ -98,7 +100,7 @@ def locate(
     units: Units,
     among: Among,
     out: PageFile = [Path("locate.html")],  # noqa: B006 (typer copies it)
-    grasps: Grasps = None,
+    max_candidates: MaxCandidates = None,
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
@@ -115,7 +117,7 @@ def locate(
 
     for path in out:
         check_ending(path, (".html", ".parquet", ".csv"))
-    whole = changed(settings_in(config), "postprocess", grasps=grasps)
+    whole = changed(settings_in(config), "postprocess", max_candidates=max_candidates)
     settings = select(whole, LocateMeshes)
     objects = stage.reference(archive_path(among), settings)
     table, shown = stage.run(settings, objects, object_names(files_in(meshes)), units, jobs)

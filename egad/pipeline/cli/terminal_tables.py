@@ -21,18 +21,26 @@ MOST = 12  # columns of a matrix that still can be read
 def measured(table: pd.DataFrame, axes: AxisPair) -> None:
     """Print columns of `tables.objects.MEASURED`."""
     show(
-        ["name", *_titles(axes), "cell", "grasps"],
-        [(*_place(row, axes), number(row["grasps"], 0)) for row in _rows(table)],
+        ["name", *_titles(axes), "cell", "certain %", "grasps"],
+        [
+            (
+                *_place(row, axes),
+                number(100 * row["cell_confidence"], 0),
+                number(row["grasps"], 0),
+            )
+            for row in _rows(table)
+        ],
     )
 
 
 def located(table: pd.DataFrame, axes: AxisPair) -> None:
     """Print columns of `tables.objects.LOCATED`."""
     show(
-        ["name", *_titles(axes), "cell", *_orders(axes), "diversity", "nearest"],
+        ["name", *_titles(axes), "cell", "certain %", *_orders(axes), "diversity", "nearest"],
         [
             (
                 *_place(row, axes),
+                number(100 * row["cell_confidence"], 0),
                 number(row["complexity_percentile"], 0),
                 number(row["difficulty_percentile"], 0),
                 number(row["diversity"], 3),
@@ -157,4 +165,6 @@ def _place(row: pd.Series, axes: AxisPair) -> tuple[str, str, str, str]:
     unknown = pd.isna(row["complexity_cell"])
     cell = DASH if unknown else cell_name(int(row["complexity_cell"]), int(row["difficulty_cell"]))
     quality = number(axes.upwards.factor * row["difficulty"], 3)
+    if not pd.isna(row["difficulty_std"]):
+        quality += f" ± {number(axes.upwards.factor * row['difficulty_std'], 3)}"
     return str(row["name"]), number(row["complexity"], 3), quality, cell

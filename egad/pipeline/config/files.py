@@ -33,9 +33,13 @@ The parameters of the paper's Table II: 2000 steps of 100 children on one archiv
 `snakemake --cores 8 --configfile config/paper.yaml` merges them into config/config.yaml.
 """
 FULL_TEXT = """
-As many evaluations as in the paper, with parents sampled near empty slots: the settings of the
-archive shipped with egad.
+As many evaluations as in the paper: the settings of the archive shipped with egad.
 `snakemake --cores 2 --configfile config/full.yaml` merges them into config/config.yaml.
+"""
+FIRST_EDITION_TEXT = """
+The settings of the first edition of the archive shipped with egad: those of the paper, but with
+parents sampled near empty slots.
+`snakemake --cores 2 --configfile config/first_edition.yaml` merges them into config/config.yaml.
 """
 TEST_TEXT = """
 A run of the whole pipeline in under a minute: few objects, measured coarsely.
@@ -91,7 +95,8 @@ PAPER: Values = {
         "parents": "uniform",
         "siblings": 1,
         "restart": 0.0,
-        "reevaluation_grasps": 0,
+        "estimator": "paper",
+        "grasps": 100,
     },
     "neat": {"activations": ["sin", "sigmoid", "gaussian", "identity"]},
     "shape": {"resolution": 25, "threshold": 0.5},
@@ -101,20 +106,27 @@ PAPER: Values = {
         "cells": 25,
         "elites_per_cell": 4,
         "neighbors": 10,
+        "confidence": 0.0,
     },
     "complexity": {"bins": 512},
-    "difficulty": {"metric": "nominal", "grasps": 100, "percentile": 75.0},
+    "difficulty": {"metric": "nominal", "percentile": 75.0},
     "trials": {"attempts": 20},
 }
-FULL: Values = {**PAPER, "evolution": {**PAPER["evolution"], "parents": "sparse"}}
+FIRST_EDITION: Values = {**PAPER, "evolution": {**PAPER["evolution"], "parents": "sparse"}}
+FULL: Values = {
+    "shards": 32,
+    "schedule": {"islands": 1, "epochs": 20},
+    "evolution": {"steps_per_epoch": 100},
+    "trials": {"attempts": 20},
+}
 TEST: Values = {
     "shards": 2,
     "schedule": {"islands": 2, "epochs": 2},
-    "evolution": {"steps_per_epoch": 2, "population": 10},
-    "difficulty": {"grasps": 12},
+    "evolution": {"steps_per_epoch": 2, "population": 10, "max_candidates": 128},
+    "difficulty": {"candidates": 64},
     "similarity": {"vertices": 1000, "base_count": 20},
     "robust": {"samples": 5},
-    "postprocess": {"grasps": 20},
+    "postprocess": {"max_candidates": 128},
     "grasp_label": {"grasps": 10},
     "size_effect": {"fractions": [0.5, 0.8, 1.2], "grasps": 10, "repeats": 2},
     "select_eval": {"rows": 3, "columns": 3},
@@ -167,6 +179,7 @@ def files() -> dict[Path, str]:
     documents = {
         "config/config.yaml": (DEFAULT_TEXT, defaults()),
         "config/paper.yaml": (PAPER_TEXT, PAPER),
+        "config/first_edition.yaml": (FIRST_EDITION_TEXT, FIRST_EDITION),
         "config/full.yaml": (FULL_TEXT, FULL),
         "config/released.yaml": (RELEASED_TEXT, RELEASED),
         "config/training_study.yaml": (TRAINING_STUDY_TEXT, TRAINING_STUDY),

@@ -14,6 +14,7 @@ from egad._util.parameters import (
     check_ascending,
 )
 from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
+from egad.measures import MAX_CANDIDATES
 from egad.pipeline.exports import Format
 
 
@@ -30,10 +31,12 @@ class Schedule(Parameters):
 
 
 class Postprocess(Parameters):
-    """Repair, and re-evaluation of the difficulty without selection bias."""
+    """Repair, and measures by other grasps than those that evolution selected by."""
 
-    grasps: int = Field(
-        1000, ge=1, description="grasps sampled to re-evaluate the difficulty of an object"
+    max_candidates: int = Field(
+        MAX_CANDIDATES,
+        ge=1,
+        description="most candidate grasps drawn to make the cell of an object certain",
     )
     min_volume: float = Field(
         1e-9, ge=0, description="objects with a smaller volume are rejected, m3"

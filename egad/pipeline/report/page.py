@@ -159,13 +159,11 @@ def _evolution(
         for name, data in datasets.items()
     }
     views = {name: view for name, view in found.items() if view}
-    grasps_used = (settings.difficulty.grasps, settings.postprocess.grasps)
     if views:
         yield evolution.section(
             views,
             settings.space,
             axes,
-            grasps=None if settings.measures.difficulty else grasps_used,
             islands=settings.schedule.islands,
             named=len(datasets) > 1,
         )

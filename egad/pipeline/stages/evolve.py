@@ -18,7 +18,7 @@ from egad.measures import check_measures
 from egad.pipeline.archive_settings import check_provenance, provenance
 from egad.pipeline.parameters import Input, Jobs, NotNoted, Output, command
 from egad.tables import parquet
-from egad.tables.evolution import EPOCH, HISTORY
+from egad.tables.evolution import EPOCH, HISTORY, LINEAGE
 
 log = logging.getLogger(__name__)
 
@@ -30,6 +30,7 @@ def run(
     island: int,
     out: Annotated[Path, Output(schema=EPOCH)],
     history: Annotated[Path, Output("D/history.parquet", HISTORY)],
+    lineage: Annotated[Path, Output(schema=LINEAGE)],
     base: Annotated[Path | None, Input()] = None,
     page: Annotated[Path | None, NotNoted()] = None,
     islands: Annotated[int | None, NotNoted()] = None,
@@ -43,6 +44,7 @@ def run(
         island: Number of the island.
         out: Archive of the island.
         history: Statistics of the archive, one row per step.
+        lineage: All objects that the archive took in, even if they left it again.
         base: Merged archive of the previous epoch; none starts from random genomes.
         page: HTML page to write, a live map of the archive.
         islands: Number of islands, for the page.
@@ -57,11 +59,13 @@ def run(
             phase("reading the archive of the epoch before")
             check_provenance(base, settings)
             archive.add(elites_of(parquet.read(base, EPOCH)))
-        steps, counts = evolve(archive, settings, epoch, island, rules, mapper, watch)
+        done = evolve(archive, settings, epoch, island, rules, mapper, watch)
+    counts = done.outcomes
     if not len(archive):
         most = "; ".join(f"{reason} ({count})" for reason, count in counts.most_common(3))
         raise UserError(f"none of {counts.total()} offspring was accepted: {most}")
-    parquet.write(steps, HISTORY, history)
+    parquet.write(done.history, HISTORY, history)
+    parquet.write(done.lineage, LINEAGE, lineage)
     parquet.write(archive.to_frame(), EPOCH, out, provenance(settings))
     log.info("%d elites, coverage %.3f", len(archive), archive.coverage)
     for outcome, count in sorted(counts.items()):

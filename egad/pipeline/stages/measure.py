@@ -56,7 +56,7 @@ def measure_row(
     (solid, repaired, wall), _ = repaired_body(
         mesh, settings.postprocess, settings.material.density
     )
-    place = measure_repeatably(solid, settings, settings.postprocess.grasps)
+    place = measure_repeatably(solid, settings, settings.postprocess.max_candidates)
     column, row = cell_of(place.complexity, place.difficulty, settings.space)
     return solid, {
         **place._asdict(),

@@ -17,7 +17,12 @@ from egad.errors import RejectedError, UserError
 from egad.exchange import EVERY_FILE, objects_in, read_mesh
 from egad.geometry import joined_primitives
 from egad.measures import MeasureParameters, measure_repeatably
-from egad.pipeline.archive_settings import MEASURING, check_provenance, differences
+from egad.pipeline.archive_settings import (
+    MEASURING,
+    archive_notes,
+    check_provenance,
+    differences,
+)
 from egad.pipeline.config import Material, Postprocess, Shape
 from egad.pipeline.parameters import Input, NotNoted, Output, Shard, command
 from egad.pipeline.stages.measure import repaired_body
@@ -29,6 +34,10 @@ from egad.tables.evolution import ARCHIVE
 from egad.tables.objects import REJECTED, SOLIDS
 
 log = logging.getLogger(__name__)
+PAPER_ESTIMATES = (
+    "The difficulties in %s are rough: percentiles of few grasps that keep a distance from each "
+    "other, and evolution kept the lucky ones. The objects are measured again."
+)
 Sources = dict[str, Callable[[], trimesh.Trimesh]]
 
 
@@ -125,6 +134,8 @@ def from_archive(
     """
     check_provenance(path, settings, ("shape",))
     archive = parquet.read(path, ARCHIVE).set_index("id")
+    if archive_notes(path).get("evolution.estimator") == "paper":
+        log.info(PAPER_ESTIMATES, path)
     sources: Sources = {
         str(object_id): partial(packed_surface, packed, settings.shape)
         for object_id, packed in archive["voxels"].items()
@@ -182,7 +193,7 @@ def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids
     (solid, repaired, wall), mass = repaired_body(
         mesh, settings.postprocess, settings.material.density
     )
-    place = measure_repeatably(solid, settings, settings.postprocess.grasps)
+    place = measure_repeatably(solid, settings, settings.postprocess.max_candidates)
     return {
         "id": object_id,
         **place._asdict(),

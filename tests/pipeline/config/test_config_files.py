@@ -117,15 +117,24 @@ def test_paper_is_table_two():
     assert paper.space.difficulty_range == (0.0005, 0.004)
     assert paper.space.complexity_range == (1, 5)
     assert paper.evolution.crossover_probability == 0.5
-    assert (paper.complexity.bins, paper.difficulty.grasps) == (512, 100)
+    assert (paper.complexity.bins, paper.evolution.grasps) == (512, 100)
     assert paper.shape.resolution == 25
 
 
-def test_full_is_the_paper_with_another_way_to_draw_parents():
-    paper, full = load("paper.yaml"), load("full.yaml")
-    assert full["evolution"].pop("parents") == "sparse"
+def test_the_first_edition_is_the_paper_with_another_way_to_draw_parents():
+    paper, first = load("paper.yaml"), load("first_edition.yaml")
+    assert first["evolution"].pop("parents") == "sparse"
     assert paper["evolution"].pop("parents") == "uniform"
-    assert full == paper
+    assert first == paper
+
+
+def test_full_is_the_default_search_with_the_evaluations_of_the_paper():
+    full, usual = check(load("full.yaml")), Settings()
+    steps = full.schedule.epochs * full.evolution.steps_per_epoch * full.schedule.islands
+    assert steps * full.evolution.population == 200_000
+    changed = full.evolution.model_copy(update={"steps_per_epoch": usual.evolution.steps_per_epoch})
+    assert changed == usual.evolution
+    assert (full.difficulty, full.space) == (usual.difficulty, usual.space)
 
 
 def test_paper_states_every_parameter_of_table_two_itself():
@@ -134,7 +143,7 @@ def test_paper_states_every_parameter_of_table_two_itself():
     for section, key in [
         ("evolution", "population"),
         ("space", "difficulty_range"),
-        ("difficulty", "grasps"),
+        ("evolution", "grasps"),
         ("complexity", "bins"),
         ("shape", "resolution"),
     ]:

@@ -1,0 +1,105 @@
+"""A percentile of a sample, how certain it is, and values that are computed only if they matter."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import betainc
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class BoundedSample:
+    """Values of which upper bounds are known; the values themselves are computed on demand."""
+
+    def __init__(self, compute: Callable[[Indices], Floats]) -> None:
+        """Start without values.
+
+        Args:
+            compute: Gives the values at some indices, each at most its bound.
+        """
+        self._compute = compute
+        self._upper = np.empty(0)  # the value itself where it is known
+        self._known = np.empty(0, dtype=bool)
+
+    def __len__(self) -> int:
+        return len(self._upper)
+
+    @property
+    def known(self) -> int:
+        """How many values have been computed."""
+        return int(self._known.sum())
+
+    def extend(self, bounds: Floats, exact: bool = False) -> None:
+        """Add values that are not negative, by their upper bounds or exactly."""
+        self._upper = np.concatenate((self._upper, bounds))
+        self._known = np.concatenate((self._known, exact | (bounds <= 0)))
+
+    def smallest(self, rank: int) -> float:
+        """The value at an index of the ascending values."""
+        while True:
+            value = float(np.partition(self._upper, rank)[rank])
+            if not self._settle(value):
+                return value
+
+    def below(self, limit: float) -> int:
+        """How many values are less than a limit."""
+        self._settle(limit)
+        return int(np.sum(self._upper < limit))
+
+    def _settle(self, limit: float) -> bool:
+        """Compute the values that may reach a limit; says whether there were any."""
+        open_ones = np.flatnonzero(~self._known & (self._upper >= limit))
+        if len(open_ones):
+            self._upper[open_ones] = self._compute(open_ones)
+            self._known[open_ones] = True
+        return len(open_ones) > 0
+
+
+def percentile(values: Floats, percent: float) -> float:
+    """The value of this rank; see `percentile_rank`."""
+    return float(np.sort(values)[percentile_rank(len(values), percent)])
+
+
+def percentile_rank(count: int, percent: float) -> int:
+    """The index of a percentile among n ascending values: n * percent / 100, not interpolated."""
+    return min(int(count * percent / 100), count - 1)
+
+
+def percentile_std(sample: BoundedSample, percent: float) -> float:
+    """Standard error of a percentile of n independent values.
+
+    Half the distance of the two values whose ranks lie a standard error of the rank away.
+
+    Source: Woodruff, Confidence Intervals for Medians and Other Position Measures, JASA 47 (1952).
+    """
+    count, part = len(sample), percent / 100
+    spread = np.sqrt(part * (1 - part) / count)
+    low, high = np.clip(
+        [np.floor(count * (part - spread)), np.ceil(count * (part + spread))], 0, count - 1
+    )
+    return (sample.smallest(int(high)) - sample.smallest(int(low))) / 2
+
+
+def confidence_between(sample: BoundedSample, percent: float, limits: tuple[float, float]) -> float:
+    """Probability that the percentile of a distribution lies between two limits.
+
+    How many of n independent values are less than a limit follows a binomial distribution; the
+    part of the distribution below the limit then has a beta distribution (with Jeffreys' prior).
+
+    Args:
+        sample: Independent values.
+        percent: Of the percentile, 0 to 100.
+        limits: The lower one, which may be -inf, and the upper one, which may be inf.
+    """
+    low, high = (_chance_above(sample, percent / 100, limit) for limit in limits)
+    return max(low - high, 0.0)
+
+
+def _chance_above(sample: BoundedSample, part: float, limit: float) -> float:
+    """The probability that a percentile is at least a limit."""
+    if not np.isfinite(limit):
+        return float(limit < 0)
+    below = sample.below(limit)
+    return float(betainc(below + 0.5, len(sample) - below + 0.5, part))
