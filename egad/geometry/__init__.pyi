@@ -27,6 +27,7 @@ from .parameters import OpenSurfaces as OpenSurfaces
 from .primitives import joined_primitives as joined_primitives
 from .rays import RayCaster as RayCaster
 from .rays import TriangleScene as TriangleScene
+from .rays import bounding_box as bounding_box
 from .refinement import Triangulation as Triangulation
 from .refinement import face_areas as face_areas
 from .refinement import lexicographic as lexicographic

@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple
 
+import numba
 import numpy as np
 import trimesh
 from embreex.mesh_construction import TriangleMesh
@@ -108,19 +109,23 @@ class RayCaster:
 
     Attributes:
         mesh: The mesh.
+        triangles: (m, 3, 3) their corners, metres.
+        areas: (m,) in square metres.
         normals: (m, 3) outward unit normals of the triangles; zeros for those without area.
     """
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
         """Prepare a mesh whose triangles wind outwards."""
         self.mesh = mesh
-        low, high = np.asarray(mesh.bounds)
+        faces = np.asarray(mesh.faces)
+        self.triangles: Floats = np.asarray(mesh.vertices)[faces]
+        low, high = bounding_box(self.triangles)
         self._origin = (low + high) / 2
         self._scale = 1 / float(np.max(high - low))
         vertices = (np.asarray(mesh.vertices) - self._origin) * self._scale
-        faces = np.asarray(mesh.faces)
         self._corners = vertices[faces[:, 0]]
-        self.normals = _normals(vertices[faces])
+        self.normals, areas = _normals_and_areas(vertices[faces])
+        self.areas = areas / self._scale**2
         self._scene = TriangleScene(vertices, faces)
 
     def first_hits(self, origins: Floats, directions: Floats) -> Hits:
@@ -153,8 +158,32 @@ class RayCaster:
         return np.asarray(np.isfinite(hits.distances) & ~hits.entering)
 
 
-def _normals(triangles: Floats) -> Floats:
-    """Unit normals of (n, 3, 3) triangles; zeros for those without area."""
-    cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    length = np.linalg.norm(cross, axis=1, keepdims=True)
-    return np.asarray(np.divide(cross, length, out=np.zeros_like(cross), where=length > 0))
+@numba.njit(cache=True)
+def bounding_box(triangles: Floats) -> tuple[Floats, Floats]:
+    """The lowest and the highest corner of the box of (n, 3, 3) triangles, n > 0."""
+    low, high = triangles[0, 0].copy(), triangles[0, 0].copy()
+    for triangle in triangles:
+        for corner in triangle:
+            for k in range(3):
+                low[k], high[k] = min(low[k], corner[k]), max(high[k], corner[k])
+    return low, high
+
+
+@numba.njit(cache=True)
+def _normals_and_areas(triangles: Floats) -> tuple[Floats, Floats]:
+    """Unit normals of (n, 3, 3) triangles, zeros for those without area; and their areas."""
+    normals, areas = np.zeros((len(triangles), 3)), np.empty(len(triangles))
+    one, two, cross = np.empty(3), np.empty(3), np.empty(3)
+    for i in range(len(triangles)):
+        for k in range(3):
+            one[k] = triangles[i, 1, k] - triangles[i, 0, k]
+            two[k] = triangles[i, 2, k] - triangles[i, 0, k]
+        for k in range(3):
+            m, n = (k + 1) % 3, (k + 2) % 3
+            cross[k] = one[m] * two[n] - one[n] * two[m]
+        length = np.sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2])
+        areas[i] = length / 2
+        if length > 0:
+            for k in range(3):
+                normals[i, k] = cross[k] / length
+    return normals, areas

@@ -166,9 +166,9 @@ def approach_directions(axes: Floats) -> Floats:
 
 def _points(caster: RayCaster, count: int, rng: np.random.Generator) -> tuple[Floats, Indices]:
     """Points uniform over the surface, and their faces."""
-    triangles, areas = caster.mesh.triangles, np.cumsum(caster.mesh.area_faces)
+    areas = np.cumsum(caster.areas)
     faces = np.searchsorted(areas, rng.random(count) * areas[-1])
-    corners = np.asarray(triangles)[faces]
+    corners = caster.triangles[faces]
     sides = corners[:, 1:] - corners[:, :1]
     along = rng.random((count, 2, 1))
     along[along.sum(axis=1)[:, 0] > 1.0] -= 1.0  # back from the other half of a parallelogram

@@ -35,6 +35,7 @@ class Cell:
     name: str
     count: int
     diversity: float
+    confidence: float  # mean probability that its objects belong there; NaN if unknown
     color: str
     picture: str
 
@@ -49,8 +50,9 @@ class SpaceMap:
         low: Mean diversity at the lower end of the color bar; few cells lie below.
         high: Mean diversity at its upper end.
         stops: Colors of the bar, from low to high.
-        details: Objects of each cell by its name: label, id, complexity, difficulty, diversity
-            and picture (base64; None for the first, which the map shows); then how many more.
+        details: Objects of each cell by its name: label, id, complexity, difficulty, its
+            standard error, confidence of the cell, diversity and picture (base64; None for the
+            first, which the map shows); then how many more.
         first: Name of the cell whose objects are shown first.
         pictured: Whether the objects have pictures.
     """
@@ -73,7 +75,8 @@ def section(maps: Mapping[str, SpaceMap], space: Space, axes: AxisPair) -> Secti
         space: The cells.
         axes: What the axes of the space are called.
     """
-    return section_of("map", "Map", maps=maps, space=space, axes=axes)
+    certain = any(cell.confidence >= 0 for each in maps.values() for cell in each.cells)
+    return section_of("map", "Map", maps=maps, space=space, axes=axes, certain=certain)
 
 
 def shown_objects(objects: pd.DataFrame) -> list[str]:
@@ -131,6 +134,7 @@ def _cell(group: pd.DataFrame, mean: float, color: str, pictures: Mapping[str, b
         name=_name(best),
         count=len(group),
         diversity=mean,
+        confidence=float(group["cell_confidence"].mean()),
         color=color,
         picture=data_uri(pictures.get(best["label"], b"")),
     )
@@ -146,6 +150,8 @@ def _details(group: pd.DataFrame, pictures: Mapping[str, bytes]) -> dict[str, An
                 item["id"],
                 _round(item["complexity"], 4),
                 _round(item["difficulty"], 6),
+                _round(item["difficulty_std"], 6),
+                _round(item["cell_confidence"], 3),
                 _round(item["diversity"], 4),
                 base64.b64encode(picture).decode() or None,
             ]

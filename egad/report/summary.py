@@ -1,5 +1,6 @@
 """The sections Summary and Rejected objects: what each dataset holds, and what was left out."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -8,6 +9,7 @@ import pandas as pd
 
 from egad.measures import Space, coverage, filled_cells
 from egad.report.axes import AxisPair
+from egad.report.evolution import re_evaluation
 from egad.report.page import Section, section_of
 from egad.report.trials import Results
 
@@ -21,6 +23,9 @@ class DatasetSummary:
         objects: How many it has.
         filled_cells: Cells of the space with at least one object.
         coverage: Part of the archive slots that its objects fill.
+        selected_coverage: The same by the difficulties that evolution selected by; NaN if it did
+            not.
+        certain: Part of the objects whose cell is certain; NaN if it is not known.
         diversity: Lowest, mean and highest diversity; NaN if it has no objects.
         selected: Objects of its evaluation set.
         results: What detectors achieved on that set, by gripper.
@@ -30,6 +35,8 @@ class DatasetSummary:
     objects: int
     filled_cells: int
     coverage: float
+    selected_coverage: float
+    certain: float
     diversity: tuple[float, float, float]
     selected: int
     results: Mapping[str, Results]
@@ -47,12 +54,15 @@ def summarize(
         selected: Objects of its evaluation set.
         results: What detectors achieved on that set, by gripper.
     """
-    diversity = objects["diversity"]
+    diversity, moves = objects["diversity"], re_evaluation(objects, space)
+    confidence = objects["cell_confidence"].dropna()
     return DatasetSummary(
         kind=kind,
         objects=len(objects),
         filled_cells=round(filled_cells(objects, space) * space.cells**2),
         coverage=coverage(objects, space),
+        selected_coverage=moves.before if moves else math.nan,
+        certain=float((confidence >= space.confidence).mean()),
         diversity=(diversity.min(), diversity.mean(), diversity.max()),
         selected=selected,
         results=results,

@@ -147,7 +147,7 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
     """Read a table and check that it has the columns of its schema.
 
     Other columns are not read. Values of another type are taken if they can be converted. What is
-    optional and missing is NaN.
+    optional is NaN if all of it is missing.
 
     Raises:
         TableError: The file is missing, is not Parquet, is cut short, has other columns or types,
@@ -167,9 +167,9 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
 
 
 def _missing(path: Path, schema: pa.Schema) -> set[str]:
-    """The optional columns that a table lacks."""
-    known = columns(path)
-    return {f.name for f in schema if b"optional" in f.metadata and f.name not in known}
+    """The optional columns, if a table has none of them; with some of them it is damaged."""
+    optional = {field.name for field in schema if b"optional" in (field.metadata or {})}
+    return optional if optional.isdisjoint(columns(path)) else set()
 
 
 def _plain(schema: pa.Schema, names: list[str]) -> pa.Schema:

@@ -62,7 +62,7 @@ def test_equals_the_exhaustive_estimate(spiky_box, number):
     """Exact qualities of all grasps give the same value, error and confidence."""
     mesh = spiky_box(number)
     settings = parameters(confidence=1.0, candidates=100)
-    found = difficulty(mesh, settings, 800, np.random.default_rng(5))
+    found = difficulty(mesh, settings, 800, np.random.default_rng(5), mesh.center_mass)
     rng = np.random.default_rng(5)
     values = every_quality(mesh, settings, (100, 100, 200, 400), rng, mesh.center_mass)
     sample = BoundedSample(lambda _: pytest.fail("computed"))

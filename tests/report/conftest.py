@@ -47,6 +47,8 @@ def made_objects(settings: Settings, count: int, seed: int) -> pd.DataFrame:
             "id": [f"{seed}-{index}" for index in range(count)],
             "complexity": complexity,
             "difficulty": difficulty,
+            "difficulty_std": 0.00002,
+            "cell_confidence": random.uniform(0.5, 1, count),
             "complexity_cell": complexity_cells(complexity, settings.space),
             "difficulty_cell": difficulty_cells(difficulty, settings.space),
             "diversity": random.uniform(0.1, 0.3, count),
@@ -118,7 +120,7 @@ def agreement() -> pd.DataFrame:
 def history(settings: Settings) -> pd.DataFrame:
     """Three steps of ten offspring that fill one cell after another."""
     cells = [bytes([1] * step + [0] * (settings.space.cells**2 - step)) for step in (1, 2, 3)]
-    frame = pd.DataFrame({"step": range(3), "offspring": 10, "cells": cells})
+    frame = pd.DataFrame({"step": range(3), "offspring": 10, "refined": 4, "cells": cells})
     return filled(frame.assign(coverage=0.1, filled_cells=0.1, qd_score=1.0), HISTORY)
 
 

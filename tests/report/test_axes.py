@@ -1,5 +1,6 @@
 import dataclasses
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -69,6 +70,7 @@ def test_pictures_show_the_names(objects, pictures, trials):
 
 def test_tables_on_the_terminal_name_them(capsys):
     row = {"name": "a", "complexity": 1.5, "difficulty": 0.25, "grasps": 0}
+    row |= {"difficulty_std": np.nan, "cell_confidence": np.nan}
     table = pd.DataFrame([row | {"complexity_cell": 3, "difficulty_cell": 25}])
     measured(table, axis_pair(OWN))
     said = capsys.readouterr().out

@@ -25,6 +25,7 @@ def step(epoch, island, number, elites):
         "island": island,
         "step": number,
         "offspring": 10,
+        "refined": 5,
         "evaluated": 6,
         "empty": 3,
         "known": 1,

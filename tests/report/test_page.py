@@ -128,7 +128,7 @@ def test_a_cell_tells_its_most_diverse_objects(page, objects, pictures):
         ].sort_values("diversity", ascending=False)
         assert [item[0] for item in cell["items"]] == inside["label"].head(4).tolist()
         assert len(cell["items"]) + cell["more"] == len(inside)
-        assert cell["items"][0][5] is None
+        assert cell["items"][0][7] is None
         for item in cell["items"][1:]:
             assert base64.b64decode(item[5]) == pictures[item[0]]
 

@@ -22,7 +22,14 @@ AFTER_SELECTION = {"print_export"} | AFTER_BUNDLE | AFTER_PRINTS | AFTER_SIZES
 AFTER_RESCALE = {"grasp_label", "print_export"} | AFTER_GRASPS | AFTER_BUNDLE
 AFTER_COLLECT = {"compare", "rescale", "select_eval"} | AFTER_RESCALE | AFTER_SELECTION
 AFTER_POSTPROCESS = {"collect"} | AFTER_COLLECT
-EVERYTHING = {"evolve", "merge", "archive", "history", "postprocess"} | AFTER_POSTPROCESS
+EVERYTHING = {
+    "evolve",
+    "merge",
+    "archive",
+    "ancestry",
+    "history",
+    "postprocess",
+} | AFTER_POSTPROCESS
 
 
 @pytest.mark.parametrize("entry", ["Snakefile", "workflow/Snakefile"])
@@ -67,7 +74,7 @@ def named(value):
             {"rescale": {"side_fraction": 0.7}},
             {"rescale", "select_eval"} | AFTER_RESCALE | AFTER_SELECTION,
         ),
-        ({"postprocess": {"grasps": 21}}, {"postprocess"} | AFTER_POSTPROCESS),
+        ({"postprocess": {"max_candidates": 129}}, {"postprocess"} | AFTER_POSTPROCESS),
         ({"shards": 3}, {"postprocess"} | AFTER_POSTPROCESS),
         ({"evolution": {"population": 11}}, EVERYTHING),
         ({"seed": 1}, EVERYTHING),
@@ -274,7 +281,7 @@ def test_more_epochs_extend_a_finished_run(copy):
 def test_fewer_epochs_need_no_evolution(copy):
     shorter = copy.overlay("shorter.yaml", {"schedule": {"epochs": 1}})
     planned = copy.planned(configs=["config/test.yaml", shorter])
-    assert set(planned) == {"archive", "history", "postprocess"} | AFTER_POSTPROCESS
+    assert set(planned) == {"archive", "ancestry", "history", "postprocess"} | AFTER_POSTPROCESS
 
 
 def test_a_configuration_of_ones_own_can_stand_alone(clean):

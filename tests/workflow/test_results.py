@@ -146,12 +146,24 @@ def test_the_history_tells_of_every_step_and_ends_with_the_archive(load):
     steps = [(e, i, s) for e in range(EPOCHS) for i in (0, 1) for s in (0, 1)]
     assert list(zip(history["epoch"], history["island"], history["step"], strict=True)) == steps
     assert (history["offspring"] == 10).all()
+    assert (history["refined"] <= history["evaluated"]).all()
+    assert history["refined"].sum() > 0
     assert history["elites"].iloc[-1] <= len(load("egad/archive.parquet"))
 
 
 def test_the_second_epoch_begins_with_what_the_first_one_found(load):
     second = load("egad/epochs/epoch-1/history-0.parquet")
     assert second["elites"].iloc[0] >= len(load("egad/epochs/epoch-0/archive.parquet"))
+
+
+def test_every_elite_descends_from_random_genomes(load):
+    born = load("egad/ancestry.parquet").set_index("id")
+    archive = load("egad/archive.parquet")
+    assert set(archive["id"]) <= set(born.index)
+    place = {name: number for number, name in enumerate(born.index)}
+    for name, parents in born["parents"].items():
+        assert all(place[parent] < place[name] for parent in parents)
+    assert (born["parents"].map(len) == 0).any()
 
 
 def test_every_elite_is_an_object_or_was_rejected(load):

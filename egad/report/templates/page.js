@@ -13,7 +13,7 @@ function fixed(value, digits) {
   return value === null ? "unknown" : value.toFixed(digits);
 }
 
-function objectCard([label, id, complexity, difficulty, diversity], picture, data) {
+function objectCard([label, id, complexity, difficulty, error, certain, diversity], picture, data) {
   const card = make("div", "", picture ? "object" : "object plain");
   if (picture) {
     const image = make("img");
@@ -25,9 +25,10 @@ function objectCard([label, id, complexity, difficulty, diversity], picture, dat
   facts.append(make("b", label));
   for (const line of [
     data.across + " " + fixed(complexity, 2) + data.unit,
-    data.upwards + " " + fixed(difficulty, 5),
+    data.upwards + " " + fixed(difficulty, 5) + (error === null ? "" : " ± " + fixed(error, 5)),
+    certain === null ? "" : "in this cell with " + fixed(100 * certain, 0) + " % probability",
     "diversity " + fixed(diversity, 3),
-  ]) facts.append(make("div", line));
+  ]) if (line) facts.append(make("div", line));
   facts.append(make("div", id, "id"));
   card.append(facts);
   return card;
@@ -52,7 +53,7 @@ function startMap(figure) {
     const { items, more } = data.cells[name];
     panel.replaceChildren(make("h4", "Cell " + name));
     items.forEach((item, rank) => {
-      const stored = item[5] && "data:image/png;base64," + item[5];
+      const stored = item[7] && "data:image/png;base64," + item[7];
       panel.append(objectCard(item, rank === 0 && drawn ? drawn.getAttribute("href") : stored, data));
     });
     if (more) panel.append(make("p", "and " + more + " more", "soft"));

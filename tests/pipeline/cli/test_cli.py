@@ -188,7 +188,9 @@ def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_pat
         assert table.columns.tolist() == MEASURED.names[1:]
         assert table.loc["cube", "complexity"] == 0
         assert table.loc["cube", "difficulty"] == pytest.approx(0.0025, abs=0.0003)
-        assert table.loc["cube", "grasps"] == 1000  # as configured
+        assert table.loc["cube", "cell_confidence"] >= 0.95
+        assert 0 < table.loc["cube", "difficulty_std"] < 0.0001
+        assert " ± " in result.stdout
         assert table.loc["broken", "reason"] == "no faces"
 
 
@@ -198,13 +200,13 @@ def test_measure_fails_if_no_mesh_can_be_used(folder):
     assert "none of the 1 meshes could be used" in result.stderr
 
 
-def test_measure_takes_grasps_and_a_configuration(folder, tmp_path):
+def test_measure_takes_a_budget_and_a_configuration(folder, tmp_path):
     config, out = tmp_path / "my.yaml", tmp_path / "table.csv"
     config.write_text("space: {cells: 5}\ncomplexity: {bins: 64}\n")
     given = ["--units", "cm", "--jobs", 1, "--out", out]
-    egad("measure", folder, *given, "--grasps", 30, "--config", config)
+    egad("measure", folder, *given, "--max-candidates", 50, "--config", config)
     cube = pd.read_csv(out).set_index("name").loc["cube"]
-    assert cube["grasps"] == 30
+    assert 5 < cube["grasps"] < 50
     assert cube["difficulty_cell"] == 2
 
 
@@ -272,7 +274,7 @@ def test_locate_writes_a_page_and_a_table(folder, tmp_path):
         (["measure", "--units", "feet"], "not one of"),
         (["measure", "--units", "m", "--out", "table.xlsx"], "must end in .parquet or .csv"),
         (["measure", "--units", "m", "--out", "no/such/table.csv"], "there is no folder no/such"),
-        (["measure", "--units", "m", "--grasps", "-3"], "--grasps"),
+        (["measure", "--units", "m", "--max-candidates", "-3"], "--max-candidates"),
         (["similarity", "--units", "m", "--bases", "odd"], "even or scan"),
         (["locate", "--units", "m"], "--in"),
         (["locate", "--units", "m", "--in", "nothing.parquet"], "no such file"),

@@ -20,11 +20,11 @@ from egad.tables.objects import OBJECTS, REJECTED
 
 SETTINGS = Settings.model_validate(
     {
-        "evolution": {"population": 15, "steps_per_epoch": 2},
+        "evolution": {"population": 15, "steps_per_epoch": 2, "max_candidates": 128},
         "shape": {"resolution": 16},
-        "difficulty": {"grasps": 12},
+        "difficulty": {"candidates": 64},
         "similarity": {"vertices": 500, "base_count": 12},
-        "postprocess": {"grasps": 40},
+        "postprocess": {"max_candidates": 128},
         "space": {"neighbors": 3},
     }
 )
@@ -36,7 +36,9 @@ def home(tmp_path_factory):
     """A small archive and its meshes."""
     folder = tmp_path_factory.mktemp("located")
     archive, history = folder / "archive.parquet", folder / "history.parquet"
-    evolve.run(select(SETTINGS, EvolutionParameters), 0, 0, archive, history)
+    evolve.run(
+        select(SETTINGS, EvolutionParameters), 0, 0, archive, history, folder / "lineage.parquet"
+    )
     export_meshes.run(archive, folder / "meshes", SETTINGS.shape)
     return folder
 

@@ -17,7 +17,7 @@ from egad.tables.objects import REJECTED, SOLIDS
 
 COARSE = Settings.model_validate(
     {
-        "postprocess": {"grasps": 20},
+        "postprocess": {"max_candidates": 128},
         "similarity": {"vertices": 1000, "base_count": 20},
         "shape": {"longest_side": 0.07},
     }
@@ -101,7 +101,7 @@ def test_open_meshes_become_shells_if_the_settings_say_so(tmp_path):
     out, left_out = tmp_path / "solids.parquet", tmp_path / "rejected.parquet"
     changes = {"open_surfaces": "thicken", "shell_thickness": 0.003}
     thicken = Settings.model_validate(
-        COARSE.model_dump() | {"postprocess": {"grasps": 20, **changes}}
+        COARSE.model_dump() | {"postprocess": {"max_candidates": 128, **changes}}
     )
     for whole in (COARSE, thicken):
         settings = select(whole, PostprocessSolids)
