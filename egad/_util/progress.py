@@ -202,4 +202,4 @@ def _listen_to_compiler() -> None:
         def on_end(self, _: event.Event) -> None:
             pass
 
-    event.register("numba:compile", Compilation())  # type: ignore[no-untyped-call]
+    event.register("numba:compile", Compilation())

@@ -1,0 +1,171 @@
+"""Shortest paths from many vertices at once.
+
+A search from each vertex alone, the nearest vertices first, spends most of its time on branches
+that a processor cannot foresee. Here all vertices are visited in one order for all sources, to and
+fro, until no distance gets lower, and an edge serves all sources with a few wide instructions.
+
+A distance is the least sum of lengths along a path, added up from the source. Sums that are rounded
+keep their order when a length is added to both, so the order of the visits does not matter.
+"""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.reeb.lanes import LANES, lower
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Indices = NDArray[np.uint32]
+Flags = NDArray[np.bool_]
+
+
+class Rows(NamedTuple):
+    """Edges at each vertex: first those to the vertices before it, then those to later ones."""
+
+    starts: Integers  # (n + 1,)
+    middles: Integers  # (n,): first of the edges to later vertices
+    neighbors: Indices  # (2 e,)
+    lengths: Floats  # (2 e,)
+
+
+@numba.njit(cache=True)
+def order_of(distances: Floats) -> Integers:
+    """Vertices in about the order of their distances, (n,): those out of reach are the last.
+
+    Distances are cut into as many steps as there are vertices; a step is not sorted.
+    """
+    count, largest = len(distances), 0.0
+    for distance in distances:
+        if largest < distance < np.inf:
+            largest = distance
+    steps, starts = np.full(count, count), np.zeros(count + 2, np.int64)
+    for vertex, distance in enumerate(distances):
+        if distance < np.inf:
+            steps[vertex] = int(distance / largest * (count - 1)) if largest > 0 else 0
+        starts[steps[vertex] + 1] += 1
+    starts = np.cumsum(starts)
+    result = np.empty(count, np.int64)
+    for vertex, step in enumerate(steps):
+        result[starts[step]] = vertex
+        starts[step] += 1
+    return result
+
+
+@numba.njit(cache=True)
+def weighted_distances(
+    starts: Indices,
+    neighbors: Indices,
+    lengths: Floats,
+    order: Integers,
+    sources: Integers,
+    weights: Floats,
+) -> Floats:
+    """Sum of weighted distances of each vertex to all sources, one added after the other.
+
+    Args:
+        starts: (n + 1,) of the rows of edges of each vertex.
+        neighbors: (2 e,).
+        lengths: (2 e,).
+        order: (n,) of the visits.
+        sources: (s,).
+        weights: (s,).
+
+    Returns:
+        (n,).
+    """
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    rows = renumber(starts, neighbors, lengths, order, rank)
+    result = np.zeros(len(order))
+    for first in range(0, len(sources), LANES):
+        distances = sweep(rows, rank[sources[first : first + LANES]])
+        for place, vertex in enumerate(order):
+            total = result[vertex]
+            for i, weight in enumerate(weights[first : first + LANES]):
+                total += weight * distances[place, i]
+            result[vertex] = total
+    return result
+
+
+@numba.njit(cache=True)
+def renumber(
+    starts: Indices, neighbors: Indices, lengths: Floats, order: Integers, rank: Integers
+) -> Rows:
+    """Edges row by row, with the vertices renumbered.
+
+    Args:
+        starts: (n + 1,) of the rows.
+        neighbors: (2 e,).
+        lengths: (2 e,).
+        order: (n,): vertices in their new order.
+        rank: (n,): new number of each vertex.
+    """
+    result = Rows(
+        np.zeros(len(order) + 1, np.int64),
+        np.empty(len(order), np.int64),
+        np.empty_like(neighbors),
+        np.empty_like(lengths),
+    )
+    for place, vertex in enumerate(order):
+        low = result.starts[place]
+        high = low + starts[vertex + 1] - starts[vertex]
+        result.starts[place + 1] = high
+        for edge in range(starts[vertex], starts[vertex + 1]):
+            neighbor = rank[neighbors[edge]]
+            before = neighbor < place
+            slot = low if before else high - 1
+            low, high = low + before, high - 1 + before
+            result.neighbors[slot], result.lengths[slot] = neighbor, lengths[edge]
+        result.middles[place] = low
+    return result
+
+
+@numba.njit(cache=True)
+def sweep(rows: Rows, sources: Integers) -> Floats:
+    """Distances of all vertices to each source.
+
+    On the way forward, only the vertices before one can have changed since the way back, where
+    it came after all the others. So half of the edges is enough in either direction.
+
+    Args:
+        rows: Edges of n vertices; the better their order fits the distances, the faster.
+        sources: At most LANES.
+
+    Returns:
+        (n, LANES): columns that no source has are infinite.
+    """
+    count = len(rows.middles)
+    distances = np.full((count, LANES), np.inf)
+    ahead, back = np.zeros(count, np.bool_), np.zeros(count, np.bool_)  # to be visited on that way
+    for column, source in enumerate(sources):
+        distances[source, column] = 0.0
+        _mark(rows, source, ahead, back)
+    waiting = True
+    while waiting:
+        waiting = False
+        for vertex in range(count):
+            if ahead[vertex]:
+                ahead[vertex] = False
+                start, end = rows.starts[vertex], rows.middles[vertex]
+                if lower(distances, vertex, rows.neighbors, rows.lengths, start, end):
+                    _mark(rows, vertex, ahead, back)
+        for vertex in range(count - 1, -1, -1):
+            if back[vertex]:
+                back[vertex] = False
+                start, end = rows.middles[vertex], rows.starts[vertex + 1]
+                if lower(distances, vertex, rows.neighbors, rows.lengths, start, end):
+                    _mark(rows, vertex, ahead, back)
+                    waiting = True
+    return distances
+
+
+@numba.njit(cache=True, inline="always")
+def _mark(rows: Rows, vertex: int, ahead: Flags, back: Flags) -> None:
+    """Have the neighbors of a vertex visited: later ones on the way forward, others back."""
+    for edge in range(rows.starts[vertex], rows.middles[vertex]):
+        back[rows.neighbors[edge]] = True
+    for edge in range(rows.middles[vertex], rows.starts[vertex + 1]):
+        ahead[rows.neighbors[edge]] = True
