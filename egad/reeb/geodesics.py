@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.geometry import Triangulation
+from egad.reeb.sweeps import order_of, weighted_distances
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+Integers = NDArray[np.int64]
 
 _WIDTH = 0.25  # of a bucket, in mean edge lengths: measured to be the fastest
 _ABSENT = -(1 << 30)  # in `preceding`: in no bucket
@@ -189,22 +191,31 @@ def even_integral(
         (n,).
     """
     share = _shares(faces, areas, len(vertices))
-    base = _farthest_from_center(vertices, share)
-    distances = np.full((min(count, len(vertices)), len(vertices)), np.inf)
-    nearest = np.full(len(vertices), np.inf)
-    owner = np.zeros(len(vertices), np.int64)
-    used = 0
-    while used < len(distances) and nearest[base] > 0:
-        spread(graph, base, distances[used])
-        base = _claim(distances[used], nearest, owner, used)
-        used += 1
-    weights = np.zeros(used)
+    bases, owner, order = _farthest(graph, _farthest_from_center(vertices, share), count)
+    weights = np.zeros(len(bases))
     for vertex, area in enumerate(share):
         weights[owner[vertex]] += area
-    result = np.zeros(len(vertices))
-    for i in range(used):
-        result += weights[i] * distances[i]
-    return result
+    return weighted_distances(graph.starts, graph.neighbors, graph.lengths, order, bases, weights)
+
+
+@numba.njit(cache=True)
+def _farthest(graph: EdgeGraph, base: int, count: int) -> tuple[Integers, Integers, Integers]:
+    """Farthest-point bases, the owner of each vertex, and the vertices from the first base on.
+
+    The owner is the first of the nearest bases.
+    """
+    vertices = len(graph.starts) - 1
+    nearest, before = np.full(vertices, np.inf), np.full(vertices, np.inf)
+    owner, order = np.zeros(vertices, np.int64), np.empty(vertices, np.int64)
+    bases, used = np.empty(min(count, vertices), np.int64), 0
+    while used < len(bases) and nearest[base] > 0:
+        bases[used] = base
+        spread(graph, base, nearest)
+        if used == 0:
+            order[:] = order_of(nearest)
+        base = _claim(nearest, before, owner, used)
+        used += 1
+    return bases[:used], owner, order
 
 
 @numba.njit(cache=True)
@@ -227,13 +238,13 @@ def _farthest_from_center(vertices: Floats, share: Floats) -> int:
 
 
 @numba.njit(cache=True)
-def _claim(distances: Floats, nearest: Floats, owner: NDArray[np.int64], number: int) -> int:
-    """Give vertices that are nearer to a new base to it; returns the one farthest from all."""
+def _claim(nearest: Floats, before: Floats, owner: Integers, number: int) -> int:
+    """Give vertices that are nearer than before to a base; returns the one farthest from all."""
     farthest = 0
-    for vertex, distance in enumerate(distances):
-        if distance < nearest[vertex]:
-            owner[vertex], nearest[vertex] = number, distance
-        if nearest[vertex] > nearest[farthest]:
+    for vertex, distance in enumerate(nearest):
+        if distance < before[vertex]:
+            owner[vertex], before[vertex] = number, distance
+        if distance > nearest[farthest]:
             farthest = vertex
     return farthest
 
@@ -268,7 +279,7 @@ def scan_integral(graph: EdgeGraph, faces: Ints, areas: Floats, radius: float) -
 
 
 @numba.njit(cache=True)
-def _patch(faces: Ints, areas: Floats, owner: NDArray[np.int64], base: int) -> float:
+def _patch(faces: Ints, areas: Floats, owner: Integers, base: int) -> float:
     """Area of the faces that have a vertex of a base."""
     total = 0.0
     for face, area in enumerate(areas):
