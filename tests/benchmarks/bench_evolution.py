@@ -34,9 +34,12 @@ STEPS = {
     "voxels": (constraints, "solid"),
     "meshing": (surface, "marching_cubes"),
     "smoothing and scaling": (evaluation, "packed_surface"),
-    "grasp sampling": (difficulty, "sample"),
+    "ray caster": (difficulty, "RayCaster"),
+    "grasp sampling": (difficulty, "valid_contacts"),
     "grasp quality": (difficulty, "ferrari_canny"),
-    "rest of difficulty": (coordinates, "difficulty"),
+    "bound on quality": (difficulty, "quality_bound"),
+    "rest of first estimate": (evaluation, "rough_difficulty"),
+    "rest of refinement": (evaluation, "refine"),
     "complexity": (coordinates, "complexity"),
     "Reeb graph": (reeb, "extract"),
     "neighbors": (neighbors.Neighborhood, "_look_up"),
@@ -69,11 +72,11 @@ def test_an_evaluation(elites, monkeypatch):
     for step, (owner, name) in STEPS.items():
         monkeypatch.setattr(owner, name, timed(getattr(owner, name), step, spent, running))
     start = time.process_time()
-    _, outcomes = island.evolve(elites, settings(4), 1001, 0)
+    done = island.evolve(elites, settings(4), 1001, 0)
     total = time.process_time() - start
     spent["the rest"] = total - sum(spent.values())
-    count = sum(outcomes.values())
-    print(f"\n{size} elites; of {count} offspring {dict(outcomes)}")
+    count, refined = done.outcomes.total(), done.history["refined"].sum()
+    print(f"\n{size} elites; of {count} offspring {dict(done.outcomes)}, {refined} refined")
     for step, seconds in spent.most_common():
         print(f"{1000 * seconds / count:8.2f} ms  {step}")
     print(f"{1000 * total / count:8.2f} ms  an evaluation")

@@ -238,7 +238,7 @@ def test_damaged_statistics_are_refused(archive):
     """Found by the test below: pyarrow ends the process when it is asked about such a column."""
     path, whole = archive
     footer = len(whole) - 8 - int.from_bytes(whole[-8:-4], "little")
-    for place in range(footer, len(whole) - 8, 50):
+    for place in range(footer, whole.index(b"egad-seal", footer), 50):  # the rest is the seal
         damaged = bytearray(whole)
         damaged[place] ^= 2
         path.write_bytes(damaged)
