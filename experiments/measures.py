@@ -7,6 +7,7 @@ has difficulty M and complexity 14. The values of other programs are those that 
 import re
 import string
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,7 @@ from egad.geometry.repair import repair
 from egad.grasps import ferrari_canny
 from egad.measures import MeasureParameters
 from egad.measures.complexity import complexity
-from egad.measures.difficulty import difficulty
+from egad.measures.difficulty import difficulty, spaced_difficulty
 from egad.pipeline.config import Settings, Similarity
 from egad.pipeline.config.stage_settings import select
 from egad.random import generator
@@ -37,7 +38,8 @@ Floats = NDArray[np.float64]
 DOCS = Path(__file__).parents[1] / "docs"
 DATA = DOCS.parent / "tests" / "data"
 NAME = re.compile(r"([A-Y])(\d\d)_\d")
-VARIANTS = [(metric, grasps) for metric in ("plain", "robust") for grasps in (100, 400, 1000)]
+VARIANTS = [(metric, count) for metric in ("nominal", "robust") for count in (512, 2048, 8192)]
+ALL = {"space": {"confidence": 1.0}}  # all candidates are drawn
 BASES = (25, 50, 75, 150)
 EVERY = 10**6  # more bases than there are vertices
 
@@ -54,7 +56,8 @@ def main(published: Path) -> None:
     ours, theirs = qualities()
     off = np.abs(ours - theirs)[(ours > 0) & (theirs > 0)]
     print(f"{len(off)} qualities: largest difference {off.max():.1e}, median {np.median(off):.1e}")
-    print(f"difficulty, 100 grasps: standard deviation {spread():.2f} cells over ten seeds")
+    for name, (told, found) in spreads().items():
+        print(f"{name}: standard error {told:.2f} cells, over ten seeds {found:.2f}")
     scan, program = similarities()
     off = np.abs(scan - program).mean()
     print(f"{len(scan)} similarities (scan): {_rank(scan, program):.3f}, mean difference {off:.4f}")
@@ -78,16 +81,16 @@ def _measured(path: Path) -> dict[str, float]:
         "number": int(number),
         "complexity": complexity(mesh, 512),
     }
-    for metric, grasps in VARIANTS:
-        config = Settings.model_validate({"difficulty": {"metric": metric}})
-        rng = generator(0, "labels", path.stem, metric, grasps)
-        value, _ = difficulty(mesh, select(config, MeasureParameters), grasps, rng)
-        row[_variant((metric, grasps))] = value
+    for metric, candidates in VARIANTS:
+        config = Settings.model_validate(ALL | {"difficulty": {"metric": metric}})
+        rng = generator(0, "labels", path.stem, metric, candidates)
+        found = difficulty(mesh, select(config, MeasureParameters), candidates, rng)
+        row[_variant((metric, candidates))] = found.value
     return row
 
 
 def _variant(key: tuple[str, int]) -> str:
-    return f"{key[0]}, {key[1]} grasps"
+    return f"{key[0]}, {key[1]} candidates"
 
 
 def qualities() -> tuple[Floats, Floats]:
@@ -107,17 +110,27 @@ def shapes() -> list[trimesh.Trimesh]:
         ]
 
 
-def spread() -> float:
-    """Standard deviation over seeds of the difficulty by 100 grasps, mean of the shapes, cells."""
-    config = Settings()
+def spreads() -> dict[str, tuple[float, float]]:
+    """Standard error of difficulty and its standard deviation over seeds, means of the shapes."""
+    config = Settings.model_validate(ALL)
     low, high = config.space.difficulty_range
     settings = select(config, MeasureParameters)
-    solids = [repair(mesh).mesh for mesh in shapes()]
-    values = [
-        [difficulty(mesh, settings, 100, generator(seed, "spread"))[0] for seed in range(10)]
-        for mesh in solids
-    ]
-    return float(np.std(values, axis=1, ddof=1).mean() * config.space.cells / (high - low))
+    ways = {"100 grasps with spacing": partial(spaced_difficulty, count=100)} | {
+        f"{count} candidates": partial(difficulty, max_candidates=count)
+        for count in (512, 2048, 8192, 32768)
+    }
+    result = {}
+    for name, way in ways.items():
+        found = np.array(
+            [
+                [way(mesh, settings, rng=generator(seed, "spread"))[:2] for seed in range(10)]
+                for mesh in (repair(shape).mesh for shape in shapes())
+            ]
+        )
+        deviation = np.std(found[..., 0], axis=1, ddof=1).mean()
+        errors = np.array([found[..., 1].mean(), deviation]) * config.space.cells / (high - low)
+        result[name] = (float(errors[0]), float(errors[1]))
+    return result
 
 
 def similarities() -> tuple[Floats, Floats]:
@@ -150,8 +163,8 @@ def label_figure(labelled: pd.DataFrame) -> str:
     """Complexity, plain and robust difficulty against the published cells."""
     panels = [
         ("number", "complexity", "complexity, bits", 1),
-        ("letter", _variant(("plain", 1000)), "plain quality, 1000 grasps, thousandths", 1000),
-        ("letter", _variant(("robust", 1000)), "robust quality, 1000 grasps, thousandths", 1000),
+        ("letter", _variant(("nominal", 8192)), "Ferrari-Canny quality, thousandths", 1000),
+        ("letter", _variant(("robust", 8192)), "robust quality, thousandths", 1000),
     ]
     with new_figure(11, 3.6) as drawing:
         for axes, (axis, column, name, factor) in zip(

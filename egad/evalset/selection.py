@@ -44,12 +44,13 @@ def candidates_by_cell(
     """The row numbers of the objects in each coarse cell that has any, row by row.
 
     A cell without any borrows the object that lies nearest to it, at most `settings.borrow` cells
-    away, unless it is the last of its own cell. That counts as in the borrowing cell only.
+    away, unless it is the last of its own cell. That counts as in the borrowing cell only. Where
+    the difficulty of some objects is certain, the others of their cell are no candidates.
 
     Args:
         objects: Columns of `tables.objects.OBJECTS`.
         settings: Rows, columns, how far a cell borrows.
-        space: Ranges of the grid.
+        space: Ranges of the grid, and when an object is certain.
         left_out: Row numbers of objects that may not be chosen.
     """
     allowed = np.ones(len(objects), dtype=bool)
@@ -63,7 +64,11 @@ def candidates_by_cell(
         away[(taken < 0) | (taken != own) | ~crowded] = np.inf
         if len(away) and away.min() <= settings.borrow:
             taken[away.argmin()] = cell
-    return {int(cell): np.flatnonzero(taken == cell) for cell in np.unique(taken[taken >= 0])}
+    certain = (objects["cell_confidence"] >= space.confidence).to_numpy()
+    by_cell = {int(cell): np.flatnonzero(taken == cell) for cell in np.unique(taken[taken >= 0])}
+    return {
+        cell: rows[certain[rows]] if certain[rows].any() else rows for cell, rows in by_cell.items()
+    }
 
 
 def coarse_cells(objects: pd.DataFrame, settings: SelectEval, space: Space) -> Indices:

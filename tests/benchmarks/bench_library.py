@@ -5,6 +5,7 @@ Compiling is not counted. The objects are offspring of an archive that evolved f
 
 import os
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ from egad.map_elites.archive import Archive
 from egad.map_elites.island import Solid, evolve, express, measure
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import breed
-from egad.measures.difficulty import difficulty
+from egad.measures.difficulty import difficulty, rough_difficulty, spaced_difficulty
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
@@ -183,16 +184,14 @@ def test_hulls_of_scipy():
 
 
 def test_difficulty(meshes):
-    for grasps in (100, 1000):
-        rng = np.random.default_rng(0)
-        rate(
-            f"difficulty of {grasps} grasps",
-            "objects",
-            lambda rng=rng, grasps=grasps: [
-                difficulty(mesh, EVOLVE, grasps, rng) for mesh in meshes[:5]
-            ],
-            5,
-        )
+    ways = {
+        "difficulty from 100 grasps with spacing": partial(spaced_difficulty, count=100),
+        "first estimate of difficulty": rough_difficulty,
+        "difficulty, at most 16,384 candidates": partial(difficulty, max_candidates=16384),
+    }
+    for name, way in ways.items():
+        estimate = partial(way, settings=EVOLVE, rng=np.random.default_rng(0))
+        rate(name, "objects", lambda estimate=estimate: list(map(estimate, meshes[:5])), 5)
 
 
 def test_labels(meshes):

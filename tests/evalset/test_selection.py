@@ -41,6 +41,7 @@ def dataset(count, seed=0, cells=4):
             "difficulty": np.where(cell // 2, 0.001, 0.003),
             "complexity_cell": 0,
             "difficulty_cell": 0,
+            "cell_confidence": 1.0,
         }
     )
     distances = rng.random((count, count))
@@ -56,6 +57,19 @@ def chosen_by(objects, distances, settings=GRID, seed=0):
 def selected(objects, distances, problems=None, settings=GRID, seed=0):
     rng = np.random.default_rng(seed)
     return select(objects, distances, settings, SPACE, rng, problems)
+
+
+def test_certain_objects_come_before_others_of_their_cell():
+    objects, _ = dataset(16)
+    objects.loc[[0, 4, 8, 1, 5, 9, 13], "cell_confidence"] = [0.5, 0.949, 0.95, 0.1, 0.2, 0.3, 0.4]
+    found = candidates_by_cell(objects, GRID, SPACE)
+    assert [rows.tolist() for rows in found.values()] == [
+        [8, 12],  # the certain ones
+        [1, 5, 9, 13],  # none is certain
+        [2, 6, 10, 14],
+        [3, 7, 11, 15],
+    ]
+    assert candidates_by_cell(objects, GRID, SPACE, [8, 12])[0].tolist() == [0, 4]
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -225,7 +239,8 @@ ROW, COLUMN = 0.00175, 2.0  # height and width of a cell
 def objects(*places):
     """Objects at rows and columns: (0.5, 1.5) is the middle of the second cell."""
     rows, columns = np.array(places, dtype=float).reshape(-1, 2).T
-    return pd.DataFrame({"difficulty": 0.004 - rows * ROW, "complexity": 1 + columns * COLUMN})
+    measures = {"difficulty": 0.004 - rows * ROW, "complexity": 1 + columns * COLUMN}
+    return pd.DataFrame({**measures, "cell_confidence": 1.0})
 
 
 def found(table, left_out=()):
