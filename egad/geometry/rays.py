@@ -137,16 +137,10 @@ class RayCaster:
         """
         starts = (origins - self._origin) * self._scale
         face, distances, *_ = self._scene.intersections(starts, directions)
-        hit = face >= 0
-        normals = np.where(hit[:, None], self.normals[face], 0.0)
-        facing = np.einsum("nk,nk->n", normals, directions)
-        height = np.einsum("nk,nk->n", normals, self._corners[face] - starts)
-        rough = distances.astype(np.float64)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            exact = height / facing
-            # a grazing ray may meet the plane far from the triangle
-            near = np.abs(exact - rough) < GRAZING
-        return Hits(np.where(near, exact, rough) / self._scale, normals, facing < 0)
+        exact, normals, entering = _exact_hits(
+            face, distances, self.normals, self._corners, starts, directions
+        )
+        return Hits(exact / self._scale, normals, entering)
 
     def obstructed(self, origins: Floats, directions: Floats, reach: float) -> Flags:
         """Whether each ray meets a triangle, from either side, within `reach` metres."""
@@ -156,6 +150,37 @@ class RayCaster:
         """Whether each of n points lies in the mesh, which is closed: a ray first leaves it."""
         hits = self.first_hits(points, np.broadcast_to(OBLIQUE, points.shape))
         return np.asarray(np.isfinite(hits.distances) & ~hits.entering)
+
+
+@numba.njit(cache=True)
+def _exact_hits(
+    faces: NDArray[np.int64],
+    distances: Singles,
+    normals: Floats,
+    corners: Floats,
+    starts: Floats,
+    directions: Floats,
+) -> tuple[Floats, Floats, Flags]:
+    """What rays meet that hit known faces at about these distances.
+
+    Returns:
+        Distances to the planes of the faces, normals, and whether rays come from outside. A
+        grazing ray may meet the plane far from the triangle: then the distance is the given one.
+    """
+    exact = distances.astype(np.float64)
+    found, entering = np.zeros((len(faces), 3)), np.zeros(len(faces), np.bool_)
+    for i, face in enumerate(faces):
+        if face < 0:
+            continue
+        facing = height = 0.0
+        for k in range(3):
+            found[i, k] = normals[face, k]
+            facing += normals[face, k] * directions[i, k]
+            height += normals[face, k] * (corners[face, k] - starts[i, k])
+        entering[i] = facing < 0
+        if facing != 0 and abs(height / facing - exact[i]) < GRAZING:
+            exact[i] = height / facing
+    return exact, found, entering
 
 
 @numba.njit(cache=True)

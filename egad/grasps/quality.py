@@ -5,6 +5,7 @@ that the fingers can resist in every direction while their contact forces add up
 model and its constants are those of Dex-Net 2.0 (Mahler et al., RSS 2017).
 """
 
+import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -24,6 +25,7 @@ def ferrari_canny(
     torque_scaling: float = 100.0,
     finger_radius: float = 0.005,
     cone_faces: int = 8,
+    floor: float = 0.0,
 ) -> Floats:
     """Quality of each of n grasps: 0 is useless, larger is better.
 
@@ -43,6 +45,7 @@ def ferrari_canny(
         torque_scaling: What a torque counts beside a force, 1/m.
         finger_radius: Radius of the soft contact, metres; it resists torsion.
         cone_faces: Edges of a linearised friction cone, 3 to 28.
+        floor: Qualities below it may come out as any upper bound below it, which takes less time.
 
     Returns:
         (n,) qualities.
@@ -62,7 +65,8 @@ def ferrari_canny(
             mu[held],
             torque_scaling * np.pi * finger_radius**2,
             cone_faces,
-        )
+        ),
+        floor,
     )
     return quality
 
@@ -135,29 +139,63 @@ def wrenches(
     Returns:
         (n, 2 * cone_faces + 4, 6): force, then scaled torque.
     """
-    count = len(arms)
-    pressure = pressures(normals, axis)
-    inward = -normals * pressure[..., None]
-    tangent = _tangents(normals)
-    other = np.cross(normals, tangent)
     angles = 2 * np.pi * np.arange(cone_faces) / cone_faces
-    cosine, sine = np.cos(angles)[:, None], np.sin(angles)[:, None]
-    lean = cosine * tangent[:, :, None] + sine * other[:, :, None]
-    lean *= (friction[:, None] * pressure)[..., None, None]
-    forces = inward[:, :, None] + lean
-    torques = np.cross(arms[:, :, None], forces)
-    twists = torsion * friction[:, None, None] * inward
-    result = np.zeros((count, 2 * cone_faces + 4, 6))
-    result[:, :-4, :3] = forces.reshape(count, 2 * cone_faces, 3)
-    result[:, :-4, 3:] = torques.reshape(count, 2 * cone_faces, 3)
-    result[:, -4:-2, 3:] = twists
-    result[:, -2:, 3:] = -twists
+    result: Floats = _wrenches(
+        arms, normals, axis, friction, torsion, np.cos(angles), np.sin(angles)
+    )
     return result
 
 
-def _tangents(normals: Floats) -> Floats:
-    """The unit tangent nearest to x, or to y where the normal is along x."""
-    along_x = np.abs(normals[..., :1]) > 1 - 1e-9
-    reference = np.where(along_x, [0.0, 1.0, 0.0], [1.0, 0.0, 0.0])
-    tangents = reference - np.sum(reference * normals, axis=-1, keepdims=True) * normals
-    return np.asarray(tangents / np.linalg.norm(tangents, axis=-1, keepdims=True))
+@numba.njit(cache=True)
+def _wrenches(
+    arms: Floats,
+    normals: Floats,
+    axis: Floats,
+    friction: Floats,
+    torsion: float,
+    cosine: Floats,
+    sine: Floats,
+) -> Floats:
+    faces = len(cosine)
+    result = np.zeros((len(arms), 2 * faces + 4, 6))
+    tangent, other, force = np.empty(3), np.empty(3), np.empty(3)
+    for i in range(len(arms)):
+        for c in range(2):
+            normal, arm = normals[i, c], arms[i, c]
+            pressure = normal[0] * axis[i, 0] + normal[1] * axis[i, 1] + normal[2] * axis[i, 2]
+            pressure *= 2 * c - 1
+            _frame(normal, tangent, other)
+            for j in range(faces):
+                for k in range(3):
+                    lean = cosine[j] * tangent[k] + sine[j] * other[k]
+                    force[k] = lean * (friction[i] * pressure) - normal[k] * pressure
+                for k in range(3):
+                    m, n = (k + 1) % 3, (k + 2) % 3
+                    result[i, c * faces + j, k] = force[k]
+                    result[i, c * faces + j, 3 + k] = arm[m] * force[n] - arm[n] * force[m]
+            for k in range(3):
+                twist = torsion * friction[i] * normal[k] * pressure
+                result[i, 2 * faces + c, 3 + k] = -twist
+                result[i, 2 * faces + 2 + c, 3 + k] = twist
+    return result
+
+
+@numba.njit(cache=True)
+def _frame(normal: Floats, tangent: Floats, other: Floats) -> None:
+    """Fill in the unit tangent nearest to x, or to y where the normal is along x, and their cross.
+
+    Args:
+        normal: (3,) unit vector.
+        tangent: (3,) to be filled.
+        other: (3,) to be filled with normal x tangent.
+    """
+    axis = 1 if abs(normal[0]) > 1 - 1e-9 else 0
+    length = 0.0
+    for k in range(3):
+        tangent[k] = (k == axis) - normal[axis] * normal[k]
+        length += tangent[k] ** 2
+    for k in range(3):
+        tangent[k] /= np.sqrt(length)
+    for k in range(3):
+        m, n = (k + 1) % 3, (k + 2) % 3
+        other[k] = normal[m] * tangent[n] - normal[n] * tangent[m]

@@ -168,24 +168,59 @@ def _points(caster: RayCaster, count: int, rng: np.random.Generator) -> tuple[Fl
     """Points uniform over the surface, and their faces."""
     areas = np.cumsum(caster.areas)
     faces = np.searchsorted(areas, rng.random(count) * areas[-1])
-    corners = caster.triangles[faces]
-    sides = corners[:, 1:] - corners[:, :1]
-    along = rng.random((count, 2, 1))
-    along[along.sum(axis=1)[:, 0] > 1.0] -= 1.0  # back from the other half of a parallelogram
-    return corners[:, 0] + (np.abs(along) * sides).sum(axis=1), faces
+    along = rng.random((count, 2))
+    points: Floats = _points_inside(caster.triangles, faces, along)
+    return points, faces
+
+
+@numba.njit(cache=True)
+def _points_inside(triangles: Floats, faces: Indices, along: Floats) -> Floats:
+    """Points at parts of two sides of triangles, back from the other half of a parallelogram."""
+    points = np.empty((len(faces), 3))
+    for i, face in enumerate(faces):
+        one, two = along[i]
+        if one + two > 1.0:
+            one, two = abs(one - 1.0), abs(two - 1.0)
+        for k in range(3):
+            start = triangles[face, 0, k]
+            first, second = triangles[face, 1, k] - start, triangles[face, 2, k] - start
+            points[i, k] = start + (one * first + two * second)
+    return points
 
 
 def _axes_in_cone(normals: Floats, cone: float, rng: np.random.Generator) -> Floats:
     """Unit vectors into the object; the tangent of their angle to -normal is uniform."""
-    count = len(normals)
-    helper = np.eye(3)[np.abs(normals).argmin(axis=1)]
-    first = np.cross(normals, helper)
-    first /= np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-12)
-    second = np.cross(normals, first)
-    turn = rng.uniform(0, 2 * np.pi, (count, 1))
-    lean = rng.uniform(0, cone, (count, 1))
-    axes = -normals + lean * (np.cos(turn) * first + np.sin(turn) * second)
-    return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
+    turn = rng.uniform(0, 2 * np.pi, len(normals))
+    lean = rng.uniform(0, cone, len(normals))
+    axes: Floats = _leaning(normals, lean * np.cos(turn), lean * np.sin(turn))
+    return axes
+
+
+@numba.njit(cache=True)
+def _leaning(normals: Floats, first: Floats, second: Floats) -> Floats:
+    """Unit vectors along -normals plus so much of two directions at right angles to them."""
+    axes, one, two = np.empty_like(normals), np.empty(3), np.empty(3)
+    for i, normal in enumerate(normals):
+        least = np.argmin(np.abs(normal))
+        for k in range(3):  # the cross product with this axis
+            one[k] = 0.0
+        one[(least + 1) % 3], one[(least + 2) % 3] = (
+            normal[(least + 2) % 3],
+            -normal[(least + 1) % 3],
+        )
+        length = max(np.sqrt(one[0] ** 2 + one[1] ** 2 + one[2] ** 2), 1e-12)
+        for k in range(3):
+            one[k] /= length
+        for k in range(3):
+            m, n = (k + 1) % 3, (k + 2) % 3
+            two[k] = normal[m] * one[n] - normal[n] * one[m]
+        length = 0.0
+        for k in range(3):
+            axes[i, k] = first[i] * one[k] + second[i] * two[k] - normal[k]
+            length += axes[i, k] ** 2
+        for k in range(3):
+            axes[i, k] /= np.sqrt(length)
+    return axes
 
 
 def _close(
@@ -226,12 +261,12 @@ def _fingers_free(
     travel = (opening - grasps.widths) / 2
     touched = caster.first_hits(left, grasps.axes)
     reached = np.abs(touched.distances - travel) <= CONTACT_TOLERANCE * opening
-    free = reached & touched.entering
-    if clearance > 0:
-        away = -approach_directions(grasps.axes)
-        free &= ~caster.obstructed(left, away, clearance)
-        free &= ~caster.obstructed(right, away, clearance)
-    return np.asarray(free)
+    free = np.asarray(reached & touched.entering)
+    away = -approach_directions(grasps.axes)
+    for finger in (left, right) if clearance > 0 else ():
+        chosen = np.flatnonzero(free)
+        free[chosen] = ~caster.obstructed(finger[chosen], away[chosen], clearance)
+    return free
 
 
 def _keep_apart(old: ContactPairs, new: ContactPairs, spacing: float) -> Indices:

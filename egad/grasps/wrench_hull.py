@@ -55,17 +55,18 @@ def _workspace() -> Workspace:
     )
 
 
-def depths(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def depths(points: NDArray[np.float64], floor: float = 0.0) -> NDArray[np.float64]:
     """Distance from the origin to the boundary of the convex hull of each set of points.
 
     Args:
         points: (n, m, 6): n sets of at most 62 points.
+        floor: Depths below it may come out as any upper bound below it, which takes less time.
 
     Returns:
         (n,): the smallest facet offset of the hull; 0 where the origin is not strictly inside,
         which includes flat hulls.
     """
-    result: NDArray[np.float64] = _depths(np.ascontiguousarray(points, dtype=float))
+    result: NDArray[np.float64] = _depths(np.ascontiguousarray(points, dtype=float), floor)
     for i in np.flatnonzero(np.isnan(result)):
         result[i] = slow_depth(points[i])
     return result
@@ -81,17 +82,20 @@ def slow_depth(points: NDArray[np.float64]) -> float:
 
 
 @numba.njit(cache=True)
-def _depths(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _depths(points: NDArray[np.float64], floor: float) -> NDArray[np.float64]:
     space = _workspace()
     result = np.empty(len(points))
     for i in range(len(points)):
-        result[i] = _depth(points[i], space)
+        result[i] = _depth(points[i], space, floor)
     return result
 
 
 @numba.njit(cache=True)
-def _depth(points: NDArray[np.float64], space: Workspace) -> float:
-    """The smallest facet offset, or 0; NaN if the hull outgrows its memory or is spoiled."""
+def _depth(points: NDArray[np.float64], space: Workspace, floor: float) -> float:
+    """The smallest facet offset, or 0; any upper bound of it that is below the floor.
+
+    NaN if the hull outgrows its memory or is spoiled.
+    """
     tolerance = TOLERANCE * np.abs(points).max()
     if not _start(points, space, tolerance):
         return 0.0
@@ -100,6 +104,8 @@ def _depth(points: NDArray[np.float64], space: Workspace) -> float:
         nearest = _nearest(space.offsets, used)
         offset = space.offsets[nearest]
         apex, height = _farthest(points, space.normals[nearest])
+        if height < floor:  # the hull reaches no farther in this direction
+            return max(height, 0.0)
         if height - offset <= tolerance:
             return offset if offset > tolerance else 0.0
         hidden, edges = _find_horizon(points[apex], nearest, used, space, tolerance)

@@ -182,10 +182,12 @@ class _RatedGrasps:
             rules = quality.model_dump(exclude={"cone_faces"})
             self._sample.extend(quality_bound(*contacts, self._com, **rules))
 
-    def _qualities(self, indices: Indices) -> Floats:
+    def _qualities(self, indices: Indices, floor: float) -> Floats:
         grasps = self._grasps.take(indices)
         contacts = grasps.points, grasps.normals, grasps.axes
-        return ferrari_canny(*contacts, self._com, **self._settings.quality.model_dump())
+        return ferrari_canny(
+            *contacts, self._com, **self._settings.quality.model_dump(), floor=floor
+        )
 
     def percentile(self, tally: SamplingStatistics) -> float:
         """The percentile of their quality.

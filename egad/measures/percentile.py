@@ -14,11 +14,12 @@ TIGHTNESS = 0.95  # a value is often less than this part of its bound
 class BoundedSample:
     """Values of which upper bounds are known; the values themselves are computed on demand."""
 
-    def __init__(self, compute: Callable[[Indices], Floats]) -> None:
+    def __init__(self, compute: Callable[[Indices, float], Floats]) -> None:
         """Start without values.
 
         Args:
-            compute: Gives the values at some indices, each at most its bound.
+            compute: Gives the values at some indices; for those below a limit, an upper bound below
+                the limit is enough.
         """
         self._compute = compute
         self._upper = np.empty(0)  # the value itself where it is known
@@ -53,11 +54,12 @@ class BoundedSample:
         return int(np.sum(self._upper < limit))
 
     def _settle(self, limit: float) -> bool:
-        """Compute the values that may reach a limit; says whether there were any."""
+        """Compute the values that may reach a limit; says whether there were any that may."""
         open_ones = np.flatnonzero(~self._known & (self._upper >= limit))
         if len(open_ones):
-            self._upper[open_ones] = self._compute(open_ones)
-            self._known[open_ones] = True
+            floor = TIGHTNESS * limit  # a little lower, so that the next limit asks for few
+            self._upper[open_ones] = self._compute(open_ones, floor)
+            self._known[open_ones] = self._upper[open_ones] >= floor
         return len(open_ones) > 0
 
 

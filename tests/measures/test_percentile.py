@@ -18,9 +18,10 @@ def sample(values, slack=0.0, seed=0):
     values = np.asarray(values, dtype=float)
     asked = []
 
-    def compute(indices):
+    def compute(indices, limit):
+        """The values; halfway to the limit instead of those that are below."""
         asked.extend(indices)
-        return values[indices]
+        return np.where(values[indices] < limit, (values[indices] + limit) / 2, values[indices])
 
     found = BoundedSample(compute)
     rng = np.random.default_rng(seed)
@@ -56,18 +57,19 @@ def test_bounded_values_give_what_all_values_give(slack, ties):
         assert sample(values, slack)[0].below(limit) == np.sum(values < limit)
 
 
-def test_only_values_that_matter_are_computed_and_none_twice():
+def test_only_values_that_matter_are_computed_and_hardly_any_twice():
     values = np.random.default_rng(2).gamma(2, size=1000)
     found, asked = sample(values, 0.1)
     found.smallest(percentile_rank(1000, 75))
     assert 250 <= len(asked) < 400
     found.smallest(percentile_rank(1000, 75))
     found.below(np.sort(values)[700])
-    assert len(asked) == len(set(asked)) < 500
+    assert len(set(asked)) < 500
+    assert len(asked) < 1.2 * len(set(asked))
 
 
 def test_exact_values_are_not_computed():
-    found = BoundedSample(lambda _: pytest.fail("computed"))
+    found = BoundedSample(lambda *_: pytest.fail("computed"))
     found.extend(np.array([1.0, 0.0, 3.0]), exact=True)
     assert found.smallest(1) == 1
     assert found.below(2) == 2
