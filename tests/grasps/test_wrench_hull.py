@@ -59,7 +59,7 @@ def test_not_a_number_gives_zero():
 def test_hulls_too_large_for_the_workspace_fall_back_to_qhull():
     points = np.random.default_rng(4).normal(size=(3, 60, 6))
     points /= np.linalg.norm(points, axis=2, keepdims=True)
-    assert np.isnan(hull._depths(points)).any()
+    assert np.isnan(hull._depths(points, 0.0)).any()
     assert_equal_to_qhull(points)
 
 
