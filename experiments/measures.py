@@ -25,7 +25,7 @@ from egad.geometry.repair import repair
 from egad.grasps import ferrari_canny
 from egad.measures import MeasureParameters
 from egad.measures.complexity import complexity
-from egad.measures.difficulty import difficulty, spaced_difficulty
+from egad.measures.difficulty import rough_difficulty, spaced_difficulty
 from egad.pipeline.config import Settings, Similarity
 from egad.pipeline.config.stage_settings import select
 from egad.random import generator
@@ -39,7 +39,6 @@ DOCS = Path(__file__).parents[1] / "docs"
 DATA = DOCS.parent / "tests" / "data"
 NAME = re.compile(r"([A-Y])(\d\d)_\d")
 VARIANTS = [(metric, count) for metric in ("nominal", "robust") for count in (512, 2048, 8192)]
-ALL = {"space": {"confidence": 1.0}}  # all candidates are drawn
 BASES = (25, 50, 75, 150)
 EVERY = 10**6  # more bases than there are vertices
 
@@ -56,8 +55,8 @@ def main(published: Path) -> None:
     ours, theirs = qualities()
     off = np.abs(ours - theirs)[(ours > 0) & (theirs > 0)]
     print(f"{len(off)} qualities: largest difference {off.max():.1e}, median {np.median(off):.1e}")
-    for name, (told, found) in spreads().items():
-        print(f"{name}: standard error {told:.2f} cells, over ten seeds {found:.2f}")
+    for name, found in spreads().items():
+        print(f"difficulty, {name}: standard deviation {found:.2f} cells over ten seeds")
     scan, program = similarities()
     off = np.abs(scan - program).mean()
     print(f"{len(scan)} similarities (scan): {_rank(scan, program):.3f}, mean difference {off:.4f}")
@@ -82,9 +81,10 @@ def _measured(path: Path) -> dict[str, float]:
         "complexity": complexity(mesh, 512),
     }
     for metric, candidates in VARIANTS:
-        config = Settings.model_validate(ALL | {"difficulty": {"metric": metric}})
+        one_draw = {"metric": metric, "candidates": candidates}
+        config = Settings.model_validate({"difficulty": one_draw})
         rng = generator(0, "labels", path.stem, metric, candidates)
-        found = difficulty(mesh, select(config, MeasureParameters), candidates, rng)
+        found = rough_difficulty(mesh, select(config, MeasureParameters), rng)
         row[_variant((metric, candidates))] = found.value
     return row
 
@@ -110,26 +110,24 @@ def shapes() -> list[trimesh.Trimesh]:
         ]
 
 
-def spreads() -> dict[str, tuple[float, float]]:
-    """Standard error of difficulty and its standard deviation over seeds, means of the shapes."""
-    config = Settings.model_validate(ALL)
-    low, high = config.space.difficulty_range
-    settings = select(config, MeasureParameters)
-    ways = {"100 grasps with spacing": partial(spaced_difficulty, count=100)} | {
-        f"{count} candidates": partial(difficulty, max_candidates=count)
-        for count in (512, 2048, 8192, 32768)
-    }
+def spreads() -> dict[str, float]:
+    """Standard deviation of difficulty over seeds, mean of the shapes, cells."""
+    space = Settings().space
+    low, high = space.difficulty_range
+    meshes = [repair(shape).mesh for shape in shapes()]
     result = {}
-    for name, way in ways.items():
-        found = np.array(
-            [
-                [way(mesh, settings, rng=generator(seed, "spread"))[:2] for seed in range(10)]
-                for mesh in (repair(shape).mesh for shape in shapes())
-            ]
-        )
-        deviation = np.std(found[..., 0], axis=1, ddof=1).mean()
-        errors = np.array([found[..., 1].mean(), deviation]) * config.space.cells / (high - low)
-        result[name] = (float(errors[0]), float(errors[1]))
+    for count in (100, 512, 2048, 8192, 32768):
+        config = Settings.model_validate({"difficulty": {"candidates": max(count, 512)}})
+        settings = select(config, MeasureParameters)
+        way, name = partial(rough_difficulty, settings=settings), f"{count} candidates"
+        if count == 100:
+            way = partial(spaced_difficulty, settings=settings, count=count)
+            name = "100 grasps with spacing"
+        found = [
+            [way(mesh, rng=generator(seed, "spread")).value for seed in range(10)]
+            for mesh in meshes
+        ]
+        result[name] = float(np.std(found, axis=1, ddof=1).mean() * space.cells / (high - low))
     return result
 
 

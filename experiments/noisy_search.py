@@ -33,7 +33,8 @@ from egad._util.files import write_text
 from egad._util.kernel_cache import compile_kernels
 from egad.cppn import packed_surface
 from egad.map_elites import Archive, Elite, EvolutionParameters
-from egad.map_elites.island import Island, measure
+from egad.map_elites.evaluation import measure
+from egad.map_elites.island import Island
 from egad.measures import Space, rough_difficulty
 from egad.measures.difficulty import difficulty
 from egad.pipeline.config import Settings
@@ -133,7 +134,7 @@ def run(method: str, seed: int) -> pd.DataFrame:
 
 
 def independent(voxels: bytes, settings: EvolutionParameters) -> float:
-    """The difficulty of an object by many grasps that no search has seen; NaN if there is none."""
+    """The difficulty of an object by many grasps that no search has seen."""
     certain = settings.model_copy(
         update={"space": settings.space.model_copy(update={"confidence": 0.999})}
     )

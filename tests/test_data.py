@@ -10,7 +10,7 @@ from egad.cppn import voxels
 from egad.cppn.constraints import UNBOUND
 from egad.cppn.surface import packed_surface
 from egad.data import archive_path, released
-from egad.map_elites.island import Solid, express, measure
+from egad.map_elites.evaluation import Solid, express, measure
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.pipeline.archive_settings import check_provenance

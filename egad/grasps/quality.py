@@ -45,7 +45,8 @@ def ferrari_canny(
         torque_scaling: What a torque counts beside a force, 1/m.
         finger_radius: Radius of the soft contact, metres; it resists torsion.
         cone_faces: Edges of a linearised friction cone, 3 to 28.
-        floor: Qualities below it may come out as any upper bound below it, which takes less time.
+        floor: A quality below this may be replaced by an upper bound that is also below it; this
+            saves time.
 
     Returns:
         (n,) qualities.
@@ -81,7 +82,7 @@ def quality_bound(
     torque_scaling: float = 100.0,
     finger_radius: float = 0.005,
 ) -> Floats:
-    """An upper bound of `ferrari_canny`, at a hundredth of its cost.
+    """An upper bound of `ferrari_canny` in closed form.
 
     No contact force turns the object about the line of contacts; only torsion does, and no more
     than `pi finger_radius^2 friction torque_scaling cos(a)^2`, with `a` the angle between the axis

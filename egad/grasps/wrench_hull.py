@@ -60,7 +60,8 @@ def depths(points: NDArray[np.float64], floor: float = 0.0) -> NDArray[np.float6
 
     Args:
         points: (n, m, 6): n sets of at most 62 points.
-        floor: Depths below it may come out as any upper bound below it, which takes less time.
+        floor: A depth below this may be replaced by an upper bound that is also below it; this
+            saves time.
 
     Returns:
         (n,): the smallest facet offset of the hull; 0 where the origin is not strictly inside,

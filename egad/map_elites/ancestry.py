@@ -10,8 +10,8 @@ from egad.errors import UserError
 def ancestors(elites: Iterable[str], lineage: pd.DataFrame) -> pd.DataFrame:
     """Elites and all their ancestors.
 
-    An object that an archive took in more than once counts as of the first time: so every parent
-    is older than its children.
+    An object that was taken in more than once, or by several islands, counts as of the first time:
+    so every parent is older than its children. An archive may name other parents of it.
 
     Args:
         elites: Ids of the elites.

@@ -156,7 +156,7 @@ class Archive:
         counts = Counter(self._cells.values())
         excess = {cell: count - self.space.elites_per_cell for cell, count in counts.items()}
         losers = set()
-        for *_, index in sorted(self._queue(counts)):
+        for *_, index in sorted(self._crowded(counts)):
             if excess[self._cells[index]] > 0:
                 excess[self._cells[index]] -= 1
                 losers.add(index)
@@ -169,7 +169,8 @@ class Archive:
         is stored is then a lower bound, and is found again when it is the least of the heap.
         """
         counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
-        queue = self._queue(counts)
+        queue = self._crowded(counts)
+        heapq.heapify(queue)
         while queue:
             certain, value, name, index = heapq.heappop(queue)
             if counts[self._cells[index]] <= limit:
@@ -181,19 +182,18 @@ class Archive:
             counts[self._cells[index]] -= 1
             self._remove(index)
             if len(self) <= self.space.neighbors + 1:
-                queue = self._queue(counts)
+                queue = self._crowded(counts)
+                heapq.heapify(queue)
 
-    def _queue(self, counts: Counter[Cell]) -> list[tuple[bool, float, str, int]]:
-        """The elites of overfull cells as a heap: uncertain ones first, then the least diverse."""
+    def _crowded(self, counts: Counter[Cell]) -> list[tuple[bool, float, str, int]]:
+        """Elites of overfull cells with what they are sorted by: the first ones go first."""
         limit, confidence = self.space.elites_per_cell, self.space.confidence
         crowded = [index for index, cell in self._cells.items() if counts[cell] > limit]
         values = self._neighborhood.diversities(crowded)
         elites = [self._elites[index] for index in crowded]
         certain = [elite.is_certain(confidence) for elite in elites]
         names = [elite.id for elite in elites]
-        queue = list(zip(certain, values, names, crowded, strict=True))
-        heapq.heapify(queue)
-        return queue
+        return list(zip(certain, values, names, crowded, strict=True))
 
     def _remove(self, index: int) -> None:
         del self._ids[self._elites.pop(index).id]

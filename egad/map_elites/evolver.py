@@ -16,7 +16,8 @@ from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry, 
 from egad.errors import RejectedError, UserError
 from egad.grasps import gripper
 from egad.map_elites.archive import Archive
-from egad.map_elites.island import Candidate, Island, Measured, Solid
+from egad.map_elites.evaluation import Measured, Solid
+from egad.map_elites.island import Candidate, Island
 from egad.map_elites.parameters import Evolution, EvolutionParameters
 from egad.measures import Difficulty, Space, default_measures
 from egad.reeb import Similarity

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, NamedTuple
 
@@ -14,36 +14,18 @@ from numpy.typing import NDArray
 
 from egad._util.progress import progress
 from egad._util.workers import Mapper
-from egad.cppn import UNBOUND, Row, Rules, Shape, constraints, packed_surface, voxels
-from egad.cppn import query as cppn
-from egad.errors import RejectedError
+from egad.cppn import UNBOUND, Rules, Shape, packed_surface, voxels
 from egad.map_elites.archive import Archive, Elite, Refine
+from egad.map_elites.evaluation import Evaluate, Measured, Solid, express, measure, refine
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import Offspring, breed
-from egad.measures import (
-    coverage_of,
-    filled_part,
-    measure_mesh,
-    rough_difficulty,
-    spaced_difficulty,
-)
-from egad.measures.difficulty import difficulty
-from egad.random import generator
-from egad.reeb import graph as reeb
+from egad.measures import coverage_of, filled_part
 from egad.tables.evolution import HISTORY, LINEAGE
 
 EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
 SCORED = 10  # the QD-score is computed once in as many steps
 LINE = "coverage {coverage:.3f}, {elites} elites"
 Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
-
-
-@dataclass(frozen=True)
-class Solid:
-    """The voxels that a genome stands for."""
-
-    id: str
-    packed: bytes
 
 
 @dataclass(frozen=True)
@@ -68,17 +50,6 @@ class Candidate:
     def mesh(self) -> trimesh.Trimesh:
         """Its closed surface, metres."""
         return packed_surface(self.solid.packed, self.shape)
-
-
-@dataclass(frozen=True)
-class Measured:
-    """The measures of a solid; the errors are NaN for measures of the user."""
-
-    complexity: float
-    difficulty: float
-    graph: reeb.ReebGraph
-    difficulty_std: float = math.nan
-    cell_confidence: float = math.nan
 
 
 class Advance(NamedTuple):
@@ -110,65 +81,6 @@ class Epoch(NamedTuple):
     history: pd.DataFrame
     lineage: pd.DataFrame
     outcomes: Counter[str]
-
-
-Evaluate = Callable[[Solid], Measured | str]
-
-
-def express(row: Row, settings: EvolutionParameters, rules: constraints.Rules) -> Solid | str:
-    """The solid of a genome, or the reason why it is none that is allowed."""
-    shape = settings.shape
-    output = cppn.query(row, shape.resolution, rules.symmetry)
-    try:
-        solid = constraints.solid(output, shape.threshold, rules)
-    except RejectedError as error:
-        return str(error)
-    return Solid(voxels.identity(solid), voxels.pack(solid))
-
-
-def measure(solid: Solid, settings: EvolutionParameters) -> Measured | str:
-    """The measures of a solid, or the reason why it has none.
-
-    The grasps are sampled with a generator named after the solid, so equal solids have equal
-    measures wherever and whenever they are found. The sequential estimate is a rough one at first:
-    nothing is said of its cell, and `refine` gives the final one.
-    """
-    mesh = packed_surface(solid.packed, settings.shape)
-    evolution = settings.evolution
-    try:
-        if evolution.estimator == "paper":
-            rng = generator(settings.seed, "difficulty", solid.id)
-            estimate = partial(spaced_difficulty, count=evolution.grasps)
-            place = measure_mesh(mesh, settings, partial(estimate, settings=settings, rng=rng))
-        else:
-            rng = generator(settings.seed, "first estimate", solid.id)
-            rough = partial(rough_difficulty, settings=settings, rng=rng)
-            place = measure_mesh(mesh, settings, rough)._replace(cell_confidence=math.nan)
-        graph = reeb.extract(mesh, settings.similarity)
-    except RejectedError as error:
-        return str(error)
-    errors = place.difficulty_std, place.cell_confidence
-    return Measured(place.complexity, place.difficulty, graph, *errors)
-
-
-def refine(elite: Elite, settings: EvolutionParameters) -> Elite | None:
-    """An object with the final estimate of its difficulty; None if there is no grasp.
-
-    Its grasps are others than those of the first estimate, so that an object which the archive
-    would keep by chance has no such luck again.
-    """
-    mesh = packed_surface(elite.voxels, settings.shape)
-    rng = generator(settings.seed, "difficulty", elite.id)
-    try:
-        found = difficulty(mesh, settings, settings.evolution.max_candidates, rng)
-    except RejectedError:
-        return None
-    return replace(
-        elite,
-        difficulty=found.value,
-        difficulty_std=found.std,
-        cell_confidence=found.confidence,
-    )
 
 
 class Step(NamedTuple):
@@ -347,6 +259,4 @@ def _elite(candidate: Candidate, measured: Measured, epoch: int) -> Elite:
         graph=measured.graph,
         parents=candidate.offspring.parents,
         epoch=epoch,
-        difficulty_std=measured.difficulty_std,
-        cell_confidence=measured.cell_confidence,
     )

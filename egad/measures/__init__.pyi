@@ -15,6 +15,7 @@ from .grid import difficulty_cells as difficulty_cells
 from .grid import filled_cells as filled_cells
 from .grid import filled_part as filled_part
 from .grid import labels as labels
+from .measure import Estimate as Estimate
 from .measure import MeasureValues as MeasureValues
 from .measure import measure_mesh as measure_mesh
 from .measure import measure_repeatably as measure_repeatably

@@ -45,8 +45,9 @@ class GraspDifficulty(NamedTuple):
 
     Attributes:
         value: Percentile of the quality of sampled grasps.
-        std: Its standard error, as if the grasps were independent.
-        confidence: Probability that the percentile of all grasps lies in the same cell.
+        std: Its standard error; NaN if it is not known.
+        confidence: Probability that the percentile of all grasps lies in the same cell; NaN if it
+            is not known.
         grasps: How many grasps it was taken from.
     """
 
@@ -68,7 +69,8 @@ def difficulty(
     A copy of the mesh is measured: turned until its principal axes (of the vertices) are the
     coordinate axes, then scaled until its smallest side is `side_fraction` of the opening. Grasps
     without quality count as zeros. Candidates are doubled until the cell of the object is as
-    certain as the space asks for, or the budget is spent. (The estimator is ours.)
+    certain as the space asks for, or the budget is spent. The confidence holds on average over
+    objects; it is too high for those few that stop at the first look. (The estimator is ours.)
 
     Args:
         mesh: The object, of any size, its triangles winding outwards.
@@ -84,14 +86,15 @@ def difficulty(
     grasps, tally = _RatedGrasps(mesh, settings, rng, com), SamplingStatistics()
     opening, enough = settings.gripper.opening, settings.space.confidence
     draws = min(settings.difficulty.candidates, max_candidates)
-    while draws:
+    while True:
         found, fate = valid_contacts(grasps.caster, opening, draws, settings.sampling, rng)
         grasps.add(found)
         tally += fate
-        if len(grasps) and grasps.difficulty(tally).confidence >= enough:
-            break
         draws = min(tally.tried, max_candidates - tally.tried)
-    return grasps.difficulty(tally)
+        if len(grasps) or not draws:
+            estimate = grasps.difficulty(tally)
+            if estimate.confidence >= enough or not draws:
+                return estimate
 
 
 def rough_difficulty(
@@ -124,6 +127,8 @@ def spaced_difficulty(
 ) -> GraspDifficulty:
     """The paper's estimator: a percentile of grasps that keep a distance from each other.
 
+    They are not independent, so its errors are not known (NaN).
+
     Args:
         mesh: The object, of any size, its triangles winding outwards.
         settings: As for `difficulty`.
@@ -141,7 +146,7 @@ def spaced_difficulty(
     opening, sampling = settings.gripper.opening, settings.sampling
     found, tally = sample_contacts(grasps.caster, opening, count, sampling, rng)
     grasps.add(found)
-    return grasps.difficulty(tally)
+    return GraspDifficulty(grasps.percentile(tally), math.nan, math.nan, len(found))
 
 
 class _RatedGrasps:

@@ -46,8 +46,8 @@ class Space(Parameters):
     )
     confidence: Fraction = Field(
         0.95,
-        description="an object is certain if its difficulty lies in its cell with at least this "
-        "probability; 0: all are",
+        description="a cell is certain for an object whose difficulty lies in it with at least "
+        "this probability; 0: every cell is",
     )
 
     @model_validator(mode="after")
@@ -152,7 +152,7 @@ class MeasureParameters(ParameterGroup):
     measures: CustomMeasures
     complexity: Annotated[Complexity, Archived(difficulty=False)]
     difficulty: Difficulty
-    space: Space
+    space: Annotated[Space, Archived(difficulty=False)]
     similarity: Annotated[Similarity, Archived(difficulty=False)]
     sampling: Sampling
     quality: Quality

@@ -1,5 +1,6 @@
 """A percentile of a sample, how certain it is, and values that are computed only if they matter."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -18,8 +19,8 @@ class BoundedSample:
         """Start without values.
 
         Args:
-            compute: Gives the values at some indices; for those below a limit, an upper bound below
-                the limit is enough.
+            compute: Gives the values at some indices; for a value below a limit, any upper bound
+                that is also below it.
         """
         self._compute = compute
         self._upper = np.empty(0)  # the value itself where it is known
@@ -54,7 +55,9 @@ class BoundedSample:
         return int(np.sum(self._upper < limit))
 
     def _settle(self, limit: float) -> bool:
-        """Compute the values that may reach a limit; says whether there were any that may."""
+        """Compute the values whose bound is at least a limit; returns whether there were any."""
+        if limit <= 0:
+            return False  # no value is below, and none has to be known
         open_ones = np.flatnonzero(~self._known & (self._upper >= limit))
         if len(open_ones):
             floor = TIGHTNESS * limit  # a little lower, so that the next limit asks for few
@@ -76,15 +79,16 @@ def percentile_rank(count: int, percent: float) -> int:
 def percentile_std(sample: BoundedSample, percent: float) -> float:
     """Standard error of a percentile of n independent values.
 
-    Half the distance of the two values whose ranks lie a standard error of the rank away.
+    Half the distance of the two values whose ranks lie a standard error of the rank away; NaN if
+    there are too few values for that.
 
     Source: Woodruff, Confidence Intervals for Medians and Other Position Measures, JASA 47 (1952).
     """
     count, part = len(sample), percent / 100
     spread = np.sqrt(part * (1 - part) / count)
-    low, high = np.clip(
-        [np.floor(count * (part - spread)), np.ceil(count * (part + spread))], 0, count - 1
-    )
+    low, high = np.floor(count * (part - spread)), np.ceil(count * (part + spread))
+    if low < 0 or high >= count:
+        return math.nan
     return (sample.smallest(int(high)) - sample.smallest(int(low))) / 2
 
 

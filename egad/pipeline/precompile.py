@@ -14,6 +14,7 @@ from egad._util.kernel_cache import compiled_marker
 from egad.cppn.surface import surface
 from egad.geometry.repair import repair
 from egad.grasps import LabelParameters, label_grasps
+from egad.measures import MeasureParameters, rough_difficulty
 from egad.measures.complexity import complexity
 from egad.pipeline.config import Settings, Shape
 from egad.pipeline.config.stage_settings import select
@@ -22,11 +23,10 @@ from egad.reeb import Forest, diversities, extract, similarities
 
 
 def compile_grasps() -> None:
-    """Sampling, quality and collisions of grasps; triangles that cross."""
-    mesh = repair(_example()).mesh
-    label_grasps(
-        mesh, mesh.center_mass, select(Settings(), LabelParameters), generator(0, "precompile")
-    )
+    """Sampling, quality and collisions of grasps, difficulty; triangles that cross."""
+    mesh, rng = repair(_example()).mesh, generator(0, "precompile")
+    label_grasps(mesh, mesh.center_mass, select(Settings(), LabelParameters), rng)
+    rough_difficulty(mesh, select(Settings(), MeasureParameters), rng)
 
 
 def compile_measures() -> None:

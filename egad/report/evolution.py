@@ -78,6 +78,7 @@ def section(
     space: Space,
     axes: AxisPair,
     *,
+    sampled: bool,
     islands: int,
     named: bool,
 ) -> Section:
@@ -87,10 +88,11 @@ def section(
         views: From `evolution_view`, by dataset.
         space: The cells.
         axes: What the axes of the space are called.
+        sampled: Whether difficulty comes from sampled grasps, not from a measure of the user.
         islands: How many evolved side by side.
         named: Whether to write the name of each dataset.
     """
-    values = {"space": space, "axes": axes, "islands": islands, "named": named}
+    values = {"space": space, "axes": axes, "sampled": sampled, "islands": islands, "named": named}
     return section_of("evolution", "Evolution", views=views, **values)
 
 

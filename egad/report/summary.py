@@ -23,9 +23,9 @@ class DatasetSummary:
         objects: How many it has.
         filled_cells: Cells of the space with at least one object.
         coverage: Part of the archive slots that its objects fill.
-        selected_coverage: The same by the difficulties that evolution selected by; NaN if it did
-            not.
-        certain: Part of the objects whose cell is certain; NaN if it is not known.
+        selected_coverage: The same by the difficulties that evolution selected by; NaN if there
+            are none, or none from sampled grasps.
+        certain: Part of the objects with a certain cell; NaN if it is not known.
         diversity: Lowest, mean and highest diversity; NaN if it has no objects.
         selected: Objects of its evaluation set.
         results: What detectors achieved on that set, by gripper.
@@ -61,7 +61,7 @@ def summarize(
         objects=len(objects),
         filled_cells=round(filled_cells(objects, space) * space.cells**2),
         coverage=coverage(objects, space),
-        selected_coverage=moves.before if moves else math.nan,
+        selected_coverage=moves.before if moves and len(confidence) else math.nan,
         certain=float((confidence >= space.confidence).mean()),
         diversity=(diversity.min(), diversity.mean(), diversity.max()),
         selected=selected,

@@ -73,7 +73,7 @@ HISTORY = pa.schema(
         column("step", INT, "number of the step in its epoch"),
         column("offspring", INT, "number of offspring of this step"),
         column("evaluated", INT, "of these, measured and offered to the archive"),
-        column("refined", INT, "of these, measured again, as the archive would keep them"),
+        column("refined", INT, "of these, measured again because the archive would keep them"),
         column("empty", INT, "of the offspring, without any solid voxel"),
         column("known", INT, "of the offspring, with the same voxels as another object"),
         column("elites", INT, "number of objects in the archive of the island after the step"),

@@ -15,8 +15,7 @@ from timing import timed
 
 from egad.cppn import constraints, surface
 from egad.cppn import query as cppn
-from egad.map_elites import archive, island
-from egad.map_elites import island as evaluation
+from egad.map_elites import archive, evaluation, island
 from egad.map_elites.archive import Archive, elites_of
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures import difficulty
@@ -39,7 +38,7 @@ STEPS = {
     "grasp quality": (difficulty, "ferrari_canny"),
     "bound on quality": (difficulty, "quality_bound"),
     "rest of first estimate": (evaluation, "rough_difficulty"),
-    "rest of refinement": (evaluation, "refine"),
+    "rest of refinement": (island, "refine"),
     "complexity": (coordinates, "complexity"),
     "Reeb graph": (reeb, "extract"),
     "neighbors": (neighbors.Neighborhood, "_look_up"),

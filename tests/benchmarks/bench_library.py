@@ -21,7 +21,8 @@ from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.grasps.quality import ferrari_canny, wrenches
 from egad.map_elites.archive import Archive
-from egad.map_elites.island import Solid, evolve, express, measure
+from egad.map_elites.evaluation import Solid, express, measure
+from egad.map_elites.island import evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import breed
 from egad.measures.difficulty import difficulty, rough_difficulty, spaced_difficulty

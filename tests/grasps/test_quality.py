@@ -90,6 +90,19 @@ def test_the_bound_is_the_torsion_about_the_line_of_contacts():
     assert (ferrari_canny(*grasps, com, **other) <= quality_bound(*grasps, com, **other)).all()
 
 
+def test_below_a_floor_an_upper_bound_is_enough():
+    grasps = random_grasps(2000, 0.6)
+    com = np.array([0.01, -0.02, 0.005])
+    exact = ferrari_canny(*grasps, com)
+    floor = np.quantile(exact[exact > 0], 0.6)
+    found = ferrari_canny(*grasps, com, floor=floor)
+    np.testing.assert_array_equal(found[exact >= floor], exact[exact >= floor])
+    below = exact < floor
+    assert (found[below] < floor).all()
+    assert (found[below] >= exact[below] - 1e-12).all()
+    assert (found[below] > exact[below]).any()
+
+
 def test_agrees_with_dex_net():
     names = ("points", "normals", "axis", "com")
     quality = ferrari_canny(*(REFERENCE[name] for name in names))

@@ -87,6 +87,19 @@ def test_uncertain_elites_go_before_less_diverse_ones(elites):
     assert len(archive) == 2
 
 
+def test_a_certain_candidate_takes_the_slot_of_an_uncertain_elite(elites):
+    """Even if it is less diverse; an uncertain one never takes that of a certain elite."""
+    space = SPACE.model_copy(update={"confidence": 0.9, "elites_per_cell": 1})
+    here = [replace(each, difficulty=0.003, complexity=2.0) for each in elites[:5]]
+    for old, new in itertools.permutations(here, 2):
+        for before, after in ((0.5, 0.95), (0.95, 0.5)):
+            archive = Archive(space, SIMILARITY)
+            archive.add([replace(old, cell_confidence=before)])
+            archive.add([new], lambda some, c=after: [replace(e, cell_confidence=c) for e in some])
+            assert (new if after > before else old).id in archive
+            assert len(archive) == 1
+
+
 def test_only_what_its_cell_would_keep_is_refined(elites):
     asked = []
 

@@ -7,7 +7,8 @@ import pytest
 from egad._util.workers import workers
 from egad.map_elites.ancestry import ancestors
 from egad.map_elites.archive import Archive, elites_of, merge
-from egad.map_elites.island import Solid, evolve, measure, refine
+from egad.map_elites.evaluation import Solid, measure, refine
+from egad.map_elites.island import evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import LEAST, breed, parent_odds
 from egad.pipeline.config import Difficulty, Evolution, Settings, Shape, Similarity
@@ -118,7 +119,7 @@ def test_the_paper_measures_once():
     for each in archive.elites[:3]:
         again = measure(Solid(each.id, each.voxels), settings)
         assert again.difficulty == each.difficulty
-        assert each.cell_confidence > 0
+        assert np.isnan([each.difficulty_std, each.cell_confidence]).all()
 
 
 def test_what_the_archive_would_keep_is_refined_by_other_grasps(island):

@@ -2,7 +2,7 @@ import pyarrow as pa
 import pytest
 import trimesh
 
-from egad.errors import UserError
+from egad.errors import TableError, UserError
 from egad.map_elites.parameters import EvolutionParameters
 from egad.pipeline.archive_settings import check_provenance, provenance
 from egad.pipeline.config import Settings
@@ -65,6 +65,13 @@ def test_objects_of_the_first_edition_are_read_and_its_difficulties_explained(
         from_archive(first_edition, select(Settings(), PostprocessSolids), 0, 1)
     assert "percentiles of few grasps that keep a distance" in caplog.text
     assert parquet.read(first_edition, ARCHIVE)["cell_confidence"].isna().all()
+
+
+def test_a_table_with_one_of_the_optional_columns_is_damaged(tmp_path):
+    schema = pa.schema([field for field in ARCHIVE if field.name != "difficulty_std"])
+    parquet.write(parquet.empty(schema), schema, tmp_path / "odd.parquet")
+    with pytest.raises(TableError, match="columns are missing: difficulty_std"):
+        parquet.read(tmp_path / "odd.parquet", ARCHIVE)
 
 
 def test_an_edited_measure_of_ones_own_is_another_one(tmp_path):

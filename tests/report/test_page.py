@@ -130,7 +130,7 @@ def test_a_cell_tells_its_most_diverse_objects(page, objects, pictures):
         assert len(cell["items"]) + cell["more"] == len(inside)
         assert cell["items"][0][7] is None
         for item in cell["items"][1:]:
-            assert base64.b64decode(item[5]) == pictures[item[0]]
+            assert base64.b64decode(item[7]) == pictures[item[0]]
 
 
 def test_the_evaluation_set_says_what_is_empty(page):

@@ -24,7 +24,7 @@ from egad.pipeline.provenance.lookup import origin_of
 from egad.pipeline.provenance.verify import verify
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST, TRIALS
-from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY
+from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY, LINEAGE
 from egad.tables.grasping import GRASPS, SAMPLING, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED, SOLIDS
 
@@ -34,6 +34,7 @@ PUBLISHED = {
     "comparison.parquet": COMPARISON,
     "egad/archive.parquet": ARCHIVE,
     "egad/history.parquet": HISTORY,
+    "egad/ancestry.parquet": LINEAGE,
     "egad/objects.parquet": OBJECTS,
     "egad/rejected.parquet": REJECTED,
     "egad/eval49.parquet": EVAL49,
@@ -58,6 +59,8 @@ EPOCH_TABLES = {
         "island-1": EPOCH,
         "history-0": HISTORY,
         "history-1": HISTORY,
+        "lineage-0": LINEAGE,
+        "lineage-1": LINEAGE,
     }.items()
 }
 PARTS = {

@@ -164,6 +164,7 @@ def _evolution(
             views,
             settings.space,
             axes,
+            sampled=not settings.measures.difficulty,
             islands=settings.schedule.islands,
             named=len(datasets) > 1,
         )

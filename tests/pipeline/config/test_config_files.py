@@ -15,7 +15,7 @@ from egad.pipeline.config.schema import node_at, schema
 
 ROOT = Path(__file__).parents[3]
 DATASETS = ["datasets/ycb.yaml", "datasets/egad.yaml"]
-FILES = ["config.yaml", "paper.yaml", "full.yaml", "test.yaml", *DATASETS]
+FILES = ["config.yaml", "paper.yaml", "first_edition.yaml", "full.yaml", "test.yaml", *DATASETS]
 
 
 def load(name):
