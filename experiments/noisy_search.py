@@ -1,6 +1,6 @@
 """The comparison of docs/search.md: how searches cope with noisy difficulties.
 
-    python experiments/noisy_search.py METHOD SEED   # one run; its rows go to docs/noisy-search.csv
+    python experiments/noisy_search.py METHOD SEED   # one run, to docs/noisy-search/
     python experiments/noisy_search.py               # figure and table of all runs so far
 
 A run is 20,000 evaluations in steps of 100 on one core. Every offspring counts as an evaluation,
@@ -44,7 +44,7 @@ from egad.report.colors import line_color
 from egad.report.drawing import new_figure, show_percent
 
 DOCS = Path(__file__).parents[1] / "docs"
-ROWS = DOCS / "noisy-search.csv"
+ROWS = DOCS / "noisy-search"
 METHODS = ("paper", "adaptive", "depth", "sequential")
 EVALUATIONS, STEP, SNAPSHOT, SHARE, BUDGET = 20_000, 100, 5_000, 0.25, 32_768
 SPACE = Space()
@@ -167,7 +167,7 @@ def trimmed(elites: list[Elite]) -> Archive:
 
 def main() -> None:
     """Write the figure and print the table."""
-    rows = pd.read_csv(ROWS)
+    rows = pd.concat(map(pd.read_csv, sorted(ROWS.glob("*.csv"))), ignore_index=True)
     names = [name for name in METHODS if name in set(rows["method"])]
     by_step = rows.assign(step=(rows["evaluations"] / SNAPSHOT).round())
     means = by_step.groupby(["method", "step"]).mean(numeric_only=True)
@@ -221,16 +221,10 @@ def _at(run: pd.DataFrame, cpu: float) -> float:
     return float(np.interp(cpu, [0, *run["cpu"]], [0, *run["corrected_coverage"]]))
 
 
-def save(rows: pd.DataFrame) -> None:
-    """Add the rows of a run to those of the others, in place of an earlier one like it."""
-    known = pd.read_csv(ROWS) if ROWS.exists() else rows.iloc[:0]
-    same = (known["method"] == rows["method"].iloc[0]) & (known["seed"] == rows["seed"].iloc[0])
-    merged = pd.concat([known[~same], rows]).sort_values(["method", "seed", "evaluations"])
-    merged.to_csv(ROWS, index=False, float_format="%.5g")
-
-
 if __name__ == "__main__":
     if len(sys.argv) == 3 and sys.argv[1] in METHODS:
-        save(run(sys.argv[1], int(sys.argv[2])))
+        method, seed = sys.argv[1], int(sys.argv[2])
+        ROWS.mkdir(exist_ok=True)
+        run(method, seed).to_csv(ROWS / f"{method}-{seed}.csv", index=False, float_format="%.5g")
     else:
         main()
