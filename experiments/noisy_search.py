@@ -1,4 +1,4 @@
-"""The comparison of docs/search.md: how searches cope with noisy difficulties.
+"""A comparison of searches under noise: how they cope with difficulties that are estimates.
 
     python experiments/noisy_search.py METHOD SEED   # one run, to docs/noisy-search/
     python experiments/noisy_search.py               # figure and table of all runs so far
