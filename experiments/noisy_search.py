@@ -16,7 +16,7 @@ empty and known ones too, and so does every further evaluation of an elite. The 
 
 An evaluation of `adaptive` and `depth` is a first estimate of `sequential`; the mean of all
 evaluations of an object places it. Corrected values place the elites by an independent estimate of
-at most 32,768 candidates, until their cells are certain with a probability of 99.9 %.
+certainty.py.
 """
 
 import sys
@@ -28,6 +28,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from certainty import independent
 
 from egad._util.files import write_text
 from egad._util.kernel_cache import compile_kernels
@@ -36,7 +37,6 @@ from egad.map_elites import Archive, Elite, EvolutionParameters
 from egad.map_elites.evaluation import measure
 from egad.map_elites.island import Island
 from egad.measures import Space, rough_difficulty
-from egad.measures.difficulty import difficulty
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.random import generator
@@ -46,7 +46,7 @@ from egad.report.drawing import new_figure, show_percent
 DOCS = Path(__file__).parents[1] / "docs"
 ROWS = DOCS / "noisy-search"
 METHODS = ("paper", "adaptive", "depth", "sequential")
-EVALUATIONS, STEP, SNAPSHOT, SHARE, BUDGET = 20_000, 100, 5_000, 0.25, 32_768
+EVALUATIONS, STEP, SNAPSHOT, SHARE = 20_000, 100, 5_000, 0.25
 SPACE = Space()
 
 
@@ -115,7 +115,7 @@ def run(method: str, seed: int) -> pd.DataFrame:
     )
     once = None if method == "sequential" else partial(measure, settings=settings)
     island, done, taken, rows = Island(archive, settings, 0, 0, evaluate=once), 0, 0.0, []
-    true = cache(partial(independent, settings=settings))
+    true = cache(partial(_true, settings=settings))
     while done < EVALUATIONS:
         start = time.process_time()
         island.advance()
@@ -133,13 +133,8 @@ def run(method: str, seed: int) -> pd.DataFrame:
     return pd.DataFrame(rows).assign(method=method, seed=seed)
 
 
-def independent(voxels: bytes, settings: EvolutionParameters) -> float:
-    """The difficulty of an object by many grasps that no search has seen."""
-    certain = settings.model_copy(
-        update={"space": settings.space.model_copy(update={"confidence": 0.999})}
-    )
-    rng = generator(0, "independent", voxels.hex())
-    return difficulty(packed_surface(voxels, settings.shape), certain, BUDGET, rng).value
+def _true(voxels: bytes, settings: EvolutionParameters) -> float:
+    return independent(packed_surface(voxels, settings.shape), voxels.hex())
 
 
 def measures(elites: list[Elite], true: Any) -> dict[str, float]:  # noqa: ANN401 (a cache)

@@ -64,7 +64,7 @@ def best_approaches(
         angles: Approaches to try.
         way: Length of the straight way in, metres.
     """
-    triangles = np.asarray(caster.mesh.triangles)
+    triangles = caster.triangles
     first = first_approaches(grasps.axes)
     frames = np.stack([grasps.axes, np.cross(first, grasps.axes), first], axis=1)
     turns = 2 * np.pi * np.arange(angles) / angles

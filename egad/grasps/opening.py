@@ -35,7 +35,7 @@ def needed_openings(
     Returns:
         (n,) metres, between the inner faces of the fingers; may be more than the gripper has.
     """
-    triangles = np.ascontiguousarray(caster.mesh.triangles)
+    triangles = caster.triangles
     around = spheres(triangles)
     frames = np.stack([grasps.axes, np.cross(approaches, grasps.axes), approaches], axis=1)
     base, tip = finger_span(gripper)

@@ -74,8 +74,8 @@ def first_estimate(solid_id: str, settings: EvolutionParameters) -> Estimate:
 def refine(elite: Elite, settings: EvolutionParameters) -> Elite | None:
     """An object with the final estimate of its difficulty; None if there is no grasp.
 
-    Its grasps are others than those of the first estimate, so that an object which the archive
-    would keep by chance has no such luck again.
+    Its grasps are others than those of the first estimate, whose error may be why the archive
+    would keep the object.
     """
     mesh = packed_surface(elite.voxels, settings.shape)
     rng = generator(settings.seed, "difficulty", elite.id)

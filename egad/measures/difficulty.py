@@ -83,16 +83,13 @@ def difficulty(
         RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
         UserError: It is not a mesh.
     """
-    grasps, tally = _RatedGrasps(mesh, settings, rng, com), SamplingStatistics()
-    opening, enough = settings.gripper.opening, settings.space.confidence
+    grasps, enough = _RatedGrasps(mesh, settings, rng, com), settings.space.confidence
     draws = min(settings.difficulty.candidates, max_candidates)
     while True:
-        found, fate = valid_contacts(grasps.caster, opening, draws, settings.sampling, rng)
-        grasps.add(found)
-        tally += fate
-        draws = min(tally.tried, max_candidates - tally.tried)
+        grasps.draw(draws)
+        draws = min(grasps.tally.tried, max_candidates - grasps.tally.tried)
         if len(grasps) or not draws:
-            estimate = grasps.difficulty(tally)
+            estimate = grasps.difficulty()
             if estimate.confidence >= enough or not draws:
                 return estimate
 
@@ -112,10 +109,8 @@ def rough_difficulty(
         UserError: It is not a mesh.
     """
     grasps = _RatedGrasps(mesh, settings, rng)
-    draws, opening = settings.difficulty.candidates, settings.gripper.opening
-    found, tally = valid_contacts(grasps.caster, opening, draws, settings.sampling, rng)
-    grasps.add(found)
-    return GraspDifficulty(grasps.percentile(tally), math.nan, math.nan, len(found))
+    grasps.draw(settings.difficulty.candidates)
+    return GraspDifficulty(grasps.percentile(), math.nan, math.nan, len(grasps))
 
 
 def spaced_difficulty(
@@ -143,14 +138,16 @@ def spaced_difficulty(
     Source: EGAD, section III-C.
     """
     grasps = _RatedGrasps(mesh, settings, rng, com)
-    opening, sampling = settings.gripper.opening, settings.sampling
-    found, tally = sample_contacts(grasps.caster, opening, count, sampling, rng)
-    grasps.add(found)
-    return GraspDifficulty(grasps.percentile(tally), math.nan, math.nan, len(found))
+    grasps.draw_spaced(count)
+    return GraspDifficulty(grasps.percentile(), math.nan, math.nan, len(grasps))
 
 
 class _RatedGrasps:
-    """Grasps on an object, and the percentile of their quality."""
+    """Grasps on an object, and the percentile of their quality.
+
+    Attributes:
+        tally: What became of the candidates so far.
+    """
 
     def __init__(
         self,
@@ -167,18 +164,29 @@ class _RatedGrasps:
         self._settings, self._rng = settings, rng
         self._grasps = ContactPairs.empty()
         self._sample = BoundedSample(self._qualities)
-        self.caster = RayCaster(scaled)
+        self._caster = RayCaster(scaled)
+        self.tally = SamplingStatistics()
 
     def __len__(self) -> int:
         return len(self._sample)
 
-    def add(self, grasps: ContactPairs) -> None:
-        """Take in more grasps."""
+    def draw(self, candidates: int) -> None:
+        """Draw more candidates."""
+        opening, sampling = self._settings.gripper.opening, self._settings.sampling
+        self._add(*valid_contacts(self._caster, opening, candidates, sampling, self._rng))
+
+    def draw_spaced(self, count: int) -> None:
+        """Sample grasps that keep a distance from each other."""
+        opening, sampling = self._settings.gripper.opening, self._settings.sampling
+        self._add(*sample_contacts(self._caster, opening, count, sampling, self._rng))
+
+    def _add(self, grasps: ContactPairs, tally: SamplingStatistics) -> None:
+        self.tally += tally
         quality, robust = self._settings.quality, self._settings.robust
         if self._settings.difficulty.metric == "robust" and robust is not None:
             opening, rng = self._settings.gripper.opening, self._rng
             mean, _, _ = robust_ferrari_canny(
-                self.caster, grasps, self._com, opening, quality=quality, robust=robust, rng=rng
+                self._caster, grasps, self._com, opening, quality=quality, robust=robust, rng=rng
             )
             self._sample.extend(mean, exact=True)
         else:
@@ -194,20 +202,20 @@ class _RatedGrasps:
             *contacts, self._com, **self._settings.quality.model_dump(), floor=floor
         )
 
-    def percentile(self, tally: SamplingStatistics) -> float:
+    def percentile(self) -> float:
         """The percentile of their quality.
 
         Raises:
             RejectedError: There is no grasp; the text has what became of the candidates.
         """
         if not len(self):
-            raise RejectedError(f"no grasp ({tally})")
+            raise RejectedError(f"no grasp ({self.tally})")
         percent = self._settings.difficulty.percentile
         return self._sample.smallest(percentile_rank(len(self), percent))
 
-    def difficulty(self, tally: SamplingStatistics) -> GraspDifficulty:
+    def difficulty(self) -> GraspDifficulty:
         """The percentile and its errors; raises as `percentile`."""
-        value, percent = self.percentile(tally), self._settings.difficulty.percentile
+        value, percent = self.percentile(), self._settings.difficulty.percentile
         limits = difficulty_limits(value, self._settings.space)
         confidence = confidence_between(self._sample, percent, limits)
         return GraspDifficulty(value, percentile_std(self._sample, percent), confidence, len(self))

@@ -29,11 +29,6 @@ class BoundedSample:
     def __len__(self) -> int:
         return len(self._upper)
 
-    @property
-    def known(self) -> int:
-        """How many values have been computed."""
-        return int(self._known.sum())
-
     def extend(self, bounds: Floats, exact: bool = False) -> None:
         """Add values that are not negative, by their upper bounds or exactly."""
         self._upper = np.concatenate((self._upper, bounds))

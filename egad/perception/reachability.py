@@ -126,7 +126,7 @@ def _touching(
     caster: RayCaster, hand: Hand, origins: Floats, frames: Floats, openings: Floats
 ) -> Flags:
     """Whether a hand touches the object at its place or on its way there, (n,)."""
-    triangles = np.asarray(caster.mesh.triangles)
+    triangles = caster.triangles
     result = np.zeros((len(origins), 1), dtype=bool)
     if len(result) == 0:
         return result[:, 0]

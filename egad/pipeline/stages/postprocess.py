@@ -36,7 +36,7 @@ from egad.tables.objects import REJECTED, SOLIDS
 log = logging.getLogger(__name__)
 PAPER_ESTIMATES = (
     "The difficulties in %s are rough: percentiles of few grasps that keep a distance from each "
-    "other, and evolution kept the lucky ones. The objects are measured again."
+    "other, with a bias from selection. The objects are measured again."
 )
 Sources = dict[str, Callable[[], trimesh.Trimesh]]
 
