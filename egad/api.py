@@ -89,8 +89,8 @@ def measure(
         mesh: Any mesh, in any unit.
         gripper: The gripper that grasps are sampled for, or its name. The default is `yumi`, as
             the published labels are for it.
-        max_candidates: Candidate grasps are doubled until the cell is certain (95 %), at most to
-            this number.
+        max_candidates: Candidate grasps are doubled until the cell is certain, at most to this
+            number.
         seed: Of the grasps.
 
     Raises:

@@ -1,24 +1,29 @@
-"""How many objects lie where the map says: `python experiments/certainty.py SOURCE...`.
+"""How many objects lie where the map says: `python experiments/certainty.py SOURCE... [MAPS.svg]`.
 
-SOURCE is `released`, an archive, or the folder of a dataset, as for `egad.load`. Every object gets
-an independent estimate of its difficulty, from grasps that neither evolution nor the pipeline has
-seen: candidates are doubled until its cell is certain with a probability of 99.9 %, at most 32,768.
+SOURCE is `released`, an archive, or the folder of a dataset, as for `egad.load`; NAME=SOURCE names
+it. Every object gets an independent estimate of its difficulty, from grasps that neither evolution
+nor the pipeline has seen: candidates are doubled until its cell is certain with a probability of
+99.9 %, at most 32,768. The maps show the cells as labelled and as measured again.
 """
 
 import sys
+from collections.abc import Iterator
 from functools import cache, partial
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import trimesh
 
 import egad
+from egad._util.files import write_text
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.grasps import gripper
 from egad.measures import Space, coverage, default_measures, difficulty_cells
 from egad.measures.difficulty import difficulty
 from egad.random import generator
+from egad.report.comparison import dataset_maps
 
 BUDGET, CERTAIN = 32_768, 0.999
 SPACE = Space(confidence=CERTAIN)
@@ -35,20 +40,22 @@ def independent(mesh: trimesh.Trimesh, name: str) -> float:
     return difficulty(mesh, settings, BUDGET, generator(0, "independent", name)).value
 
 
-def main(sources: list[str]) -> None:
-    """Print a row for each source."""
+def main(arguments: list[str]) -> None:
+    """Print a row for each source, and draw the maps if a file is given."""
     print("| source | objects | in their cell | within one | coverage | corrected |")
     print("| --- " * 6 + "|")
-    for source in sources:
-        objects = egad.load(source)
-        table = objects.table
+    maps: dict[str, pd.DataFrame] = {}
+    for argument in (each for each in arguments if not each.endswith(".svg")):
+        name, source = argument.split("=") if "=" in argument else (argument, argument)
+        table = egad.load(source).table
         with workers(2) as mapper:
             work = mapper(partial(_named, source), table["label"])
             found = list(progress(work, "measuring again", len(table)))
-        cells = difficulty_cells(np.array(found), SPACE)
-        off = np.abs(cells - table["difficulty_cell"].to_numpy())
-        parts = (f"{100 * np.mean(off <= most):.1f} %" for most in (0, 1))
-        print(f"| {source} | {len(table)} | {' | '.join(parts)} | {_coverages(table, cells)} |")
+        again = table.assign(difficulty_cell=difficulty_cells(np.array(found), SPACE))
+        print(f"| {name} | {len(table)} | {' | '.join(_agreement(table, again))} |", flush=True)
+        maps |= {f"{name}, as labelled": table, f"{name}, measured again": again}
+    for drawing in (each for each in arguments if each.endswith(".svg")):
+        write_text(Path(drawing), dataset_maps(maps, SPACE))
 
 
 _loaded = cache(egad.load)  # once a process
@@ -59,9 +66,11 @@ def _named(source: str, label: str) -> float:
     return independent(each.mesh, each.id)
 
 
-def _coverages(table: pd.DataFrame, cells: np.ndarray) -> str:
-    both = table, table.assign(difficulty_cell=cells)
-    return " | ".join(f"{coverage(each, SPACE):.3f}" for each in both)
+def _agreement(table: pd.DataFrame, again: pd.DataFrame) -> Iterator[str]:
+    """Shares of the objects in their cell and within one, then coverage as labelled and again."""
+    off = np.abs(again["difficulty_cell"] - table["difficulty_cell"])
+    yield from (f"{100 * np.mean(off <= most):.1f} %" for most in (0, 1))
+    yield from (f"{coverage(each, SPACE):.3f}" for each in (table, again))
 
 
 if __name__ == "__main__":

@@ -1,10 +1,13 @@
-"""The picture of docs/trials.md: `python experiments/trials.py results/D G P...`.
+"""The table and the picture of docs/trials.md: `python experiments/trials.py results/D G P...`.
 
-For each outcome that came to a grasp, the first attempt of these detectors that ended so is
-repeated; a row shows frames of it, evenly spaced from when the hand comes to the end.
+The table has success in percent with 95 % intervals for other objects, and the rank correlations
+of success with difficulty and complexity. For each outcome that came to a grasp, the first attempt
+of these detectors that ended so is repeated; a row shows frames of it, evenly spaced from when the
+hand comes to the end.
 """
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -18,20 +21,53 @@ from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.replay import repeat_attempt
 from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.sim import Pixels
+from egad.stats import mean_rate, object_positions, trend
 from egad.tables import parquet
-from egad.tables.evaluation import TRIALS
+from egad.tables.evaluation import EVAL49, TRIALS
 
 DOCS = Path(__file__).parents[1] / "docs"
 FRAMES = 6
+LOST = ("missed", "slipped_closing", "slipped_lifting", "dropped")
 WIDTH, HEIGHT, TEXT = 180, 200, 16
 HAND = (120, 205)  # its shades of grey; nothing else is as dark and without color
 
 
 def main(folder: Path, gripper: str, *detectors: str) -> None:
-    """Write the picture beside this file."""
+    """Print the table and write the picture."""
+    tables = {
+        name: parquet.read(folder / "trials" / gripper / f"{name}.parquet", TRIALS)
+        for name in detectors
+    }
+    chosen_set = parquet.read(folder / "eval49.parquet", EVAL49)
+    names = ("all", "row A", "row G", "collided", "no grasp", "lost", "difficulty", "complexity")
+    print(f"| | {' | '.join(names)} |\n{'| --- ' * (len(names) + 1)}|")
+    for name, trials in tables.items():
+        print(f"| `{name}` | {' | '.join(figures(trials, chosen_set))} |")
+    draw(folder / "bundle" / gripper, gripper, pd.concat(tables.values()))
+
+
+def figures(trials: pd.DataFrame, chosen_set: pd.DataFrame) -> Iterator[str]:
+    """Success of all objects, row A and row G; failures by kind; correlations."""
+    rows = trials["label"].str[0]
+    for part in (trials, trials[rows == "A"], trials[rows == "G"]):
+        mean = mean_rate(part)
+        yield between(100 * mean.value, *(100 * end for end in mean.interval), digits=0)
+    for outcomes in (["collided"], ["no_grasp"], LOST):
+        yield str(trials["outcome"].isin(outcomes).sum())
+    positions = object_positions(trials, chosen_set)
+    for name in ("difficulty", "complexity"):
+        found = trend(positions[name].to_numpy(), positions["rate"].to_numpy())
+        yield between(found.rho, found.ci_low, found.ci_high, digits=2)
+
+
+def between(value: float, low: float, high: float, digits: int) -> str:
+    """A value and its interval."""
+    return f"{value:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})"
+
+
+def draw(bundle: Path, gripper: str, trials: pd.DataFrame) -> None:
+    """Frames of the first attempt with each outcome."""
     settings = select(Settings(), SimulatedTrials, gripper)
-    tables = [folder / "trials" / gripper / f"{detector}.parquet" for detector in detectors]
-    trials = pd.concat(parquet.read(path, TRIALS) for path in tables)
     shown = [trials[trials["outcome"] == outcome].head(1) for outcome in EXECUTION]
     rows = parquet.records(pd.concat(shown))
     sheet = Image.new("RGB", (FRAMES * WIDTH, len(rows) * (HEIGHT + TEXT)), "white")
@@ -41,7 +77,7 @@ def main(folder: Path, gripper: str, *detectors: str) -> None:
         pen.text(
             (4, top + 2), f"{row['outcome']}: {row['label']}, attempt {row['attempt']}", "black"
         )
-        _, frames = repeat_attempt(settings, row, folder / "bundle" / gripper)
+        _, frames = repeat_attempt(settings, row, bundle)
         for column, number in enumerate(chosen(frames)):
             small = Image.fromarray(frames[number]).resize((WIDTH, HEIGHT))
             sheet.paste(small, (column * WIDTH, top + TEXT))

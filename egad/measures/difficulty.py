@@ -70,7 +70,7 @@ def difficulty(
     coordinate axes, then scaled until its smallest side is `side_fraction` of the opening. Grasps
     without quality count as zeros. Candidates are doubled until the cell of the object is as
     certain as the space asks for, or the budget is spent. The confidence holds on average over
-    objects; it is too high for those few that stop at the first look. (The estimator is ours.)
+    objects, but not over those that were selected by their cell. (The estimator is ours.)
 
     Args:
         mesh: The object, of any size, its triangles winding outwards.

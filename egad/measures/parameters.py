@@ -45,7 +45,7 @@ class Space(Parameters):
         10, ge=1, description="diversity is the mean distance to this many nearest objects"
     )
     confidence: Fraction = Field(
-        0.95,
+        0.99,
         description="a cell is certain for an object whose difficulty lies in it with at least "
         "this probability; 0: every cell is",
     )

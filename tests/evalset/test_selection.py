@@ -61,7 +61,7 @@ def selected(objects, distances, problems=None, settings=GRID, seed=0):
 
 def test_certain_objects_come_before_others_of_their_cell():
     objects, _ = dataset(16)
-    objects.loc[[0, 4, 8, 1, 5, 9, 13], "cell_confidence"] = [0.5, 0.949, 0.95, 0.1, 0.2, 0.3, 0.4]
+    objects.loc[[0, 4, 8, 1, 5, 9, 13], "cell_confidence"] = [0.5, 0.989, 0.99, 0.1, 0.2, 0.3, 0.4]
     found = candidates_by_cell(objects, GRID, SPACE)
     assert [rows.tolist() for rows in found.values()] == [
         [8, 12],  # the certain ones

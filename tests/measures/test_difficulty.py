@@ -86,6 +86,20 @@ def test_candidates_are_doubled_until_the_cell_is_certain(spiky_box):
         assert found == first
 
 
+def test_certain_cells_are_right_as_often_as_asked_for(spiky_box):
+    settings, exhaustive = (parameters(confidence=c, candidates=32) for c in (0.8, 1.0))
+    right = []
+    for mesh in map(spiky_box, range(12)):
+        truth = difficulty(mesh, exhaustive, 2**16, np.random.default_rng(99))
+        low, high = difficulty_limits(truth.value, settings.space)
+        for seed in range(25 if truth.confidence > 0.99 else 0):
+            found = difficulty(mesh, settings, 4096, np.random.default_rng(seed))
+            if found.confidence >= 0.8:
+                right.append(low <= found.value < high)
+    assert len(right) > 100
+    assert np.mean(right) >= 0.8
+
+
 def test_the_error_is_the_spread_of_other_grasps(spiky_box):
     settings = parameters(confidence=1.0)
     found = [difficulty(spiky_box(1), settings, 512, np.random.default_rng(i)) for i in range(60)]

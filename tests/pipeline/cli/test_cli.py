@@ -188,7 +188,7 @@ def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_pat
         assert table.columns.tolist() == MEASURED.names[1:]
         assert table.loc["cube", "complexity"] == 0
         assert table.loc["cube", "difficulty"] == pytest.approx(0.0025, abs=0.0003)
-        assert table.loc["cube", "cell_confidence"] >= 0.95
+        assert table.loc["cube", "cell_confidence"] >= 0.99
         assert 0 < table.loc["cube", "difficulty_std"] < 0.0001
         assert " ± " in result.stdout
         assert table.loc["broken", "reason"] == "no faces"
