@@ -46,7 +46,8 @@ def main(arguments: list[str]) -> None:
     print("| --- " * 6 + "|")
     maps: dict[str, pd.DataFrame] = {}
     for argument in (each for each in arguments if not each.endswith(".svg")):
-        name, source = argument.split("=") if "=" in argument else (argument, argument)
+        name, _, source = argument.rpartition("=")
+        name = name or source
         table = egad.load(source).table
         with workers(2) as mapper:
             work = mapper(partial(_named, source), table["label"])

@@ -15,19 +15,19 @@ import pandas as pd
 from PIL import Image, ImageDraw
 
 from egad._util.files import atomic_output
-from egad.outcomes import EXECUTION
+from egad.outcomes import EXECUTION, Outcome
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.replay import repeat_attempt
 from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.sim import Pixels
-from egad.stats import mean_rate, object_positions, trend
+from egad.stats import object_positions, trend, trial_grid
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 
 DOCS = Path(__file__).parents[1] / "docs"
 FRAMES = 6
-LOST = ("missed", "slipped_closing", "slipped_lifting", "dropped")
+LOST = [each for each in EXECUTION if each not in (Outcome.SUCCESS, Outcome.COLLIDED)]
 WIDTH, HEIGHT, TEXT = 180, 200, 16
 HAND = (120, 205)  # its shades of grey; nothing else is as dark and without color
 
@@ -48,11 +48,10 @@ def main(folder: Path, gripper: str, *detectors: str) -> None:
 
 def figures(trials: pd.DataFrame, chosen_set: pd.DataFrame) -> Iterator[str]:
     """Success of all objects, row A and row G; failures by kind; correlations."""
-    rows = trials["label"].str[0]
-    for part in (trials, trials[rows == "A"], trials[rows == "G"]):
-        mean = mean_rate(part)
+    grid = trial_grid(trials, *(chosen_set[axis].max() + 1 for axis in ("row", "column")))
+    for mean in (grid.overall, grid.rows[0], grid.rows[-1]):
         yield between(100 * mean.value, *(100 * end for end in mean.interval), digits=0)
-    for outcomes in (["collided"], ["no_grasp"], LOST):
+    for outcomes in ([Outcome.COLLIDED], [Outcome.NO_GRASP], LOST):
         yield str(trials["outcome"].isin(outcomes).sum())
     positions = object_positions(trials, chosen_set)
     for name in ("difficulty", "complexity"):
