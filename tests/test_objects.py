@@ -23,7 +23,7 @@ def objects():
 
 
 def test_the_released_dataset_has_a_row_and_a_label_for_each_object(objects):
-    assert len(objects) == len(objects.table) == objects.table["label"].nunique() == 2305
+    assert len(objects) == len(objects.table) == objects.table["label"].nunique() == 2198
     assert [each.label for each in objects][:3] == objects.table["label"].tolist()[:3]
     row = objects.table.iloc[7]
     assert objects[row["id"]].label == row["label"] in objects

@@ -75,7 +75,7 @@ print(egad.__file__, len(objects), objects["M14_3"].mesh.is_volume)
 """
     path, count, closed = installed.run("python", "-c", code).split()
     assert Path(path).is_relative_to(installed.programs.parent)
-    assert (count, closed) == ("2305", "True")
+    assert (count, closed) == ("2198", "True")
 
 
 def test_commands_run_in_an_empty_folder(installed):

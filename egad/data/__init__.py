@@ -1,4 +1,4 @@
-"""The archive of the released dataset: genomes and voxels of a full evolution."""
+"""The released dataset: the archive of a full evolution, and the ancestors of its objects."""
 
 from pathlib import Path
 
@@ -6,6 +6,11 @@ from pathlib import Path
 def released() -> Path:
     """The archive that `config/released.yaml` starts from."""
     return Path(__file__).with_name("archive.parquet")
+
+
+def released_ancestry() -> Path:
+    """The released objects and all their ancestors: columns as in `results/D/ancestry.parquet`."""
+    return Path(__file__).with_name("ancestry.parquet")
 
 
 def archive_path(archive: Path) -> Path:

@@ -140,8 +140,8 @@ def dataset_maps(
     """
     counts = {name: objects.groupby(CELL).size() for name, objects in datasets.items()}
     most = max([2, *(int(count.max()) for count in counts.values() if len(count))])
-    columns = min(COLUMNS, len(datasets))
-    rows = math.ceil(len(datasets) / columns)
+    rows = math.ceil(len(datasets) / COLUMNS)
+    columns = math.ceil(len(datasets) / rows)
     with new_figure(SIDE * columns + 1.1, (SIDE + 0.4) * rows + 0.4) as drawing:
         grid = drawing.figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         panels = grid.ravel()

@@ -33,12 +33,13 @@ The parameters of the paper's Table II: 2000 steps of 100 children on one archiv
 `snakemake --cores 8 --configfile config/paper.yaml` merges them into config/config.yaml.
 """
 FULL_TEXT = """
-The default search with as many evaluations as in the paper.
+How the archive shipped with egad was made: the default search, with as many evaluations as in the
+paper.
 `snakemake --cores 2 --configfile config/full.yaml` merges them into config/config.yaml.
 """
 FIRST_EDITION_TEXT = """
-The settings of the archive shipped with egad: those of the paper, but with parents sampled near
-empty slots.
+How the first edition of the released archive was made: the settings of the paper, but with parents
+sampled near empty slots.
 `snakemake --cores 2 --configfile config/first_edition.yaml` merges them into config/config.yaml.
 """
 TEST_TEXT = """
