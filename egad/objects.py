@@ -168,7 +168,7 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
     """Load objects.
 
     A label names the cell that an object has in this source. The pipeline measures objects again,
-    by other grasps than evolution. So most objects of `results/egad` have another label than in
+    by other grasps than evolution. So some objects of `results/egad` have another label than in
     the archive that they come from, and the same label may name another object. The id of an
     object stays.
 

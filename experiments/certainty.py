@@ -1,9 +1,10 @@
 """How many objects lie where the map says: `python experiments/certainty.py SOURCE... [MAPS.svg]`.
 
 SOURCE is `released`, an archive, or the folder of a dataset, as for `egad.load`; NAME=SOURCE names
-it. Every object gets an independent estimate of its difficulty, from grasps that neither evolution
-nor the pipeline has seen: candidates are doubled until its cell is certain with a probability of
-99.9 %, at most 32,768. The maps show the cells as labelled and as measured again.
+it. It must have the default gripper, metric and cells. Every object gets an independent estimate of
+its difficulty, from grasps that neither evolution nor the pipeline has seen: candidates are doubled
+until its cell is certain with a probability of 99.9 %, at most 32,768. The maps show the cells as
+labelled and as measured again.
 """
 
 import sys

@@ -7,7 +7,6 @@ has difficulty M and complexity 14. The values of other programs are those that 
 import re
 import string
 import sys
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -55,8 +54,8 @@ def main(published: Path) -> None:
     ours, theirs = qualities()
     off = np.abs(ours - theirs)[(ours > 0) & (theirs > 0)]
     print(f"{len(off)} qualities: largest difference {off.max():.1e}, median {np.median(off):.1e}")
-    for name, found in spreads().items():
-        print(f"difficulty, {name}: standard deviation {found:.2f} cells over ten seeds")
+    for count, cells in spacing().items():
+        print(f"difficulty by {count} spaced grasps, cells off: {cells.round(2).tolist()}")
     scan, program = similarities()
     off = np.abs(scan - program).mean()
     print(f"{len(scan)} similarities (scan): {_rank(scan, program):.3f}, mean difference {off:.4f}")
@@ -110,24 +109,23 @@ def shapes() -> list[trimesh.Trimesh]:
         ]
 
 
-def spreads() -> dict[str, float]:
-    """Standard deviation of difficulty over seeds, mean of the shapes, cells."""
+def spacing() -> dict[int, Floats]:
+    """Difficulty of each shape by spaced grasps, less that by 32,768 candidates, cells."""
     space = Settings().space
     low, high = space.difficulty_range
-    meshes = [repair(shape).mesh for shape in shapes()]
+    many = Settings.model_validate({"difficulty": {"candidates": 32768}})
+    settings, meshes = select(many, MeasureParameters), [repair(shape).mesh for shape in shapes()]
+    true = [rough_difficulty(mesh, settings, generator(0, "true")).value for mesh in meshes]
     result = {}
-    for count in (100, 512, 2048, 8192, 32768):
-        config = Settings.model_validate({"difficulty": {"candidates": max(count, 512)}})
-        settings = select(config, MeasureParameters)
-        way, name = partial(rough_difficulty, settings=settings), f"{count} candidates"
-        if count == 100:
-            way = partial(spaced_difficulty, settings=settings, count=count)
-            name = "100 grasps with spacing"
+    for count in (100, 400, 1000, 4000):
         found = [
-            [way(mesh, rng=generator(seed, "spread")).value for seed in range(10)]
+            [
+                spaced_difficulty(mesh, settings, count, generator(seed, "spaced")).value
+                for seed in range(10)
+            ]
             for mesh in meshes
         ]
-        result[name] = float(np.std(found, axis=1, ddof=1).mean() * space.cells / (high - low))
+        result[count] = (np.mean(found, axis=1) - true) * space.cells / (high - low)
     return result
 
 

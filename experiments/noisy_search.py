@@ -201,7 +201,7 @@ def table(rows: pd.DataFrame, names: list[str]) -> str:
     for name in names:
         of = last[last["method"] == name]
         runs = rows[rows["method"] == name].groupby("seed")
-        equal = np.mean([_at(each, limits[seed]) for seed, each in runs])
+        equal = np.mean([_at(each, limits[seed]) for seed, each in runs if seed in limits])
         real, seen, score, seen_score = (of[column] for column in columns)
         lines.append(
             f"| {name} | {of['cpu'].mean():.0f} | {real.mean():.3f} ({real.min():.3f} to "

@@ -37,6 +37,10 @@ def ancestry():
     return parquet.read(released_ancestry(), LINEAGE)
 
 
+def text(name):
+    return (Path(__file__).parents[1] / name).read_text(encoding="utf-8")
+
+
 def sample(archive, count):
     return archive.iloc[np.linspace(0, len(archive) - 1, count).astype(int)].to_dict("records")
 
@@ -69,8 +73,17 @@ def test_it_holds_what_the_readme_says(archive):
     row = " | ".join(
         [str(len(archive)), f"{100 * place:.1f} %", *(f"{each:.2f}" for each in values)]
     )
-    readme = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
-    assert f"| released, as evolution selected them | {row} |" in readme
+    assert f"| released, as evolution selected them | {row} |" in text("README.md")
+
+
+def test_it_holds_what_its_data_card_says(archive, ancestry):
+    card = text("docs/released.md")
+    founders = (ancestry["parents"].map(len) == 0).sum()
+    filled = len(archive.groupby(["complexity_cell", "difficulty_cell"]))
+    assert f"| objects | {len(archive)} watertight solids" in card
+    assert f"of {len(ancestry)} objects" in card
+    assert f"the {founders} random genomes" in card
+    assert f"{filled} of the 625 cells" in card
 
 
 def test_the_ancestry_holds_its_objects_as_they_are_and_their_ancestors_alone(archive, ancestry):

@@ -117,9 +117,8 @@ class Island:
                 `measure`.
         """
         self._evaluate = evaluate or partial(measure, settings=settings)
-        self._refines = not (evaluate or settings.measures.difficulty) and (
-            settings.evolution.estimator == "sequential"
-        )
+        once = evaluate or settings.measures.difficulty or settings.evolution.estimator == "paper"
+        self._refiner: Refine | None = None if once else self._refine
         self.archive, self.outcomes, self.refined = archive, Counter[str](), 0
         self._settings, self._rules, self._mapper = settings, rules, mapper
         self._step = Step(epoch, island, 0)
@@ -172,7 +171,7 @@ class Island:
         outcomes, refined = self.outcomes.copy(), self.refined
         candidates = self.ask()
         results = list(self._mapper(self._evaluate, [each.solid for each in candidates]))
-        self.tell(candidates, results, self._refine if self._refines else None)
+        self.tell(candidates, results, self._refiner)
         accepted = [self.archive[each.id] for each in candidates if each.id in self.archive]
         return Advance(self.outcomes - outcomes, self.refined - refined, accepted)
 

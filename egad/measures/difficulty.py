@@ -183,7 +183,7 @@ class _RatedGrasps:
     def _add(self, grasps: ContactPairs, tally: SamplingStatistics) -> None:
         self.tally += tally
         quality, robust = self._settings.quality, self._settings.robust
-        if self._settings.difficulty.metric == "robust" and robust is not None:
+        if robust is not None:
             opening, rng = self._settings.gripper.opening, self._rng
             mean, _, _ = robust_ferrari_canny(
                 self._caster, grasps, self._com, opening, quality=quality, robust=robust, rng=rng

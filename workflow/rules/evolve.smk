@@ -44,7 +44,7 @@ rule evolve:
         ENVIRONMENT
     threads: SIDE_BY_SIDE
     resources:
-        **needs(mb=1000, mb_per_thread=600, minutes=60),
+        **needs(mb=1200, mb_per_thread=600, minutes=60),
     params:
         settings=settings_of("evolve"),
         base=each("--base", "base"),

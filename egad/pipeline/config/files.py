@@ -107,7 +107,6 @@ PAPER: Values = {
         "cells": 25,
         "elites_per_cell": 4,
         "neighbors": 10,
-        "confidence": 0.0,
     },
     "complexity": {"bins": 512},
     "difficulty": {"metric": "nominal", "percentile": 75.0},

@@ -119,6 +119,7 @@ def test_paper_is_table_two():
     assert paper.evolution.crossover_probability == 0.5
     assert (paper.complexity.bins, paper.evolution.grasps) == (512, 100)
     assert paper.shape.resolution == 25
+    assert paper.space.confidence == Settings().space.confidence  # for objects, measured as usual
 
 
 def test_the_first_edition_is_the_paper_with_another_way_to_draw_parents():
