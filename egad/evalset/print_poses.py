@@ -14,6 +14,7 @@ Floats = NDArray[np.float64]
 
 LAYER = 0.0002  # metres
 LIKELY = 0.02  # poses that an object comes to rest in less often are too shaky to print in
+FOOTHOLD = 1e-6  # m2: slicers leave out a first layer much smaller than this
 
 
 class Pose(NamedTuple):
@@ -38,7 +39,8 @@ def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -
     Args:
         mesh: A closed surface, wound outwards, metres.
         choice: `stable`: on the face of its hull that it most probably comes to rest on;
-            `overhang`: of all but the improbable ones, the one with the least area to support.
+            `overhang`: of all but the improbable ones, the one with the least area to support, if
+            possible with a first layer of 1 mm2.
         angle: Surface that leans out further from the vertical is supported, degrees.
         along: The axis for the longer side of the footprint.
     """
@@ -49,7 +51,9 @@ def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -
     chosen = poses[0]
     if choice == "overhang":
         likely = [pose for pose in poses if pose.probability >= LIKELY] or [chosen]
-        chosen = min(likely, key=lambda pose: overhang_area(mesh, pose.rotation, angle))
+        likely.sort(key=lambda pose: overhang_area(mesh, pose.rotation, angle))
+        firm = (pose for pose in likely if first_layer_area(mesh, pose.rotation) >= FOOTHOLD)
+        chosen = next(firm, likely[0])
     return _pose(mesh, chosen.rotation, chosen.probability, angle, along)
 
 
@@ -60,7 +64,7 @@ def _pose(
     turned = standing @ _align_with_bed(standing, along).T
     clean = trimesh.Trimesh(turned - turned.min(axis=0), mesh.faces, process=False)
     area = overhang_area(clean, np.eye(3), angle)
-    return Pose(clean, probability, area, first_layer_area(clean))
+    return Pose(clean, probability, area, first_layer_area(clean, np.eye(3)))
 
 
 def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float) -> float:
@@ -78,10 +82,15 @@ def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float) -> floa
     return float(np.asarray(mesh.area_faces)[above & leaning].sum())
 
 
-def first_layer_area(mesh: trimesh.Trimesh) -> float:
-    """Area of the section through the middle of the first layer of an object on the bed."""
-    solid = to_solid(mesh.vertices, mesh.faces)
-    return float(solid.slice(float(mesh.bounds[0, 2]) + LAYER / 2).area())
+def first_layer_area(mesh: trimesh.Trimesh, rotation: Floats) -> float:
+    """Area of the section through the middle of the first layer of an object on the bed.
+
+    Args:
+        mesh: A closed surface, wound outwards, metres.
+        rotation: (3, 3); after it z points up.
+    """
+    standing = np.asarray(mesh.vertices, dtype=np.float64) @ rotation.T
+    return float(to_solid(standing, mesh.faces).slice(standing[:, 2].min() + LAYER / 2).area())
 
 
 def _align_with_bed(points: Floats, along: int) -> Floats:

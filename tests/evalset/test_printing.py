@@ -92,8 +92,13 @@ def test_the_least_overhanging_pose_may_be_another_than_the_most_stable():
     assert best.contact == pytest.approx(0.0064, rel=1e-6)
     standing = overhang_area(table, np.eye(3), 40)
     assert standing == pytest.approx(0.0064 - 4 * 0.0001, rel=1e-6)
-    assert first_layer_area(table) == pytest.approx(0.0004, rel=1e-4)
+    assert first_layer_area(table, np.eye(3)) == pytest.approx(0.0004, rel=1e-4)
     assert lie_down(table, "stable", 40).probability >= best.probability
+
+
+def test_a_pose_has_a_first_layer_that_slicers_print(released_set):
+    """In the pose with the least overhang, D4 stands on 0.2 mm2."""
+    assert lie_down(released_set["D4"], "overhang", 40).contact >= 1e-6
 
 
 def test_surface_counts_as_overhang_from_the_angle_on():
