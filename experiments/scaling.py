@@ -33,7 +33,7 @@ class Stage(NamedTuple):
 
 EVOLUTION = [Stage("evolve", 135, 4515, MACHINE)]
 OBJECTS = [
-    Stage("postprocess", 2, 246, SHARDS),
+    Stage("postprocess", 2, 388, SHARDS),
     Stage("collect", 8, 30, MACHINE),
     Stage("select-eval", 22, 77, MACHINE),
     Stage("rescale", 2, 85, MACHINE),
