@@ -186,30 +186,35 @@ def main() -> None:
 
 
 def table(rows: pd.DataFrame, names: list[str]) -> str:
-    """Means and ranges over the seeds at the end of the runs, then at the CPU time of `paper`.
+    """Means and ranges over the seeds at the end of the runs, and at the CPU time of `paper`.
 
     CPU times are compared within a seed, so all runs of a seed belong on one machine.
     """
     last = rows[rows["evaluations"] >= EVALUATIONS]
     limits = last[last["method"] == "paper"].set_index("seed")["cpu"]
     columns = ["corrected_coverage", "coverage", "corrected_qd_score", "qd_score"]
-    lines = [
-        "| | CPU s | corrected coverage | illusory | corrected QD-score | illusory | in cell "
-        "| within one |",
-        "| --- " * 8 + "|",
-    ]
+    heads = (
+        "CPU s",
+        "corrected coverage",
+        "in the CPU time of `paper`",
+        "illusory",
+        "corrected QD-score",
+        "illusory",
+        "in cell",
+        "within one",
+    )
+    lines = [f"| | {' | '.join(heads)} |", "| --- " * (1 + len(heads)) + "|"]
     for name in names:
         of = last[last["method"] == name]
         runs = rows[rows["method"] == name].groupby("seed")
         equal = np.mean([_at(each, limits[seed]) for seed, each in runs if seed in limits])
         real, seen, score, seen_score = (of[column] for column in columns)
         lines.append(
-            f"| {name} | {of['cpu'].mean():.0f} | {real.mean():.3f} ({real.min():.3f} to "
-            f"{real.max():.3f}) | {(seen - real).mean():+.3f} | {score.mean():.0f} | "
-            f"{(seen_score - score).mean():+.0f} | {of['in_cell'].mean():.3f} | "
-            f"{of['within_one'].mean():.4f} |"
+            f"| `{name}` | {of['cpu'].mean():.0f} | {real.mean():.3f} ({real.min():.3f} to "
+            f"{real.max():.3f}) | {equal:.3f} | {(seen - real).mean():+.3f} | {score.mean():.0f} | "
+            f"{(seen_score - score).mean():+.0f} | {100 * of['in_cell'].mean():.1f} % | "
+            f"{100 * of['within_one'].mean():.2f} % |"
         )
-        lines.append(f"| {name}, in the CPU time of `paper` | | {equal:.3f} | | | | | |")
     return "\n".join(lines)
 
 
