@@ -196,12 +196,12 @@ def table(rows: pd.DataFrame, names: list[str]) -> str:
     heads = (
         "CPU s",
         "corrected coverage",
-        "in the CPU time of `paper`",
+        "in the CPU time of paper",
         "illusory",
         "corrected QD-score",
         "illusory",
-        "in cell",
-        "within one",
+        "in cell, %",
+        "within one, %",
     )
     lines = [f"| | {' | '.join(heads)} |", "| --- " * (1 + len(heads)) + "|"]
     for name in names:
@@ -210,10 +210,10 @@ def table(rows: pd.DataFrame, names: list[str]) -> str:
         equal = np.mean([_at(each, limits[seed]) for seed, each in runs if seed in limits])
         real, seen, score, seen_score = (of[column] for column in columns)
         lines.append(
-            f"| `{name}` | {of['cpu'].mean():.0f} | {real.mean():.3f} ({real.min():.3f} to "
+            f"| {name} | {of['cpu'].mean():.0f} | {real.mean():.3f} ({real.min():.3f} to "
             f"{real.max():.3f}) | {equal:.3f} | {(seen - real).mean():+.3f} | {score.mean():.0f} | "
-            f"{(seen_score - score).mean():+.0f} | {100 * of['in_cell'].mean():.1f} % | "
-            f"{100 * of['within_one'].mean():.2f} % |"
+            f"{(seen_score - score).mean():+.0f} | {100 * of['in_cell'].mean():.1f} | "
+            f"{100 * of['within_one'].mean():.2f} |"
         )
     return "\n".join(lines)
 
