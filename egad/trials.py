@@ -19,7 +19,14 @@ from egad.geometry import Material
 from egad.grasps import GraspLabel, Gripper, as_gripper, label_parameters
 from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
 from egad.outcomes import Outcome
-from egad.sim import TrialParameters, build, failed_attempts, run_attempts
+from egad.sim import (
+    EngineName,
+    TrialParameters,
+    build,
+    failed_attempts,
+    installed_engine,
+    run_attempts,
+)
 from egad.sim import Trials as Protocol
 from egad.stats import Comparison, Mean, by_object, compare, mean_rate, results
 from egad.tables.grasping import GRASPS
@@ -74,6 +81,7 @@ def run_trials(
     rule: str = "paper",
     reset: Literal["continue", "redrop"] = "continue",
     depth_noise: float = 0.0,
+    engine: EngineName | None = None,
     jobs: int = 1,
 ) -> Trials:
     """Let a detector grasp objects in simulation, as in EGAD, section V.
@@ -98,13 +106,15 @@ def run_trials(
         reset: `continue`: after a success the hand drops the object from where it is, after a
             failure it stays where it lies; `redrop`: every attempt begins with a new drop.
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
+        engine: What computes the physics: `pybullet` or `mujoco`; None: PyBullet if it is
+            installed, else MuJoCo.
         jobs: Processes; the result does not depend on them. With several, a script needs
             `if __name__ == "__main__":` around its call.
 
     Raises:
-        UserError: There is no such gripper, detector or rule, a number is out of bounds, there
-            are no objects, a mesh file of the dataset is missing, or the detector cannot be
-            imported by other processes.
+        UserError: There is no such gripper, detector or rule, the engine is not installed, a number
+            is out of bounds, there are no objects, a mesh file of the dataset is missing, or the
+            detector cannot be imported by other processes.
 
     Warns:
         UnitsWarning: The size of a mesh suggests another unit than the metre. With several jobs,
@@ -112,7 +122,13 @@ def run_trials(
     """
     hand = as_gripper(gripper)
     check_name("rule", rule, RULES)
-    trials = from_arguments(Protocol, attempts=attempts, reset=reset, depth_noise=depth_noise)
+    trials = from_arguments(
+        Protocol,
+        engine=installed_engine(engine),
+        attempts=attempts,
+        reset=reset,
+        depth_noise=depth_noise,
+    )
     parameters = from_arguments(TrialParameters, seed=seed, gripper=hand, trials=trials)
     targets = named_meshes(objects)
     if isinstance(detect, str):

@@ -42,8 +42,6 @@ def main() -> None:
     steps = [locked]
     if wanted.project:
         steps.append(["install", "--no-deps", "--no-build-isolation", "-e", str(wanted.project)])
-    if reason := missing_compiler(wanted.lock.read_text()):
-        sys.exit(reason)
     if not with_uv(steps):
         with_pip(steps)
 
@@ -122,27 +120,6 @@ def uv_settings(pip: Mapping[str, str]) -> dict[str, str]:
         for name, (variable, separator) in UV_SETTINGS.items()
         if pip.get(name)
     }
-
-
-def missing_compiler(
-    lock: str, version: tuple[int, ...] = sys.version_info[:2], path: str | None = None
-) -> str:
-    """Why this Python cannot install the packages: no C++ compiler. Empty if it can.
-
-    Args:
-        lock: The text of the lock file.
-        version: That of Python.
-        path: Folders of programs; None for those of this machine.
-    """
-    compilers = ("c++", "g++", "clang++")
-    if "pybullet==" not in lock or version < (3, 12):
-        return ""
-    if os.environ.get("CXX") or any(shutil.which(name, path=path) for name in compilers):
-        return ""
-    return (
-        f"PyBullet has no ready-made package for Python {version[0]}.{version[1]}: install Python "
-        "3.11, or a C++ compiler (Debian: apt-get install g++ python3-dev)"
-    )
 
 
 if __name__ == "__main__":

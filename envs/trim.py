@@ -3,8 +3,8 @@
     .venv/bin/python envs/trim.py
 
 These are the example robots and pictures of PyBullet, its drawing on graphics cards, the debug
-information of its code (where there is a `strip` that can do so), the headers and static
-libraries that libigl brings along, and the tests of numpy, scipy and pandas.
+information of its code (where there is a `strip` that can do so), the graphical programs of MuJoCo,
+the headers and static libraries that libigl brings along, and the tests of numpy, scipy and pandas.
 """
 
 import os
@@ -15,10 +15,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 UNUSED = (
-    *("include", "lib64", "share", "pybullet_envs", "eglRenderer*.so", "pybullet_data/*"),
+    *("include", "lib64", "share", "pybullet_envs", "eglRenderer*.so", "pybullet_data"),
+    *("mujoco/experimental", "mujoco/studio"),
     *("numpy/**/tests", "pandas/tests", "scipy/**/tests"),
 )
-USED = ("pybullet_data/__init__.py", "pybullet_data/franka_panda", "pybullet_data/__pycache__")
 WITH_DEBUG = ("pybullet*.so",)
 
 
@@ -33,10 +33,8 @@ def trim(packages: Path) -> None:
     Args:
         packages: The folder of installed packages.
     """
-    used = set(_matching(packages, USED))
     for path in _matching(packages, UNUSED):
-        if path not in used:
-            shutil.rmtree(path) if path.is_dir() else path.unlink()
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
     if program := shutil.which("strip"):
         for path in _matching(packages, WITH_DEBUG):
             other = path.with_name(path.name + ".part")

@@ -1,5 +1,7 @@
 """The figures of physics in docs/trials.md: `python experiments/physics.py results/D/bundle/G`.
 
+They are those of PyBullet, whose settings they justify.
+
 Each is the same small experiment with the engine as it is, and with one setting another.
 """
 
@@ -14,21 +16,34 @@ import trimesh
 from egad.pipeline.config import GRIPPERS, Bundle, Trials
 from egad.pipeline.stages.bundled import model_in, rows_by_id
 from egad.random import generator
-from egad.sim import TIME_STEP, Axis, Hand, HandPose, InitialPose, Pose, World, build, initial_poses
+from egad.sim import (
+    ARMS,
+    TIME_STEP,
+    Arm,
+    Hand,
+    HandPose,
+    InitialPose,
+    Model,
+    Pose,
+    World,
+    build,
+    initial_poses,
+)
+from egad.sim.pybullet_world import PyBulletWorld
 
 STANDING = np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # the thickness is that along x
 SIDE = 0.04
 SAME = 15.0  # degrees
 HEIGHT = Trials().drop_height
 OBJECTS, DROPS = 13, 5
-Change = Callable[[World], None]
+Change = Callable[[PyBulletWorld], None]
 
 
-def nothing(_world: World) -> None:
+def nothing(_world: PyBulletWorld) -> None:
     """The engine as it is."""
 
 
-def without_anchors(scene: World) -> None:
+def without_anchors(scene: PyBulletWorld) -> None:
     """Contacts that forget where they stuck."""
     scene.client.changeDynamics(scene.object, -1, frictionAnchor=0)
 
@@ -38,12 +53,17 @@ def with_iterations(count: int) -> Change:
     return lambda scene: scene.client.setPhysicsEngineParameter(numSolverIterations=count)
 
 
-def held(scene: World, force: float, change: Change) -> Hand:
+def opened(model: Model, force: float) -> tuple[PyBulletWorld, Arm]:
+    """A world with a hand of some force."""
+    arm = ARMS["axis"](GRIPPERS["egad_75mm"].model_copy(update={"force": force}))
+    return PyBulletWorld(model, arm.robot), arm
+
+
+def held(scene: PyBulletWorld, arm: Arm, change: Change) -> Hand:
     """A cube or plate between the fingers."""
     scene.place(Pose(np.array([0.0, 0.0, SIDE / 2]), STANDING))
     change(scene)
-    gripper = GRIPPERS["egad_75mm"].model_copy(update={"force": force})
-    found = Hand(scene, gripper, Axis(scene, gripper, HandPose(0, 0, 0.01, 0)), 0.065)
+    found = Hand(scene, arm, HandPose(0, 0, 0.01, 0), 0.065)
     found.close()
     return found
 
@@ -56,14 +76,16 @@ def pressed_in(
     if mass is not None:
         part = mass / model.mass
         model = replace(model, mass=mass, inertia=model.inertia * part)
-    with World(model) as scene:
-        return 1000 * (thickness - held(scene, force, change).opening())
+    world, arm = opened(model, force)
+    with world as scene:
+        return 1000 * (thickness - held(scene, arm, change).opening())
 
 
 def creep(change: Change) -> tuple[float, float]:
     """How far a cube sinks (mm) and turns (degrees) in 10 s at 20 N."""
-    with World(build(trimesh.creation.box((SIDE,) * 3), 400.0, Bundle())) as scene:
-        held(scene, 20.0, change).lift(0.2, 1.0)
+    world, arm = opened(build(trimesh.creation.box((SIDE,) * 3), 400.0, Bundle()), 20.0)
+    with world as scene:
+        held(scene, arm, change).lift(0.2, 1.0)
         before = scene.pose()
         scene.step(2400)
         after = scene.pose()
@@ -88,7 +110,7 @@ def lay_as_before(bundle: Path, tilted: bool) -> list[bool]:
     rows = sorted(rows_by_id(bundle).values(), key=lambda row: str(row["label"]))
     for row in rows[:: -(-len(rows) // OBJECTS)]:
         rng = generator(0, "physics", row["id"])
-        with World(model_in(bundle, row)) as scene:
+        with PyBulletWorld(model_in(bundle, row)) as scene:
             mesh = scene.model.mesh
             for _ in range(DROPS):
                 lying = fallen(scene, next(initial_poses(mesh, HEIGHT, None, rng)).pose)

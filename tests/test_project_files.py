@@ -58,7 +58,7 @@ def test_the_locks_pin_every_dependency_within_its_bounds(text, locked):
 
 def test_users_get_no_tools_of_developers():
     assert set(USERS) & set(DEVELOPERS) == set()
-    assert not {"mkdocs", "mujoco", "mypy", "opencv-python", "pytest", "ruff"} & set(USERS)
+    assert not {"mkdocs", "mypy", "opencv-python", "pytest", "ruff"} & set(USERS)
 
 
 def test_the_site_is_made_with_the_versions_that_users_and_developers_have():

@@ -1,4 +1,5 @@
-from .arms import Axis as Axis
+from .arms import ARMS as ARMS
+from .arms import Arm as Arm
 from .arms import HandPose as HandPose
 from .attempts import END as END
 from .attempts import columns_of as columns_of
@@ -11,6 +12,9 @@ from .film import Pixels as Pixels
 from .film import write_film as write_film
 from .gripper import Hand as Hand
 from .labelled_trials import execute_labelled_grasps as execute_labelled_grasps
+from .labelled_trials import failed_labelled_grasps as failed_labelled_grasps
+from .labelled_trials import sample_labelled_grasps as sample_labelled_grasps
+from .labelled_trials import shares as shares
 from .model import Model as Model
 from .model import build as build
 from .model import model_of as model_of
@@ -23,6 +27,10 @@ from .trial import Attempt as Attempt
 from .trial import InitialPose as InitialPose
 from .trial import TrialRunner as TrialRunner
 from .trial import initial_poses as initial_poses
+from .world import ENGINES as ENGINES
 from .world import TIME_STEP as TIME_STEP
+from .world import EngineName as EngineName
 from .world import Pose as Pose
 from .world import World as World
+from .world import installed_engine as installed_engine
+from .world import open_world as open_world

@@ -1,26 +1,27 @@
 """What carries the hand and moves it up and down: a vertical axis, or a Franka Panda arm."""
 
-from typing import NamedTuple, Protocol
+from abc import ABC, abstractmethod
+from typing import NamedTuple
 
 import numpy as np
-import pybullet
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+from typing_extensions import override
 
 from egad.grasps import Gripper
-from egad.sim.hand_urdf import TIP, on_axis, on_panda
-from egad.sim.world import TIME_STEP, World
+from egad.sim.robot import Robot, on_axis, on_panda
+from egad.sim.world import Pose
 
 Floats = NDArray[np.float64]
 
-AXIS_FORCE = 500.0  # the arm is much stronger than the fingers
-POSITION_GAIN = 0.3  # of an error is made good in one step
-PANDA_BASE = (-0.5, 0.0, 0.0)  # so that the middle of the table is in front of it
+UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
+PANDA_BASE = np.array([-0.5, 0.0, 0.0])  # so that the middle of the table is in front of it
 PANDA_READY = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)  # Franka's own name and numbers
-PANDA_TORQUES = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)  # N m, of Franka's data sheet
-ARM = len(PANDA_READY)
-APPROACHES = 50
-CLOSE = 1e-5  # metres
+ITERATIONS = 100
+CLOSE = 1e-6  # metres and radians
 REACHABLE = 1e-3
+DAMPING = 1e-3  # of steps near a singular pose
+LONGEST_STEP = 0.2  # radians
 
 
 class UnreachableError(Exception):
@@ -43,57 +44,62 @@ class HandPose(NamedTuple):
     angle: float
 
 
-class Arm(Protocol):
-    """A body in the engine that ends in the hand of `hand_urdf`.
+class Arm(ABC):
+    """How a robot brings its hand, pointing down, to a place.
 
     Attributes:
-        number: Of the body.
+        robot: The robot.
         unstoppable: Whether it gets to any height, whatever it carries.
     """
 
-    number: int
+    robot: Robot
     unstoppable: bool
 
-    def drive(self, height: float) -> None:
-        """Steer the fingertips to a height, to be there after the next step."""
+    @abstractmethod
+    def base(self, stance: HandPose) -> Pose:
+        """Where the robot stands to bring its hand to a place."""
 
-    def height(self) -> float:
+    @abstractmethod
+    def joints(self, stance: HandPose, near: Floats | None = None) -> Floats:
+        """Positions of its joints there.
+
+        Args:
+            stance: The place.
+            near: Where the joints are now; None if they are free.
+
+        Raises:
+            UnreachableError: The hand cannot get there; not if it comes from near.
+        """
+
+    @abstractmethod
+    def height(self, joints: Floats) -> float:
         """Of the fingertips above the table, metres."""
 
 
-class Axis:
-    """A vertical axis with position control; nothing bends."""
+class Axis(Arm):
+    """A vertical axis above the place, which can turn; nothing bends."""
 
     unstoppable = True
 
-    def __init__(self, world: World, gripper: Gripper, stance: HandPose) -> None:
-        """Add it to a world, with the hand where it is wanted."""
-        self._client = world.client
-        turn = self._client.getQuaternionFromEuler((0, 0, stance.angle))
-        self.number = world.add_robot(on_axis(gripper), (stance.x, stance.y, 0), turn)
-        self._client.resetJointState(self.number, 0, stance.height, 0)
-        self._target = stance.height
-        self.drive(stance.height)
+    def __init__(self, gripper: Gripper) -> None:
+        """Give it a hand."""
+        self.robot = on_axis(gripper)
 
-    def drive(self, height: float) -> None:
-        """Steer the fingertips to a height."""
-        self._client.setJointMotorControl2(
-            self.number,
-            0,
-            pybullet.POSITION_CONTROL,
-            targetPosition=height,
-            targetVelocity=(height - self._target) / TIME_STEP,
-            positionGain=POSITION_GAIN,
-            force=AXIS_FORCE,
-        )
-        self._target = height
+    @override
+    def base(self, stance: HandPose) -> Pose:
+        return Pose(np.array([stance.x, stance.y, 0.0]), UPRIGHT)
 
-    def height(self) -> float:
-        """Of the fingertips above the table."""
-        return float(self._client.getJointState(self.number, 0)[0])
+    @override
+    def joints(self, stance: HandPose, near: Floats | None = None) -> Floats:
+        del near
+        return np.array([stance.height, stance.angle])
+
+    @override
+    def height(self, joints: Floats) -> float:
+        return float(joints[0])
 
 
-class Panda:
+class Panda(Arm):
     """A Franka Panda arm, its joints under position control with the torques of its data sheet.
 
     The hand is that of the gripper table at the flange, not Franka's: a gripper is the same with
@@ -102,70 +108,53 @@ class Panda:
 
     unstoppable = False
 
-    def __init__(self, world: World, gripper: Gripper, stance: HandPose) -> None:
-        """Add it to a world, with the hand where it is wanted.
+    def __init__(self, gripper: Gripper) -> None:
+        """Give it a hand."""
+        self.robot = on_panda(gripper)
+        limits = {joint.child: joint.limits for joint in self.robot.joints}
+        self._limits = np.array([limits[name] for name in self.robot.arm])
 
-        Raises:
-            UnreachableError: The hand cannot get there.
-        """
-        self._client, self._stance = world.client, stance
-        self.number = world.add_robot(on_panda(gripper), PANDA_BASE, (0, 0, 0, 1))
-        joints = range(self._client.getNumJoints(self.number))
-        names = [self._client.getJointInfo(self.number, joint)[12].decode() for joint in joints]
-        self._tip = names.index(TIP)
+    @override
+    def base(self, stance: HandPose) -> Pose:
+        del stance
+        return Pose(PANDA_BASE, UPRIGHT)
+
+    @override
+    def joints(self, stance: HandPose, near: Floats | None = None) -> Floats:
+        wanted = np.eye(4)
         # The hand is its own mirror image: the turn that needs least of the last joint.
         angle = -((-stance.angle) % np.pi)
-        self._down = self._client.getQuaternionFromEuler((np.pi, 0, angle))
-        self._joints = self._settled(stance.height)
-        self.drive(stance.height)
-
-    def drive(self, height: float) -> None:
-        """Steer the fingertips to a height."""
-        joints = self._solved(height)
-        self._client.setJointMotorControlArray(
-            self.number,
-            list(range(ARM)),
-            pybullet.POSITION_CONTROL,
-            targetPositions=joints.tolist(),
-            targetVelocities=((joints - self._joints) / TIME_STEP).tolist(),
-            positionGains=[POSITION_GAIN] * ARM,
-            forces=list(PANDA_TORQUES),
-        )
-        self._joints = joints
-
-    def height(self) -> float:
-        """Of the fingertips above the table."""
-        return float(self._place()[2])
-
-    def _place(self) -> Floats:
-        state = self._client.getLinkState(self.number, self._tip, computeForwardKinematics=1)
-        return np.array(state[4])
-
-    def _solved(self, height: float) -> Floats:
-        """Joint angles for a height, near those of now."""
-        angles = self._client.calculateInverseKinematics(
-            self.number,
-            self._tip,
-            (self._stance.x, self._stance.y, height),
-            self._down,
-            maxNumIterations=20,
-            residualThreshold=CLOSE,
-        )
-        return np.array(angles[:ARM])
-
-    def _settled(self, height: float) -> Floats:
-        """Set the joints so that the hand is at a height, starting from the ready position."""
-        wanted = np.array([self._stance.x, self._stance.y, height])
-        joints = np.array(PANDA_READY)
-        for _ in range(APPROACHES):
-            for joint, angle in enumerate(joints.tolist()):
-                self._client.resetJointState(self.number, joint, angle, 0)
-            if np.abs(self._place() - wanted).max() < CLOSE:
+        wanted[:3, :3] = Rotation.from_euler("xz", (np.pi, angle)).as_matrix()
+        wanted[:3, 3] = np.array([stance.x, stance.y, stance.height]) - PANDA_BASE
+        joints = np.array(PANDA_READY) if near is None else near
+        for _ in range(ITERATIONS):
+            error, jacobian = self._error(joints, wanted)
+            if np.abs(error).max() < CLOSE:
                 break
-            joints = self._solved(height)
-        if np.abs(self._place() - wanted).max() > REACHABLE:
-            raise UnreachableError(f"the arm cannot bring the hand to {wanted}")
+            joints = np.clip(joints + _damped(jacobian, error), *self._limits.T)
+        if near is None and np.abs(self._error(joints, wanted)[0]).max() > REACHABLE:
+            raise UnreachableError(f"the arm cannot bring the hand to {stance}")
         return joints
+
+    @override
+    def height(self, joints: Floats) -> float:
+        return float(self.robot.tip_poses(joints.tolist())[-1][2, 3])
+
+    def _error(self, joints: Floats, wanted: Floats) -> tuple[Floats, Floats]:
+        """What is missing, as a shift and a rotation vector, (6,), and the Jacobian, (6, 7)."""
+        *frames, tip = self.robot.tip_poses(joints.tolist())
+        axes = np.array([frame[:3, 2] for frame in frames])
+        levers = tip[:3, 3] - np.array([frame[:3, 3] for frame in frames])
+        turn = Rotation.from_matrix(wanted[:3, :3] @ tip[:3, :3].T).as_rotvec()
+        error = np.concatenate([wanted[:3, 3] - tip[:3, 3], turn])
+        return error, np.vstack([np.cross(axes, levers).T, axes.T])
+
+
+def _damped(jacobian: Floats, error: Floats) -> Floats:
+    """A step of damped least squares, (n,), shortened if it is long (Wampler 1986)."""
+    square = jacobian @ jacobian.T + DAMPING**2 * np.eye(len(jacobian))
+    step: Floats = jacobian.T @ np.linalg.solve(square, error)
+    return step * min(1.0, LONGEST_STEP / max(float(np.abs(step).max()), LONGEST_STEP))
 
 
 ARMS: dict[str, type[Axis] | type[Panda]] = {"axis": Axis, "panda": Panda}

@@ -9,10 +9,11 @@ import pandas as pd
 from egad.detectors import Detector, Grasp, Labels
 from egad.outcomes import Outcome
 from egad.random import entropy
+from egad.sim.arms import ARMS
 from egad.sim.model import Model
 from egad.sim.parameters import TrialParameters
 from egad.sim.trial import Attempt, InitialPose, TrialRunner
-from egad.sim.world import Pose, World
+from egad.sim.world import Pose, installed_engine, open_world
 from egad.tables.columns import INITIAL, POSE_PARTS
 from egad.tables.evaluation import TRIALS
 
@@ -38,10 +39,11 @@ def run_attempts(
     """
     seeds = _seeds(object_id, settings)
     known = {"parts": len(model.parts), "volume_error": model.volume_error}
-    with World(model) as world:
-        bench = TrialRunner(world, settings.gripper, settings.trials)
+    arm = ARMS[settings.trials.arm](settings.gripper)
+    with open_world(settings.trials.engine, model, arm.robot) as world:
+        bench = TrialRunner(world, arm, settings.trials)
         attempts = list(_chain(bench, detect, seeds))
-    return _table(label, object_id, seeds, attempts, known)
+    return _table(label, object_id, seeds, attempts, known | _engine(settings))
 
 
 def failed_attempts(
@@ -50,7 +52,8 @@ def failed_attempts(
     """The table of an object that cannot be simulated: all attempts have the same outcome."""
     seeds = _seeds(object_id, settings)
     attempts = [Attempt(outcome)] * len(seeds)
-    return _table(label, object_id, seeds, attempts, {"parts": 0, "volume_error": np.nan})
+    known = {"parts": 0, "volume_error": np.nan}
+    return _table(label, object_id, seeds, attempts, known | _engine(settings))
 
 
 def read_attempt(row: Mapping[str, Any]) -> tuple[InitialPose, Grasp | None]:
@@ -64,6 +67,10 @@ def read_attempt(row: Mapping[str, Any]) -> tuple[InitialPose, Grasp | None]:
         return start, None
     x, y, z = (float(row[name]) for name in CENTER)
     return start, Grasp((x, y, z), *(float(row[key]) for key in NUMBERS))
+
+
+def _engine(settings: TrialParameters) -> dict[str, str]:
+    return {"engine": installed_engine(settings.trials.engine)}
 
 
 def _seeds(object_id: str, settings: TrialParameters) -> list[int]:

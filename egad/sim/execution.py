@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.detectors import Grasp
-from egad.grasps import Gripper
 from egad.outcomes import Outcome
-from egad.sim.arms import ARMS, HandPose, UnreachableError
+from egad.sim.arms import Arm, HandPose, UnreachableError
 from egad.sim.gripper import HEAVIEST, Hand
 from egad.sim.parameters import Lifting
-from egad.sim.world import GRAVITY, TIME_STEP, Pose, UnstableError, World
+from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
 
 Floats = NDArray[np.float64]
 
@@ -42,7 +41,7 @@ class Execution(NamedTuple):
 
 
 def execute(
-    world: World, gripper: Gripper, lifting: Lifting, grasp: Grasp, *, afloat: bool = False
+    world: World, arm: Arm, lifting: Lifting, grasp: Grasp, *, afloat: bool = False
 ) -> Execution:
     """Approach from above, close, lift and hold.
 
@@ -50,34 +49,34 @@ def execute(
 
     Args:
         world: With the object where it is to be grasped.
-        gripper: The hand; it is added to the world.
-        lifting: Arm, lift and hold.
+        arm: What brings the hand there; its robot is that of the world.
+        lifting: Lift and hold.
         grasp: One that the hand can do (`Grasp.flaw`).
         afloat: Whether the object floats in the air: held there until the hand has come, free but
             without weight until the fingers have closed.
     """
     try:
         before = world.pose().position[2]
-        outcome, end = _outcome(world, gripper, lifting, grasp, afloat)
+        outcome, end = _outcome(world, arm, lifting, grasp, afloat)
     except UnstableError:
         return Execution(Outcome.FAILED, 0.0, None)
     return Execution(outcome, float(end.position[2] - before), end)
 
 
 def _outcome(
-    world: World, gripper: Gripper, lifting: Lifting, grasp: Grasp, afloat: bool
+    world: World, arm: Arm, lifting: Lifting, grasp: Grasp, afloat: bool
 ) -> tuple[Outcome, Pose]:
     start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
     try:
-        hand = place_hand_above(world, gripper, lifting.arm, grasp, start)
+        hand = place_hand_above(world, arm, grasp, start)
     except UnreachableError:
         return Outcome.COLLIDED, world.pose()
-    world.pull(0.0 if afloat else GRAVITY)
+    world.set_gravity(WEIGHTLESS if afloat else DOWN)
     with world.pinned() if afloat else nullcontext():
         if not hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED):
             return Outcome.COLLIDED, world.pose()
     touched = hand.close()
-    world.pull(GRAVITY)
+    world.set_gravity(DOWN)
     if not hand.pinches():
         return Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED, world.pose()
     return _carried(hand, lifting)
@@ -102,14 +101,14 @@ def _carried(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
     return outcome, Pose(pose.position + np.array([0.0, 0.0, rise]), pose.quaternion)
 
 
-def place_hand_above(world: World, gripper: Gripper, arm: str, grasp: Grasp, height: float) -> Hand:
+def place_hand_above(world: World, arm: Arm, grasp: Grasp, height: float) -> Hand:
     """The open hand, its fingertips at some height above a grasp.
 
     Raises:
         UnreachableError: The arm cannot bring it there.
     """
     stance = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
-    return Hand(world, gripper, ARMS[arm](world, gripper, stance), grasp.width)
+    return Hand(world, arm, stance, grasp.width)
 
 
 class _Held(NamedTuple):

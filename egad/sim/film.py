@@ -1,27 +1,34 @@
-"""Films of the simulation, drawn in software: no window and no graphics card."""
+"""Films of the simulation by ray casting: no window and no graphics card."""
 
 from pathlib import Path
 
 import imageio.v3 as imageio
 import numpy as np
-import pybullet
+import trimesh
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from egad._util.files import atomic_output
 from egad.errors import UserError
+from egad.geometry import TriangleScene
 from egad.sim.world import TIME_STEP, World
 
+Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
 ENDINGS = (".gif", ".mp4")
 STEPS = 12  # of the simulation, from one frame to the next: 20 a second
 SIZE = (352, 400)  # multiples of 16, as video wants them
-DISTANCE, YAW, PITCH = 0.5, 35.0, -9.0
-FIELD_OF_VIEW = 38.0
+DISTANCE, YAW, PITCH = 0.5, 35.0, -9.0  # of the camera, metres and degrees
+FIELD_OF_VIEW = 38.0  # vertical, degrees
 LOWEST = (-np.inf, -np.inf, 0.06)  # that the camera looks at; it follows the object
 FOLLOWING = 0.3  # of the way to it, in a frame
-LIGHT = (-0.4, -0.6, 1.2)
-ORANGE = (0.93, 0.55, 0.2, 1)
+LIGHT = np.array([0.0, -0.7, 1.2]) / np.linalg.norm([0.0, -0.7, 1.2])
+AMBIENT, HEADLIGHT = 0.4, 0.2  # parts of the brightness; the light itself has the rest
+TABLE_SIDE = 100.0  # metres
+SKY = (0.97, 0.97, 0.98)
+TABLE_COLOR, OBJECT_COLOR, ROBOT_COLOR = (0.87, 0.88, 0.9), (0.93, 0.55, 0.2), (0.55, 0.6, 0.68)
+OFF = 1e-4  # metres; rays to the light start this far off the surface
 
 
 class Film:
@@ -36,9 +43,8 @@ class Film:
         self.frames: list[Pixels] = []
         self._steps = 0
         self._looking_at = np.array([0.0, 0.0, LOWEST[2]])
-        self._projection = pybullet.computeProjectionMatrixFOV(
-            FIELD_OF_VIEW, SIZE[0] / SIZE[1], 0.05, 5.0
-        )
+        self._object = trimesh.util.concatenate(list(world.model.parts))
+        self._links = [] if world.robot is None else [link.box for link in world.robot.links]
         world.watch = self._look
 
     def _look(self, world: World) -> None:
@@ -47,23 +53,67 @@ class Film:
         self._steps += 1
 
     def _frame(self, world: World) -> Pixels:
-        client = world.client
-        place = np.maximum(client.getBasePositionAndOrientation(world.object)[0], LOWEST)
-        self._looking_at += FOLLOWING * (place - self._looking_at)
-        view = pybullet.computeViewMatrixFromYawPitchRoll(
-            self._looking_at.tolist(), DISTANCE, YAW, PITCH, 0, 2
+        pose = world.pose()
+        self._looking_at += FOLLOWING * (np.maximum(pose.position, LOWEST) - self._looking_at)
+        bodies = [
+            (_table(), TABLE_COLOR),
+            (self._object.copy().apply_transform(pose.matrix), OBJECT_COLOR),
+        ]
+        for box, place in zip(self._links, world.link_poses(), strict=False):
+            if box is not None:
+                mesh = trimesh.creation.box(box.size).apply_translation(box.center)
+                bodies.append((mesh.apply_transform(place.matrix), ROBOT_COLOR))
+        return draw(bodies, self._looking_at)
+
+
+def draw(
+    bodies: list[tuple[trimesh.Trimesh, tuple[float, float, float]]], looking_at: Floats
+) -> Pixels:
+    """A picture of colored meshes with one light and its shadows, (height, width, 3).
+
+    Args:
+        bodies: Meshes in metres, z up, and their colors from 0 to 1.
+        looking_at: What is in the middle of the picture, (3,).
+    """
+    counts = [len(mesh.faces) for mesh, _ in bodies]
+    colors = np.repeat([color for _, color in bodies], counts, axis=0)
+    scene = TriangleScene(
+        *trimesh.util.append_faces(
+            [mesh.vertices for mesh, _ in bodies], [mesh.faces for mesh, _ in bodies]
         )
-        client.changeVisualShape(world.object, -1, rgbaColor=ORANGE)
-        picture = client.getCameraImage(
-            *SIZE,
-            view,
-            self._projection,
-            lightDirection=LIGHT,
-            shadow=1,
-            renderer=pybullet.ER_TINY_RENDERER,
-        )[2]
-        frame: Pixels = np.reshape(np.asarray(picture, dtype=np.uint8), (SIZE[1], SIZE[0], 4))
-        return frame[..., :3].copy()
+    )
+    eye, rays = _rays(looking_at)
+    hits = scene.intersections(np.broadcast_to(eye, rays.shape), rays)
+    seen = hits.faces >= 0
+    points = eye + rays[seen] * hits.distances[seen, None]
+    normals = hits.normals[seen] / np.linalg.norm(hits.normals[seen], axis=1, keepdims=True)
+    facing = -np.einsum("ij,ij->i", normals, rays[seen])
+    normals *= np.sign(facing)[:, None]
+    shadow = scene.occluded(points + OFF * normals, np.broadcast_to(LIGHT, points.shape))
+    lit = np.where(shadow, 0.0, np.maximum(normals @ LIGHT, 0.0))
+    bright = AMBIENT + HEADLIGHT * np.abs(facing) + (1 - AMBIENT - HEADLIGHT) * lit
+    picture = np.tile(np.array(SKY), (len(rays), 1))
+    picture[seen] = colors[hits.faces[seen]] * bright[:, None]
+    return np.round(255 * picture).astype(np.uint8).reshape(SIZE[1], SIZE[0], 3)
+
+
+def _rays(looking_at: Floats) -> tuple[Floats, Floats]:
+    """Where the camera is, (3,), and the directions of its pixels, (n, 3), row by row."""
+    turn = Rotation.from_euler("ZX", [YAW, PITCH], degrees=True).as_matrix()
+    right, forward, up = turn.T
+    half = np.tan(np.radians(FIELD_OF_VIEW) / 2)
+    width, height = SIZE
+    across = (np.arange(width) + 0.5 - width / 2) / (height / 2) * half
+    down = (np.arange(height) + 0.5 - height / 2) / (height / 2) * half
+    u, v = (grid.ravel()[:, None] for grid in np.meshgrid(across, down))
+    rays: Floats = forward + u * right - v * up
+    return looking_at - DISTANCE * forward, rays / np.linalg.norm(rays, axis=1, keepdims=True)
+
+
+def _table() -> trimesh.Trimesh:
+    side = TABLE_SIDE / 2
+    corners = [(-side, -side, 0), (side, -side, 0), (side, side, 0), (-side, side, 0)]
+    return trimesh.Trimesh(corners, [(0, 1, 2), (0, 2, 3)], process=False)
 
 
 def write_film(frames: list[Pixels], path: Path) -> None:

@@ -17,10 +17,11 @@ from egad.detectors import Grasp
 from egad.grasps import Gripper, finger_span, hand_poses
 from egad.outcomes import Outcome
 from egad.random import generator
+from egad.sim.arms import ARMS
 from egad.sim.execution import Execution, execute
 from egad.sim.model import Model
 from egad.sim.parameters import LabelTrialParameters
-from egad.sim.world import Pose, World
+from egad.sim.world import Pose, installed_engine, open_world
 from egad.tables import parquet
 from egad.tables.columns import vector_names
 from egad.tables.evaluation import AGREEMENT
@@ -74,20 +75,26 @@ def execute_labelled_grasps(
     """
     found = []
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
-    with World(model) as world:
+    arm = ARMS[settings.trials.arm](gripper)
+    with open_world(settings.trials.engine, model, arm.robot) as world:
         for row in parquet.records(sample):
             pose, grasp = floating_pose(model, row, gripper)
             world.reset()
             world.place(pose)
-            found.append(execute(world, gripper, settings.trials, grasp, afloat=True))
-    return _table(label, object_id, sample, found)
+            found.append(execute(world, arm, settings.trials, grasp, afloat=True))
+    return _table(label, object_id, sample, found, settings)
 
 
 def failed_labelled_grasps(
-    label: str, object_id: str, sample: pd.DataFrame, outcome: Outcome
+    label: str,
+    object_id: str,
+    sample: pd.DataFrame,
+    settings: LabelTrialParameters,
+    outcome: Outcome,
 ) -> pd.DataFrame:
     """The same table of an object that cannot be simulated: all grasps have the same outcome."""
-    return _table(label, object_id, sample, [Execution(outcome, 0.0, None)] * len(sample))
+    found = [Execution(outcome, 0.0, None)] * len(sample)
+    return _table(label, object_id, sample, found, settings)
 
 
 def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[Pose, Grasp]:
@@ -119,7 +126,11 @@ def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[
 
 
 def _table(
-    label: str, object_id: str, sample: pd.DataFrame, found: list[Execution]
+    label: str,
+    object_id: str,
+    sample: pd.DataFrame,
+    found: list[Execution],
+    settings: LabelTrialParameters,
 ) -> pd.DataFrame:
     known = sample[["grasp", *RATINGS, "n_labelled", "n_collision_free"]].reset_index(drop=True)
     table = known.assign(
@@ -128,5 +139,6 @@ def _table(
         outcome=[each.outcome.value for each in found],
         success=[each.outcome == Outcome.SUCCESS for each in found],
         lifted=[each.lifted for each in found],
+        engine=installed_engine(settings.trials.engine),
     )
     return table.loc[:, list(AGREEMENT.names)]

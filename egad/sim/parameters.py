@@ -11,6 +11,11 @@ from egad.grasps import Gripper, Quality
 class Lifting(Parameters):
     """Execution of a grasp."""
 
+    engine: Literal["pybullet", "mujoco"] | None = Field(
+        None,
+        description="physics engine; nothing: pybullet if it is installed, as on Python 3.11, else "
+        "mujoco",
+    )
     arm: Literal["axis", "panda"] = Field(
         "axis",
         description="arm that moves the hand: a vertical axis, or a Franka Panda, which takes 1.5 "

@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 
 from egad.detectors import Detector, DetectorTimeoutError, Grasp, Labels, best_grasp
 from egad.errors import UserError
-from egad.grasps import Gripper
 from egad.outcomes import Outcome
 from egad.perception import DepthCamera, Intrinsics, View, add_disparity_noise, camera_above
+from egad.sim.arms import Arm
 from egad.sim.execution import execute
 from egad.sim.parameters import Trials
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
@@ -133,16 +133,17 @@ class Ready(NamedTuple):
 class TrialRunner:
     """A table with an object, a camera and a hand, to try grasps on."""
 
-    def __init__(self, world: World, gripper: Gripper, trials: Trials) -> None:
+    def __init__(self, world: World, arm: Arm, trials: Trials) -> None:
         """Set up.
 
         Args:
-            world: A running simulation.
-            gripper: The hand.
+            world: A running simulation of the arm's robot.
+            arm: What carries the hand.
             trials: Camera, workspace and lift.
         """
         self.world = world
-        self.gripper = gripper
+        self.arm = arm
+        self.gripper = arm.robot.gripper
         self.trials = trials
         self.eye = DepthCamera(world.model.mesh)
         self.intrinsics = Intrinsics.spanning(*trials.image, trials.field_of_view)
@@ -193,7 +194,7 @@ class TrialRunner:
         return self.eye.render(self.world.pose().matrix, self.intrinsics, self.camera)
 
     def _carried_out(self, grasp: Grasp, ready: Ready) -> Attempt:
-        result = execute(self.world, self.gripper, self.trials, grasp)
+        result = execute(self.world, self.arm, self.trials, grasp)
         return Attempt(result.outcome, *ready, grasp, result.lifted, result.end)
 
     def _plan(

@@ -21,6 +21,7 @@ from egad.tables.columns import (
 )
 
 PLACE = column("label", STRING, "name in the evaluation set")
+ENGINE = column("engine", STRING, "physics engine")
 SUCCESS = column("success", BOOL, "whether the object was still held at the end")
 
 EVAL49 = pa.schema(
@@ -133,6 +134,7 @@ TRIALS = pa.schema(
         *pose("end", "final pose in the same frames"),
         column("parts", INT, "number of convex parts of the simulated object"),
         column("volume_error", FLOAT, "volume of the parts / volume of the object - 1"),
+        ENGINE,
     ]
 )
 
@@ -153,5 +155,6 @@ AGREEMENT = pa.schema(
             INT,
             "of these, the collision-free ones, from which the sample was drawn",
         ),
+        ENGINE,
     ]
 )

@@ -18,21 +18,21 @@ from egad.geometry.scaling import rescale
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.simulate import SimulatedTrials
-from egad.sim import execution
+from egad.sim import attempts, execution
 from egad.sim.attempts import run_attempts
 from egad.sim.gripper import Hand
 from egad.sim.model import build
 from egad.sim.trial import TrialRunner
-from egad.sim.world import World
+from egad.sim.world import ENGINES
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 
 SETTINGS = Settings.model_validate({"trials": {"attempts": 5}})
 GRIPPER = "egad_75mm"
 STEPS = {
-    "starting the engine anew": (World, "reset"),
+    "starting the engine": (attempts, "open_world"),
     "settling": (TrialRunner, "_settled"),
-    "rendering": (TrialRunner, "look"),
+    "rendering": (TrialRunner, "render_view"),
     "planning": (TrialRunner, "_plan"),
     "building the hand": (execution, "place_hand_above"),
     "approaching": (Hand, "move"),
@@ -55,9 +55,10 @@ def models():
 
 
 @pytest.mark.parametrize("arm", ["axis", "panda"])
-def test_an_attempt(models, arm, monkeypatch):
+@pytest.mark.parametrize("engine", ENGINES)
+def test_an_attempt(models, engine, arm, monkeypatch):
     settings = select(SETTINGS, SimulatedTrials, GRIPPER, "antipodal-depth")
-    changed = settings.trials.model_copy(update={"arm": arm})
+    changed = settings.trials.model_copy(update={"arm": arm, "engine": engine})
     settings = settings.model_copy(update={"trials": changed})
     spent, running = Counter(), []
     for step, (owner, name) in STEPS.items():
@@ -70,6 +71,6 @@ def test_an_attempt(models, arm, monkeypatch):
     total = time.process_time() - start
     spent["the rest"] = total - sum(spent.values())
     count, held = (sum(map(each, tables)) for each in (len, lambda table: table["success"].sum()))
-    print(f"\n{arm}: {count / total:.2f} attempts/s, {held} of {count} held")
+    print(f"\n{engine}, {arm}: {count / total:.2f} attempts/s, {held} of {count} held")
     for step, seconds in spent.most_common():
         print(f"{1000 * seconds / count:8.1f} ms  {step}")

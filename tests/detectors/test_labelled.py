@@ -8,9 +8,10 @@ import trimesh
 from egad.detectors.labels import Labels
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.pipeline.config import GRIPPERS, Bundle, Trials
+from egad.sim.arms import ARMS
 from egad.sim.model import build
 from egad.sim.trial import TrialRunner
-from egad.sim.world import World
+from egad.sim.world import open_world
 
 BUNDLE = Bundle()
 HAND = GRIPPERS["egad_75mm"]
@@ -112,7 +113,8 @@ def test_a_bench_tells_where_the_object_is():
         for z in (-0.02, 0, 0.02)
         for axis in (SHORT, MIDDLE_SIDE)
     ]
-    with World(build(BOX, 400.0, BUNDLE)) as world:
-        bench = TrialRunner(world, HAND, Trials())
+    arm = ARMS["axis"](HAND)
+    with open_world("mujoco", build(BOX, 400.0, BUNDLE), arm.robot) as world:
+        bench = TrialRunner(world, arm, Trials())
         outcomes = [bench.attempt(labelled(rows), seed).outcome for seed in range(6)]
     assert outcomes.count("success") >= 5

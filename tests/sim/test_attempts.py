@@ -4,17 +4,19 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from worlds import EACH_ENGINE, start
 
 from egad.detectors.base import Detector, Grasp
 from egad.detectors.registry import QUICK
 from egad.outcomes import Outcome
 from egad.perception.camera import View
 from egad.pipeline.config import GRIPPERS, Bundle, Gripper, Trials
+from egad.sim.arms import ARMS
 from egad.sim.attempts import columns_of, failed_attempts, read_attempt, run_attempts
 from egad.sim.model import Model, build
 from egad.sim.parameters import TrialParameters
 from egad.sim.trial import TrialRunner
-from egad.sim.world import World
+from egad.sim.world import EngineName
 from egad.tables import parquet
 from egad.tables.columns import INITIAL
 from egad.tables.evaluation import TRIALS
@@ -23,7 +25,7 @@ BUNDLE = Bundle()
 SETTINGS = TrialParameters(
     seed=1,
     gripper=GRIPPERS["egad_75mm"],
-    trials=Trials(attempts=6),
+    trials=Trials(attempts=6, engine="mujoco"),
 )
 BALL, CUBE, CYLINDER = (
     build(mesh, 400.0, BUNDLE)
@@ -71,9 +73,11 @@ def clumsy(view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Gr
     return [Grasp((x, y, z), *list(vars(found[0]).values())[1:])]
 
 
+@EACH_ENGINE
 @pytest.mark.parametrize("model", [CUBE, BALL, CYLINDER], ids=["cube", "ball", "cylinder"])
-def test_simple_shapes_are_mostly_held(model: Model) -> None:
-    trials = attempts(model)
+def test_simple_shapes_are_mostly_held(engine: EngineName, model: Model) -> None:
+    trials = attempts(model, engine=engine)
+    assert set(trials["engine"]) == {engine}
     assert trials["success"].sum() >= 5
     held = trials[trials["success"]]
     np.testing.assert_allclose(held["lifted"], SETTINGS.trials.lift_height, atol=0.01)
@@ -97,25 +101,30 @@ def test_the_table_is_complete(tmp_path_factory: pytest.TempPathFactory) -> None
     assert set(trials["parts"]) == {1}
 
 
-def test_the_same_settings_give_the_same_bytes(ell: Model) -> None:
-    pd.testing.assert_frame_equal(attempts(ell), attempts(ell), check_exact=True)
+@EACH_ENGINE
+def test_the_same_settings_give_the_same_bytes(engine: EngineName, ell: Model) -> None:
+    first, second = (attempts(ell, engine=engine) for _ in range(2))
+    pd.testing.assert_frame_equal(first, second, check_exact=True)
 
 
+@EACH_ENGINE
 @pytest.mark.parametrize("changes", [{}, {"arm": "panda"}, {"reset": "redrop"}], ids=str)
 def test_every_attempt_can_be_repeated_alone(
-    ell: Model, changes: dict[str, str], tmp_path_factory: pytest.TempPathFactory
+    engine: EngineName,
+    ell: Model,
+    changes: dict[str, str],
+    tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
     """From its row of the table, bit by bit, without the detector and the attempts before."""
-    trials = attempts(ell, clumsy, attempts=8, depth_noise=0.05, **changes)
+    trials = attempts(ell, clumsy, attempts=8, depth_noise=0.05, engine=engine, **changes)
     assert trials["outcome"].nunique() >= 3
     path = tmp_path_factory.mktemp("trials") / "trials.parquet"
     parquet.write(trials, TRIALS, path)
     trial = SETTINGS.trials.model_copy(update=changes)
+    arm = ARMS[trial.arm](SETTINGS.gripper)
     for row in reversed(parquet.records(parquet.read(path, TRIALS))):
-        with World(ell) as world:
-            again = columns_of(
-                TrialRunner(world, SETTINGS.gripper, trial).repeat(*read_attempt(row))
-            )
+        with start(engine, ell, arm=trial.arm) as world:
+            again = columns_of(TrialRunner(world, arm, trial).repeat(*read_attempt(row)))
         again["outcome"] = again["outcome"] or row["outcome"]
         np.testing.assert_equal(again, {name: row[name] for name in again})
 

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from worlds import EACH_ENGINE, start
 
 from egad.grasps.hand import finger_span
 from egad.grasps.poses import hand_poses
@@ -19,7 +20,7 @@ from egad.sim.labelled_trials import (
 )
 from egad.sim.model import build
 from egad.sim.parameters import LabelTrialParameters
-from egad.sim.world import GRAVITY, World
+from egad.sim.world import DOWN, WEIGHTLESS
 from egad.tables.columns import vector_names
 from egad.tables.evaluation import AGREEMENT
 
@@ -51,8 +52,10 @@ def grasp(center, axis, approach, turn=PLACE, **known):
     return row | {"n_labelled": 9, "n_collision_free": 7} | known
 
 
-def tried(model, *rows):
-    return execute_labelled_grasps(model, "C4", "id", pd.DataFrame(rows), SETTINGS)
+def tried(model, *rows, engine="mujoco"):
+    trials = SETTINGS.trials.model_copy(update={"engine": engine})
+    settings = SETTINGS.model_copy(update={"trials": trials})
+    return execute_labelled_grasps(model, "C4", "id", pd.DataFrame(rows), settings)
 
 
 def test_the_object_floats_so_that_the_labelled_hand_points_down():
@@ -71,37 +74,43 @@ def test_the_object_floats_so_that_the_labelled_hand_points_down():
     assert (wanted.angle, wanted.width) == (0.0, HAND.opening)
     assert wanted.depth == finger_span(HAND)[1]
     assert not wanted.infeasibility(HAND)
-    with World(BOX) as floating:
+    with start("mujoco", BOX) as floating:
         floating.place(pose)
         assert floating.vertices()[:, 2].min() > 0.1
 
 
+@EACH_ENGINE
 @pytest.mark.parametrize("approach", [(0, 0, -1), (0, 0, 1), (0, 1, 0), (0, -0.6, 0.8)])
-def test_a_box_is_held_by_its_middle_from_any_side(approach):
-    (found,) = tried(BOX, grasp((0, 0, 0), (1, 0, 0), approach)).to_dict("records")
+def test_a_box_is_held_by_its_middle_from_any_side(engine, approach):
+    middle = grasp((0, 0, 0), (1, 0, 0), approach)
+    (found,) = tried(BOX, middle, engine=engine).to_dict("records")
     assert found["outcome"] == "success"
     assert found["lifted"] == pytest.approx(SETTINGS.trials.lift_height, abs=0.003)
 
 
-def test_faces_beyond_the_friction_cone_slip_out_and_within_it_they_hold():
+@EACH_ENGINE
+def test_faces_beyond_the_friction_cone_slip_out_and_within_it_they_hold(engine):
     upright = np.eye(4)
     across = [grasp((0, 0, 0.03), axis, (0, 0, -1), upright) for axis in ((1, 0, 0), (0, 1, 0))]
-    found = tried(WEDGE, *across)
+    found = tried(WEDGE, *across, engine=engine)
     assert found["outcome"].str.startswith(("slipped", "missed")).tolist() == [True, False]
     assert found["success"].tolist() == [False, True]
 
 
-def test_what_is_in_the_way_is_a_collision():
-    (found,) = tried(BOX, grasp((0.03, 0, 0), (1, 0, 0), (0, 0, -1))).to_dict("records")
+@EACH_ENGINE
+def test_what_is_in_the_way_is_a_collision(engine):
+    aside = grasp((0.03, 0, 0), (1, 0, 0), (0, 0, -1))
+    (found,) = tried(BOX, aside, engine=engine).to_dict("records")
     assert found["outcome"] == "collided"
 
 
-def test_no_grasp_depends_on_those_before():
+@EACH_ENGINE
+def test_no_grasp_depends_on_those_before(engine):
     rows = [
         grasp((0, 0, z), (1, 0, 0), (0, 0, -1), grasp=n) for n, z in enumerate((0, 0.02, 0.028))
     ]
-    together = tried(BOX, *rows)
-    apart = pd.concat([tried(BOX, row) for row in rows], ignore_index=True)
+    together = tried(BOX, *rows, engine=engine)
+    apart = pd.concat([tried(BOX, row, engine=engine) for row in rows], ignore_index=True)
     pd.testing.assert_frame_equal(together, apart, check_exact=True)
     assert list(together.columns) == AGREEMENT.names
 
@@ -132,24 +141,24 @@ def test_grasps_are_split_evenly():
 
 
 def test_an_object_without_a_model_has_its_grasps_marked():
-    table = failed_labelled_grasps(
-        "C4", "id", pd.DataFrame([grasp((0, 0, 0), (1, 0, 0), (0, 0, 1))]), Outcome.FAILED
-    )
+    sample = pd.DataFrame([grasp((0, 0, 0), (1, 0, 0), (0, 0, 1))])
+    table = failed_labelled_grasps("C4", "id", sample, SETTINGS, Outcome.FAILED)
     assert table["outcome"].tolist() == ["failed"]
     assert not table["success"].any()
     assert list(table.columns) == AGREEMENT.names
 
 
-def test_a_pinned_object_stays_and_falls_when_let_go():
-    with World(BOX) as world:
+@EACH_ENGINE
+def test_a_pinned_object_stays_and_falls_when_let_go(engine):
+    with start(engine, BOX) as world:
         world.place(floating_pose(BOX, grasp((0, 0, 0), (1, 0, 0), (0, 0, -1)), HAND)[0])
         before = world.pose()
         with world.pinned():
             world.step(120)
         np.testing.assert_allclose(world.pose().position, before.position, atol=1e-4)
-        world.pull(0.0)
+        world.set_gravity(WEIGHTLESS)
         world.step(60)
         np.testing.assert_allclose(world.pose().position, before.position, atol=1e-3)
-        world.pull(GRAVITY)
+        world.set_gravity(DOWN)
         world.step(24)
         assert world.pose().position[2] < before.position[2] - 0.03

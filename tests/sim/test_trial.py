@@ -3,18 +3,21 @@
 import numpy as np
 import pytest
 import trimesh
+from worlds import EACH_ENGINE, HAND, start
 
 from egad.detectors.base import Detector, Grasp
 from egad.detectors.subprocess import DetectorTimeoutError
 from egad.outcomes import Outcome
 from egad.perception.camera import View
-from egad.pipeline.config import GRIPPERS, Bundle, Gripper, Trials
+from egad.pipeline.config import Bundle, Gripper, Trials
+from egad.sim.arms import ARMS
 from egad.sim.execution import Execution, Stillness, execute
 from egad.sim.model import build
 from egad.sim.trial import Attempt, InitialPose, TrialRunner
-from egad.sim.world import Pose, World
+from egad.sim.world import EngineName, Pose, World
 
 BUNDLE = Bundle()
+AXIS = ARMS["axis"](HAND)
 CUBE = trimesh.creation.box((0.04, 0.04, 0.04))
 
 
@@ -31,17 +34,21 @@ def always(shift: tuple[float, float, float], width: float = 0.07) -> Detector:
 
 
 def outcome(
-    mesh: trimesh.Trimesh, detect: Detector, density: float = 400.0, **gripper: float
+    mesh: trimesh.Trimesh,
+    detect: Detector,
+    density: float = 400.0,
+    engine: EngineName = "mujoco",
+    **gripper: float,
 ) -> Attempt:
-    hand = GRIPPERS["egad_75mm"].model_copy(update=gripper)
-    with World(build(mesh, density, BUNDLE)) as world:
-        return TrialRunner(world, hand, Trials()).attempt(detect, 5)
+    hand = HAND.model_copy(update=gripper)
+    with start(engine, build(mesh, density, BUNDLE), hand) as world:
+        return TrialRunner(world, ARMS["axis"](hand), Trials()).attempt(detect, 5)
 
 
 def test_the_drop_does_not_depend_on_the_detector() -> None:
     places = []
-    with World(build(CUBE, 400.0, BUNDLE)) as world:
-        bench = TrialRunner(world, GRIPPERS["egad_75mm"], Trials())
+    with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
+        bench = TrialRunner(world, AXIS, Trials())
 
         def thirsty(view: View, _gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
             rng.random(len(places) * 10)
@@ -53,23 +60,28 @@ def test_the_drop_does_not_depend_on_the_detector() -> None:
     np.testing.assert_array_equal(*places)
 
 
-def test_a_grasp_at_the_middle_succeeds() -> None:
-    attempt = outcome(CUBE, always((0, 0, -0.03)))
+@EACH_ENGINE
+def test_a_grasp_at_the_middle_succeeds(engine: EngineName) -> None:
+    attempt = outcome(CUBE, always((0, 0, -0.03)), engine=engine)
     assert attempt.outcome == "success"
 
 
-def test_a_grasp_beside_the_object_misses() -> None:
-    attempt = outcome(CUBE, always((0, 0.1, -0.03)))
+@EACH_ENGINE
+def test_a_grasp_beside_the_object_misses(engine: EngineName) -> None:
+    attempt = outcome(CUBE, always((0, 0.1, -0.03)), engine=engine)
     assert attempt.outcome == "missed"
     assert attempt.lifted == pytest.approx(0, abs=0.001)
 
 
-def test_a_finger_on_top_of_the_object_collides() -> None:
-    assert outcome(CUBE, always((0.035, 0, -0.03))).outcome == "collided"
+@EACH_ENGINE
+def test_a_finger_on_top_of_the_object_collides(engine: EngineName) -> None:
+    assert outcome(CUBE, always((0.035, 0, -0.03)), engine=engine).outcome == "collided"
 
 
-def test_too_heavy_an_object_slips() -> None:
-    attempt = outcome(CUBE, always((0, 0, -0.03)), density=2.5 / 0.04**3, force=20.0, friction=0.5)
+@EACH_ENGINE
+def test_too_heavy_an_object_slips(engine: EngineName) -> None:
+    middle, density = always((0, 0, -0.03)), 2.5 / 0.04**3
+    attempt = outcome(CUBE, middle, density, engine, force=20.0, friction=0.5)
     assert attempt.outcome == "slipped_lifting"
     assert attempt.lifted < 0.05
 
@@ -128,29 +140,29 @@ def test_how_an_attempt_begins(
     rest = Pose.of([0.0, 0.0, 0.02, *upright])
     last = Pose.of([*end, *upright]) if end else None
     before = Attempt(Outcome(outcome), InitialPose("dropped", rest), rest, None, 0.0, last)
-    with World(build(CUBE, 400.0, BUNDLE)) as world:
+    with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
         trials = Trials()
-        bench = TrialRunner(world, GRIPPERS["egad_75mm"], trials)
+        bench = TrialRunner(world, AXIS, trials)
         after = bench.attempt(always((0, 0, -0.03)), 3, before)
     assert after.start is not None
     assert after.rest is not None
     assert after.start.kind == begun
     assert np.linalg.norm(after.rest.position[:2]) < trials.workspace
     if begun == "from_hand":
-        start = after.start.pose.matrix
-        lowest = (CUBE.vertices @ start[:3, :3].T + start[:3, 3])[:, 2].min()
+        begin = after.start.pose.matrix
+        lowest = (CUBE.vertices @ begin[:3, :3].T + begin[:3, 3])[:, 2].min()
         assert lowest == pytest.approx(trials.drop_height)
-        assert -1e-9 < start[2, 2] < 1 - 1e-9  # tilted, by 90 degrees at most
+        assert -1e-9 < begin[2, 2] < 1 - 1e-9  # tilted, by 90 degrees at most
 
 
 def held_up(world: World) -> Execution:
     world.place(Pose.of([0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 1.0]))
-    return execute(
-        world, GRIPPERS["egad_75mm"], Trials(), Grasp((0.0, 0.0, 0.02), 0.0, 0.07, 0.01, 1.0)
-    )
+    return execute(world, AXIS, Trials(), Grasp((0.0, 0.0, 0.02), 0.0, 0.07, 0.01, 1.0))
 
 
+@EACH_ENGINE
 def test_an_object_that_is_lost_while_it_is_held_up_is_dropped(
+    engine: EngineName,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Somebody takes it out of the hand, in which it is never taken for still."""
@@ -162,23 +174,25 @@ def test_an_object_that_is_lost_while_it_is_held_up_is_dropped(
         if sum(steps) == 100:  # long after the lift
             world.place(Pose.of([0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0]))
 
-    with World(build(CUBE, 400.0, BUNDLE)) as world:
+    with start(engine, build(CUBE, 400.0, BUNDLE)) as world:
         assert held_up(world).outcome == "success"
         world.reset()
         world.watch = take
         assert held_up(world).outcome == "dropped"
 
 
+@EACH_ENGINE
 @pytest.mark.parametrize("velocity", [(200.0, 0.0, 0.0), (np.nan, 0.0, 0.0)])
 def test_an_object_that_explodes_has_failed_and_the_next_attempt_begins_anew(
+    engine: EngineName,
     velocity: tuple[float, float, float],
 ) -> None:
     def explode(world: World) -> None:
-        if 0.1 < world.pose().position[2] < 0.11 and world.force(world.table, world.object) == 0:
-            world.client.resetBaseVelocity(world.object, velocity)
+        if 0.1 < world.pose().position[2] < 0.11 and world.forces().support == 0:
+            world.place(world.pose(), velocity)
 
-    with World(build(CUBE, 400.0, BUNDLE)) as world:
-        bench = TrialRunner(world, GRIPPERS["egad_75mm"], Trials(drop_height=0.05))
+    with start(engine, build(CUBE, 400.0, BUNDLE)) as world:
+        bench = TrialRunner(world, AXIS, Trials(drop_height=0.05))
         world.watch = explode
         first = bench.attempt(always((0, 0, -0.03)), 3)
         world.watch = None

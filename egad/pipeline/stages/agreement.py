@@ -14,7 +14,13 @@ from egad._util.progress import phase, progress
 from egad.pipeline.parameters import Evaluation, Input, Output, Shard, command
 from egad.pipeline.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.pipeline.stages.shards import rows_in_shard
-from egad.sim import LabelTrialParameters
+from egad.sim import (
+    LabelTrialParameters,
+    execute_labelled_grasps,
+    failed_labelled_grasps,
+    sample_labelled_grasps,
+    shares,
+)
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49
 from egad.tables.grasping import GRASPS
@@ -47,10 +53,8 @@ def run(
         out: A sample of the labelled grasps for gripper G, executed in simulation. Made if
             `targets.agreement` is true.
     """
-    from egad.sim import labelled_trials as t  # noqa: PLC0415 (PyBullet greets on stderr)
-
     objects = parquet.read(evaluation, EVAL49)
-    share = dict(zip(objects["id"], t.shares(settings.agreement.grasps, len(objects)), strict=True))
+    share = dict(zip(objects["id"], shares(settings.agreement.grasps, len(objects)), strict=True))
     chosen = parquet.records(rows_in_shard(objects, *shard))
     labelled = parquet.read(grasps, GRASPS)
     known = rows_by_id(bundle)
@@ -60,11 +64,11 @@ def run(
     with Survivor(partial(executor, settings, bundle), limit) as execute:
         for row in progress(chosen, "trying", len(chosen)):
             label, name = row["label"], row["id"]
-            sample = t.sample_labelled_grasps(
+            sample = sample_labelled_grasps(
                 labelled[labelled["id"] == name], name, share[name], settings.seed
             )
             task = (known[name], sample) if name in known else None
-            failed = partial(t.failed_labelled_grasps, label, name, sample)
+            failed = partial(failed_labelled_grasps, label, name, sample, settings)
             parts.append(outlived(row, execute, task, failed))
     filled = [table for table in parts if len(table)]
     whole = pd.concat(filled) if filled else parquet.empty(AGREEMENT)
@@ -77,7 +81,6 @@ def executor(
     settings: LabelTrialParameters, bundle: Path
 ) -> Iterator[Callable[[Task], pd.DataFrame]]:
     """A function that executes grasps of an object, given its row in the bundle and the grasps."""
-    from egad.sim import execute_labelled_grasps  # noqa: PLC0415
 
     def carry_out(task: Task) -> pd.DataFrame:
         row, sample = task

@@ -10,13 +10,14 @@ from egad.errors import UserError
 from egad.pipeline.stages.bundled import model_in, rows_by_id
 from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.sim import (
+    ARMS,
     END,
     Attempt,
     Film,
     Pixels,
     TrialRunner,
-    World,
     columns_of,
+    open_world,
     read_attempt,
     write_film,
 )
@@ -67,9 +68,10 @@ def repeat_attempt(
     known = rows_by_id(bundle)
     if row["id"] not in known:
         raise UserError(f"{bundle}: no object {row['label']}")
-    with World(model_in(bundle, known[row["id"]])) as world:
+    arm = ARMS[settings.trials.arm](settings.gripper)
+    with open_world(row["engine"], model_in(bundle, known[row["id"]]), arm.robot) as world:
         film = Film(world)
-        again = TrialRunner(world, settings.gripper, settings.trials).repeat(*read_attempt(row))
+        again = TrialRunner(world, arm, settings.trials).repeat(*read_attempt(row))
     return again, film.frames
 
 
@@ -92,6 +94,6 @@ def _check(row: Mapping[str, Any], again: Mapping[str, Any]) -> None:
     if outcome != row["outcome"] or not np.array_equal(before, after, equal_nan=True):
         raise UserError(
             f"{row['label']}, attempt {row['attempt']} was not reproduced: {outcome}, not "
-            f"{row['outcome']}; settings, bundle, machine or the version of PyBullet must "
+            f"{row['outcome']}; settings, bundle, machine or the version of {row['engine']} must "
             "differ from those of the trials"
         )

@@ -37,6 +37,7 @@ PACKAGES = [
     "neat-python",
     "embreex",
     "pybullet",
+    "mujoco",
     "pandas",
     "pyarrow",
 ]

@@ -16,7 +16,7 @@ from egad.errors import UserError
 from egad.pipeline.parameters import Evaluation, Input, Output, Shard, command
 from egad.pipeline.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
 from egad.pipeline.stages.shards import rows_in_shard
-from egad.sim import TrialParameters
+from egad.sim import TrialParameters, failed_attempts, run_attempts
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.grasping import GRASPS
@@ -53,8 +53,6 @@ def run(
         out: Simulated trials of detector P with gripper G, one attempt per row.
         grasps: Labelled grasps of the objects, for the detector `labels`.
     """
-    from egad.sim import failed_attempts  # noqa: PLC0415 (PyBullet greets on stderr)
-
     chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
     known = rows_by_id(bundle)
     parts = []
@@ -74,8 +72,6 @@ def open_runner(
     settings: SimulatedTrials, bundle: Path, grasps: Path | None
 ) -> Iterator[Callable[[Mapping[str, Any]], pd.DataFrame]]:
     """A function that runs all attempts of an object, given its row in the bundle."""
-    from egad.sim import run_attempts  # noqa: PLC0415
-
     with open_detector(settings, grasps) as detector_of:
 
         def attempts(row: Mapping[str, Any]) -> pd.DataFrame:

@@ -1,0 +1,290 @@
+"""The simulated world in PyBullet."""
+
+import functools
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from egad.sim.model import Model
+from egad.sim.robot import LEFT, RIGHT, Robot, to_urdf
+from egad.sim.world import (
+    DOWN,
+    TABLE_FRICTION,
+    TABLE_ROLLING,
+    TIME_STEP,
+    Forces,
+    Pose,
+    World,
+)
+
+Floats = NDArray[np.float64]
+
+# With 50 iterations a 40 mm cube of 50 g is pressed into the fingers by 0.6 mm at 70 N and by 6 mm
+# at 100 N; 100 do for it, and 150 leave something for thinner objects.
+SOLVER_ITERATIONS = 150
+# The engine multiplies the friction of two bodies; with 1 for the object, the other one decides.
+OBJECT_FRICTION = 1.0
+# The engine's 1 mm is added all around convex parts: a 40 mm cube would be 42 mm.
+COLLISION_MARGIN = 1e-4
+PIN_STRENGTH = 1000.0  # newtons, and newton metres
+POSITION_GAIN = 0.3  # of an error is made good in one step
+# The gear must be stronger than the fingers, or an object off the middle holds one of them up.
+GEAR_STRENGTH = 10
+FREE = (-1, -1, -1)
+NORMAL_FORCE, LINK, OTHER_LINK = 9, 3, 4  # places in what the engine tells of a contact
+
+
+class Client:
+    """One connection to the engine; its methods are the functions of `pybullet`."""
+
+    def __init__(self) -> None:
+        self._number = pybullet.connect(pybullet.DIRECT)
+
+    def __getattr__(self, name: str) -> functools.partial[Any]:
+        return functools.partial(getattr(pybullet, name), physicsClientId=self._number)
+
+
+class PyBulletWorld(World):
+    """A world in PyBullet without a window.
+
+    Attributes:
+        client: The engine.
+        object: Number of the object in the engine.
+        table: Number of the table in the engine.
+    """
+
+    def __enter__(self) -> Self:
+        # The engine reads compounds and robots from files only.
+        self._folder = tempfile.TemporaryDirectory()
+        self._shape = Path(self._folder.name) / "parts.obj"
+        self._shape.write_text(_wavefront(self.model), encoding="ascii")
+        self._description = Path(self._folder.name) / "robot.urdf"
+        if self.robot is not None:
+            self._description.write_text(to_urdf(self.robot), encoding="utf-8")
+        self.client = Client()
+        self.reset()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.client.disconnect()
+        self._folder.cleanup()
+
+    @override
+    def reset(self) -> None:
+        self.client.resetSimulation()
+        self.set_gravity(DOWN)
+        self.client.setPhysicsEngineParameter(
+            fixedTimeStep=TIME_STEP,
+            numSolverIterations=SOLVER_ITERATIONS,
+            deterministicOverlappingPairs=1,
+        )
+        self.table = self._add_table()
+        self.object = self._add_object()
+        self._robot: int | None = None
+
+    @override
+    def set_gravity(self, acceleration: Sequence[float]) -> None:
+        self.client.setGravity(*acceleration)
+
+    @override
+    def place(
+        self,
+        pose: Pose,
+        velocity: Sequence[float] = (0.0, 0.0, 0.0),
+        turning: Sequence[float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        self.client.resetBasePositionAndOrientation(
+            self.object, pose.position.tolist(), pose.quaternion.tolist()
+        )
+        self.client.resetBaseVelocity(self.object, velocity, turning)
+
+    @override
+    def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
+        robot = self._known_robot()
+        place = base.position.tolist(), base.quaternion.tolist()
+        self._robot = self.client.loadURDF(str(self._description), *place, useFixedBase=1)
+        count = self.client.getNumJoints(self._robot)
+        names = [self.client.getJointInfo(self._robot, joint)[1].decode() for joint in range(count)]
+        self._arm = [names.index(name) for name in robot.arm]
+        self._fingers = (names.index(LEFT), names.index(RIGHT))
+        for joint, position in zip(self._arm, joints, strict=True):
+            self.client.resetJointState(self._robot, joint, position, 0)
+        self.drive(joints, [0.0] * len(self._arm))
+        self._set_friction(count)
+        self._hold_fingers(opening)
+
+    @override
+    def drive(self, joints: Sequence[float], speeds: Sequence[float]) -> None:
+        self.client.setJointMotorControlArray(
+            self._robot,
+            self._arm,
+            pybullet.POSITION_CONTROL,
+            targetPositions=list(joints),
+            targetVelocities=list(speeds),
+            positionGains=[POSITION_GAIN] * len(self._arm),
+            forces=list(self._known_robot().strength.values()),
+        )
+
+    @override
+    def close_fingers(self, speed: float) -> None:
+        for finger in self._fingers:
+            self.client.setJointMotorControl2(
+                self._robot,
+                finger,
+                pybullet.VELOCITY_CONTROL,
+                targetVelocity=-speed,
+                force=self._known_robot().gripper.force,
+            )
+
+    @override
+    def arm_joints(self) -> Floats:
+        states = self.client.getJointStates(self._robot, self._arm)
+        return np.array([state[0] for state in states])
+
+    @override
+    def fingers(self) -> tuple[Floats, Floats]:
+        states = self.client.getJointStates(self._robot, self._fingers)
+        return np.array([state[0] for state in states]), np.array([state[1] for state in states])
+
+    @override
+    def forces(self) -> Forces:
+        support = self._force(self.table, self.object)
+        if self._robot is None:
+            return Forces(0.0, 0.0, 0.0, support, 0.0)
+        contacts = self.client.getContactPoints(self._robot, self.object)
+        left, right = (
+            float(sum(contact[NORMAL_FORCE] for contact in contacts if contact[LINK] == finger))
+            for finger in self._fingers
+        )
+        others = [contact for contact in contacts if contact[LINK] not in self._fingers]
+        rest = float(sum(contact[NORMAL_FORCE] for contact in others))
+        return Forces(left, right, rest, support, self._force(self.table, self._robot))
+
+    @override
+    def link_poses(self) -> list[Pose]:
+        if self._robot is None:
+            return []
+        root = self.client.getBasePositionAndOrientation(self._robot)
+        numbers = range(self.client.getNumJoints(self._robot))
+        states = self.client.getLinkStates(self._robot, numbers, computeForwardKinematics=1)
+        places = [root, *((state[4], state[5]) for state in states)]
+        return [Pose(np.array(position), np.array(turn)) for position, turn in places]
+
+    @override
+    def speeds(self) -> tuple[float, float]:
+        linear, angular = self.client.getBaseVelocity(self.object)
+        return float(np.linalg.norm(linear)), float(np.linalg.norm(angular))
+
+    def _numbers(self) -> tuple[Sequence[float], Sequence[float]]:
+        position, quaternion = self.client.getBasePositionAndOrientation(self.object)
+        return position, quaternion
+
+    def _advance(self) -> Sequence[float]:
+        self.client.stepSimulation()
+        velocity: Sequence[float] = self.client.getBaseVelocity(self.object)[0]
+        return velocity
+
+    def _pin(self, pose: Pose) -> None:
+        self._constraint = self.client.createConstraint(
+            self.object,
+            *FREE,
+            pybullet.JOINT_FIXED,
+            (0, 0, 0),
+            (0, 0, 0),
+            pose.position.tolist(),
+            childFrameOrientation=pose.quaternion.tolist(),
+        )
+        self.client.changeConstraint(self._constraint, maxForce=PIN_STRENGTH)
+
+    def _unpin(self) -> None:
+        self.client.removeConstraint(self._constraint)
+
+    def _force(self, first: int, second: int) -> float:
+        contacts = self.client.getContactPoints(first, second)
+        return float(sum(contact[NORMAL_FORCE] for contact in contacts))
+
+    def _known_robot(self) -> Robot:
+        if self.robot is None:
+            raise ValueError("there is no robot in this world")
+        return self.robot
+
+    def _set_friction(self, joints: int) -> None:
+        friction, radius = self._known_robot().gripper.pad
+        for link in range(joints):
+            # A soft pad resists twisting even where a round object touches it in one point: as a
+            # pressed disc. A length; the engine multiplies it by the force.
+            self.client.changeDynamics(
+                self._robot,
+                link,
+                lateralFriction=friction,
+                spinningFriction=2 / 3 * friction * radius,
+            )
+
+    def _hold_fingers(self, opening: float) -> None:
+        """Hold the fingers where they are, coupled by a gear.
+
+        With equal and opposite forces alone they would drift sideways together.
+        """
+        force = self._known_robot().gripper.force
+        for finger in self._fingers:
+            self.client.resetJointState(self._robot, finger, opening / 2, 0)
+            self.client.setJointMotorControl2(
+                self._robot, finger, pybullet.POSITION_CONTROL, opening / 2, force=force
+            )
+        left, right = self._fingers
+        gear = self.client.createConstraint(
+            self._robot,
+            left,
+            self._robot,
+            right,
+            pybullet.JOINT_GEAR,
+            (1, 0, 0),
+            (0, 0, 0),
+            (0, 0, 0),
+        )
+        self.client.changeConstraint(gear, gearRatio=-1, maxForce=GEAR_STRENGTH * force)
+
+    def _add_table(self) -> int:
+        plane = self.client.createCollisionShape(pybullet.GEOM_PLANE)
+        table: int = self.client.createMultiBody(0, plane)
+        self.client.changeDynamics(
+            table,
+            -1,
+            lateralFriction=TABLE_FRICTION,
+            rollingFriction=TABLE_ROLLING,
+            spinningFriction=TABLE_ROLLING,
+        )
+        return table
+
+    def _add_object(self) -> int:
+        shape = self.client.createCollisionShape(pybullet.GEOM_MESH, fileName=str(self._shape))
+        above = (0, 0, float(self.model.mesh.scale))
+        body: int = self.client.createMultiBody(self.model.mass, shape, basePosition=above)
+        self.client.changeDynamics(
+            body,
+            -1,
+            lateralFriction=OBJECT_FRICTION,
+            # Contacts remember where they stuck. Without, a cube held for 10 s at 20 N sinks by
+            # 0.06 mm and turns by 1.5 degrees. The friction cone still limits the force.
+            frictionAnchor=1,
+            localInertiaDiagonal=self.model.inertia.tolist(),
+            collisionMargin=COLLISION_MARGIN,
+        )
+        return body
+
+
+def _wavefront(model: Model) -> str:
+    """The parts as objects of one OBJ file; the engine takes the hull of each."""
+    lines, first = [], 1
+    for number, part in enumerate(model.parts):
+        lines.append(f"o part{number}")
+        lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in part.vertices]
+        lines += [f"f {a} {b} {c}" for a, b, c in part.faces + first]
+        first += len(part.vertices)
+    return "\n".join([*lines, ""])

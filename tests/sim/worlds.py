@@ -1,0 +1,38 @@
+"""Worlds for tests: in each engine, with a hand on an arm."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import pytest
+
+from egad.grasps import Gripper
+from egad.pipeline.config import GRIPPERS
+from egad.sim.arms import ARMS, HandPose
+from egad.sim.gripper import Hand
+from egad.sim.model import Model
+from egad.sim.world import ENGINES, EngineName, World, open_world
+
+EACH_ENGINE = pytest.mark.parametrize("engine", ENGINES)
+EACH_ARM = pytest.mark.parametrize("arm", list(ARMS))
+HAND = GRIPPERS["egad_75mm"]
+
+
+def start(engine: EngineName, model: Model, gripper: Gripper = HAND, arm: str = "axis") -> World:
+    """A world with the robot that `hung` brings into it."""
+    if engine == "pybullet":
+        pytest.importorskip("pybullet")
+    return open_world(engine, model, ARMS[arm](gripper).robot)
+
+
+def hung(world: World, stance: HandPose, width: float, arm: str = "axis") -> Hand:
+    """A hand in a world that `start` made with the same arm."""
+    assert world.robot is not None
+    return Hand(world, ARMS[arm](world.robot.gripper), stance, width)
+
+
+def twist(world: Any, torque: Sequence[float]) -> None:
+    """Turn the object by a torque (N m) in the next step."""
+    if hasattr(world, "data"):
+        world.data.xfrc_applied[world.engine.body("object").id, 3:] = torque
+    else:
+        world.client.applyExternalTorque(world.object, -1, torque, 2)  # in the world's frame
