@@ -36,13 +36,23 @@ from egad.grasps import (
     label_parameters,
 )
 from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
+from egad.sim import (
+    EngineName,
+    Lifting,
+    SimulatedLabel,
+    SimulatedLabelParameters,
+    build,
+    installed_engine,
+    simulate_labels,
+)
 
 
 class _Job(NamedTuple):
-    """What is exported for: the name of the gripper, and how grasps are labelled."""
+    """What is exported for: the name of the gripper, and how grasps are labelled and simulated."""
 
     gripper: str
     labels: LabelParameters
+    simulation: SimulatedLabelParameters
 
 
 def export(
@@ -54,20 +64,23 @@ def export(
     grasps: int = 100,
     seed: int = 0,
     rule: str = "paper",
+    engine: EngineName | None = None,
 ) -> list[str]:
     """Write objects, scaled to a gripper, in the format of another program.
 
     Args:
         objects: A dataset, or meshes in metres by name.
-        format: `acronym`: `LABEL.h5` with sampled grasps, and `meshes/LABEL.obj`. `simulation`: for
-            each object a folder with URDF, MJCF, convex parts and stable poses. `obj`: meshes in
-            metres. `stl`: meshes in millimetres, to print.
+        format: `acronym`: `LABEL.h5` with sampled and simulated grasps, and `meshes/LABEL.obj`.
+            `simulation`: for each object a folder with URDF, MJCF, convex parts and stable poses.
+            `obj`: meshes in metres. `stl`: meshes in millimetres, to print.
         gripper: The gripper, or its name.
         out: A new or empty folder.
         grasps: Most grasps of an object, for `acronym` only; 100 as in a dataset of the pipeline.
         seed: Of the grasps, for `acronym` only. They are those that a dataset of the pipeline has
             with the same seed.
         rule: How objects are scaled: see `egad.rescale`; `none`: not.
+        engine: What simulates the grasps, for `acronym` only: `pybullet` or `mujoco`; None:
+            PyBullet if it is installed, else MuJoCo.
 
     Returns:
         The labels of objects that were left out: their mesh does not bound a solid, or they cannot
@@ -84,7 +97,13 @@ def export(
     check_name("rule", rule, RULES)
     hand = as_gripper(gripper)
     labels = label_parameters(hand, check_count("grasps", grasps), seed)
-    job = _Job(gripper if isinstance(gripper, str) else "gripper", labels)
+    simulation = SimulatedLabelParameters(
+        gripper=hand,
+        quality=labels.quality,
+        trials=Lifting(engine=installed_engine(engine)),
+        simulated_label=SimulatedLabel(grasps=grasps),
+    )
+    job = _Job(gripper if isinstance(gripper, str) else "gripper", labels, simulation)
     items, left_out = named_meshes(objects), []
     for item in items:
         check_key(item.label)
@@ -103,7 +122,9 @@ def export(
 def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
     file = f"meshes/{item.label}.obj"
     mass = mass_properties(mesh, Material().density)
-    grasps = dataset_grasps(mesh, item.id, job.labels)
+    labelled = dataset_grasps(mesh, item.id, job.labels)
+    model = build(mesh, Material().density, Bundle())
+    grasps = simulate_labels(model, labelled, job.simulation)
     (folder / "meshes").mkdir(exist_ok=True)
     write_obj(mesh, folder / file)
     body = Body(

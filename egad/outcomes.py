@@ -12,6 +12,7 @@ class Outcome(StrEnum):
         COLLIDED: The hand was stopped on its way, or the grasp is out of the arm's reach.
         MISSED: The fingers closed, but never pressed on the object both at once.
         SLIPPED_CLOSING: Lost between the fingers before it was lifted.
+        SLIPPED_SHAKING: Lost while it was shaken.
         SLIPPED_LIFTING: Lost while it was lifted.
         DROPPED: Lost while it was held up.
         FAILED: The simulation became unstable, or the object never came to rest.
@@ -30,6 +31,7 @@ class Outcome(StrEnum):
     COLLIDED = "collided"
     MISSED = "missed"
     SLIPPED_CLOSING = "slipped_closing"
+    SLIPPED_SHAKING = "slipped_shaking"
     SLIPPED_LIFTING = "slipped_lifting"
     DROPPED = "dropped"
     FAILED = "failed"
@@ -53,6 +55,9 @@ EXECUTION = (
     Outcome.DROPPED,
 )
 """A grasp was carried out."""
+
+SHAKEN = (*EXECUTION[:4], Outcome.SLIPPED_SHAKING, *EXECUTION[4:])
+"""A labelled grasp was closed in free space, shaken and lifted."""
 
 SIMULATION_FAILURES = (Outcome.FAILED, Outcome.CRASHED)
 """The physics engine could not tell."""

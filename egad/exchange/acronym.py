@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from egad.exchange import sums
 from egad.exchange.hdf5 import add_array, add_group, writing
 from egad.grasps import Grasps, panda_poses
+from egad.outcomes import Outcome
+from egad.tables.grasping import MOTIONS
 
 Floats = NDArray[np.float64]
 QUALITIES = (
@@ -23,10 +25,18 @@ QUALITIES = (
     "needed_opening",
 )
 OWN = "grasps/qualities/egad"
+FLEX_MOTIONS = {
+    f"object_motion_during_{phase}_{theirs}": f"simulated_{phase}_{ours}"
+    for phase in ("closing", "shaking")
+    for theirs, ours in (("linear", "shift"), ("angular", "turn"))
+}
+SHAKEN_AND_HELD = (Outcome.SUCCESS, Outcome.SLIPPED_LIFTING, Outcome.DROPPED)
 COLUMNS = [
     *(f"{name}_{part}" for name in ("center", "axis", "approach") for part in "xyz"),
     "width",
     *QUALITIES,
+    "simulated_outcome",
+    *MOTIONS,
 ]
 
 
@@ -68,19 +78,21 @@ class Jaws:
     fingertip: float
 
 
-def write_acronym(path: Path, body: Body, jaws: Jaws, grasps: pd.DataFrame, held: float) -> None:
+def write_acronym(path: Path, body: Body, jaws: Jaws, grasps: pd.DataFrame, least: float) -> None:
     """Write the file of an object.
 
-    ACRONYM's label `flex/object_in_gripper` tells what became of a grasp in simulation. Nothing is
-    simulated here. As its readers need that label, it is a link to our own `egad/success`, which
-    says in its attribute what it means.
+    ACRONYM's label `flex/object_in_gripper` is 1 if both fingers still held the object after it was
+    shaken in simulation, and 0 for the others and for grasps at which the open hand collides. Its
+    motions are not a number where it did not come to that. Grasps of which nothing is known, for
+    only some of an object were simulated, are left out. Our own `egad/success` is a label without
+    simulation, and says in its attribute what it means.
 
     Args:
         path: A name that ends in `.h5`.
         body: The object.
         jaws: The hand.
         grasps: One row per grasp, with `COLUMNS`.
-        held: Part of the disturbed copies that must hold the object.
+        least: Part of the disturbed copies that must hold the object for `egad/success`.
     """
     with writing(path) as file:
         for name, value in (vars(body) | {"density": body.mass / body.volume}).items():
@@ -88,7 +100,7 @@ def write_acronym(path: Path, body: Body, jaws: Jaws, grasps: pd.DataFrame, held
         hand = add_group(file, "gripper")
         hand["type"] = jaws.name
         hand["configuration"] = np.full(2, jaws.opening / 2)
-        _add_grasps(file, jaws, grasps, held)
+        _add_grasps(file, jaws, grasps, least)
 
 
 def is_ours(path: Path) -> bool:
@@ -104,19 +116,24 @@ def is_ours(path: Path) -> bool:
         return False
 
 
-def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, held: float) -> None:
+def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, least: float) -> None:
     group = add_group(file, "grasps")
+    grasps = grasps[grasps["simulated_outcome"].notna() | ~grasps["collision_free"]]
     add_array(group, "transforms", panda_poses(Grasps(grasps).poses, jaws.fingertip))
     add_array(group, "widths", grasps["width"])
     own = add_group(group, "qualities/egad")
     for name in QUALITIES:
         values = grasps[name].to_numpy()
         add_array(own, name, values.astype(np.int64) if values.dtype == bool else values)
-    success = grasps["collision_free"] & (grasps["robust_success_rate"] >= held)
+    success = grasps["collision_free"] & (grasps["robust_success_rate"] >= least)
     add_array(own, "success", success.to_numpy(dtype=np.int64))
     own["success"].attrs["meaning"] = (
         "not simulated: 1 if the open hand touches nothing at the grasp nor on its straight way "
         "in, at the best of the approach angles tried, and at least "
-        f"{held} of the disturbed copies hold"
+        f"{least} of the disturbed copies hold"
     )
-    add_group(group, "qualities/flex")["object_in_gripper"] = own["success"]
+    flex = add_group(group, "qualities/flex")
+    held = grasps["simulated_outcome"].isin([outcome.value for outcome in SHAKEN_AND_HELD])
+    add_array(flex, "object_in_gripper", held.to_numpy(dtype=np.int64))
+    for name, motion in FLEX_MOTIONS.items():
+        add_array(flex, name, grasps[motion].to_numpy(dtype=np.float64))

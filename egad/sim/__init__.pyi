@@ -21,8 +21,14 @@ from .model import model_of as model_of
 from .parameters import Agreement as Agreement
 from .parameters import LabelTrialParameters as LabelTrialParameters
 from .parameters import Lifting as Lifting
+from .parameters import SimulatedLabel as SimulatedLabel
+from .parameters import SimulatedLabelParameters as SimulatedLabelParameters
 from .parameters import TrialParameters as TrialParameters
 from .parameters import Trials as Trials
+from .simulated_labels import SimulatedGrasp as SimulatedGrasp
+from .simulated_labels import chosen_grasps as chosen_grasps
+from .simulated_labels import simulate_labels as simulate_labels
+from .simulated_labels import with_simulated_labels as with_simulated_labels
 from .trial import Attempt as Attempt
 from .trial import InitialPose as InitialPose
 from .trial import TrialRunner as TrialRunner

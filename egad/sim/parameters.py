@@ -75,6 +75,23 @@ class Agreement(Parameters):
     )
 
 
+class SimulatedLabel(Parameters):
+    """Simulated labels of grasps: closed in free space, shaken and lifted."""
+
+    grasps: int = Field(
+        100, ge=1, description="collision-free grasps of each object that are simulated"
+    )
+
+
+class SimulatedLabelParameters(ParameterGroup):
+    """The settings that simulated labels depend on."""
+
+    gripper: Gripper
+    quality: Quality
+    trials: Lifting
+    simulated_label: SimulatedLabel
+
+
 class TrialParameters(ParameterGroup):
     """The settings that simulated trials depend on."""
 

@@ -2,6 +2,7 @@
 
 import pyarrow as pa
 
+from egad.outcomes import SHAKEN, SIMULATION_FAILURES, listed
 from egad.tables.columns import (
     BOOL,
     FLOAT,
@@ -13,6 +14,7 @@ from egad.tables.columns import (
     ROBUST_SUCCESS_RATE,
     STRING,
     column,
+    optional,
     vector,
 )
 
@@ -62,6 +64,31 @@ GRASPS = pa.schema(
         ),
     ]
 )
+
+
+def _motion(phase: str, how: str) -> list[pa.Field]:
+    moved = f"how far the object {{}} against the hand while {how}"
+    return [
+        column(f"simulated_{phase}_shift", FLOAT, moved.format("moved"), "m"),
+        column(f"simulated_{phase}_turn", FLOAT, moved.format("turned"), "rad"),
+    ]
+
+
+_MOTIONS = [*_motion("closing", "the fingers closed"), *_motion("shaking", "it was shaken")]
+MOTIONS = tuple(field.name for field in _MOTIONS)
+_SIMULATED = [
+    column(
+        "simulated_outcome",
+        STRING,
+        f"closed in free space, shaken and lifted in simulation: {listed(SHAKEN)}; or "
+        f"{listed(SIMULATION_FAILURES)}; missing if the grasp was not simulated",
+    ),
+    column("simulated_success", BOOL, "whether the object was still held at the end"),
+    *_MOTIONS,
+    column("simulated_engine", STRING, "physics engine"),
+]
+SIMULATED_GRASPS = pa.schema([*GRASPS, *map(optional, _SIMULATED)])
+"""Labelled grasps, and what simulation says of them if `targets.simulated_labels` is true."""
 
 SAMPLING = pa.schema(
     [

@@ -10,8 +10,9 @@ from egad.geometry.mass import mass_properties
 from egad.grasps.parameters import LabelParameters
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
-from egad.pipeline.stages import grasp_label, rescale
+from egad.pipeline.stages import grasp_label, rescale, simulated_label
 from egad.pipeline.stages.rescale import RescaleMeshes
+from egad.pipeline.stages.simulated_label import SimulatedLabels
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 
@@ -20,7 +21,14 @@ GRIPPER = "yumi"
 
 @pytest.fixture(scope="session")
 def settings():
-    return Settings.model_validate({"grasp_label": {"grasps": 20}, "robust": {"samples": 3}})
+    return Settings.model_validate(
+        {
+            "grasp_label": {"grasps": 20},
+            "robust": {"samples": 3},
+            "simulated_label": {"grasps": 12},
+            "trials": {"engine": "mujoco"},
+        }
+    )
 
 
 def object_row(label, mesh, density):
@@ -75,8 +83,10 @@ def dataset(meshes, settings, tmp_path_factory):
     wide = trimesh.creation.box((0.2, 0.2, 0.2))
     write_obj(wide, scaled / "C02_0.obj")
     wanted = select(settings, LabelParameters, GRIPPER)
-    tables = [grasps / f"{GRIPPER}{kind}.parquet" for kind in ("", ".sampling", ".rejected")]
-    grasp_label.run(wanted, folder / "objects.parquet", scaled, (0, 1), *tables)
+    part, sampling, rejected = (folder / "parts" / f"{n}.parquet" for n in range(3))
+    grasp_label.run(wanted, folder / "objects.parquet", scaled, (0, 1), part, sampling, rejected)
+    simulation = select(settings, SimulatedLabels, GRIPPER)
+    simulated_label.run(simulation, part, scaled, grasps / f"{GRIPPER}.parquet")
     return folder
 
 

@@ -16,6 +16,7 @@ from egad.pipeline.config.stage_settings import select
 from egad.pipeline.exports import acronym
 from egad.pipeline.exports.acronym import AcronymFiles
 from egad.tables import parquet
+from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
 
 GRIPPER = "yumi"
@@ -53,6 +54,12 @@ def read_grasps_of(path):
         return transforms, np.array(file["grasps/qualities/flex/object_in_gripper"])
 
 
+def known(labelled, label):
+    """The grasps of an object that are simulated, or that no hand can come to."""
+    rows = labelled[labelled["label"] == label]
+    return rows[rows["simulated_outcome"].notna() | ~rows["collision_free"]]
+
+
 def test_only_objects_with_grasps_have_a_file(files):
     assert sorted(path.name for path in files.iterdir()) == ["A00_0.h5", "B01_0.h5"]
 
@@ -69,11 +76,11 @@ def test_the_mesh_is_that_of_the_grasps(files, dataset, settings):
         assert about["friction"] == settings.quality.friction
 
 
-def test_fingertips_of_its_hand_reach_beyond_the_contacts(files, dataset):
+def test_fingertips_of_its_hand_reach_beyond_the_contacts(files, dataset, labelled):
     grasps = load_grasps(dataset, GRIPPER)
     frame, poses = grasps.to_frame(), grasps.poses
     for path in files.iterdir():
-        rows = np.flatnonzero(frame["label"] == path.stem)
+        rows = known(labelled, path.stem).index
         transforms, success = read_grasps_of(path)
         assert len(transforms) == len(success) == len(rows) > 5
         assert transforms[:, :3, :3] == pytest.approx(poses[rows, :3, :3])
@@ -82,19 +89,53 @@ def test_fingertips_of_its_hand_reach_beyond_the_contacts(files, dataset):
         assert beyond == pytest.approx(0.01 * vectors(frame, "approach")[rows], abs=1e-12)
 
 
-def test_success_is_what_its_attribute_says(files, labelled):
+def test_labels_are_those_of_the_simulation(files, labelled):
+    labels = []
     for path in files.iterdir():
-        rows = labelled[labelled["label"] == path.stem]
+        rows = known(labelled, path.stem)
         _, success = read_grasps_of(path)
-        expected = rows["collision_free"] & (rows["robust_success_rate"] >= 0.5)
-        assert success.tolist() == expected.astype(int).tolist()
+        held = rows["simulated_outcome"].isin(["success", "slipped_lifting", "dropped"])
+        assert success.tolist() == held.astype(int).tolist()
         with h5py.File(path) as file:
-            assert "not simulated" in file["grasps/qualities/egad/success"].attrs["meaning"]
+            flex = {name: values[()] for name, values in file["grasps/qualities/flex"].items()}
+        for name in ("linear", "angular"):
+            assert np.isfinite(flex[f"object_motion_during_shaking_{name}"])[success == 1].all()
+            assert (
+                np.isnan(flex[f"object_motion_during_closing_{name}"]).sum()
+                == (~rows["collision_free"]).sum()
+            )
+        labels += success.tolist()
+    assert set(labels) == {0, 1}
+
+
+def test_our_own_label_is_what_its_attribute_says(files, labelled):
+    for path in files.iterdir():
+        rows = known(labelled, path.stem)
+        with h5py.File(path) as file:
+            own = file["grasps/qualities/egad"]
+            expected = rows["collision_free"] & (rows["robust_success_rate"] >= 0.5)
+            assert own["success"][()].tolist() == expected.astype(int).tolist()
+            assert "not simulated" in own["success"].attrs["meaning"]
             for name in QUALITIES:
-                values = file["grasps/qualities/egad"][name][()]
+                values = own[name][()]
                 assert (values == rows[name]).all()
                 assert np.isfinite(values).all()
             assert file["gripper/type"][()].decode() == GRIPPER
+
+
+def test_without_simulated_labels_there_are_no_files(dataset, labelled, settings, tmp_path):
+    grasps = tmp_path / "grasps.parquet"
+    parquet.write(labelled, GRASPS, grasps)
+    scales = dataset / "rescaled" / GRIPPER / "scales.parquet"
+    with pytest.raises(UserError, match=r"no simulated labels.*targets.simulated_labels"):
+        acronym.run(
+            select(settings, AcronymFiles, GRIPPER),
+            GRIPPER,
+            dataset / "objects.parquet",
+            scales,
+            grasps,
+            tmp_path / "out",
+        )
 
 
 def test_files_are_the_same_bytes_again(files, dataset, settings, tmp_path):

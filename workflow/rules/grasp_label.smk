@@ -3,7 +3,8 @@
 Inputs: results/D/objects.parquet, results/D/rescaled/G.
 Outputs: results/D/grasps/G.parquet; G.sampling.parquet, the sampling statistics of each object;
 G.rejected.parquet, the objects without grasps.
-Steps: shards of objects are labelled; then the tables of the shards are joined.
+Steps: shards of objects are labelled; if targets.simulated_labels is true, or ACRONYM files are
+asked for, their grasps are simulated; then the tables of the shards are joined.
 """
 
 
@@ -51,9 +52,46 @@ rule grasp_label:
         " > {log:q} 2>&1"
 
 
+def simulates_labels():
+    """Whether grasps get simulated labels; ACRONYM files need them."""
+    targets = SETTINGS.targets
+    return targets.simulated_labels or "acronym" in targets.exports
+
+
+rule simulated_label:
+    """Simulate the labelled grasps of the objects of a shard."""
+    input:
+        grasps="results/{dataset}/parts/grasps-{gripper}-{shard}.parquet",
+        scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
+    output:
+        ensure("results/{dataset}/parts/simulated-{gripper}-{shard}.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/simulated_label/{gripper}-{shard}.log",
+    benchmark:
+        "benchmarks/{dataset}/simulated_label/{gripper}-{shard}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        **needs(mb=2000, minutes=60),
+    params:
+        settings=settings_of("simulated_label"),
+        meshes=subpath(input.scales, parent=True),
+        code=code_of("simulated_label"),
+    message:
+        "Simulating grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
+    shell:
+        "egad simulated-label --settings {params.settings:q} --grasps {input.grasps:q}"
+        " --meshes {params.meshes:q} --out {output:q} > {log:q} 2>&1"
+
+
 use rule join as join_grasps with:
     input:
-        parts("results/{dataset}/parts/grasps-{gripper}-{shard}.parquet"),
+        parts(
+            "results/{dataset}/parts/simulated-{gripper}-{shard}.parquet"
+            if simulates_labels()
+            else "results/{dataset}/parts/grasps-{gripper}-{shard}.parquet"
+        ),
     output:
         ensure("results/{dataset}/grasps/{gripper}.parquet", non_empty=True),
     log:

@@ -28,7 +28,7 @@ from egad.pipeline.config.sections import (
 )
 from egad.pipeline.config.settings import Settings
 from egad.reeb import Similarity
-from egad.sim import Agreement, Lifting, Trials
+from egad.sim import Agreement, Lifting, SimulatedLabel, Trials
 
 __all__ = [
     "CAMERAS",
@@ -76,6 +76,7 @@ __all__ = [
     "Settings",
     "Shape",
     "Similarity",
+    "SimulatedLabel",
     "SizeEffect",
     "Space",
     "Symmetry",

@@ -141,6 +141,11 @@ class Targets(Parameters):
     agreement: bool = Field(
         False, description="whether to execute a sample of the labelled grasps in simulation"
     )
+    simulated_labels: bool = Field(
+        False,
+        description="whether to simulate labelled grasps of all objects; for ACRONYM files it is "
+        "done in any case",
+    )
     render: bool = Field(
         False, description="whether to render depth images with grasps for training"
     )

@@ -27,7 +27,7 @@ from egad.pipeline.config.sections import (
     TrainingStudy,
 )
 from egad.reeb import Similarity
-from egad.sim import Agreement, Trials
+from egad.sim import Agreement, SimulatedLabel, Trials
 
 
 class Settings(Parameters):
@@ -71,6 +71,7 @@ class Settings(Parameters):
     dexnet: DexNet = DexNet()
     acronym: Acronym = Acronym()
     trials: Trials = Trials()
+    simulated_label: SimulatedLabel = SimulatedLabel()
     agreement: Agreement = Agreement()
     training: Training = Training()
     render: Render = Render()

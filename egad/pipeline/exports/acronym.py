@@ -44,12 +44,13 @@ def run(
         gripper: Name of the gripper.
         objects: Table with the columns of `tables.objects.OBJECTS`.
         scales: Table with the columns of `tables.grasping.SCALES`.
-        grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
+        grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by label.
         out: The labelled grasps for gripper G as ACRONYM files; the root of their meshes is `D`.
             Made if `targets.exports` contains `acronym`. See `docs/exchange.md`.
 
     Raises:
-        UserError: A name is not allowed, tables do not match, or the folder has other files.
+        UserError: A name is not allowed, tables do not match, the grasps have no simulated labels,
+            or the folder has other files.
     """
     check_not_file(out)
     if foreign := [path.name for path in sorted(out.glob("*")) if not is_ours(path)]:
@@ -58,6 +59,11 @@ def run(
             "name a folder of its own"
         )
     check_key(gripper, "gripper")
+    if "simulated_outcome" not in parquet.columns(grasps):
+        raise UserError(
+            f"{grasps} has no simulated labels, which ACRONYM files need: run the workflow with "
+            "targets.simulated_labels: true"
+        )
     table = parquet.read(objects, OBJECTS)
     factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()
     known = {row["label"]: row for row in parquet.records(table) if row["label"] in factors}

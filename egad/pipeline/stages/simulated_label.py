@@ -1,0 +1,96 @@
+"""simulated-label: labelled grasps of the objects of a shard, closed, shaken and lifted."""
+
+import logging
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import pandas as pd
+
+from egad._util.child_process import Survivor
+from egad._util.progress import phase, progress
+from egad.errors import RejectedError
+from egad.exchange import read_mesh
+from egad.outcomes import Outcome
+from egad.pipeline.config import Bundle, Material
+from egad.pipeline.parameters import Input, Output, command
+from egad.pipeline.stages.bundled import ENGINE_TIME
+from egad.sim import (
+    SimulatedGrasp,
+    SimulatedLabelParameters,
+    build,
+    chosen_grasps,
+    simulate_labels,
+    with_simulated_labels,
+)
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS, SIMULATED_GRASPS
+
+log = logging.getLogger(__name__)
+
+
+class SimulatedLabels(SimulatedLabelParameters):
+    """Simulated labels of the grasps of a gripper."""
+
+    material: Material
+    bundle: Bundle
+
+
+@command()
+def run(
+    settings: SimulatedLabels,
+    grasps: Annotated[Path, Input()],
+    meshes: Annotated[Path, Input()],
+    out: Annotated[Path, Output("D/grasps/G.parquet", SIMULATED_GRASPS)],
+) -> None:
+    """Simulate the grasps of the objects of a shard: closed in free space, shaken and lifted.
+
+    Everything runs in a separate process. If an object crashes it twice, its grasps are marked as
+    crashed.
+
+    Args:
+        settings: Settings of this stage.
+        grasps: Labelled grasps of the shard.
+        meshes: Folder of the scaled meshes.
+        out: The same grasps with their simulated labels. Made if `targets.simulated_labels` is
+            true.
+    """
+    labelled = parquet.read(grasps, GRASPS)
+    found = []
+    phase("starting the simulator")
+    limit = ENGINE_TIME * settings.simulated_label.grasps
+    objects = labelled.groupby("label")
+    with Survivor(partial(simulator, settings, meshes), limit) as simulate:
+        for _, rows in progress(objects, "simulating grasps", objects.ngroups):
+            labels = simulate(rows)
+            found.append(_failed(rows, settings, Outcome.CRASHED) if labels is None else labels)
+    whole = pd.concat(found) if found else parquet.empty(SIMULATED_GRASPS)
+    parquet.write(whole, SIMULATED_GRASPS, out)
+    known = whole["simulated_success"].dropna()
+    log.info("%d grasps simulated, %d held", len(known), int(known.sum()))
+
+
+@contextmanager
+def simulator(
+    settings: SimulatedLabels, meshes: Path
+) -> Iterator[Callable[[pd.DataFrame], pd.DataFrame]]:
+    """A function that adds simulated labels to the grasps of an object."""
+
+    def simulate(rows: pd.DataFrame) -> pd.DataFrame:
+        label = rows["label"].iloc[0]
+        try:
+            mesh = read_mesh(meshes / f"{label}.obj", "m")
+            model = build(mesh, settings.material.density, settings.bundle)
+        except RejectedError as reason:
+            log.warning("%s cannot be simulated: %s", label, reason)
+            return _failed(rows, settings, Outcome.FAILED)
+        return simulate_labels(model, rows, settings)
+
+    yield simulate
+
+
+def _failed(rows: pd.DataFrame, settings: SimulatedLabels, outcome: Outcome) -> pd.DataFrame:
+    chosen = chosen_grasps(rows, settings)
+    return with_simulated_labels(rows, chosen, [SimulatedGrasp(outcome)] * len(chosen), settings)

@@ -1,0 +1,177 @@
+"""Simulated labels of grasps: closed in free space, shaken, and lifted.
+
+ACRONYM (Eppner 2021, section III) closes the fingers on an object that floats without weight, moves
+the hand up and down along its approach and turns it to and fro about it, and asks whether both
+fingers still hold the object. Here gravity then pulls at it, and it is lifted as in every trial.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from egad.grasps import Gripper
+from egad.outcomes import Outcome
+from egad.sim.arms import Arm, Axis, HandPose
+from egad.sim.execution import carried
+from egad.sim.gripper import COLLISION_FORCE, Hand
+from egad.sim.labelled_trials import floating_pose
+from egad.sim.model import Model
+from egad.sim.parameters import Lifting, SimulatedLabelParameters
+from egad.sim.world import (
+    DOWN,
+    TIME_STEP,
+    WEIGHTLESS,
+    Pose,
+    UnstableError,
+    World,
+    installed_engine,
+    open_world,
+)
+from egad.tables import parquet
+from egad.tables.grasping import MOTIONS
+
+Floats = NDArray[np.float64]
+
+# At its turning points the hand speeds up by 11 m/s2, a little more than gravity does; when it
+# turns, by as much 6 cm off its axis. ACRONYM gives no numbers.
+SHAKES = 2  # each way
+FREQUENCY = 3.0  # Hz
+AMPLITUDE = 0.03  # metres
+SWING = 0.5  # radians
+NOT_A_MOTION = (np.nan, np.nan)
+
+
+class SimulatedGrasp(NamedTuple):
+    """What became of a grasp.
+
+    Attributes:
+        outcome: `success`: held to the end; `collided`, `missed`, `slipped_closing`,
+            `slipped_shaking`, `slipped_lifting` or `dropped`, whichever came first; `failed`.
+        closing: How far the object moved against the hand while the fingers closed: its center of
+            mass in metres, and its turn in radians.
+        shaking: The same while it was shaken; not a number if it did not come to that.
+    """
+
+    outcome: Outcome
+    closing: tuple[float, float] = NOT_A_MOTION
+    shaking: tuple[float, float] = NOT_A_MOTION
+
+
+def simulate_labels(
+    model: Model, grasps: pd.DataFrame, settings: SimulatedLabelParameters
+) -> pd.DataFrame:
+    """Simulate collision-free grasps of an object, each in an engine that knows of no other.
+
+    Args:
+        model: The object.
+        grasps: Columns of `tables.grasping.GRASPS`, of the object.
+        settings: Gripper, friction of the labels, engine, lift, how many grasps.
+
+    Returns:
+        The grasps with the columns of `tables.grasping.SIMULATED_GRASPS`.
+    """
+    gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
+    arm, chosen = Axis(gripper), chosen_grasps(grasps, settings)
+    with open_world(settings.trials.engine, model, arm.robot) as world:
+        found = [
+            simulate_grasp(world, arm, *_floating(model, row, gripper), settings.trials)
+            for row in parquet.records(grasps.iloc[chosen])
+        ]
+    return with_simulated_labels(grasps, chosen, found, settings)
+
+
+def chosen_grasps(grasps: pd.DataFrame, settings: SimulatedLabelParameters) -> NDArray[np.int64]:
+    """Which grasps are simulated: the first that are free of collisions; numbers of rows."""
+    return np.flatnonzero(grasps["collision_free"])[: settings.simulated_label.grasps]
+
+
+def with_simulated_labels(
+    grasps: pd.DataFrame,
+    chosen: NDArray[np.int64],
+    found: Sequence[SimulatedGrasp],
+    settings: SimulatedLabelParameters,
+) -> pd.DataFrame:
+    """Grasps with the columns of `tables.grasping.SIMULATED_GRASPS`.
+
+    Args:
+        grasps: Columns of `tables.grasping.GRASPS`.
+        chosen: Numbers of the rows that were simulated; in all others the columns are missing.
+        found: What became of these.
+        settings: Of the simulation.
+    """
+    rows = [
+        (each.outcome.value, each.outcome == Outcome.SUCCESS, *each.closing, *each.shaking)
+        for each in found
+    ]
+    names = ["simulated_outcome", "simulated_success", *MOTIONS]
+    labels = pd.DataFrame(rows, index=chosen, columns=names, dtype=object)
+    labels["simulated_engine"] = installed_engine(settings.trials.engine)
+    return grasps.reset_index(drop=True).join(labels)
+
+
+def simulate_grasp(
+    world: World, arm: Arm, start: Pose, stance: HandPose, lifting: Lifting
+) -> SimulatedGrasp:
+    """Close the open hand on a floating object, shake it and lift it; nothing before matters.
+
+    Args:
+        world: A world of the arm's robot.
+        arm: What carries the hand; it can turn.
+        start: Where the object floats.
+        stance: Where the hand is.
+        lifting: Lift and hold.
+    """
+    world.reset()
+    world.place(start)
+    world.set_gravity(WEIGHTLESS)
+    hand = Hand(world, arm, stance, arm.robot.gripper.opening)
+    try:
+        return _simulated(hand, stance, lifting)
+    except UnstableError:
+        return SimulatedGrasp(Outcome.FAILED)
+
+
+def _simulated(hand: Hand, stance: HandPose, lifting: Lifting) -> SimulatedGrasp:
+    world, before = hand.world, hand.world.pose()
+    world.step()
+    if world.forces().hand > COLLISION_FORCE:
+        return SimulatedGrasp(Outcome.COLLIDED)
+    touched = hand.close()
+    held = world.pose()
+    closing = _motion(before, held)
+    if not hand.pinches():
+        return SimulatedGrasp(Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED, closing)
+    for place in _shaking(stance):
+        hand.steer(place)
+        world.step()
+    shaking = _motion(held, world.pose())  # the hand is back where it was
+    if not hand.pinches():
+        return SimulatedGrasp(Outcome.SLIPPED_SHAKING, closing, shaking)
+    world.set_gravity(DOWN)
+    return SimulatedGrasp(carried(hand, lifting)[0], closing, shaking)
+
+
+def _shaking(stance: HandPose) -> Iterator[HandPose]:
+    """Places of the hand, one a time step: up and down, then to and fro, from rest to rest."""
+    time = TIME_STEP * np.arange(1, round(SHAKES / FREQUENCY / TIME_STEP) + 1)
+    # The envelope lets the hand begin and end at rest.
+    wave = np.sin(2 * np.pi * FREQUENCY * time) * np.sin(np.pi * FREQUENCY / SHAKES * time) ** 2
+    for shift in AMPLITUDE * wave:
+        yield stance._replace(height=stance.height + float(shift))
+    for turn in SWING * wave:
+        yield stance._replace(angle=stance.angle + float(turn))
+
+
+def _motion(before: Pose, after: Pose) -> tuple[float, float]:
+    turn = Rotation.from_quat(after.quaternion) * Rotation.from_quat(before.quaternion).inv()
+    shift = np.linalg.norm(after.position - before.position)
+    return float(shift), float(turn.magnitude())
+
+
+def _floating(model: Model, row: dict[str, object], gripper: Gripper) -> tuple[Pose, HandPose]:
+    pose, grasp = floating_pose(model, row, gripper)
+    return pose, HandPose(*grasp.center[:2], grasp.tip, grasp.angle)

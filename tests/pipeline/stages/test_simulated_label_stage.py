@@ -1,0 +1,82 @@
+"""Simulated labels of a shard: every grasp keeps its row, whatever becomes of its object."""
+
+import os
+
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+
+from egad.exchange.meshes import write_obj
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.stages import simulated_label
+from egad.pipeline.stages.simulated_label import SimulatedLabels
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS, SIMULATED_GRASPS
+
+SETTINGS = select(
+    Settings.model_validate({"trials": {"engine": "mujoco"}, "simulated_label": {"grasps": 2}}),
+    SimulatedLabels,
+    "egad_75mm",
+)
+BOX = trimesh.creation.box((0.04, 0.04, 0.04))
+OPEN = trimesh.Trimesh(BOX.vertices, BOX.faces[1:], process=False)
+
+
+@pytest.fixture
+def shard(tmp_path):
+    """Grasps of a box, of a surface that is no solid, and of an object without a mesh."""
+    rows = []
+    for label in ("A00_0", "B00_0", "C00_0"):
+        for number in range(3):
+            row = dict.fromkeys(GRASPS.names, 0) | {"label": label, "id": f"id-{label}"}
+            rows.append(
+                row
+                | {"grasp": number, "axis_x": 1.0, "approach_z": -1.0, "width": 0.04}
+                | {"fits": True, "collision_free": number > 0}
+            )
+    parquet.write(pd.DataFrame(rows), GRASPS, tmp_path / "grasps.parquet")
+    write_obj(BOX, tmp_path / "meshes/A00_0.obj")
+    write_obj(OPEN, tmp_path / "meshes/B00_0.obj")
+    return tmp_path
+
+
+def labels(shard):
+    simulated_label.run(SETTINGS, shard / "grasps.parquet", shard / "meshes", shard / "out.parquet")
+    return parquet.read(shard / "out.parquet", SIMULATED_GRASPS)
+
+
+def test_every_grasp_keeps_its_row(shard):
+    found = labels(shard)
+    before = parquet.read(shard / "grasps.parquet", GRASPS)
+    pd.testing.assert_frame_equal(found[GRASPS.names], before)
+    outcomes = found["simulated_outcome"].fillna("").to_numpy().reshape(3, 3).tolist()
+    assert outcomes == [
+        ["", "success", "success"],
+        ["", "failed", "failed"],
+        ["", "failed", "failed"],
+    ]
+    assert found["simulated_success"].dropna().tolist() == [True, True] + [False] * 4
+
+
+def test_a_crash_of_the_engine_is_an_outcome(shard, monkeypatch):
+    monkeypatch.setattr(simulated_label, "simulator", Dying)
+    assert set(labels(shard)["simulated_outcome"].dropna()) == {"crashed"}
+
+
+class Dying:
+    def __init__(self, *_):
+        pass
+
+    def __enter__(self):
+        return lambda _: os._exit(11)
+
+    def __exit__(self, *_):
+        pass
+
+
+def test_tables_without_simulated_labels_are_read_as_unknown(shard):
+    found = parquet.read(shard / "grasps.parquet", SIMULATED_GRASPS)
+    assert found["simulated_outcome"].isna().all()
+    assert np.isnan(found["simulated_shaking_turn"]).all()
