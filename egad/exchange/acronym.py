@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from egad.exchange import sums
 from egad.exchange.hdf5 import add_array, add_group, writing
-from egad.grasps import Grasps, panda_poses
-from egad.outcomes import Outcome
+from egad.grasps import SHAKEN_AND_HELD, Grasps, panda_poses
 from egad.tables.grasping import MOTIONS
 
 Floats = NDArray[np.float64]
@@ -30,7 +29,6 @@ FLEX_MOTIONS = {
     for phase in ("closing", "shaking")
     for theirs, ours in (("linear", "shift"), ("angular", "turn"))
 }
-SHAKEN_AND_HELD = (Outcome.SUCCESS, Outcome.SLIPPED_LIFTING, Outcome.DROPPED)
 COLUMNS = [
     *(f"{name}_{part}" for name in ("center", "axis", "approach") for part in "xyz"),
     "width",
@@ -133,7 +131,7 @@ def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, least: float)
         f"{least} of the disturbed copies hold"
     )
     flex = add_group(group, "qualities/flex")
-    held = grasps["simulated_outcome"].isin([outcome.value for outcome in SHAKEN_AND_HELD])
+    held = grasps["simulated_outcome"].isin(SHAKEN_AND_HELD)
     add_array(flex, "object_in_gripper", held.to_numpy(dtype=np.int64))
     for name, motion in FLEX_MOTIONS.items():
         add_array(flex, name, grasps[motion].to_numpy(dtype=np.float64))

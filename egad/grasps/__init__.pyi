@@ -40,3 +40,5 @@ from .sampler import SamplingStatistics as SamplingStatistics
 from .sampler import join as join
 from .sampler import sample_contacts as sample_contacts
 from .sampler import valid_contacts as valid_contacts
+from .simulated import SHAKEN_AND_HELD as SHAKEN_AND_HELD
+from .simulated import simulated_difficulty as simulated_difficulty

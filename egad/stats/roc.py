@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -19,6 +20,7 @@ Areas = Callable[[NDArray[np.int64]], Floats]
 # these, its intervals are too narrow, most of all where one object has them all.
 FEWEST = 5
 BINS = 10
+_SIDES: tuple[Literal["left"], Literal["right"]] = ("left", "right")
 
 
 @dataclass(frozen=True)
@@ -101,11 +103,14 @@ def _areas(rating: Floats, success: Bools, objects: Names) -> tuple[Areas, float
     """From draws of objects to areas; and the area of pairs of one object."""
     names, owner = np.unique(objects, return_inverse=True)
     count = len(names)
-    member = (owner[:, None] == np.arange(count)).astype(np.float64)
-    good, bad = member[success], member[~success]
-    apart = rating[success][:, None] - rating[~success][None]
-    won = good.T @ ((np.sign(apart) + 1) / 2) @ bad
-    counts = good.sum(axis=0), bad.sum(axis=0)
+    counts = [
+        np.bincount(owner[each], minlength=count).astype(float) for each in (success, ~success)
+    ]
+    won = np.empty((count, count))  # pairs of successes of one and failures of another object
+    for number in range(count):
+        failed = np.sort(rating[~success & (owner == number)])
+        below, upto = (np.searchsorted(failed, rating[success], side) for side in _SIDES)
+        won[:, number] = np.bincount(owner[success], (below + upto) / 2, count)
 
     def areas(drawn: NDArray[np.int64]) -> Floats:
         cells = drawn + count * np.arange(len(drawn))[:, None]

@@ -85,10 +85,25 @@ _SIMULATED = [
     ),
     column("simulated_success", BOOL, "whether the object was still held at the end"),
     *_MOTIONS,
-    column("simulated_engine", STRING, "physics engine"),
+    (_ENGINE := column("simulated_engine", STRING, "physics engine")),
 ]
 SIMULATED_GRASPS = pa.schema([*GRASPS, *map(optional, _SIMULATED)])
 """Labelled grasps, and what simulation says of them if `targets.simulated_labels` is true."""
+
+SIMULATED_OBJECTS = pa.schema(
+    [
+        ID,
+        LABEL,
+        column("n_simulated", INT, "number of simulated grasps"),
+        column(
+            "simulated_difficulty",
+            FLOAT,
+            "fraction of them that held when shaken and lifted, high for easy objects",
+        ),
+        column("held_shaking", FLOAT, "fraction of them that held when shaken"),
+        _ENGINE,
+    ]
+)
 
 SAMPLING = pa.schema(
     [

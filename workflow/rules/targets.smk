@@ -13,6 +13,8 @@ def published():
         "size_effect/{gripper}.parquet",
         "print/{gripper}/manifest.parquet",
     ]
+    if targets.simulated_labels:
+        of_gripper.append("simulated/{gripper}.parquet")
     if targets.agreement:
         of_gripper.append("agreement/{gripper}.parquet")
     trials = "trials/{gripper}/{detector}.parquet"

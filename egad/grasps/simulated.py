@@ -1,0 +1,37 @@
+"""What simulated labels of grasps say of their objects."""
+
+import pandas as pd
+
+from egad.outcomes import Outcome
+
+SHAKEN_AND_HELD = tuple(
+    outcome.value for outcome in (Outcome.SUCCESS, Outcome.SLIPPED_LIFTING, Outcome.DROPPED)
+)
+"""Outcomes of grasps that held while the object was shaken."""
+
+
+def simulated_difficulty(grasps: pd.DataFrame) -> pd.DataFrame:
+    """How often the simulated grasps of each object held (ours).
+
+    Args:
+        grasps: Columns of `tables.grasping.SIMULATED_GRASPS`; those that were not simulated do not
+            count.
+
+    Returns:
+        One row per object that has any, sorted by label: `id`, `label`, `n_simulated`;
+        `simulated_difficulty`, the share that was shaken and lifted and still held, high for easy
+        objects as all difficulties are; `held_shaking`, the share that held while it was shaken,
+        which is ACRONYM's success; `simulated_engine`.
+    """
+    known = grasps[grasps["simulated_outcome"].notna()]
+    marked = known.assign(
+        success=known["simulated_success"].astype(float),
+        shaken=known["simulated_outcome"].isin(SHAKEN_AND_HELD),
+    )
+    found = marked.groupby(["label", "id"], as_index=False).agg(
+        n_simulated=("success", "size"),
+        simulated_difficulty=("success", "mean"),
+        held_shaking=("shaken", "mean"),
+        simulated_engine=("simulated_engine", "first"),
+    )
+    return found.sort_values("label", ignore_index=True)
