@@ -189,6 +189,17 @@ class TrialRunner:
             return Attempt(None, *ready, end=rest)
         return self._carried_out(grasp, ready)
 
+    def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
+        """A grasp of an object that lies still, in a world that knows nothing else.
+
+        Args:
+            rest: Where it lies.
+            grasp: What is tried.
+        """
+        self.world.reset()
+        self.world.place(rest)
+        return self._carried_out(grasp, Ready(InitialPose("left", rest), rest))
+
     def render_view(self) -> View:
         """A depth image of the object where it is now."""
         return self.eye.render(self.world.pose().matrix, self.intrinsics, self.camera)

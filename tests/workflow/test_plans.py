@@ -10,6 +10,7 @@ from egad.pipeline.config import Settings
 from egad.pipeline.stages.shards import shard_of
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49, TRIALS
+from egad.tables.grasping import SIMULATED_GRASPS, SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
 
 TRIED = {"simulated_trial", "join_trials"}
@@ -242,10 +243,12 @@ def test_a_measure_that_is_not_there_stops_the_run(clean):
 
 @pytest.mark.slow
 def test_exports_are_made_if_they_are_asked_for(copy):
-    wanted = copy.overlay("exports.yaml", {"targets": {"exports": ["dexnet", "acronym"]}})
-    configs = ["config/test.yaml", wanted]
+    asked = {"targets": {"exports": ["dexnet", "acronym"]}, "simulated_label": {"grasps": 3}}
+    configs = ["config/test.yaml", copy.overlay("exports.yaml", asked)]
     planned = copy.planned(configs=configs)
-    assert planned == {"dexnet_objects": 2, "dexnet": 1, "export": 1, "report": 1, "all": 1}
+    simulated = {"simulated_label": 2, "join_grasps": 1, "datasheet": 1}
+    written = {"dexnet_objects": 2, "dexnet": 1, "export": 1, "report": 1, "all": 1}
+    assert planned == simulated | written
     copy.make("--cores", 2, configs=configs)
     assert copy.planned(configs=configs) == {}
     assert (copy.results / "egad/exchange/egad_75mm.hdf5").stat().st_size > 10_000
@@ -417,6 +420,20 @@ def test_labelled_grasps_are_carried_out_if_that_is_asked_for(copy):
     assert 'id="agreement"' in (copy.results / "report.html").read_text(encoding="utf-8")
     changed = copy.overlay("changed.yaml", {"agreement": {"grasps": 5}})
     assert copy.planned(configs=[*configs, changed]) == made
+
+
+@pytest.mark.slow
+def test_labelled_grasps_are_simulated_if_that_is_asked_for(copy):
+    asked = {"targets": {"simulated_labels": True}, "simulated_label": {"grasps": 3}}
+    configs = ["config/test.yaml", copy.overlay("simulated.yaml", asked)]
+    summary = {"simulated_label": 2, "join_grasps": 1, "simulated_difficulty": 1, "datasheet": 1}
+    assert copy.planned(configs=configs) == summary | {"report": 1, "all": 1}
+    copy.make("--cores", 2, configs=configs)
+    assert copy.planned(configs=configs) == {}
+    grasps = parquet.read(copy.results / "egad/grasps/egad_75mm.parquet", SIMULATED_GRASPS)
+    objects = parquet.read(copy.results / "egad/simulated/egad_75mm.parquet", SIMULATED_OBJECTS)
+    assert objects["n_simulated"].sum() == grasps["simulated_outcome"].notna().sum() > 0
+    assert objects["n_simulated"].max() == 3
 
 
 def test_images_are_rendered_if_that_is_asked_for(copy):

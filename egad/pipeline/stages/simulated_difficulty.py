@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
+from egad.errors import UserError
 from egad.grasps import simulated_difficulty
 from egad.pipeline.parameters import Input, Output, command
 from egad.tables import parquet
@@ -20,6 +21,11 @@ def run(
         grasps: Labelled grasps with simulated labels.
         out: How often the simulated grasps of each object held, for gripper G. Made if
             `targets.simulated_labels` is true.
+
+    Raises:
+        UserError: The grasps have no simulated labels.
     """
+    if "simulated_outcome" not in parquet.columns(grasps):
+        raise UserError(f"{grasps} has no simulated labels; set targets.simulated_labels: true")
     table = parquet.read(grasps, SIMULATED_GRASPS)
     parquet.write(simulated_difficulty(table), SIMULATED_OBJECTS, out)

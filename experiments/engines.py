@@ -1,0 +1,88 @@
+"""How far two physics engines agree: `python experiments/engines.py RESULTS/D GRIPPER`.
+
+Every attempt of the tables `trials/GRIPPER/P.parquet` that came to a grasp is carried out once more
+in PyBullet and in MuJoCo, from the same state: the object lies where PyBullet let it come to rest,
+and the hand does what the detector proposed. Then the experiment prints, for each detector, how
+often both engines give the same outcome and the same success, and the rank correlation of the
+success rates of the objects; and what MuJoCo says of the attempts of each outcome of PyBullet.
+"""
+
+import sys
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.stats import spearmanr
+
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.pipeline.config import GRIPPERS, Trials
+from egad.pipeline.stages.bundled import model_in, rows_by_id
+from egad.sim import ARMS, ENGINES, TrialRunner, open_world, read_attempt
+from egad.tables import parquet
+from egad.tables.evaluation import TRIALS
+
+PAIR = list(ENGINES)
+
+
+def attempts_of(results: Path, gripper: str) -> pd.DataFrame:
+    """The attempts of all detectors that came to a grasp."""
+    tables = [
+        parquet.read(path, TRIALS).assign(detector=path.stem)
+        for path in sorted((results / "trials" / gripper).glob("*.parquet"))
+    ]
+    table = pd.concat(tables, ignore_index=True)
+    return table[table["width"].notna()]
+
+
+def carried_out(rows: tuple[str, pd.DataFrame], results: Path, gripper: str) -> pd.DataFrame:
+    """The attempts at an object with their outcomes in both engines, as columns of these names."""
+    name, table = rows
+    bundle = results / "bundle" / gripper
+    model, arm = model_in(bundle, rows_by_id(bundle)[name]), ARMS["axis"](GRIPPERS[gripper])
+    tried = [read_attempt(row) for row in parquet.records(table)]
+    with open_world("pybullet", model, arm.robot) as world:
+        runner = TrialRunner(world, arm, Trials())
+        first = [runner.repeat(*each) for each in tried]
+    rests = [attempt.rest for attempt in first]
+    found = {}
+    for engine in PAIR:
+        with open_world(engine, model, arm.robot) as world:
+            runner = TrialRunner(world, arm, Trials())
+            found[engine] = [
+                runner.carry_out(rest, grasp).outcome if rest and grasp else None
+                for rest, (_, grasp) in zip(rests, tried, strict=True)
+            ]
+    return table.assign(**found)
+
+
+def row(name: str, table: pd.DataFrame) -> str:
+    """A row of the table: agreement of the attempts of a detector."""
+    first, second = (table[engine] for engine in PAIR)
+    held = pd.DataFrame({engine: table[engine] == "success" for engine in PAIR})
+    rates = held.groupby(table["label"]).mean()
+    shares = [np.mean(first == second), np.mean(held[PAIR[0]] == held[PAIR[1]]), *held.mean()]
+    texts = " | ".join(f"{100 * share:.1f} %" for share in shares)
+    order = spearmanr(*(rates[engine] for engine in PAIR)).statistic
+    return f"| {name} | {len(table)} | {texts} | {order:.3f} |"
+
+
+def main(results: Path, gripper: str) -> None:
+    """Print the tables."""
+    table = attempts_of(results, gripper)
+    work = partial(carried_out, results=results, gripper=gripper)
+    groups = [(str(name), rows) for name, rows in table.groupby("id")]
+    with workers(2, chunk=1) as mapper:
+        found = pd.concat(list(progress(mapper(work, groups), "carrying out", len(groups))))
+    known = found.dropna(subset=PAIR)
+    print(f"| detector | attempts | same outcome | same success | {PAIR[0]} | {PAIR[1]} | ranks |")
+    print("| --- " * 7 + "|")
+    for name, rows in known.groupby("detector"):
+        print(row(str(name), rows))
+    print(row("all", known))
+    print(pd.crosstab(known[PAIR[0]], known[PAIR[1]]).to_markdown())
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), sys.argv[2])

@@ -1,0 +1,26 @@
+"""The summary of simulated labels counts what was simulated, and nothing else."""
+
+import numpy as np
+import pandas as pd
+
+from egad.grasps import simulated_difficulty
+from egad.tables.grasping import SIMULATED_OBJECTS
+
+
+def test_shares_are_those_of_the_simulated_grasps():
+    outcomes = ["success", "slipped_lifting", "missed", None, "success", "slipped_shaking", None]
+    table = pd.DataFrame(
+        {
+            "label": list("BBBBAAC"),
+            "id": list("bbbbaac"),
+            "simulated_outcome": outcomes,
+            "simulated_success": [None if each is None else each == "success" for each in outcomes],
+            "simulated_engine": [None if each is None else "mujoco" for each in outcomes],
+        }
+    )
+    found = simulated_difficulty(table)
+    assert list(found) == [*SIMULATED_OBJECTS.names[1::-1], *SIMULATED_OBJECTS.names[2:]]
+    assert found["label"].tolist() == ["A", "B"]
+    assert found["n_simulated"].tolist() == [2, 3]
+    np.testing.assert_allclose(found["simulated_difficulty"], [1 / 2, 1 / 3])
+    np.testing.assert_allclose(found["held_shaking"], [1 / 2, 2 / 3])
