@@ -1,7 +1,9 @@
 """The parallel-jaw hand of the gripper table, on an axis or on a Panda arm, as links and joints."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
@@ -14,6 +16,7 @@ from egad.grasps import Gripper
 
 Floats = NDArray[np.float64]
 Vector = tuple[float, float, float]
+Motion = Callable[[float], Floats]
 
 PALM, LEFT, RIGHT, TIP = "palm", "left", "right", "tip"
 PALM_MASS = 0.6
@@ -112,15 +115,19 @@ class Robot:
         Returns:
             The frames of the arm's joints in their order, then that of the tip.
         """
-        values, poses = dict(zip(self.arm, positions, strict=True)), []
+        values, poses = iter(positions), []
         pose = np.eye(4)
-        for joint in self.joints:
-            if joint.child in (LEFT, RIGHT):
-                continue
-            pose = pose @ _motion(joint, values.get(joint.child, 0.0))
-            if joint.child in values or joint.child == TIP:
+        for moves, motion in self._chain:
+            pose = pose @ motion(next(values) if moves else 0.0)
+            if moves:
                 poses.append(pose)
-        return poses
+        return [*poses, pose]
+
+    @cached_property
+    def _chain(self) -> list[tuple[bool, Motion]]:
+        """The joints from the root to the tip: whether the arm moves them, and how."""
+        carried = [joint for joint in self.joints if joint.child not in (LEFT, RIGHT)]
+        return [(joint.child in self.strength, _motion(joint)) for joint in carried]
 
 
 def on_axis(gripper: Gripper) -> Robot:
@@ -202,17 +209,20 @@ def _around(end: Vector) -> Box:
     return Box((x, y, z), (end[0] / 2, end[1] / 2, end[2] / 2))
 
 
-def _motion(joint: Joint, value: float) -> Floats:
-    """The (4, 4) transform from the child's frame to the parent's."""
-    pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_rotvec(joint.turn).as_matrix()
-    pose[:3, 3] = joint.origin
-    axis = np.array(joint.axis)
+def _motion(joint: Joint) -> Motion:
+    """From a joint's position to the (4, 4) transform from the child's frame to the parent's."""
+    fixed = np.eye(4)
+    fixed[:3, :3] = Rotation.from_rotvec(joint.turn).as_matrix()
+    fixed[:3, 3] = joint.origin
+    x, y, z = joint.axis
+    shift, cross = np.zeros((2, 4, 4))
+    shift[:3, 3] = fixed[:3, :3] @ joint.axis
+    cross[:3, :3] = [[0, -z, y], [z, 0, -x], [-y, x, 0]]
+    first, second = fixed @ cross, fixed @ cross @ cross
     if joint.kind == "prismatic":
-        pose[:3, 3] += pose[:3, :3] @ axis * value
-    elif joint.kind == "revolute":
-        pose[:3, :3] = pose[:3, :3] @ Rotation.from_rotvec(axis * value).as_matrix()
-    return pose
+        return lambda value: fixed + value * shift
+    # Rodrigues' formula
+    return lambda value: fixed + math.sin(value) * first + (1 - math.cos(value)) * second
 
 
 def _write_link(root: Element, link: Link) -> None:

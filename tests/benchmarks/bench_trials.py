@@ -48,7 +48,7 @@ def models():
     cells = candidates_by_cell(archive, SETTINGS.select_eval, SETTINGS.space)
     opening, density = SETTINGS.grippers[GRIPPER].opening, SETTINGS.material.density
     found = []
-    for cell in cells[::5]:
+    for cell in list(cells.values())[::5]:
         mesh = repair(packed_surface(archive.iloc[cell[0]]["voxels"], SETTINGS.shape)).mesh
         found.append(build(rescale(mesh, "paper", opening, 0.8)[0], density, SETTINGS.bundle))
     return found
