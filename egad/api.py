@@ -13,7 +13,9 @@ from egad._util.parameters import MAX_SIDE_FRACTION, check_count, from_arguments
 from egad.evalset import Bundle
 from egad.exchange.palm_mesh import palm_mesh
 from egad.geometry import (
+    DEVIATION,
     MAX_PARTS,
+    MAX_VERTICES,
     SIDE_FRACTION,
     VOLUME_ERROR,
     check_units,
@@ -245,21 +247,37 @@ def dataset_grasps(
 
 
 def convex_parts(
-    mesh: trimesh.Trimesh, *, max_parts: int = MAX_PARTS, volume_error: float = VOLUME_ERROR
+    mesh: trimesh.Trimesh,
+    *,
+    max_parts: int = MAX_PARTS,
+    volume_error: float = VOLUME_ERROR,
+    deviation: float = DEVIATION,
+    max_vertices: int = MAX_VERTICES,
 ) -> list[trimesh.Trimesh]:
     """Convex meshes that together approximate a solid, for physics engines.
 
     Args:
-        mesh: A closed surface, in any unit.
+        mesh: A closed surface, metres.
         max_parts: The largest number of parts.
         volume_error: The parts may exceed the solid by this fraction of its volume.
+        deviation: About 99 % of the surface that fingers can touch lies no deeper in a part,
+            metres.
+        max_vertices: The largest number of vertices of a part.
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
         UserError: A number is out of bounds.
     """
-    wanted = from_arguments(Bundle, max_parts=max_parts, volume_error=volume_error)
-    return decomposition.convex_parts(mesh, wanted.max_parts, wanted.volume_error)
+    wanted = from_arguments(
+        Bundle,
+        max_parts=max_parts,
+        volume_error=volume_error,
+        deviation=deviation,
+        max_vertices=max_vertices,
+    )
+    return decomposition.convex_parts(
+        mesh, wanted.max_parts, wanted.volume_error, wanted.deviation, wanted.max_vertices
+    )
 
 
 def stable_poses(

@@ -11,6 +11,7 @@ from egad.evalset.parameters import Bundle
 from egad.geometry import (
     MassProperties,
     StablePose,
+    buried_share,
     coacd_parts,
     group_poses,
     largest_deviation,
@@ -26,6 +27,7 @@ from egad.tables import parquet
 
 LEAST_PROBABILITY = 0.001  # of the poses that are listed
 SAME_POSE = np.radians(5)
+MOST_BURIED = 0.01  # of the touchable surface: may lie deeper in a part than the setting
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,8 @@ class SimulationObject:
         poses: How it can rest on a table: 5 degrees apart, and at least 0.1 % probable.
         volume_error: Volume of the union of the parts / volume of the object - 1.
         deviation: Largest distance of what sticks out of the object from its surface.
+        buried: Share of the surface that fingers can touch that lies deeper in a part than the
+            setting `deviation`.
     """
 
     mesh: trimesh.Trimesh
@@ -47,6 +51,11 @@ class SimulationObject:
     poses: tuple[StablePose, ...]
     volume_error: float
     deviation: float
+    buried: float
+
+    def is_within(self, settings: Bundle) -> bool:
+        """Whether the parts are as close to the object as the settings want."""
+        return abs(self.volume_error) <= settings.volume_error and self.buried <= MOST_BURIED
 
 
 def make_simulation_object(
@@ -65,9 +74,17 @@ def make_simulation_object(
     """
     solid = wind_outwards(mesh)
     if settings.method == "coacd":
-        parts = coacd_parts(solid, settings.coacd_threshold, settings.max_parts)
+        parts = coacd_parts(
+            solid, settings.coacd_threshold, settings.max_parts, settings.max_vertices
+        )
     else:
-        parts = convex_parts(solid, settings.max_parts, settings.volume_error)
+        parts = convex_parts(
+            solid,
+            settings.max_parts,
+            settings.volume_error,
+            settings.deviation,
+            settings.max_vertices,
+        )
     physics = mass_properties(solid, density)
     together = union_of_parts(parts)
     beyond = together - to_solid(solid.vertices, solid.faces)  # parts meet inside, with fine cracks
@@ -79,6 +96,7 @@ def make_simulation_object(
         poses=tuple(pose for pose in poses if pose.probability >= LEAST_PROBABILITY),
         volume_error=float(together.volume()) / physics.volume - 1,
         deviation=0.0 if beyond.is_empty() else largest_deviation(to_mesh(beyond), solid),
+        buried=buried_share(solid, parts, settings.deviation),
     )
 
 
@@ -124,11 +142,12 @@ The visual mesh is in group 2 and collides with nothing, the parts are in group 
 ## The objects
 
 The volume error is the volume of all parts together / that of the object - 1, the deviation how far
-they stick out of the object at most. `!` marks a volume error beyond the bound of
-{bound:.1%}.
+they stick out of the object at most, mostly in narrow hollows. `buried` is the share of the surface
+that fingers can touch that lies more than {depth:g} mm inside a part. `!` marks a volume error
+beyond the bound of {bound:.1%}, or a buried share beyond {buried:.0%}.
 
-| object | parts | volume error | deviation, mm | mass, g | poses |
-| --- | --- | --- | --- | --- | --- |
+| object | parts | volume error | deviation, mm | buried | mass, g | poses |
+| --- | --- | --- | --- | --- | --- | --- |
 {rows}
 {rejected}"""
 
@@ -151,6 +170,8 @@ def page(
         density=density,
         friction=bundle.friction,
         bound=bundle.volume_error,
+        depth=1000 * bundle.deviation,
+        buried=MOST_BURIED,
         rows="\n".join(rows),
         rejected="\n".join(["", "## Left out", "", *missing, ""]) if missing else "",
     )
@@ -158,7 +179,8 @@ def page(
 
 def _line(row: dict[str, Any]) -> str:
     mark = "" if row["within"] else " !"
+    buried = f"{row['buried']:.1%}"
     return (
         f"| {row['label']} | {row['parts']} | {row['volume_error']:.1%}{mark} |"
-        f" {1000 * row['deviation']:.2f} | {1000 * row['mass']:.1f} | {row['poses']} |"
+        f" {1000 * row['deviation']:.2f} | {buried} | {1000 * row['mass']:.1f} | {row['poses']} |"
     )

@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from egad._util.parameters import Length, Name, Parameters, PositiveFraction
-from egad.geometry import MAX_PARTS, VOLUME_ERROR
+from egad.geometry import DEVIATION, MAX_PARTS, MAX_VERTICES, VOLUME_ERROR
 
 
 class SelectEval(Parameters):
@@ -89,6 +89,15 @@ class Bundle(Parameters):
         gt=0,
         lt=1,
         description="largest relative excess volume of the parts; objects above it are marked",
+    )
+    deviation: float = Field(
+        DEVIATION,
+        gt=0,
+        description="metres; 99 % of the surface that fingers can touch lies no deeper in a part "
+        "(method: cut); other objects are marked",
+    )
+    max_vertices: int = Field(
+        MAX_VERTICES, ge=8, description="largest number of vertices of a part"
     )
     coacd_threshold: float = Field(
         0.05, ge=0.01, le=1, description="concavity of a part (method: coacd)"

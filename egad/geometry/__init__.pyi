@@ -18,7 +18,9 @@ from .mass import Body as Body
 from .mass import MassProperties as MassProperties
 from .mass import mass_properties as mass_properties
 from .mass import repair_and_weigh as repair_and_weigh
+from .parameters import DEVIATION as DEVIATION
 from .parameters import MAX_PARTS as MAX_PARTS
+from .parameters import MAX_VERTICES as MAX_VERTICES
 from .parameters import SHELL_THICKNESS as SHELL_THICKNESS
 from .parameters import SIDE_FRACTION as SIDE_FRACTION
 from .parameters import VOLUME_ERROR as VOLUME_ERROR
@@ -40,3 +42,4 @@ from .stable_poses import StablePose as StablePose
 from .stable_poses import group_poses as group_poses
 from .surface_samples import rims as rims
 from .surface_samples import spread as spread
+from .touchable import buried_share as buried_share

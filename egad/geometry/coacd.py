@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
 from egad.errors import RejectedError, UserError
+from egad.geometry.hull_vertices import fewer_vertices
 from egad.geometry.hulls import hull_mesh, hull_of
 
 TIME_LIMIT = 1800  # seconds; it takes minutes at most
@@ -19,7 +20,9 @@ Floats = NDArray[np.float64]
 Task = tuple[Floats, NDArray[np.int64], float, int]
 
 
-def coacd_parts(mesh: trimesh.Trimesh, threshold: float, max_parts: int) -> list[trimesh.Trimesh]:
+def coacd_parts(
+    mesh: trimesh.Trimesh, threshold: float, max_parts: int, max_vertices: int
+) -> list[trimesh.Trimesh]:
     """Convex hulls that together stand for a solid, by CoACD with its seed 0.
 
     It runs in a process of its own, which it is known to abort at times.
@@ -28,6 +31,7 @@ def coacd_parts(mesh: trimesh.Trimesh, threshold: float, max_parts: int) -> list
         mesh: A closed surface wound outwards: inside out, CoACD loses most of the volume.
         threshold: Concavity that a part may have, CoACD's measure.
         max_parts: Most hulls.
+        max_vertices: Of a hull. Others are left out, those that matter least.
 
     Returns:
         Convex meshes with outward normals, at least one.
@@ -47,8 +51,8 @@ def coacd_parts(mesh: trimesh.Trimesh, threshold: float, max_parts: int) -> list
             parts: list[Floats] = run(task)
     except (WorkerDiedError, WorkerTimeoutError) as error:
         raise RejectedError(str(error)) from error
-    hulls = [hull_of(vertices) for vertices in parts]
-    solid = [hull_mesh(hull) for hull in hulls if hull.volume > 0]
+    hulls = [hull for hull in map(hull_of, parts) if hull.volume > 0]
+    solid = [hull_mesh(fewer_vertices(hull, max_vertices, 0.0, 0.0)[0]) for hull in hulls]
     if not solid:
         raise RejectedError("CoACD found no part with a volume")
     return solid

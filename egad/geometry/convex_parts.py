@@ -2,7 +2,7 @@
 
 import heapq
 from collections.abc import Iterator
-from itertools import count, product
+from itertools import count
 from typing import NamedTuple
 
 import numpy as np
@@ -11,59 +11,75 @@ from numpy.typing import NDArray
 
 from egad.errors import RejectedError
 from egad.geometry.checks import ROUNDING, check_mesh
-from egad.geometry.hulls import Hull, hull_and_planes, hull_mesh, hull_of, least_volume, merge_hulls
-from egad.geometry.manifold import Solid, arrays, is_solid, to_solid, union
+from egad.geometry.cuts import best_plane, middle_plane
+from egad.geometry.fit import Tolerances, finished, fits, too_deep
+from egad.geometry.hulls import Hull, hull_and_planes, hull_mesh, merge_hulls
+from egad.geometry.manifold import Solid, arrays, is_solid, to_mesh, to_solid, union
+from egad.geometry.parameters import DEVIATION, MAX_VERTICES
+from egad.geometry.touchable import Touchable, touchable_points
 
 Floats = NDArray[np.float64]
-Plane = tuple[Floats, float]  # unit normal, distance from the origin
 
-SIMPLIFICATION = 0.005  # of the longest side: finer detail costs time and changes no contact
+# The surface is simplified by this part of the allowed deviation, but by no more than that part of
+# the longest side: finer detail costs time and changes no contact.
+SIMPLIFICATION, LARGEST_SIMPLIFICATION = 0.3, 0.005
 SLIVER = 1e-6  # of the volume: thinner crumbs have no usable hull
-FLUSH_PLANES = 4  # largest faces at the deepest point, whose planes are tried
-GRAZE = 1e-3  # of the longest side: thinner is nothing to cut off
-EVEN_PLANES = 3  # a coordinate axis
 # Cutting goes on to this part of the allowed error; then parts are joined again until it is spent.
 OVERCUT = 0.7
 LEAST_EXCESS = 0.3  # of the allowed error, for solids that simplification made larger
+BURIED = 0.002  # of the touchable points: may stay too deep in the hulls of pieces
+CONVEX = 1e-3  # of a hull: with less excess a solid has no hollow to cut at
 SPARE = 2  # times as many pieces as parts are allowed are cut at most
 
 
 class _Piece(NamedTuple):
-    """A piece in the heap: the one whose hull adds most volume comes out first."""
+    """A piece in the heap: the one farthest beyond its bounds comes out first."""
 
-    negative_excess: float
+    negative_badness: float
     number: int  # of equals, the older one
     solid: Solid
     hull: Hull
     planes: Floats  # of the hull, (n, 4): outward normals and offsets
+    touchable: Touchable  # on its side of all cuts, so that no other hull holds them
+    excess: float  # volume of the hull beyond the solid
+    buried: int  # touchable points that lie too deep in the hull
+    has_too_many_vertices: bool
 
 
-def _directions() -> Floats:
-    """The axes, face diagonals and space diagonals of a cube, (13, 3)."""
-    half = np.array([v for v in product((0, 1, -1), repeat=3) if v > (0, 0, 0)], dtype=np.float64)
-    unit: Floats = half / np.linalg.norm(half, axis=1, keepdims=True)
-    return unit
+class _Limits(NamedTuple):
+    """How far all pieces together may be from the solid."""
 
-
-DIRECTIONS = _directions()
+    pieces: int
+    excess: float  # volume
+    buried: float  # touchable points
+    tolerances: Tolerances
 
 
 def convex_parts(
-    mesh: trimesh.Trimesh, max_parts: int, volume_error: float
+    mesh: trimesh.Trimesh,
+    max_parts: int,
+    volume_error: float,
+    deviation: float = DEVIATION,
+    max_vertices: int = MAX_VERTICES,
 ) -> list[trimesh.Trimesh]:
     """Convex hulls that together stand for a solid (ours).
 
-    The solid is cut again and again: always the piece whose hull exceeds it by the largest
-    volume, at the plane that leaves least. The planes tried go through the point that lies deepest
-    below the hull, in 13 directions and along the faces there, and in even steps along the axes.
-    Then pieces whose common hull adds least are joined again, which makes good for unlucky cuts.
-    Cuts are exact, so nothing of the solid is lost but a simplification by at most 0.5 % of its
-    longest side.
+    The solid is cut again and again: always the piece whose hull is worst, at the plane that leaves
+    the smallest hulls. A hull is bad if it exceeds the solid, if points that a finger can touch lie
+    deep in it, or if it needs too many vertices. Then pieces whose common hull adds least are
+    joined again, as long as it is good, which makes good for unlucky cuts. In the end faces of
+    hulls that bridge a hollow are moved inwards, so that they lie in the middle of the hollow, and
+    corners that matter little are left out.
+
+    Points that fingers can touch lie deeper in a part than `deviation` at about 1 % of the surface,
+    and the parts leave out a layer about as thick at most.
 
     Args:
-        mesh: A closed surface, wound either way, in any unit.
-        max_parts: Most hulls; reached only by objects that need more.
+        mesh: A closed surface, wound either way, metres.
+        max_parts: Most hulls; reached only by objects that need more. Then the bounds are not kept.
         volume_error: The hulls may exceed the solid by this fraction of it.
+        deviation: How deep the touchable surface may lie in a hull, metres.
+        max_vertices: Of a hull.
 
     Returns:
         Convex meshes with outward normals, at least one.
@@ -72,13 +88,27 @@ def convex_parts(
         RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
         UserError: It is not a mesh.
     """
-    whole = _solid(mesh)
-    volume = abs(float(mesh.volume))
-    gained = whole.volume() - volume  # by simplification
+    exact = _solid(mesh)
+    whole = _simplified(exact, deviation)
+    volume = exact.volume()
+    gained = whole.volume() - volume
     least = LEAST_EXCESS * volume_error * volume
-    pieces = _split(whole, max_parts, max(OVERCUT * volume_error * volume - gained, least))
-    hulls = [piece.hull for piece in pieces]
-    return [hull_mesh(hull) for hull in merge_hulls(hulls, (1 + volume_error) * volume, max_parts)]
+    touchable = touchable_points(to_mesh(exact), "parts")
+    tolerances = Tolerances(deviation, volume_error, max_vertices)
+    limits = _Limits(
+        SPARE * max_parts,
+        max(OVERCUT * volume_error * volume - gained, least),
+        BURIED * len(touchable.points),
+        tolerances,
+    )
+    bodies = _bodies(whole, SLIVER * volume)
+    if len(bodies) > max_parts:
+        raise RejectedError(f"{len(bodies)} separate bodies, more than {max_parts} convex parts")
+    hulls = [piece.hull for piece in _split(bodies, touchable, limits)]
+    joined = merge_hulls(
+        hulls, (1 + volume_error) * volume, max_parts, lambda h: fits(h, touchable, tolerances)
+    )
+    return [hull_mesh(finished(hull, touchable, tolerances)) for hull in joined]
 
 
 def union_of_parts(parts: list[trimesh.Trimesh]) -> Solid:
@@ -94,7 +124,7 @@ def union_of_parts(parts: list[trimesh.Trimesh]) -> Solid:
 
 
 def _solid(mesh: trimesh.Trimesh) -> Solid:
-    """The simplified solid within a surface, wound outwards.
+    """The solid within a surface, wound outwards.
 
     Inside out, a surface bounds everything but the object, and every hull would be of that.
     """
@@ -105,109 +135,54 @@ def _solid(mesh: trimesh.Trimesh) -> Solid:
     size = float(np.ptp(mesh.vertices, axis=0).max())
     if not is_solid(solid) or not solid.volume() > ROUNDING * size**3:
         raise RejectedError("the surface does not bound a solid")
-    simple = solid.simplify(SIMPLIFICATION * size)
+    return solid
+
+
+def _simplified(solid: Solid, deviation: float) -> Solid:
+    low, high = np.reshape(solid.bounding_box(), (2, 3))
+    by = min(SIMPLIFICATION * deviation, LARGEST_SIMPLIFICATION * float((high - low).max()))
     # Anew, for it keeps its tolerance, and every cut would be simplified by as much again.
-    exact = to_solid(*arrays(simple))
-    return exact if is_solid(exact) and exact.volume() > 0 else solid
+    simple = to_solid(*arrays(solid.simplify(by)))
+    return simple if is_solid(simple) and simple.volume() > 0 else solid
 
 
-def _split(whole: Solid, max_parts: int, allowed: float) -> list[_Piece]:
-    """Cut a solid until its pieces have at most the allowed excess, or there are enough."""
-    crumb = SLIVER * whole.volume()
-    bodies = _bodies(whole, crumb)
-    if len(bodies) > max_parts:
-        raise RejectedError(f"{len(bodies)} separate bodies, more than {max_parts} convex parts")
+def _split(bodies: list[Solid], touchable: Touchable, limits: _Limits) -> list[_Piece]:
+    """Cut solids until their pieces are within the limits, or there are enough."""
+    crumb = SLIVER * sum(body.volume() for body in bodies)
     numbers = count()
-    heap = [_piece(body, numbers) for body in bodies]
+    heap = [_piece(body, touchable, numbers, limits) for body in bodies]
     heapq.heapify(heap)
-    for _ in range(SPARE * max_parts):
-        if len(heap) >= SPARE * max_parts or -sum(p.negative_excess for p in heap) <= allowed:
+    for _ in range(limits.pieces):
+        if len(heap) >= limits.pieces or _are_good(heap, limits):
             break
-        halves = _best_cut(heapq.heappop(heap))
-        for body in (body for half in halves for body in _bodies(half, crumb)):
-            heapq.heappush(heap, _piece(body, numbers))
+        piece = heapq.heappop(heap)
+        hollow = piece.buried or piece.excess > CONVEX * piece.hull.volume
+        plane = best_plane(piece.solid, piece.planes) if hollow else middle_plane(piece.solid)
+        normal, offset = plane
+        halves = piece.solid.split_by_plane(tuple(normal), offset)
+        above = piece.touchable.points @ normal > offset
+        for half, side in zip(halves, (above, ~above), strict=True):
+            points = piece.touchable.where(side)
+            for body in _bodies(half, crumb):
+                heapq.heappush(heap, _piece(body, points, numbers, limits))
     return sorted(heap)
 
 
-def _piece(solid: Solid, numbers: Iterator[int]) -> _Piece:
+def _piece(solid: Solid, touchable: Touchable, numbers: Iterator[int], limits: _Limits) -> _Piece:
     hull, planes = hull_and_planes(arrays(solid)[0])
-    return _Piece(solid.volume() - hull.volume, next(numbers), solid, hull, planes)
+    excess = hull.volume - solid.volume()
+    buried = int(too_deep(touchable, hull, planes, limits.tolerances).sum())
+    too_many = not limits.tolerances.can_be_reduced(hull)
+    badness = excess / limits.excess + buried / max(limits.buried, 1) + too_many
+    return _Piece(-badness, next(numbers), solid, hull, planes, touchable, excess, buried, too_many)
 
 
-def _best_cut(piece: _Piece) -> tuple[Solid, Solid]:
-    """The two sides of the plane whose sides lie closest to their hulls."""
-    vertices, faces = arrays(piece.solid)
-    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    edges = edges[edges[:, 0] < edges[:, 1]]  # each once
-    planes = _planes(vertices, faces, _depths(vertices, piece.planes))
-    least = GRAZE * float(np.ptp(vertices, axis=0).max())
-    sides = [_sides(vertices, edges, plane, least) for plane in planes]
-    best = _smallest(sides)
-    normal, offset = planes[best]
-    cut: tuple[Solid, Solid] = piece.solid.split_by_plane(tuple(normal), offset)
-    return cut
-
-
-def _smallest(sides: list[list[Floats]]) -> int:
-    """Which sides have the smallest hulls: bounds first, then volumes while they can matter."""
-    bounds = [sum(map(least_volume, both)) if both else np.inf for both in sides]
-    best, least = 0, np.inf
-    for number in np.argsort(bounds, kind="stable").tolist():
-        if bounds[number] >= least:
-            break
-        volume = sum(hull_of(side).volume for side in sides[number])
-        if volume < least:
-            best, least = number, volume
-    return best
-
-
-def _sides(vertices: Floats, edges: NDArray[np.int64], plane: Plane, least: float) -> list[Floats]:
-    """Points whose hulls are those of the two sides of a cut.
-
-    There are none if it misses, or cuts off something thinner than `least`.
-    """
-    normal, offset = plane
-    heights = vertices @ normal - offset
-    above = heights > 0
-    if min(heights.max(), -heights.min()) <= least:
-        return []
-    first, second = edges[above[edges[:, 0]] != above[edges[:, 1]]].T
-    part = (heights[first] / (heights[first] - heights[second]))[:, None]
-    rim = (1 - part) * vertices[first] + part * vertices[second]
-    return [np.concatenate([vertices[side], rim]) for side in (above, ~above)]
-
-
-def _planes(vertices: Floats, faces: NDArray[np.int64], depths: Floats) -> list[Plane]:
-    place = int(depths.argmax())
-    deepest = vertices[place]
-    normals = [*DIRECTIONS, *_flush(vertices, faces[(faces == place).any(axis=1)])]
-    through = [(normal, float(normal @ deepest)) for normal in normals]
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    steps = np.arange(1, EVEN_PLANES + 1) / (EVEN_PLANES + 1)
-    even = [
-        (normal, float(low[axis] + step * (high[axis] - low[axis])))
-        for axis, normal in enumerate(np.eye(3))
-        for step in steps
-    ]
-    return through + even
-
-
-def _flush(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
-    """Normals of the largest of some faces, (n, 3): cuts along them open a notch."""
-    a, b, c = np.moveaxis(vertices[faces], 1, 0)
-    areas = np.cross(b - a, c - a)
-    sizes = np.linalg.norm(areas, axis=1)
-    largest = np.argsort(-sizes, kind="stable")[:FLUSH_PLANES]
-    normals: Floats = (
-        areas[largest] / np.maximum(sizes[largest], np.finfo(np.float64).tiny)[:, None]
+def _are_good(pieces: list[_Piece], limits: _Limits) -> bool:
+    return (
+        not any(piece.has_too_many_vertices for piece in pieces)
+        and sum(piece.excess for piece in pieces) <= limits.excess
+        and sum(piece.buried for piece in pieces) <= limits.buried
     )
-    return normals
-
-
-def _depths(points: Floats, planes: Floats) -> Floats:
-    """How far points lie below the planes of their hull, (n,)."""
-    depths: Floats = -(points @ planes[:, :3].T + planes[:, 3]).max(axis=1)
-    return depths
 
 
 def _bodies(solid: Solid, crumb: float) -> list[Solid]:

@@ -5,7 +5,7 @@ several percent of the volume. So it gives lower bounds, and Qhull decides.
 """
 
 import heapq
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import manifold3d
@@ -63,25 +63,36 @@ def hull_mesh(hull: Hull) -> trimesh.Trimesh:
     return mesh
 
 
-def merge_hulls(hulls: Sequence[Hull], allowed: float, most: int) -> list[Hull]:
+def merge_hulls(
+    hulls: Sequence[Hull], allowed: float, most: int, fits: Callable[[Hull], bool]
+) -> list[Hull]:
     """Join the two hulls whose common hull adds least volume, again and again (ours).
 
     Args:
         hulls: Hulls of the pieces of a solid.
         allowed: Joining stops before the volumes of the hulls add up to more than this.
         most: Joining goes on in any case while there are more hulls than this.
+        fits: Whether a common hull may take the place of two.
 
     Returns:
         The hulls that are left, those that stayed as they were first.
     """
+    left = _merged(hulls, allowed, most, fits, False)
+    return left if len(left) <= most else _merged(left, allowed, most, lambda _: True, True)
+
+
+def _merged(
+    hulls: Sequence[Hull], allowed: float, most: int, fits: Callable[[Hull], bool], forced: bool
+) -> list[Hull]:
     pool = _Pool(hulls)
     total = sum(hull.volume for hull in hulls)
-    while candidate := pool.cheapest(len(pool.alive) > most):
+    while candidate := pool.cheapest(forced and len(pool.alive) > most):
         added, first, second = candidate
         if total + added > allowed and len(pool.alive) <= most:
             break
-        total += added
-        pool.join(first, second)
+        if fits(pool.common(first, second)):
+            total += added
+            pool.join(first, second)
     return [pool.hulls[number] for number in sorted(pool.alive)]
 
 
@@ -103,18 +114,18 @@ class _Pool:
             bound, first, second = heapq.heappop(self.heap)
             if not self.alive.issuperset((first, second)):
                 continue
-            added = self._common(first, second).volume - self._apart(first, second)
+            added = self.common(first, second).volume - self._apart(first, second)
             if not self.heap or added <= max(bound, self.heap[0][0]):
                 return added, first, second
             heapq.heappush(self.heap, (added, first, second))
         pairs = [(a, b) for a in self.alive for b in self.alive if a < b] if needed else []
-        costs = [(self._common(*pair).volume - self._apart(*pair), *pair) for pair in pairs]
+        costs = [(self.common(*pair).volume - self._apart(*pair), *pair) for pair in pairs]
         return min(costs, default=None)
 
     def join(self, first: int, second: int) -> None:
         """Put the common hull in the place of two."""
         self.alive -= {first, second}
-        self._add(self._common(first, second))
+        self._add(self.common(first, second))
 
     def _add(self, hull: Hull) -> None:
         number = len(self.hulls)
@@ -132,7 +143,7 @@ class _Pool:
     def _points(self, first: int, second: int) -> Floats:
         return np.concatenate([self.hulls[first].points, self.hulls[second].points])
 
-    def _common(self, first: int, second: int) -> Hull:
+    def common(self, first: int, second: int) -> Hull:
         if (first, second) not in self._known:
             self._known[first, second] = hull_of(self._points(first, second))
         return self._known[first, second]

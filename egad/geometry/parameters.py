@@ -8,8 +8,10 @@ from egad._util.parameters import Parameters
 
 OpenSurfaces = Literal["reject", "thicken"]
 SIDE_FRACTION = 0.8  # of a gripper's opening: the smallest side that scale rules aim at
-MAX_PARTS = 256  # convex parts of an object
+MAX_PARTS = 512  # convex parts of an object
 VOLUME_ERROR = 0.06  # relative excess volume of the convex parts
+DEVIATION = 0.0005  # metres: how deep the touchable surface may lie in a convex part
+MAX_VERTICES = 64  # of a convex part: PhysX takes no more on a GPU
 SHELL_THICKNESS = 0.002  # metres: glasses, cups and bowls are 1 to 5 mm thick
 
 

@@ -35,7 +35,7 @@ HOLD, CLOSE = 0, 1  # groups of actuators of the fingers
 # Bits of what collides: the object with table and robot, and these two with each other.
 OBJECT_BIT, TABLE_BIT = 1, 2
 TABLE, OBJECT, LEFT_FINGER, RIGHT_FINGER, OTHERS = range(5)  # owners of shapes
-CONTACT_DIMENSIONS = 6  # with torsion and rolling
+CONTACT_DIMENSIONS, PAD_DIMENSIONS = 6, 4  # with torsion, that of the table with rolling, too
 
 
 class MujocoWorld(World):
@@ -278,7 +278,7 @@ def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
             shape.friction = [friction, 2 / 3 * friction * radius, 0.0]
             shape.priority = 1
             shape.contype, shape.conaffinity = 0, OBJECT_BIT | TABLE_BIT
-            shape.condim = CONTACT_DIMENSIONS
+            shape.condim = PAD_DIMENSIONS
             shape.solref[:2], shape.solimp = _CONTACT["solref"], _CONTACT["solimp"]
     for name, strength in robot.strength.items():
         spec.joint(ROBOT + name).armature = ARMATURE * strength

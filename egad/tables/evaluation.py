@@ -74,7 +74,18 @@ BUNDLE = pa.schema(
         column(
             "deviation", FLOAT, "largest distance of a part beyond the surface of the object", "m"
         ),
-        column("within", BOOL, "whether the volume error is within the limit of the settings"),
+        column(
+            "buried",
+            FLOAT,
+            "share of the surface that fingers can touch that lies deeper in a part than the "
+            "deviation in the settings",
+        ),
+        column(
+            "within",
+            BOOL,
+            "whether the volume error is within the limit of the settings, and at most 1 % of the "
+            "surface that fingers can touch is buried",
+        ),
         column("poses", INT, "number of stable poses in poses.json"),
         column("volume", FLOAT, "volume of the solid", "m3"),
         column("density", FLOAT, "density that mass and inertia are computed with", "kg/m3"),

@@ -6,7 +6,6 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.geometry.convex_parts import convex_parts, union_of_parts
-from egad.geometry.manifold import Solid, to_solid, union
 
 RING, TUBE = 0.03, 0.01  # radii of the torus
 
@@ -75,9 +74,8 @@ def test_parts_cover_the_solid_and_nothing_far_from_it(
 ) -> None:
     points = np.random.default_rng(0).uniform(*torus.bounds, size=(4000, 3))
     covered = np.min([outside(part, points) for part in torus_parts], axis=0) <= 0
-    # The surface may move by 0.5 % of the longest side, 0.4 mm.
-    assert covered[inside_torus(points, TUBE - 0.0005)].all()
-    assert not covered[~inside_torus(points, TUBE + 0.003)].any()
+    assert covered[inside_torus(points, TUBE - 0.001)].all()
+    assert not covered[~inside_torus(points, TUBE + 0.0015)].any()
 
 
 def test_a_cluster_of_balls_whose_hulls_have_needles() -> None:
@@ -89,17 +87,18 @@ def test_a_cluster_of_balls_whose_hulls_have_needles() -> None:
         for _ in range(6)
     ]
     cluster = trimesh.boolean.union(balls, engine="manifold")
-    parts = convex_parts(cluster, 64, 0.01)
+    parts = convex_parts(cluster, 128, 0.06)
     assert len(parts) > 4
-    assert abs(excess_volume(parts, cluster)) <= 0.01
+    assert abs(excess_volume(parts, cluster)) <= 0.06
     assert all(part.is_volume for part in parts)
 
 
 def test_volume_error_is_kept(torus: trimesh.Trimesh, torus_parts: list[trimesh.Trimesh]) -> None:
-    assert 0 < excess_volume(torus_parts, torus) <= 0.06
-    coarse = convex_parts(torus, 64, 0.3)
+    assert abs(excess_volume(torus_parts, torus)) <= 0.06
+    coarse = convex_parts(torus, 64, 0.3, deviation=0.02)
     assert len(coarse) < len(torus_parts)
     assert 0.06 < excess_volume(coarse, torus) <= 0.3
+    assert abs(excess_volume(convex_parts(torus, 64, 0.05, deviation=0.02), torus)) <= 0.05
 
 
 def test_volume_error_counts_overlaps_once() -> None:
@@ -113,7 +112,8 @@ def test_there_are_never_more_parts_than_allowed(torus: trimesh.Trimesh, most: i
     assert 1 <= len(parts) <= most
     points = np.random.default_rng(1).uniform(*torus.bounds, size=(1000, 3))
     covered = np.min([outside(part, points) for part in parts], axis=0) <= 0
-    assert covered[inside_torus(points, TUBE - 0.0005)].all()
+    assert covered[inside_torus(points, TUBE - 0.0025)].all()  # few corners for so large parts
+    assert max(len(part.vertices) for part in parts) <= 64
 
 
 def test_inside_out_makes_no_difference(
@@ -171,8 +171,68 @@ def test_a_thin_cup_is_covered_within_the_error() -> None:
     assert excess_volume(parts, cup) <= 0.06
     bowl = trimesh.creation.icosphere(2, 0.023).vertices
     assert min(outside(part, bowl).min() for part in parts) > 0  # nothing fills it
-    whole, together = (solid_of([cup]), solid_of(parts))
-    assert (whole - together).volume() < 0.02 * whole.volume()
+    assert surface_distances(parts, cup).max() < 0.0007
+
+
+def surface_distances(parts: list[trimesh.Trimesh], mesh: trimesh.Trimesh) -> np.ndarray:
+    """How far random points of a surface lie outside the parts; negative within one."""
+    points = trimesh.sample.sample_surface(mesh, 3000, seed=1)[0]
+    return np.min([outside(part, points) for part in parts], axis=0)
+
+
+def dumbbell() -> trimesh.Trimesh:
+    """Balls of 15 mm that a neck joins smoothly: its surface is a saddle, 6 mm thick."""
+    z = np.linspace(-0.04, 0.04, 81)
+    radii = 0.003 + 0.012 * np.sin(np.pi * np.abs(z) / 0.08) ** 2
+    profile = np.column_stack([radii, z])
+    closed = np.concatenate([[[0, z[0]]], profile, [[0, z[-1]]]])
+    return trimesh.creation.revolve(closed, sections=48)
+
+
+def grooved() -> trimesh.Trimesh:
+    """A block with a groove that is 12 mm wide and 3 mm deep."""
+    block = box((0.06, 0.04, 0.02), (0, 0, 0))
+    groove = box((0.012, 0.05, 0.006), (-0.015, 0, 0.010))
+    return trimesh.boolean.difference([block, groove], engine="manifold")
+
+
+SHAPES = {
+    "torus": lambda: trimesh.creation.torus(RING, TUBE, major_sections=96, minor_sections=48),
+    "dumbbell": dumbbell,
+    "grooved": grooved,
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_surface_lies_neither_deep_in_a_part_nor_far_from_all(name: str) -> None:
+    mesh = SHAPES[name]()
+    # of so large errors only the deviation keeps parts small
+    parts = convex_parts(mesh, 256, 0.5, deviation=0.0005)
+    distances = surface_distances(parts, mesh)
+    assert np.mean(distances < -0.0005) <= 0.01
+    assert np.mean(distances > 0.0006) <= 0.01
+    assert abs(excess_volume(parts, mesh)) < 0.06
+    coarse = convex_parts(mesh, 256, 0.5, deviation=0.004)
+    assert len(coarse) < len(parts)
+    assert np.mean(surface_distances(coarse, mesh) < -0.0005) > 0.05
+
+
+@pytest.mark.parametrize("most", [12, 32, 64])
+def test_no_part_has_more_vertices_than_allowed_and_a_ball_stays_round(most: int) -> None:
+    ball = trimesh.creation.icosphere(4, 0.03)
+    parts = convex_parts(ball, 256, 0.06, max_vertices=most)
+    assert max(len(part.vertices) for part in parts) <= most
+    assert len(parts) > 1
+    distances = surface_distances(parts, ball)
+    assert distances.min() > -0.0005
+    assert distances.max() < 0.0006
+
+
+def test_parts_do_not_depend_on_what_was_made_before() -> None:
+    first = convex_parts(dumbbell(), 256, 0.06)
+    convex_parts(grooved(), 256, 0.06)
+    again = convex_parts(dumbbell(), 256, 0.06)
+    assert [part.vertices.tobytes() for part in again] == [p.vertices.tobytes() for p in first]
 
 
 def test_a_straight_cup_is_cut_although_its_rim_lies_deepest_in_its_hull() -> None:
@@ -182,7 +242,3 @@ def test_a_straight_cup_is_cut_although_its_rim_lies_deepest_in_its_hull() -> No
     parts = convex_parts(cup, 64, 0.06)
     assert len(parts) < 40
     assert excess_volume(parts, cup) <= 0.06
-
-
-def solid_of(meshes: list[trimesh.Trimesh]) -> Solid:
-    return union(to_solid(mesh.vertices, mesh.faces) for mesh in meshes)

@@ -9,6 +9,10 @@ from egad.geometry.hulls import Hull, hull_mesh, hull_of, least_volume, merge_hu
 from egad.geometry.manifold import is_solid, to_solid
 
 
+def always(_):
+    return True
+
+
 def block(low, high):
     return hull_of(trimesh.creation.box(bounds=[low, high]).vertices)
 
@@ -55,21 +59,31 @@ def test_points_in_a_plane_have_no_volume():
 def test_blocks_in_a_row_become_one_and_a_step_stays():
     row = [block([k, 0, 0], [k + 1, 1, 1]) for k in range(4)]
     step = block([0, 0, 1], [1, 1, 4])
-    hulls = merge_hulls([*row, step], 7.0 + 1e-9, 99)
+    hulls = merge_hulls([*row, step], 7.0 + 1e-9, 99, always)
     assert sorted(hull.volume for hull in hulls) == pytest.approx([3, 4])
 
 
 def test_there_are_never_more_than_allowed_even_if_they_lie_apart():
     apart = [block([10 * k, 0, 0], [10 * k + 1, 1, 1]) for k in range(3)]
-    assert len(merge_hulls(apart, 3.0, 3)) == 3
-    assert sorted(h.volume for h in merge_hulls(apart, 3.0, 2)) == pytest.approx([1, 11])
-    assert len(merge_hulls(apart, 3.0, 1)) == 1
+    assert len(merge_hulls(apart, 3.0, 3, always)) == 3
+    assert sorted(h.volume for h in merge_hulls(apart, 3.0, 2, always)) == pytest.approx([1, 11])
+    assert len(merge_hulls(apart, 3.0, 1, always)) == 1
+
+
+def test_hulls_that_would_not_fit_are_joined_only_if_there_are_too_many():
+    row = [block([k, 0, 0], [k + 1, 1, 1]) for k in range(4)]
+
+    def is_short(hull):
+        return np.ptp(hull.points[:, 0]) < 2.5
+
+    assert sorted(h.volume for h in merge_hulls(row, 9.0, 99, is_short)) == pytest.approx([2, 2])
+    assert sorted(h.volume for h in merge_hulls(row, 9.0, 1, is_short)) == pytest.approx([4])
 
 
 def test_the_cheapest_pairs_are_joined_as_a_slow_search_does():
     rng = np.random.default_rng(2)
     hulls = [hull_of(rng.uniform(0, 0.6, 3) + rng.uniform(0, 0.4, (12, 3))) for _ in range(12)]
-    found = merge_hulls(hulls, 0.0, 5)
+    found = merge_hulls(hulls, 0.0, 5, always)
     slow = slowly(hulls, 5)
     assert sorted(h.volume for h in found) == pytest.approx(sorted(h.volume for h in slow))
 

@@ -22,15 +22,16 @@ from egad.tables.columns import INITIAL
 from egad.tables.evaluation import TRIALS
 
 BUNDLE = Bundle()
+ROUND = Bundle(deviation=1e-5, max_vertices=1000)  # one part with all vertices
 SETTINGS = TrialParameters(
     seed=1,
     gripper=GRIPPERS["egad_75mm"],
     trials=Trials(attempts=6, engine="mujoco"),
 )
-BALL, CUBE, CYLINDER = (
+BALL = build(trimesh.creation.icosphere(3, 0.025), 400.0, ROUND)
+CUBE, CYLINDER = (
     build(mesh, 400.0, BUNDLE)
     for mesh in (
-        trimesh.creation.icosphere(3, 0.025),
         trimesh.creation.box((0.04, 0.04, 0.04)),
         trimesh.creation.cylinder(0.02, 0.07),
     )

@@ -123,7 +123,7 @@ def run(
         write_sums(folder)
     beyond = [row["label"] for row in rows if not row["within"]]
     if beyond:
-        log.warning("volume error above bundle.volume_error: %s", ", ".join(beyond))
+        log.warning("parts beyond bundle.volume_error or bundle.deviation: %s", ", ".join(beyond))
     log.info("%d objects, %d rejected", len(rows), len(left_out))
     return len(left_out)
 
@@ -148,7 +148,8 @@ def _row(item: Item, made: SimulationObject, settings: SimulationBundle) -> dict
         "parts": len(made.parts),
         "volume_error": made.volume_error,
         "deviation": made.deviation,
-        "within": abs(made.volume_error) <= settings.bundle.volume_error,
+        "buried": made.buried,
+        "within": made.is_within(settings.bundle),
         "poses": len(made.poses),
         "volume": physics.volume,
         "density": settings.material.density,

@@ -296,6 +296,17 @@ def test_an_object_beyond_the_bound_is_marked(tmp_path, meshes):
     assert f"{row['volume_error']:.1%} !" in (tmp_path / "out/README.md").read_text()
 
 
+def test_an_object_whose_surface_lies_deep_in_a_part_is_marked(tmp_path, meshes, bundle):
+    assert row_of(bundle, "ell")["buried"] == 0
+    one = SETTINGS.bundle.model_copy(update={"max_parts": 1, "volume_error": 0.9})
+    settings = SETTINGS.model_copy(update={"bundle": one})
+    run(settings, any_objects([meshes / "ell.obj"]), "m", tmp_path / "out")
+    row = row_of(tmp_path / "out", "ell")
+    assert row["volume_error"] <= 0.9
+    assert 0.1 < row["buried"] < 0.5
+    assert not row["within"]
+
+
 def test_the_evaluation_set_gives_labels_and_files(tmp_path):
     row = dict.fromkeys(EVAL49.names, 0) | {"label": "A0", "id": "x1", "object_label": "A00_0"}
     parquet.write(pd.DataFrame([row]), EVAL49, tmp_path / "eval.parquet")

@@ -1,0 +1,102 @@
+"""How close hulls must be to the touchable surface, and making them closer."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.geometry.hull_vertices import fewer_vertices, lower_planes
+from egad.geometry.hulls import Hull, hull_and_planes, hull_of
+from egad.geometry.touchable import Touchable, depths, facing_depths, within_box
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+# Parts of the allowed deviation:
+DEPTH = 0.8  # of points in the end; those between them may lie a little deeper
+LOWERING = 0.8  # at most, of faces that bridge a hollow
+NEIGHBORS = 0.3  # faces this much deeper above a point than the nearest are lowered too
+# By leaving out corners, parts of the allowed deviation and of the allowed volume error:
+LOSS = (1.0, 0.5)  # to keep to the number of vertices
+FINAL_LOSS = (0.5, 0.25)  # although there might be more
+BURIED = 0.005  # of the points of a common hull, at most
+
+
+class Tolerances(NamedTuple):
+    """How far parts may be from a solid.
+
+    Attributes:
+        deviation: Metres, of the touchable surface.
+        volume_error: Relative.
+        max_vertices: Of a part.
+    """
+
+    deviation: float
+    volume_error: float
+    max_vertices: int
+
+    def can_be_reduced(self, hull: Hull) -> bool:
+        """Whether few enough corners keep the shape of a hull."""
+        return len(hull.points) <= self.max_vertices or self.reduced(hull, LOSS)[1]
+
+    def reduced(self, hull: Hull, loss: tuple[float, float]) -> tuple[Hull, bool]:
+        """A hull without the corners that matter least, and whether it loses too little to care."""
+        distance, share = loss[0] * self.deviation, loss[1] * self.volume_error
+        return fewer_vertices(hull, self.max_vertices, distance, share)
+
+
+def too_deep(touchable: Touchable, hull: Hull, planes: Floats, tolerances: Tolerances) -> Flags:
+    """Which points would lie too deep in a hull even if its faces were lowered, (n,).
+
+    Args:
+        touchable: n points.
+        hull: A hull.
+        planes: Outward unit normals and offsets of its faces, (m, 4).
+        tolerances: How far parts may be from the solid.
+    """
+    found = np.zeros(len(touchable.points), dtype=np.bool_)
+    if not len(planes):
+        return found
+    near = np.flatnonzero(within_box(touchable.points, hull.points))
+    limit = DEPTH * tolerances.deviation
+    deep = near[depths(touchable.points[near], planes) > limit]
+    most = limit + LOWERING * tolerances.deviation
+    found[deep] = facing_depths(touchable.where(deep), planes).min(axis=1) > most
+    return found
+
+
+def fits(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> bool:
+    """Whether a hull may be a part: it buries hardly any points, and has few enough vertices."""
+    planes = hull_and_planes(hull.points)[1]
+    near = touchable.where(within_box(touchable.points, hull.points))
+    buried = int(too_deep(near, hull, planes, tolerances).sum())
+    if buried and buried > BURIED * (depths(near.points, planes) > -tolerances.deviation).sum():
+        return False
+    return tolerances.can_be_reduced(hull)
+
+
+def lowered(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hull:
+    """A hull whose faces are moved inwards where they bridge a hollow (ours).
+
+    Without this, all of the deviation would be outwards, and twice as many parts would be needed.
+
+    Args:
+        hull: With a volume.
+        touchable: Points of the surface.
+        tolerances: How far parts may be from the solid.
+    """
+    planes = hull_and_planes(hull.points)[1]
+    limit, most = (share * tolerances.deviation for share in (DEPTH, LOWERING))
+    near = touchable.where(within_box(touchable.points, hull.points))
+    below = facing_depths(near.where(depths(near.points, planes) > limit), planes)
+    nearest = below.min(axis=1, keepdims=True)
+    concerned = (below <= nearest + NEIGHBORS * limit) & (nearest <= limit + most)
+    by = np.where(concerned, np.clip(below - limit, 0, most), 0).max(axis=0, initial=0)
+    corners = lower_planes(planes, by, hull.points.mean(axis=0)) if by.any() else None
+    smaller = hull if corners is None else hull_of(corners)
+    return smaller if smaller.volume > 0 else hull
+
+
+def finished(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hull:
+    """A hull as a part: lowered, and without the corners that matter least."""
+    return tolerances.reduced(lowered(hull, touchable, tolerances), FINAL_LOSS)[0]

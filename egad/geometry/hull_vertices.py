@@ -1,0 +1,66 @@
+"""Hulls with fewer vertices, and hulls whose faces are moved inwards."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
+
+from egad.geometry.hulls import Hull
+from egad.geometry.touchable import depths
+
+Floats = NDArray[np.float64]
+
+
+def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tuple[Hull, bool]:
+    """A hull of some of the corners of a hull, which has nearly its shape (ours).
+
+    The corner farthest outside the hull of those chosen so far is added, again and again.
+
+    Args:
+        hull: A hull that has a volume.
+        most: Most corners, at least 4.
+        distance: None is added when all others lie at most this far outside, in the unit of the
+            hull,
+        share: and at most this share of the volume is lost.
+
+    Returns:
+        The hull of the chosen corners, in their order; and whether it keeps to the bounds of loss.
+    """
+    chosen = _far_apart(hull.points)
+    while True:
+        found = ConvexHull(hull.points[chosen])
+        heights = -depths(hull.points, found.equations)
+        worst = int(heights.argmax())
+        is_near = heights[worst] <= distance and found.volume >= (1 - share) * hull.volume
+        if is_near or len(chosen) >= min(most, len(hull.points)):
+            return Hull(hull.points[np.sort(chosen)], float(found.volume)), bool(is_near)
+        chosen.append(worst)
+
+
+def _far_apart(points: Floats) -> list[int]:
+    """Numbers of four points that span a tetrahedron."""
+    first = int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())
+    from_first = points - points[first]
+    second = int((from_first**2).sum(axis=1).argmax())
+    away = np.cross(from_first, from_first[second])
+    third = int((away**2).sum(axis=1).argmax())
+    fourth = int(np.abs(from_first @ away[third]).argmax())
+    return [first, second, third, fourth]
+
+
+def lower_planes(planes: Floats, by: Floats, inside: Floats) -> Floats | None:
+    """The corners of a hull whose faces are moved inwards.
+
+    Args:
+        planes: Outward unit normals and offsets of the faces, (m, 4).
+        by: How far each is moved, (m,).
+        inside: A point within the hull, (3,).
+
+    Returns:
+        (n, 3), some of them nearly the same; None if the point is no longer inside.
+    """
+    moved = np.column_stack([planes[:, :3], planes[:, 3] + by])
+    try:
+        corners = HalfspaceIntersection(moved, inside).intersections
+    except QhullError:
+        return None
+    return corners if np.isfinite(corners).all() else None
