@@ -10,7 +10,7 @@ from egad._util.files import as_path
 from egad.errors import UserError
 from egad.grasps import Grasps
 from egad.tables import parquet
-from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.grasping import GRASPS, SCALES, SIMULATED_GRASPS
 
 
 def load_grasps(path: str | Path, gripper: str | None = None) -> Grasps:
@@ -22,14 +22,17 @@ def load_grasps(path: str | Path, gripper: str | None = None) -> Grasps:
 
     Returns:
         The grasps of all objects, each in the frame of its object, scaled to the gripper;
-        `of(label)` gives those of one object.
+        `of(label)` gives those of one object. `to_frame()` has their simulated labels, too, if they
+        were simulated.
 
     Raises:
         UserError: There is no such gripper in the folder, none is named, or one with a file;
             or the path is none.
         TableError: The table is damaged, or is not one of grasps.
     """
-    return Grasps(parquet.read(grasp_table(as_path("path", path), gripper), GRASPS))
+    table = grasp_table(as_path("path", path), gripper)
+    is_simulated = "simulated_outcome" in parquet.columns(table)
+    return Grasps(parquet.read(table, SIMULATED_GRASPS if is_simulated else GRASPS))
 
 
 def grasp_table(path: Path, gripper: str | None) -> Path:

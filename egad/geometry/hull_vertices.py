@@ -5,7 +5,6 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from egad.geometry.hulls import Hull
-from egad.geometry.touchable import depths
 
 Floats = NDArray[np.float64]
 
@@ -13,7 +12,8 @@ Floats = NDArray[np.float64]
 def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tuple[Hull, bool]:
     """A hull of some of the corners of a hull, which has nearly its shape (ours).
 
-    The corner farthest outside the hull of those chosen so far is added, again and again.
+    The corners farthest outside the hull of those chosen so far are added, again and again: the
+    farthest above each of its faces, if they are half as far outside as the farthest of all.
 
     Args:
         hull: A hull that has a volume.
@@ -28,12 +28,21 @@ def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tupl
     chosen = _far_apart(hull.points)
     while True:
         found = ConvexHull(hull.points[chosen])
-        heights = -depths(hull.points, found.equations)
-        worst = int(heights.argmax())
-        is_near = heights[worst] <= distance and found.volume >= (1 - share) * hull.volume
+        beyond = hull.points @ found.equations[:, :3].T + found.equations[:, 3]
+        facets, heights = beyond.argmax(axis=1), beyond.max(axis=1)
+        is_near = heights.max() <= distance and found.volume >= (1 - share) * hull.volume
         if is_near or len(chosen) >= min(most, len(hull.points)):
             return Hull(hull.points[np.sort(chosen)], float(found.volume)), bool(is_near)
-        chosen.append(worst)
+        chosen += _farthest(heights, facets, min(most, len(hull.points)) - len(chosen))
+
+
+def _farthest(heights: Floats, facets: NDArray[np.int64], most: int) -> list[int]:
+    """Numbers of points highest above their facets and half as high as any, highest first."""
+    order = np.argsort(-heights, kind="stable")
+    _, first = np.unique(facets[order], return_index=True)
+    leaders = order[np.sort(first)]
+    found: list[int] = leaders[heights[leaders] >= heights.max() / 2][:most].tolist()
+    return found
 
 
 def _far_apart(points: Floats) -> list[int]:

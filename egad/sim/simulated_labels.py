@@ -39,9 +39,9 @@ Floats = NDArray[np.float64]
 # At its turning points the hand speeds up by 11 m/s2, a little more than gravity does; when it
 # turns, by as much 6 cm off its axis. ACRONYM gives no numbers.
 SHAKES = 2  # each way
-FREQUENCY = 4.0  # Hz
-AMPLITUDE = 0.0175  # metres
-SWING = 0.3  # radians
+FREQUENCY = 3.0  # Hz
+AMPLITUDE = 0.03  # metres
+SWING = 0.5  # radians
 NOT_A_MOTION = (np.nan, np.nan)
 
 

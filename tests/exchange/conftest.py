@@ -83,7 +83,7 @@ def dataset(meshes, settings, tmp_path_factory):
     wide = trimesh.creation.box((0.2, 0.2, 0.2))
     write_obj(wide, scaled / "C02_0.obj")
     wanted = select(settings, LabelParameters, GRIPPER)
-    part, sampling, rejected = (folder / "parts" / f"{n}.parquet" for n in range(3))
+    part, sampling, rejected = (folder / "labelled" / f"{n}.parquet" for n in range(3))
     grasp_label.run(wanted, folder / "objects.parquet", scaled, (0, 1), part, sampling, rejected)
     simulation = select(settings, SimulatedLabels, GRIPPER)
     simulated_label.run(simulation, part, scaled, grasps / f"{GRIPPER}.parquet")

@@ -123,7 +123,7 @@ def test_a_ball_slips_out_below_pads_beyond_the_friction_angle(
 
 @EACH_ENGINE
 @pytest.mark.parametrize("pads", ["silicone", "bare"])
-@pytest.mark.parametrize(("part", "turns"), [(0.8, False), (2.0, True)])
+@pytest.mark.parametrize(("part", "turns"), [(0.8, False), (3.0, True)])
 def test_pads_resist_twisting_as_pressed_discs(
     engine: EngineName, pads: str, part: float, turns: bool
 ) -> None:
@@ -141,14 +141,16 @@ def test_pads_resist_twisting_as_pressed_discs(
 
 
 def spun(world: World, torque: float) -> float:
-    """How fast the object turns after half a second of a torque about x, rad/s."""
+    """How fast the object turns at most in half a second of a torque about x, rad/s."""
+    fastest = 0.0
     for _ in range(120):
         twist(world, (torque, 0, 0))
         try:
             world.step()
         except UnstableError:  # it turned so fast that it flew out of the hand
             return float("inf")
-    return world.speeds()[1]
+        fastest = max(fastest, world.speeds()[1])
+    return fastest
 
 
 @EACH_ENGINE
