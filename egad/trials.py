@@ -106,6 +106,7 @@ def run_trials(
         reset: `continue`: after a success the hand drops the object from where it is, after a
             failure it stays where it lies; `redrop`: every attempt begins with a new drop.
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
+            If it is not 0, the image also has holes beside edges and on steep surfaces.
         engine: What computes the physics: `pybullet` or `mujoco`; None: PyBullet if it is
             installed, else MuJoCo.
         jobs: Processes; the result does not depend on them. With several, a script needs

@@ -8,7 +8,15 @@ from scipy import ndimage
 
 from egad.detectors.base import Grasp, rank_grasps
 from egad.grasps import TABLE_CLEARANCE, Gripper, roomy
-from egad.perception import Heightmap, View, Window, heightmap_of, min_fingertip_height, window_of
+from egad.perception import (
+    Heightmap,
+    View,
+    Window,
+    heightmap_of,
+    min_fingertip_height,
+    restored,
+    window_of,
+)
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +54,8 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     An edge is where the surface falls by at least 1 / friction: less steep sides slip out between
     vertical pads. Two edges are a candidate if the line between them lies in the friction cones
     of both (in the plane), and the hand opens wide enough. The hand goes as deep as table,
-    neighboring surface and palm allow. The quality, from 0 to 1, is
+    neighboring surface and palm allow. Holes and noise of the image are removed first, as
+    `egad.perception.restored` does. The quality, from 0 to 1, is
 
         cos^2(angle) / sqrt(1 + (100 / m * distance)^2) * min(bite / 20 mm, 1),
 
@@ -62,6 +71,7 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     Returns:
         At most 50 grasps, best first.
     """
+    view = restored(view)
     window = _uneven(view, gripper.pad.friction)
     relief = heightmap_of(view, window)
     if relief is None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from egad.detectors.base import Grasp, rank_grasps
 from egad.grasps import LEAST_BITE, Gripper, finger_span, roomy
-from egad.perception import View, heightmap_of, min_fingertip_height
+from egad.perception import View, heightmap_of, min_fingertip_height, restored
 
 Floats = NDArray[np.float64]
 
@@ -35,10 +35,10 @@ class Labels:
     def propose(self, matrix: Floats, view: View, gripper: Gripper) -> list[Grasp]:
         """Grasps whose closing axis is within 15 degrees of level and that leave the hand space.
 
-        The space is looked up in the depth image, straight from above, for a hand that opens 8 mm
-        wider than the contacts on either side, or as wide as it can where that reaches lower. The
-        pads are centered on the contacts, or as low as they can get. The quality is the robust
-        quality.
+        The space is looked up in the depth image, restored, straight from above, for a hand that
+        opens 8 mm wider than the contacts on either side, or as wide as it can where that reaches
+        lower. The pads are centered on the contacts, or as low as they can get. The quality is the
+        robust quality.
 
         Args:
             matrix: (4, 4) transform from the frame of the grasps to the world.
@@ -48,7 +48,7 @@ class Labels:
         Returns:
             At most 50 grasps, best first.
         """
-        relief = heightmap_of(view)
+        relief = heightmap_of(restored(view))
         axis = self._axis @ matrix[:3, :3].T
         level = np.flatnonzero(np.abs(axis[:, 2]) <= np.sin(TILT))
         if relief is None or len(level) == 0:

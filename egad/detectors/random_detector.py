@@ -4,16 +4,17 @@ import numpy as np
 
 from egad.detectors.base import Grasp
 from egad.grasps import TABLE_CLEARANCE, Gripper
-from egad.perception import View
+from egad.perception import View, restored
 
 
 def random_grasp(view: View, gripper: Gripper, rng: np.random.Generator) -> list[Grasp]:
     """One grasp at a pixel that sees the object, closing in any direction (ours).
 
-    The hand is wide open, and the fingertips go as deep below the point as the fingers are long,
-    but not onto the table. The quality is a random number from 0 to 1.
+    The pixel is drawn from the restored image. The hand is wide open, and the fingertips go as deep
+    below the point as the fingers are long, but not onto the table. The quality is a random number
+    from 0 to 1.
     """
-    points = view.points().reshape(-1, 3)
+    points = restored(view).points().reshape(-1, 3)
     standing = points[points[:, 2] > TABLE_CLEARANCE]
     if len(standing) == 0:
         return []

@@ -18,8 +18,7 @@ from .image_shards import Images as Images
 from .image_shards import files as files
 from .image_shards import read as read
 from .image_shards import shards as shards
-from .noise import add_disparity_noise as add_disparity_noise
-from .noise import fill_missing as fill_missing
+from .noise import add_sensor_noise as add_sensor_noise
 from .parameters import CAMERAS as CAMERAS
 from .parameters import Camera as Camera
 from .parameters import ImageNoise as ImageNoise
@@ -33,6 +32,8 @@ from .rectangles import agrees as agrees
 from .rectangles import half_turn as half_turn
 from .rendering import Picture as Picture
 from .rendering import pictures as pictures
+from .restoration import fill_missing as fill_missing
+from .restoration import restored as restored
 from .splits import SPLITS as SPLITS
 from .splits import Share as Share
 from .splits import shard_count as shard_count

@@ -75,7 +75,7 @@ class View:
     """A depth image and the camera that took it.
 
     Attributes:
-        depth: Metres along the optical axis, (height, width); not a number where nothing is.
+        depth: Metres along the optical axis, (height, width); not a number where it is missing.
         intrinsics: The camera.
         pose: (4, 4) transform from the camera (x right, y down, z forward) to the world.
     """

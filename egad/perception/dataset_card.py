@@ -119,7 +119,7 @@ def _range(values: tuple[float, float]) -> str:
 def _noise(noise: ImageNoise) -> str:
     kinds = [
         f"disparity {noise.disparity:g} pixels" * (noise.disparity > 0),
-        "shadows of the second imager" * noise.shadows,
+        "holes beside edges and on steep surfaces" * noise.holes,
         f"{100 * noise.missing:g} % of the pixels lost in spots" * (noise.missing > 0),
     ]
     return ", ".join(filter(None, kinds)).capitalize() + "." if any(kinds) else "None."

@@ -1,4 +1,4 @@
-"""Sensor noise of real depth cameras (ours), and filling of missing pixels."""
+"""Sensor noise of stereo depth cameras (ours)."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,56 +12,44 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 BASELINE = 0.05  # metres between the two imagers of a D435
 LEAST_DISPARITY = 1.0  # pixels; far beyond everything there is
+MATCHED = 7  # pixels; side of the windows that are matched (Keselman et al. 2017)
+MAX_INCIDENCE = 80.0  # degrees
 SPOT = 1.5  # pixels; how far lost pixels keep together
 
 
-def fill_missing(depth: Depth) -> Depth:
-    """A depth image whose missing pixels have the depth of the nearest one that has any.
-
-    Args:
-        depth: Metres; not a number where it is missing, but not everywhere.
-    """
-    gaps = ~np.isfinite(depth)
-    if not gaps.any():
-        return depth
-    nearest = ndimage.distance_transform_edt(gaps, return_distances=False, return_indices=True)
-    whole: Depth = depth[tuple(nearest)]
-    return whole
-
-
 def add_sensor_noise(view: View, noise: ImageNoise, rng: np.random.Generator) -> View:
-    """A view as a real camera would have it: shadows, then disparity noise, then lost pixels.
+    """A view as a stereo camera has it: disparity noise, then holes, then lost pixels (ours).
+
+    The disparity, baseline * focal length / depth, gets normal noise, so that the depth errs in
+    proportion to its square: with 0.1 pixels by 1.7 mm at 0.6 m. Stereo cameras match windows of
+    pixels, 7 x 7 in a RealSense R200 (Keselman et al. 2017, "Intel RealSense stereoscopic depth
+    cameras"), so pixels less than 7 apart in both directions err alike, the nearer the more. Holes
+    are where the second imager sees nothing (`stereo_shadow`), and where it sees the surface too
+    slanted (`grazing`).
 
     Args:
         view: What an ideal camera sees.
         noise: What goes wrong; each kind may be off.
         rng: Source of chance.
     """
-    clear = noise.disparity == 0
-    found = view.depth.copy() if clear else add_disparity_noise(view, noise.disparity, rng).depth
-    if noise.shadows:
-        found[stereo_shadow(view)] = np.nan
+    found = view.depth.copy()
+    if noise.disparity > 0:
+        found = _with_disparity_noise(view, noise.disparity, rng)
+    if noise.holes:
+        found[stereo_shadow(view) | grazing(view)] = np.nan
     if noise.missing > 0:
         found[_spots(found.shape, noise.missing, rng)] = np.nan
     return View(found, view.intrinsics, view.pose)
 
 
-def add_disparity_noise(view: View, sigma: float, rng: np.random.Generator) -> View:
-    """The view of a stereo camera that matches its two images with some error (ours).
-
-    The disparity, baseline * focal length / depth, gets normal noise, so that the depth errs in
-    proportion to its square: with 0.1 pixels by 1.7 mm at 0.6 m. Each pixel errs by itself, and
-    none is lost.
-
-    Args:
-        view: What an ideal camera sees.
-        sigma: Standard deviation of the disparity, pixels.
-        rng: Source of chance.
-    """
+def _with_disparity_noise(view: View, sigma: float, rng: np.random.Generator) -> Depth:
+    """The depth from disparities whose error has the standard deviation sigma, pixels."""
     scale = BASELINE * view.intrinsics.focal
-    disparity = scale / view.depth + sigma * rng.standard_normal(view.depth.shape)
-    depth = (scale / np.maximum(disparity, LEAST_DISPARITY)).astype(np.float32)
-    return View(depth, view.intrinsics, view.pose)
+    white = rng.standard_normal(view.depth.shape)
+    # The mean of n * n independent numbers deviates 1 / n times as much as one.
+    error = MATCHED * ndimage.uniform_filter(white, MATCHED, mode="wrap")
+    disparity = scale / view.depth + sigma * error
+    return (scale / np.maximum(disparity, LEAST_DISPARITY)).astype(np.float32)
 
 
 def stereo_shadow(view: View) -> Flags:
@@ -80,6 +68,37 @@ def stereo_shadow(view: View) -> Flags:
     hidden = np.zeros(columns.shape, dtype=bool)
     hidden[:, :-1] = columns[:, :-1] >= nearest[:, 1:]
     return hidden & np.isfinite(view.depth)
+
+
+def grazing(view: View) -> Flags:
+    """The pixels whose surface is too slanted for stereo matching, by 80 degrees or more.
+
+    The angle is that between line of sight and surface normal. The disparity then changes by
+    baseline / depth * tan(angle) = 0.5 pixels per pixel at 0.55 m, half of the gradient at which
+    matches become ambiguous (Pollard, Mayhew and Frisby 1985, "PMF"), and by several pixels over a
+    window that is matched. The normal follows from the differences to the next pixels, in rows
+    and in columns to the one of more similar depth: beside an edge, a level surface is level.
+
+    Args:
+        view: What an ideal camera sees.
+    """
+    depth, focal = view.depth, view.intrinsics.focal
+    along_v, along_u = _slope(depth, 0), _slope(depth, 1)
+    x, y = view.intrinsics.slopes()
+    # The normal of a depth image is (-f z_u, -f z_v, z + (u - c_u) z_u + (v - c_v) z_v).
+    forward = depth + focal * (x * along_u + y[:, None] * along_v)
+    normal = focal**2 * (along_u**2 + along_v**2) + forward**2
+    ray = 1 + x**2 + (y**2)[:, None]
+    least = np.cos(np.radians(MAX_INCIDENCE)) ** 2
+    return np.asarray(depth.astype(np.float64) ** 2 < least * normal * ray)
+
+
+def _slope(depth: Depth, axis: int) -> Floats:
+    """The lesser of the differences to the next pixels on either side, metres per pixel."""
+    steps = np.diff(depth.astype(np.float64), axis=axis)
+    first, last = np.take(steps, [0], axis), np.take(steps, [-1], axis)
+    back, ahead = np.concatenate([first, steps], axis), np.concatenate([steps, last], axis)
+    return np.where(np.abs(back) < np.abs(ahead), back, ahead)
 
 
 def _spots(shape: tuple[int, ...], part: float, rng: np.random.Generator) -> Flags:

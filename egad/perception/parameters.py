@@ -110,11 +110,12 @@ class ImageNoise(Parameters):
         ge=0,
         le=10,
         description="standard deviation of the disparity, pixels; the depth error grows with the "
-        "square of the depth: 0.1 pixels are 1.7 mm at 0.6 m",
+        "square of the depth: 0.1 pixels are 1.7 mm at 0.6 m; pixels less than 7 apart err alike",
     )
-    shadows: bool = Field(
+    holes: bool = Field(
         False,
-        description="whether pixels hidden from the second imager, beside edges, have no depth",
+        description="whether pixels have no depth that the second imager does not see, beside "
+        "edges, or where the line of sight is within 10 degrees of the surface",
     )
     missing: Fraction = Field(
         0.0, description="fraction of the pixels without depth, in small spots"

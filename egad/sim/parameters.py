@@ -55,8 +55,9 @@ class Trials(Lifting):
     depth_noise: float = Field(
         0.0,
         ge=0,
+        le=10,
         description="standard deviation of the disparity, as in a stereo camera, pixels; about 0.1 "
-        "for a D435",
+        "for a D435; if not 0, the image also has holes beside edges and on steep surfaces",
     )
     planning_time: float = Field(
         60.0,

@@ -13,7 +13,14 @@ from scipy.spatial.transform import Rotation
 from egad.detectors import Detector, DetectorTimeoutError, Grasp, Labels, best_grasp
 from egad.errors import UserError
 from egad.outcomes import Outcome
-from egad.perception import DepthCamera, Intrinsics, View, add_disparity_noise, camera_above
+from egad.perception import (
+    DepthCamera,
+    ImageNoise,
+    Intrinsics,
+    View,
+    add_sensor_noise,
+    camera_above,
+)
 from egad.sim.arms import Arm
 from egad.sim.execution import execute
 from egad.sim.parameters import Trials
@@ -165,7 +172,9 @@ class TrialRunner:
             return Attempt(Outcome.FAILED)
         view = self.render_view()
         if self.trials.depth_noise > 0:
-            view = add_disparity_noise(view, self.trials.depth_noise, camera_rng)
+            view = add_sensor_noise(
+                view, ImageNoise(disparity=self.trials.depth_noise, holes=True), camera_rng
+            )
         grasp = self._plan(detect, view, detector_rng)
         if isinstance(grasp, Outcome):
             return Attempt(grasp, *ready, end=ready.rest)

@@ -8,7 +8,8 @@ from egad.detectors.antipodal import _edges, _uneven, antipodal_depth
 from egad.detectors.base import Grasp
 from egad.perception.camera import WHOLE, DepthCamera, Intrinsics, View, camera_above, table_depth
 from egad.perception.heightmap import heightmap_of
-from egad.pipeline.config import GRIPPERS, Gripper
+from egad.perception.noise import add_sensor_noise
+from egad.pipeline.config import GRIPPERS, Gripper, ImageNoise
 
 HAND = GRIPPERS["egad_75mm"]
 CAMERA = Intrinsics.spanning(300, 300, 40.0)
@@ -19,6 +20,12 @@ def seen(mesh: trimesh.Trimesh, x: float = 0.0, y: float = 0.0, turn: float = 0.
     matrix = trimesh.transformations.rotation_matrix(turn, (0, 0, 1))
     matrix[:3, 3] = [x, y, -mesh.bounds[0, 2]]
     return DepthCamera(mesh).render(matrix, CAMERA, camera_above(0.6))
+
+
+def noisy(view: View, sigma: float, seed: int = 0) -> View:
+    """The view with holes, and with disparity noise of some pixels."""
+    noise = ImageNoise(disparity=sigma, holes=True)
+    return add_sensor_noise(view, noise, np.random.default_rng(seed))
 
 
 def detect(view: View, gripper: Gripper = HAND) -> list[Grasp]:
@@ -85,7 +92,8 @@ def test_gentle_slopes_are_no_edges() -> None:
     assert detect(seen(steep)) != []
 
 
-def test_fingers_need_space_beside_the_object() -> None:
+@pytest.mark.parametrize("sigma", [0.0, 0.1])
+def test_fingers_need_space_beside_the_object(sigma: float) -> None:
     """Between a block and walls 15 mm away, pads that open 8 mm wider and are 10 mm thick."""
     block = trimesh.creation.box((0.03, 0.03, 0.05))
     walls = [
@@ -94,7 +102,11 @@ def test_fingers_need_space_beside_the_object() -> None:
     ]
 
     def angles(mesh: trimesh.Trimesh) -> set[str]:
-        found = [grasp for grasp in detect(seen(mesh)) if np.hypot(*grasp.center[:2]) < 0.01]
+        found = [
+            grasp
+            for grasp in detect(noisy(seen(mesh), sigma))
+            if np.hypot(*grasp.center[:2]) < 0.01
+        ]
         return {"across" if abs(folded(grasp.angle)) < 0.5 else "along" for grasp in found}
 
     assert angles(block) == {"across", "along"}
@@ -104,6 +116,46 @@ def test_fingers_need_space_beside_the_object() -> None:
 def test_the_palm_stays_above_the_object() -> None:
     tower = trimesh.creation.box((0.04, 0.04, 0.15))
     assert all(grasp.tip > 0.15 - HAND.finger_length for grasp in detect(seen(tower)))
+
+
+NOISE = [(0.0, 0.003), (0.1, 0.006), (0.2, 0.009)]  # pixels; metres that the axis may be off
+
+
+@pytest.mark.parametrize(("sigma", "near"), NOISE)
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_with_noise_a_bar_is_held_across(turn: float, sigma: float, near: float) -> None:
+    view = seen(trimesh.creation.box((0.03, 0.12, 0.04)), 0.03, -0.02, turn)
+    for seed in range(5):
+        first = detect(noisy(view, sigma, seed))[0]
+        assert np.isfinite([*first.center, first.angle, first.width, first.depth]).all()
+        assert abs(folded(first.angle - turn)) < 0.1 + 2 * sigma
+        away = np.array(first.center[:2]) - (0.03, -0.02)
+        assert abs(away @ (np.cos(turn), np.sin(turn))) < near
+        assert 0.03 < first.width <= HAND.opening
+        assert first.tip < 0.02
+
+
+@pytest.mark.parametrize(("sigma", "near"), NOISE)
+@pytest.mark.parametrize(
+    "mesh", [trimesh.creation.cylinder(0.02, 0.06), trimesh.creation.icosphere(4, 0.025)]
+)
+def test_with_noise_round_objects_are_held_at_diameters(
+    mesh: trimesh.Trimesh, sigma: float, near: float
+) -> None:
+    """Those pairs of points on them are antipodal whose line meets the vertical axis."""
+    view = seen(mesh, -0.02, 0.03)
+    for seed in range(5):
+        first = detect(noisy(view, sigma, seed))[0]
+        x, y = np.array(first.center[:2]) - (-0.02, 0.03)
+        assert abs(x * np.sin(first.angle) - y * np.cos(first.angle)) < near
+        assert first.width > 2 * 0.02
+        assert first.tip < 0.025
+
+
+@pytest.mark.parametrize("sides", [(0.12, 0.12, 0.06), (0.12, 0.12, 0.004), (0.01, 0.01, 0.001)])
+def test_noise_makes_no_grasps_where_there_are_none(sides: tuple[float, ...]) -> None:
+    view = seen(trimesh.creation.box(sides))
+    assert all(detect(noisy(view, 0.1, seed)) == [] for seed in range(5))
 
 
 def test_the_same_image_gives_the_same_grasps() -> None:

@@ -5,9 +5,10 @@ import pytest
 import trimesh
 
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
-from egad.perception.noise import BASELINE, add_disparity_noise, add_sensor_noise, stereo_shadow
+from egad.perception.noise import BASELINE, add_sensor_noise, grazing, stereo_shadow
 from egad.pipeline.config import ImageNoise
 
+NOISE = ImageNoise(disparity=0.1)
 SMALL = Intrinsics.spanning(101, 101, 40.0)
 
 
@@ -21,17 +22,33 @@ def test_noise_grows_with_the_square_of_the_depth() -> None:
     camera = Intrinsics.spanning(200, 200, 30.0)
     for height in (0.6, 1.2):
         view = box.render(shifted(5, 5, 0), camera, camera_above(height))
-        noise = add_disparity_noise(view, 0.1, np.random.default_rng(0)).depth - view.depth
+        noise = add_sensor_noise(view, NOISE, np.random.default_rng(0)).depth - view.depth
         expected = height**2 * 0.1 / (BASELINE * camera.focal)
-        assert noise.std() == pytest.approx(expected, rel=0.03)
-        assert abs(noise.mean()) < expected / 20
+        assert noise.std() == pytest.approx(expected, rel=0.06)
+        assert abs(noise.mean()) < expected / 8
+
+
+def test_noise_is_alike_within_the_windows_that_are_matched() -> None:
+    """Two windows of 7 pixels, shifted by k, share 1 - k / 7 of their pixels."""
+    view = DepthCamera(trimesh.creation.box()).render(
+        shifted(5, 5, 0), Intrinsics.spanning(640, 480, 75.0), camera_above(0.6)
+    )
+    depth = add_sensor_noise(view, NOISE, np.random.default_rng(0)).depth.astype(np.float64)
+    error = (1 / depth - 1 / view.depth)[:400, :600]
+    error /= error.std()
+    for shift in range(10):
+        expected = max(1 - shift / 7, 0)
+        assert (error[:, : 600 - shift] * error[:, shift:]).mean() == pytest.approx(
+            expected, abs=0.05
+        )
+        assert (error[: 400 - shift] * error[shift:]).mean() == pytest.approx(expected, abs=0.05)
 
 
 def test_noise_leaves_the_image_alone_that_it_is_added_to() -> None:
     view = DepthCamera(trimesh.creation.box()).render(shifted(5, 5, 0), SMALL, camera_above(0.6))
     before = view.depth.copy()
     first, second = (
-        add_disparity_noise(view, 0.1, np.random.default_rng(3)).depth for _ in range(2)
+        add_sensor_noise(view, NOISE, np.random.default_rng(3)).depth for _ in range(2)
     )
     np.testing.assert_array_equal(view.depth, before)
     np.testing.assert_array_equal(first, second)
@@ -47,7 +64,7 @@ def seen(**noise):
 
 def test_shadows_lie_beside_edges_as_wide_as_the_disparities_differ() -> None:
     """On the left, as the second imager is to the right; baseline * focal * (1/near - 1/far)."""
-    view, found = seen(shadows=True)
+    view, found = seen(holes=True)
     near, far = 0.54, 0.6
     width = BASELINE * 417 * (1 / near - 1 / far)
     rows, columns = np.nonzero(np.isnan(found.depth))
@@ -58,6 +75,35 @@ def test_shadows_lie_beside_edges_as_wide_as_the_disparities_differ() -> None:
     assert not stereo_shadow(seen()[0])[:, 200:].any()
     there = np.isfinite(found.depth)
     np.testing.assert_array_equal(found.depth[there], view.depth[there])
+
+
+def test_a_sphere_has_no_depth_where_the_line_of_sight_grazes_it() -> None:
+    """That passes its center at d meets it at an angle whose sine is d / radius."""
+    radius, height = 0.1, 0.6
+    camera = Intrinsics.spanning(401, 401, 25.0)
+    sphere = DepthCamera(trimesh.creation.icosphere(6, radius))
+    view = sphere.render(shifted(0, 0, radius), camera, camera_above(height))
+    rays = camera.rays()
+    sine = (height - radius) * np.hypot(rays[..., 0], rays[..., 1])
+    sine /= radius * np.linalg.norm(rays, axis=-1)
+    angle = np.degrees(np.arcsin(np.minimum(sine, 1)))
+    lost = grazing(view)
+    assert lost[(angle > 82) & (angle < 87)].all()
+    assert not lost[angle < 78].any()
+    assert not lost[sine > 1.02].any()
+
+
+@pytest.mark.parametrize(("x", "steep"), [(0.06, True), (0.2, False)])
+def test_a_wall_has_depth_if_it_is_seen_from_far_enough_beside_it(x: float, steep: bool) -> None:
+    """Its line of sight is at atan(x / 0.5) from its surface: 7 and 22 degrees."""
+    camera = Intrinsics.spanning(1201, 401, 60.0)
+    box = DepthCamera(trimesh.creation.box(bounds=[(0, -0.06, 0), (0.05, 0.06, 0.15)]))
+    view = box.render(shifted(x, 0, 0), camera, camera_above(0.6))
+    wall = (view.heights() > 0.02) & (view.heights() < 0.13)
+    assert wall.sum() > 1000
+    assert grazing(view)[wall].mean() == pytest.approx(float(steep), abs=0.01)
+    level = (view.heights() < 0.001) | (view.heights() > 0.149)
+    assert not grazing(view)[level].any()
 
 
 def test_so_many_pixels_are_lost_in_spots() -> None:
