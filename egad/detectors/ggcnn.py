@@ -127,7 +127,7 @@ class GGCNN(MapDetector):
 
 
 def middle(depth: NDArray[np.float32]) -> Crop:
-    """The middle of a depth image, gaps filled with the depth of the nearest pixel that has one."""
+    """The middle of a depth image, gaps filled (`egad.perception.fill_missing`)."""
     side = min(SIZE, *depth.shape)
     top, left = ((size - side) // 2 for size in depth.shape)
     cut = fill_missing(depth)[top : top + side, left : left + side].astype(np.float64)

@@ -75,9 +75,10 @@ def clumsy(view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Gr
 
 
 @EACH_ENGINE
+@pytest.mark.parametrize("noise", [0.0, 0.1])
 @pytest.mark.parametrize("model", [CUBE, BALL, CYLINDER], ids=["cube", "ball", "cylinder"])
-def test_simple_shapes_are_mostly_held(engine: EngineName, model: Model) -> None:
-    trials = attempts(model, engine=engine)
+def test_simple_shapes_are_mostly_held(engine: EngineName, model: Model, noise: float) -> None:
+    trials = attempts(model, engine=engine, depth_noise=noise)
     assert set(trials["engine"]) == {engine}
     assert trials["success"].sum() >= 5
     held = trials[trials["success"]]

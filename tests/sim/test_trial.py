@@ -60,6 +60,23 @@ def test_the_drop_does_not_depend_on_the_detector() -> None:
     np.testing.assert_array_equal(*places)
 
 
+def test_a_noisy_camera_has_holes_and_an_ideal_one_has_none() -> None:
+    views: list[View] = []
+
+    def watch(view: View, _gripper: Gripper, _rng: np.random.Generator, /) -> list[Grasp]:
+        views.append(view)
+        return []
+
+    with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
+        for noise in (0.0, 0.1, 0.1):
+            TrialRunner(world, AXIS, Trials(depth_noise=noise)).attempt(watch, 3)
+    ideal, first, second = (view.depth for view in views)
+    assert np.isfinite(ideal).all()
+    assert 20 < np.isnan(first).sum() < 1000
+    assert np.nanstd(first - ideal) == pytest.approx(0.0017, rel=0.05)
+    np.testing.assert_array_equal(first, second)
+
+
 @EACH_ENGINE
 def test_a_grasp_at_the_middle_succeeds(engine: EngineName) -> None:
     attempt = outcome(CUBE, always((0, 0, -0.03)), engine=engine)
