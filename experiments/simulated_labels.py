@@ -52,9 +52,7 @@ def bands(axis: str) -> list[str]:
     return names[::-1] if axis == "difficulty" else names
 
 
-def by_thirds(
-    known: pd.DataFrame, objects: pd.DataFrame, axis: str, rating: str
-) -> Iterator[str]:
+def by_thirds(known: pd.DataFrame, objects: pd.DataFrame, axis: str, rating: str) -> Iterator[str]:
     """The area under the ROC curve of a rating in each third of the objects."""
     rank = objects.set_index("id")[axis].rank(pct=True).reindex(known["id"]).to_numpy()
     third = np.minimum((rank * THIRDS).astype(np.int64), THIRDS - 1)
