@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -29,6 +30,7 @@ from egad.sim import (
     build,
     initial_poses,
 )
+from egad.sim.mujoco_world import MujocoWorld
 from egad.sim.pybullet_world import PyBulletWorld
 
 STANDING = np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # the thickness is that along x
@@ -39,7 +41,7 @@ OBJECTS, DROPS = 13, 5
 Change = Callable[[PyBulletWorld], None]
 
 
-def nothing(_world: PyBulletWorld) -> None:
+def nothing(_world: World) -> None:
     """The engine as it is."""
 
 
@@ -59,7 +61,7 @@ def opened(model: Model, force: float) -> tuple[PyBulletWorld, Arm]:
     return PyBulletWorld(model, arm.robot), arm
 
 
-def held(scene: PyBulletWorld, arm: Arm, change: Change) -> Hand:
+def held(scene: World, arm: Arm, change: Callable[[Any], None]) -> Hand:
     """A cube or plate between the fingers."""
     scene.place(Pose(np.array([0.0, 0.0, SIDE / 2]), STANDING))
     change(scene)
@@ -90,6 +92,43 @@ def creep(change: Change) -> tuple[float, float]:
         scene.step(2400)
         after = scene.pose()
     return 1000 * float(before.position[2] - after.position[2]), turn(before, after)
+
+
+def opened_in_mujoco(
+    model: Model, force: float, stiffness: float | None, impedance: float | None
+) -> tuple[MujocoWorld, Arm]:
+    """A world with a hand of some force, and another stiffness of friction or impedance."""
+    arm = ARMS["axis"](GRIPPERS["egad_75mm"].model_copy(update={"force": force}))
+    world = MujocoWorld(model, arm.robot)
+    if stiffness is not None:
+        world.engine.opt.impratio = stiffness
+    if impedance is not None:
+        world.engine.geom_solimp[:, :2] = impedance
+    return world, arm
+
+
+def pressed_into_mujoco(force: float, impedance: float | None = None) -> float:
+    """By how many millimetres the fingers are nearer than the sides of a cube of 50 g."""
+    model = build(trimesh.creation.box((SIDE,) * 3), 400.0, Bundle())
+    scene, arm = opened_in_mujoco(model, force, None, impedance)
+    return 1000 * (SIDE - held(scene, arm, nothing).opening())
+
+
+def twisting(stiffness: float | None, load: float = 0.8) -> float:
+    """How fast a ball turns between pads under a part of the torque they can bear, degrees/s."""
+    ball = trimesh.creation.icosphere(4, SIDE / 2)
+    model = build(ball, 400.0, Bundle(deviation=1e-5, max_vertices=1000))
+    scene, arm = opened_in_mujoco(model, 20.0, stiffness, None)
+    scene.place(Pose(np.array([0.0, 0.0, SIDE / 2]), STANDING))
+    hand = Hand(scene, arm, HandPose(0, 0, SIDE / 2, 0), 0.065)
+    hand.close()
+    hand.lift(0.1, 1.0)
+    friction, radius = arm.robot.gripper.pad
+    for _ in range(60):
+        body = scene.engine.body("object").id
+        scene.data.xfrc_applied[body, 3] = load * 2 * friction * 20.0 * 2 / 3 * radius
+        scene.step()
+    return float(np.degrees(scene.speeds()[1]))
 
 
 def turn(before: Pose, after: Pose) -> float:
@@ -143,6 +182,11 @@ def main(bundle: Path) -> None:
     for name, change in (("with", nothing), ("without", without_anchors)):
         sunk, turned = creep(change)
         print(f"{name} anchors: sinks by {sunk:.3f} mm and turns by {turned:.2f} degrees in 10 s")
+    for impedance in (None, 0.95):
+        by = [pressed_into_mujoco(force, impedance) for force in (20.0, 100.0)]
+        print(f"MuJoCo, impedance {impedance or 'as it is'}: {by[0]:.3f} and {by[1]:.3f} mm")
+    for stiffness in (None, 10.0):
+        print(f"MuJoCo, impratio {stiffness or 'as it is'}: {twisting(stiffness):.2f} degrees/s")
     for name, tilted in (("upright", False), ("tilted", True)):
         same = lay_as_before(bundle, tilted)
         print(f"let go {name}: {sum(same)} of {len(same)} lie as before")
