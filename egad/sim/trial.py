@@ -35,7 +35,7 @@ REST_TURNING = 0.05  # rad/s
 REST_TIME = 0.1  # seconds that it must be slower than that
 DROP_SPREAD = 0.03  # the center of mass is dropped at most this far from the middle, both ways
 DROPS = 5
-# Let go upright, six of seven objects lie as before, and the same grasp works 20 times.
+# Let go upright, nearly all objects lie as before, and the same grasp works 20 times.
 TILT = np.pi / 2
 MOVED = 0.01  # metres; if no point moved further, a detector would try the same again
 
