@@ -1,6 +1,7 @@
 """Worlds for tests: in each engine, with a hand on an arm."""
 
 from collections.abc import Sequence
+from importlib.util import find_spec
 from typing import Any
 
 import pytest
@@ -12,15 +13,21 @@ from egad.sim.gripper import Hand
 from egad.sim.model import Model
 from egad.sim.world import ENGINES, EngineName, World, open_world
 
-EACH_ENGINE = pytest.mark.parametrize("engine", ENGINES)
+EACH_ENGINE = pytest.mark.parametrize(
+    "engine",
+    [
+        pytest.param(
+            name, marks=pytest.mark.skipif(find_spec(name) is None, reason="not installed")
+        )
+        for name in ENGINES
+    ],
+)
 EACH_ARM = pytest.mark.parametrize("arm", list(ARMS))
 HAND = GRIPPERS["egad_75mm"]
 
 
 def start(engine: EngineName, model: Model, gripper: Gripper = HAND, arm: str = "axis") -> World:
     """A world with the robot that `hung` brings into it."""
-    if engine == "pybullet":
-        pytest.importorskip("pybullet")
     return open_world(engine, model, ARMS[arm](gripper).robot)
 
 
