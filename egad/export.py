@@ -37,7 +37,7 @@ from egad.grasps import (
 )
 from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
 from egad.sim import (
-    EngineName,
+    EngineChoice,
     Lifting,
     SimulatedLabel,
     SimulatedLabelParameters,
@@ -64,7 +64,7 @@ def export(
     grasps: int = 100,
     seed: int = 0,
     rule: str = "paper",
-    engine: EngineName | None = None,
+    engine: EngineChoice = "auto",
 ) -> list[str]:
     """Write objects, scaled to a gripper, in the format of another program.
 
@@ -79,7 +79,7 @@ def export(
         seed: Of the grasps, for `acronym` only. They are those that a dataset of the pipeline has
             with the same seed.
         rule: How objects are scaled: see `egad.rescale`; `none`: not.
-        engine: What simulates the grasps, for `acronym` only: `pybullet` or `mujoco`; None:
+        engine: What simulates the grasps, for `acronym` only: `pybullet` or `mujoco`; `auto`:
             PyBullet if it is installed, else MuJoCo.
 
     Returns:

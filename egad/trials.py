@@ -20,7 +20,7 @@ from egad.grasps import GraspLabel, Gripper, as_gripper, label_parameters
 from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
 from egad.outcomes import Outcome
 from egad.sim import (
-    EngineName,
+    EngineChoice,
     TrialParameters,
     build,
     failed_attempts,
@@ -81,7 +81,7 @@ def run_trials(
     rule: str = "paper",
     reset: Literal["continue", "redrop"] = "continue",
     depth_noise: float = 0.0,
-    engine: EngineName | None = None,
+    engine: EngineChoice = "auto",
     jobs: int = 1,
 ) -> Trials:
     """Let a detector grasp objects in simulation, as in EGAD, section V.
@@ -107,7 +107,7 @@ def run_trials(
             failure it stays where it lies; `redrop`: every attempt begins with a new drop.
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
             If it is not 0, the image also has holes beside edges and on steep surfaces.
-        engine: What computes the physics: `pybullet` or `mujoco`; None: PyBullet if it is
+        engine: What computes the physics: `pybullet` or `mujoco`; `auto`: PyBullet if it is
             installed, else MuJoCo.
         jobs: Processes; the result does not depend on them. With several, a script needs
             `if __name__ == "__main__":` around its call.

@@ -35,6 +35,7 @@ from .trial import TrialRunner as TrialRunner
 from .trial import initial_poses as initial_poses
 from .world import ENGINES as ENGINES
 from .world import TIME_STEP as TIME_STEP
+from .world import EngineChoice as EngineChoice
 from .world import EngineName as EngineName
 from .world import Pose as Pose
 from .world import World as World

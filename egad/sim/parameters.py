@@ -11,9 +11,9 @@ from egad.grasps import Gripper, Quality
 class Lifting(Parameters):
     """Execution of a grasp."""
 
-    engine: Literal["pybullet", "mujoco"] | None = Field(
-        None,
-        description="physics engine; nothing: pybullet if it is installed, as on Python 3.11, else "
+    engine: Literal["auto", "pybullet", "mujoco"] = Field(
+        "auto",
+        description="physics engine; auto: pybullet if it is installed, as on Python 3.11, else "
         "mujoco",
     )
     arm: Literal["axis", "panda"] = Field(

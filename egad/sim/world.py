@@ -18,6 +18,7 @@ from egad.sim.robot import Robot
 Floats = NDArray[np.float64]
 EngineName = Literal["pybullet", "mujoco"]
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
+EngineChoice = Literal["auto", "pybullet", "mujoco"]
 
 GRAVITY = 9.81
 DOWN = (0.0, 0.0, -GRAVITY)
@@ -220,15 +221,15 @@ class World(ABC):
                 self.watch(self)
 
 
-def installed_engine(name: EngineName | None) -> EngineName:
-    """The engine of a name; of None, the first of `ENGINES` that is installed.
+def installed_engine(name: EngineChoice) -> EngineName:
+    """The engine of a name; of `auto`, the first of `ENGINES` that is installed.
 
     Raises:
         UserError: There is no such engine, or it is not installed.
     """
-    if name is None:
+    if name == "auto":
         return next(engine for engine in ENGINES if importlib.util.find_spec(engine))
-    check_name("engine", name, ENGINES)
+    check_name("engine", name, get_args(EngineChoice))
     if importlib.util.find_spec(name) is None:
         raise UserError(
             f"the physics engine {name} is not installed: pip install {name}, or choose another "
@@ -237,11 +238,11 @@ def installed_engine(name: EngineName | None) -> EngineName:
     return name
 
 
-def open_world(engine: EngineName | None, model: Model, robot: Robot | None = None) -> World:
+def open_world(engine: EngineChoice, model: Model, robot: Robot | None = None) -> World:
     """A world in an engine, for a `with` block.
 
     Args:
-        engine: Its name; None: PyBullet if it is installed, else MuJoCo.
+        engine: Its name; `auto`: PyBullet if it is installed, else MuJoCo.
         model: The object that lies on the table.
         robot: What may grasp it; nothing if None.
 

@@ -147,6 +147,6 @@ def test_an_engine_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name: None if name == "pybullet" else found(name)
     )
-    assert installed_engine(None) == "mujoco"
+    assert installed_engine("auto") == "mujoco"
     with pytest.raises(UserError, match="pybullet is not installed"):
         installed_engine("pybullet")
