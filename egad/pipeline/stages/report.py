@@ -1,8 +1,9 @@
 """report: an overview of all results, in one HTML file."""
 
 import platform
+from contextlib import suppress
 from functools import partial
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Annotated
 
@@ -71,7 +72,7 @@ def run(
         settings=settings,
         comparison=parquet.read(results / "comparison.parquet", COMPARISON),
         datasets=datasets,
-        versions={"python": platform.python_version()} | {name: version(name) for name in PACKAGES},
+        versions=versions(),
     )
     write_text(out, build(data))
 
@@ -118,6 +119,15 @@ def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> Dat
             AGREEMENT,
         ),
     )
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of those `PACKAGES` that are installed."""
+    found = {"python": platform.python_version()}
+    for name in PACKAGES:
+        with suppress(PackageNotFoundError):  # of the physics engines, one may be missing
+            found[name] = version(name)
+    return found
 
 
 def _rejected(folder: Path, grippers: list[str]) -> pd.DataFrame:
