@@ -4,6 +4,7 @@ from egad.outcomes import (
     DETECTOR_FAILURES,
     EXECUTION,
     NOTED_BY_HAND,
+    SHAKEN,
     SIMULATION_FAILURES,
     Outcome,
     listed,
@@ -11,7 +12,9 @@ from egad.outcomes import (
 
 
 def test_every_outcome_is_of_one_kind():
-    kinds = [*EXECUTION, *SIMULATION_FAILURES, *DETECTOR_FAILURES, *NOTED_BY_HAND]
+    shaken_only = [outcome for outcome in SHAKEN if outcome not in EXECUTION]
+    kinds = [*EXECUTION, *shaken_only, *SIMULATION_FAILURES, *DETECTOR_FAILURES, *NOTED_BY_HAND]
+    assert [outcome for outcome in SHAKEN if outcome in EXECUTION] == list(EXECUTION)
     assert len(kinds) == len(set(kinds))
     assert set(kinds) == set(Outcome)
 

@@ -17,7 +17,7 @@ from egad.pipeline.parameters import Input, Output, Shard, command
 from egad.pipeline.stages.shards import rejection, rows_in_shard
 from egad.random import generator
 from egad.tables import parquet
-from egad.tables.grasping import GRASPS, SAMPLING
+from egad.tables.grasping import GRASPS, SAMPLING, SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS, REJECTED
 
 log = logging.getLogger(__name__)
@@ -29,7 +29,7 @@ def run(
     objects: Annotated[Path, Input()],
     meshes: Annotated[Path, Input()],
     shard: Shard,
-    out: Annotated[Path, Output("D/grasps/G.parquet", GRASPS)],
+    out: Annotated[Path, Output("D/grasps/G.parquet", SIMULATED_GRASPS)],
     sampling: Annotated[Path, Output("D/grasps/G.sampling.parquet", SAMPLING)],
     rejected: Annotated[Path, Output("D/grasps/G.rejected.parquet", REJECTED)],
 ) -> None:
@@ -40,7 +40,9 @@ def run(
         objects: Objects of the dataset.
         meshes: Folder of the scaled meshes.
         shard: Number of this shard, and number of shards.
-        out: Labelled grasps for gripper G, in the frame of `D/rescaled/G/LABEL.obj`.
+        out: Labelled grasps for gripper G, in the frame of `D/rescaled/G/LABEL.obj`. It has the
+            columns `simulated_*` only if `targets.simulated_labels` is true, or ACRONYM files are
+            asked for.
         sampling: Sampling statistics of each object: number of candidates, and the reasons of their
             rejection.
         rejected: The objects without grasps.

@@ -43,7 +43,7 @@ def run(
     settings: SimulatedLabels,
     grasps: Annotated[Path, Input()],
     meshes: Annotated[Path, Input()],
-    out: Annotated[Path, Output("D/grasps/G.parquet", SIMULATED_GRASPS)],
+    out: Annotated[Path, Output()],
 ) -> None:
     """Simulate the grasps of the objects of a shard: closed in free space, shaken and lifted.
 
@@ -54,8 +54,7 @@ def run(
         settings: Settings of this stage.
         grasps: Labelled grasps of the shard.
         meshes: Folder of the scaled meshes.
-        out: The same grasps with their simulated labels. Made if `targets.simulated_labels` is
-            true.
+        out: The same grasps with the columns of `tables.grasping.SIMULATED_GRASPS`.
     """
     labelled = parquet.read(grasps, GRASPS)
     found = []
