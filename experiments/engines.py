@@ -4,7 +4,9 @@ Every attempt of the tables `trials/GRIPPER/P.parquet` that came to a grasp is c
 in PyBullet and in MuJoCo, from the same state: the object lies where PyBullet let it come to rest,
 and the hand does what the detector proposed. Then the experiment prints, for each detector, how
 often both engines give the same outcome and the same success, and the rank correlation of the
-success rates of the objects; and what MuJoCo says of the attempts of each outcome of PyBullet.
+success rates of the objects; what MuJoCo says of the attempts of each outcome of PyBullet; and what
+PyBullet says of those that only MuJoCo loses while the fingers close, if its contacts forget where
+they stuck.
 """
 
 import sys
@@ -14,16 +16,29 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from scipy.stats import spearmanr
+from typing_extensions import override
 
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.pipeline.config import GRIPPERS, Trials
 from egad.pipeline.stages.bundled import model_in, rows_by_id
 from egad.sim import ARMS, ENGINES, TrialRunner, open_world, read_attempt
+from egad.sim.pybullet_world import PyBulletWorld
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 
 PAIR = list(ENGINES)
+ANCHORLESS = "without anchors"
+
+
+class WithoutAnchors(PyBulletWorld):
+    """PyBullet, whose contacts forget where they stuck."""
+
+    @override
+    def _add_object(self) -> int:
+        number = super()._add_object()
+        self.client.changeDynamics(number, -1, frictionAnchor=0)
+        return number
 
 
 def attempts_of(results: Path, gripper: str) -> pd.DataFrame:
@@ -46,9 +61,11 @@ def carried_out(rows: tuple[str, pd.DataFrame], results: Path, gripper: str) -> 
         runner = TrialRunner(world, arm, Trials())
         first = [runner.repeat(*each) for each in tried]
     rests = [attempt.rest for attempt in first]
+    worlds = {engine: open_world(engine, model, arm.robot) for engine in PAIR}
+    worlds[ANCHORLESS] = WithoutAnchors(model, arm.robot)
     found = {}
-    for engine in PAIR:
-        with open_world(engine, model, arm.robot) as world:
+    for engine, unopened in worlds.items():
+        with unopened as world:
             runner = TrialRunner(world, arm, Trials())
             found[engine] = [
                 runner.carry_out(rest, grasp).outcome if rest and grasp else None
@@ -82,6 +99,8 @@ def main(results: Path, gripper: str) -> None:
         print(row(str(name), rows))
     print(row("all", known))
     print(pd.crosstab(known[PAIR[0]], known[PAIR[1]]).to_markdown())
+    lost = known["mujoco"].isin(["missed", "slipped_closing"]) & (known["pybullet"] == "success")
+    print(known[lost][ANCHORLESS].value_counts().to_markdown())
 
 
 if __name__ == "__main__":
