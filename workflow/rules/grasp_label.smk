@@ -52,12 +52,6 @@ rule grasp_label:
         " > {log:q} 2>&1"
 
 
-def simulates_labels():
-    """Whether grasps get simulated labels; ACRONYM files need them."""
-    targets = SETTINGS.targets
-    return targets.simulated_labels or "acronym" in targets.exports
-
-
 rule simulated_label:
     """Simulate the labelled grasps of the objects of a shard."""
     input:
@@ -89,7 +83,7 @@ use rule join as join_grasps with:
     input:
         parts(
             "results/{dataset}/parts/simulated-{gripper}-{shard}.parquet"
-            if simulates_labels()
+            if SIMULATES_LABELS
             else "results/{dataset}/parts/grasps-{gripper}-{shard}.parquet"
         ),
     output:
