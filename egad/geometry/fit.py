@@ -66,7 +66,7 @@ def too_deep(touchable: Touchable, hull: Hull, planes: Floats, tolerances: Toler
 
 
 def fits(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> bool:
-    """Whether a hull may be a part: it buries hardly any points, and has few enough vertices."""
+    """Whether a hull may be a part: it buries few points, and has few enough vertices."""
     planes = hull_and_planes(hull.points)[1]
     near = touchable.where(within_box(touchable.points, hull.points))
     buried = int(too_deep(near, hull, planes, tolerances).sum())

@@ -46,8 +46,8 @@ def touchable_points(mesh: trimesh.Trimesh, purpose: str) -> Touchable:
     caster = RayCaster(mesh)
     rng = generator(0, "touchable points", purpose)
     sums = np.cumsum(caster.areas)
-    places = sums[-1] * (np.arange(SAMPLES) + rng.random(SAMPLES)) / SAMPLES
-    faces = np.minimum(np.searchsorted(sums, places), len(sums) - 1)
+    areas = sums[-1] * (np.arange(SAMPLES) + rng.random(SAMPLES)) / SAMPLES
+    faces = np.minimum(np.searchsorted(sums, areas), len(sums) - 1)
     far, along = np.sqrt(rng.random(SAMPLES)), rng.random(SAMPLES)
     weights = np.stack([1 - far, far * (1 - along), far * along], axis=1)
     points = np.einsum("nk,nki->ni", weights, caster.triangles[faces])

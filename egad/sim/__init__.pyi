@@ -18,7 +18,10 @@ from .labelled_trials import shares as shares
 from .model import Model as Model
 from .model import build as build
 from .model import model_of as model_of
+from .parameters import ENGINES as ENGINES
 from .parameters import Agreement as Agreement
+from .parameters import EngineChoice as EngineChoice
+from .parameters import EngineName as EngineName
 from .parameters import LabelTrialParameters as LabelTrialParameters
 from .parameters import Lifting as Lifting
 from .parameters import SimulatedLabel as SimulatedLabel
@@ -33,10 +36,7 @@ from .trial import Attempt as Attempt
 from .trial import InitialPose as InitialPose
 from .trial import TrialRunner as TrialRunner
 from .trial import initial_poses as initial_poses
-from .world import ENGINES as ENGINES
 from .world import TIME_STEP as TIME_STEP
-from .world import EngineChoice as EngineChoice
-from .world import EngineName as EngineName
 from .world import Pose as Pose
 from .world import World as World
 from .world import installed_engine as installed_engine

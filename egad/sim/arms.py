@@ -144,8 +144,8 @@ class Panda(Arm):
     def _error(self, joints: Floats, wanted: Floats) -> tuple[Floats, Floats]:
         """What is missing, as a shift and a rotation vector, (6,), and the Jacobian, (6, 7)."""
         *frames, tip = self.robot.tip_poses(joints.tolist())
-        axes, places = np.moveaxis(np.array(frames)[:, :3, 2:], 2, 0)
-        levers = tip[:3, 3] - places
+        axes, origins = np.moveaxis(np.array(frames)[:, :3, 2:], 2, 0)
+        levers = tip[:3, 3] - origins
         turn = wanted[:3, :3] @ tip[:3, :3].T
         # Of a turn by a small angle, what is not symmetric is the rotation vector.
         skew = (turn.T - turn)[[1, 2, 0], [2, 0, 1]] / 2

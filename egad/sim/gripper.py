@@ -10,7 +10,6 @@ from egad.sim.world import TIME_STEP, World
 
 Floats = NDArray[np.float64]
 
-CLOSING_SPEED = 0.1  # m/s, each finger
 CLOSING_TIME = 1.0
 STALLED_SPEED = 0.0005
 STALLED_STEPS = 24
@@ -110,7 +109,7 @@ class Hand:
         Returns:
             Whether both of them pressed on the object at some time.
         """
-        self.world.close_fingers(CLOSING_SPEED)
+        self.world.close_fingers()
         still, touched = 0, False
         for _ in range(round(CLOSING_TIME / TIME_STEP)):
             self.world.step()

@@ -1,17 +1,21 @@
 """Settings of simulated grasping trials."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 from pydantic import Field
 
 from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels, Seed
 from egad.grasps import Gripper, Quality
 
+EngineName = Literal["pybullet", "mujoco"]
+ENGINES: tuple[EngineName, ...] = get_args(EngineName)
+EngineChoice = Literal["auto", EngineName]
+
 
 class Lifting(Parameters):
     """Execution of a grasp."""
 
-    engine: Literal["auto", "pybullet", "mujoco"] = Field(
+    engine: EngineChoice = Field(
         "auto",
         description="physics engine; auto: pybullet if it is installed, as on Python 3.11, else "
         "mujoco",

@@ -14,6 +14,7 @@ from typing_extensions import override
 from egad.sim.model import Model
 from egad.sim.robot import LEFT, RIGHT, Robot, to_urdf
 from egad.sim.world import (
+    CLOSING_SPEED,
     DOWN,
     TABLE_FRICTION,
     TABLE_ROLLING,
@@ -37,7 +38,7 @@ POSITION_GAIN = 0.3  # of an error is made good in one step
 # The gear must be stronger than the fingers, or an object off the middle holds one of them up.
 GEAR_STRENGTH = 10
 FREE = (-1, -1, -1)
-NORMAL_FORCE, LINK, OTHER_LINK = 9, 3, 4  # places in what the engine tells of a contact
+NORMAL_FORCE, LINK = 9, 3  # positions in what the engine tells of a contact
 
 
 class Client:
@@ -132,13 +133,13 @@ class PyBulletWorld(World):
         )
 
     @override
-    def close_fingers(self, speed: float) -> None:
+    def close_fingers(self) -> None:
         for finger in self._fingers:
             self.client.setJointMotorControl2(
                 self._robot,
                 finger,
                 pybullet.VELOCITY_CONTROL,
-                targetVelocity=-speed,
+                targetVelocity=-CLOSING_SPEED,
                 force=self._known_robot().gripper.force,
             )
 
@@ -215,15 +216,10 @@ class PyBulletWorld(World):
         return self.robot
 
     def _set_friction(self, joints: int) -> None:
-        friction, radius = self._known_robot().gripper.pad
+        sliding, torsional = self._known_robot().pad_friction
         for link in range(joints):
-            # A soft pad resists twisting even where a round object touches it in one point: as a
-            # pressed disc. A length; the engine multiplies it by the force.
             self.client.changeDynamics(
-                self._robot,
-                link,
-                lateralFriction=friction,
-                spinningFriction=2 / 3 * friction * radius,
+                self._robot, link, lateralFriction=sliding, spinningFriction=torsional
             )
 
     def _hold_fingers(self, opening: float) -> None:

@@ -102,6 +102,16 @@ class Robot:
     strength: dict[str, float] = field(hash=False)
 
     @property
+    def pad_friction(self) -> tuple[float, float]:
+        """Friction of the pads: sliding, and torsional (m, torque over normal force).
+
+        A soft pad resists twisting even where a round object touches it in one point: as a pressed
+        disc.
+        """
+        friction, radius = self.gripper.pad
+        return friction, 2 / 3 * friction * radius
+
+    @property
     def arm(self) -> tuple[str, ...]:
         """Names of the joints that move the palm, in the order of their positions."""
         return tuple(self.strength)

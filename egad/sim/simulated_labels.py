@@ -156,7 +156,7 @@ def _simulated(hand: Hand, stance: HandPose, lifting: Lifting) -> SimulatedGrasp
 
 
 def _shaking(stance: HandPose) -> Iterator[HandPose]:
-    """Places of the hand, one a time step: up and down, then to and fro, from rest to rest."""
+    """Poses of the hand, one a time step: up and down, then to and fro, from rest to rest."""
     time = TIME_STEP * np.arange(1, round(SHAKES / FREQUENCY / TIME_STEP) + 1)
     # The envelope lets the hand begin and end at rest.
     wave = np.sin(2 * np.pi * FREQUENCY * time) * np.sin(np.pi * FREQUENCY / SHAKES * time) ** 2

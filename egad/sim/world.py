@@ -5,7 +5,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Literal, NamedTuple, Self, get_args
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,17 +13,16 @@ from scipy.spatial.transform import Rotation
 
 from egad.errors import UserError, check_name
 from egad.sim.model import Model
+from egad.sim.parameters import ENGINES, EngineChoice, EngineName
 from egad.sim.robot import Robot
 
 Floats = NDArray[np.float64]
-EngineName = Literal["pybullet", "mujoco"]
-ENGINES: tuple[EngineName, ...] = get_args(EngineName)
-EngineChoice = Literal["auto", "pybullet", "mujoco"]
 
 GRAVITY = 9.81
 DOWN = (0.0, 0.0, -GRAVITY)
 WEIGHTLESS = (0.0, 0.0, 0.0)
 TIME_STEP = 1 / 240  # of control; an engine may take shorter ones in between
+CLOSING_SPEED = 0.1  # m/s, each finger
 TABLE_FRICTION = 0.5  # plastic on wood or paper
 # Without it a ball rolls or spins for ever. As a length: where the ground pushes ahead of it.
 TABLE_ROLLING = 0.001
@@ -142,8 +141,8 @@ class World(ABC):
         """Steer the arm to positions, to be there at these speeds after the next step."""
 
     @abstractmethod
-    def close_fingers(self, speed: float) -> None:
-        """Let each finger move inwards at a speed (m/s), or press with its force."""
+    def close_fingers(self) -> None:
+        """Let each finger move inwards at `CLOSING_SPEED`, or press with its force."""
 
     @abstractmethod
     def arm_joints(self) -> Floats:
@@ -229,7 +228,7 @@ def installed_engine(name: EngineChoice) -> EngineName:
     """
     if name == "auto":
         return next(engine for engine in ENGINES if importlib.util.find_spec(engine))
-    check_name("engine", name, get_args(EngineChoice))
+    check_name("engine", name, ("auto", *ENGINES))
     if importlib.util.find_spec(name) is None:
         raise UserError(
             f"the physics engine {name} is not installed: pip install {name}, or choose another "
