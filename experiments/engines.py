@@ -35,10 +35,10 @@ class WithoutAnchors(PyBulletWorld):
     """PyBullet, whose contacts forget where they stuck."""
 
     @override
-    def _add_object(self) -> int:
-        number = super()._add_object()
-        self.client.changeDynamics(number, -1, frictionAnchor=0)
-        return number
+    def _add_object(self, number: int) -> int:
+        body = super()._add_object(number)
+        self.client.changeDynamics(body, -1, frictionAnchor=0)
+        return body
 
 
 def attempts_of(results: Path, gripper: str) -> pd.DataFrame:
@@ -57,11 +57,11 @@ def carried_out(rows: tuple[str, pd.DataFrame], results: Path, gripper: str) -> 
     bundle = results / "bundle" / gripper
     model, arm = model_in(bundle, rows_by_id(bundle)[name]), ARMS["axis"](GRIPPERS[gripper])
     tried = [read_attempt(row) for row in parquet.records(table)]
-    with open_world("pybullet", model, arm.robot) as world:
+    with open_world("pybullet", [model], arm.robot) as world:
         runner = TrialRunner(world, arm, Trials())
         first = [runner.repeat(*each) for each in tried]
     rests = [attempt.rest for attempt in first]
-    worlds = {engine: open_world(engine, model, arm.robot) for engine in PAIR}
+    worlds = {engine: open_world(engine, [model], arm.robot) for engine in PAIR}
     worlds[ANCHORLESS] = WithoutAnchors(model, arm.robot)
     found = {}
     for engine, unopened in worlds.items():

@@ -47,7 +47,7 @@ def nothing(_world: World) -> None:
 
 def without_anchors(scene: PyBulletWorld) -> None:
     """Contacts that forget where they stuck."""
-    scene.client.changeDynamics(scene.object, -1, frictionAnchor=0)
+    scene.client.changeDynamics(scene.objects[0], -1, frictionAnchor=0)
 
 
 def with_iterations(count: int) -> Change:
@@ -58,7 +58,7 @@ def with_iterations(count: int) -> Change:
 def opened(model: Model, force: float) -> tuple[PyBulletWorld, Arm]:
     """A world with a hand of some force."""
     arm = ARMS["axis"](GRIPPERS["egad_75mm"].model_copy(update={"force": force}))
-    return PyBulletWorld(model, arm.robot), arm
+    return PyBulletWorld([model], arm.robot), arm
 
 
 def held(scene: World, arm: Arm, change: Callable[[Any], None]) -> Hand:
@@ -99,7 +99,7 @@ def opened_in_mujoco(
 ) -> tuple[MujocoWorld, Arm]:
     """A world with a hand of some force, and another stiffness of friction or impedance."""
     arm = ARMS["axis"](GRIPPERS["egad_75mm"].model_copy(update={"force": force}))
-    world = MujocoWorld(model, arm.robot)
+    world = MujocoWorld([model], arm.robot)
     if stiffness is not None:
         world.engine.opt.impratio = stiffness
     if impedance is not None:
@@ -149,7 +149,7 @@ def lay_as_before(bundle: Path, tilted: bool) -> list[bool]:
     rows = sorted(rows_by_id(bundle).values(), key=lambda row: str(row["label"]))
     for row in rows[:: -(-len(rows) // OBJECTS)]:
         rng = generator(0, "physics", row["id"])
-        with PyBulletWorld(model_in(bundle, row)) as scene:
+        with PyBulletWorld([model_in(bundle, row)]) as scene:
             mesh = scene.model.mesh
             for _ in range(DROPS):
                 lying = fallen(scene, next(initial_poses(mesh, HEIGHT, None, rng)).pose)

@@ -40,7 +40,7 @@ def run_attempts(
     seeds = _seeds(object_id, settings)
     known = {"parts": len(model.parts), "volume_error": model.volume_error}
     arm = ARMS[settings.trials.arm](settings.gripper)
-    with open_world(settings.trials.engine, model, arm.robot) as world:
+    with open_world(settings.trials.engine, [model], arm.robot) as world:
         bench = TrialRunner(world, arm, settings.trials)
         attempts = list(_chain(bench, detect, seeds))
     return _table(label, object_id, seeds, attempts, known | _engine(settings))

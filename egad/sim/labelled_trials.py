@@ -76,7 +76,7 @@ def execute_labelled_grasps(
     found = []
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
     arm = ARMS[settings.trials.arm](gripper)
-    with open_world(settings.trials.engine, model, arm.robot) as world:
+    with open_world(settings.trials.engine, [model], arm.robot) as world:
         for row in parquet.records(sample):
             pose, grasp = floating_pose(model, row, gripper)
             world.reset()

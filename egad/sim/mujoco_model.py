@@ -1,10 +1,19 @@
-"""The scene as MuJoCo needs it: table, object and robot, contacts and motors."""
+"""The scene as MuJoCo needs it: table, objects and robot, contacts and motors."""
+
+from collections.abc import Sequence
 
 import mujoco
 
 from egad.sim.model import Model
 from egad.sim.robot import LEFT, RIGHT, Robot, to_urdf
-from egad.sim.world import CLOSING_SPEED, TABLE_FRICTION, TABLE_ROLLING, TIME_STEP
+from egad.sim.world import (
+    CLOSING_SPEED,
+    OBJECT_FRICTION,
+    TABLE_FRICTION,
+    TABLE_ROLLING,
+    TIME_STEP,
+    wall_boxes,
+)
 
 SUBSTEPS = 2  # of a time step
 # Contacts are soft: the stiffest that the step allows, and close to rigid.
@@ -20,7 +29,8 @@ ARMATURE = 0.004  # s2/m or s2: inertia of what drives a joint, by its strength
 PARKED = (0.0, 0.0, 3.0)  # where a robot waits that takes no part
 ROBOT = "robot-"  # before the names of its links and joints
 HOLD, CLOSE, ARM = range(3)  # groups of actuators: of the fingers, and of the arm
-# Bits of what collides: the object with table and robot, and these two with each other.
+OBJECT, WALL = "object", "wall"  # before their numbers
+# Bits of what collides: an object with all others, table and robot also with each other.
 OBJECT_BIT, TABLE_BIT = 1, 2
 CONTACT_DIMENSIONS, PAD_DIMENSIONS = 6, 4  # with torsion, that of the table with rolling, too
 _CONTACT = {
@@ -30,12 +40,17 @@ _CONTACT = {
 }
 
 
-def described(model: Model, robot: Robot | None) -> mujoco.MjSpec:
-    """Table, object and robot for MuJoCo, with the motors of the robot.
+def described(
+    models: Sequence[Model], robot: Robot | None, walls: float | None = None
+) -> mujoco.MjSpec:
+    """Table, objects and robot for MuJoCo, with the motors of the robot.
+
+    The first weld constraints hold the objects, one each.
 
     Args:
-        model: The object.
-        robot: What may grasp it; nothing if None.
+        models: The objects.
+        robot: What may grasp them; nothing if None.
+        walls: Inner length and width of the box around the middle; none if None.
     """
     spec = mujoco.MjSpec()
     option = spec.option
@@ -52,35 +67,48 @@ def described(model: Model, robot: Robot | None) -> mujoco.MjSpec:
         conaffinity=OBJECT_BIT,
         **_CONTACT,
     )
-    _add_object(spec, model)
+    for number, box in enumerate(wall_boxes(walls) if walls else []):
+        spec.worldbody.add_geom(
+            name=f"{WALL}{number}",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[side / 2 for side in box.size],
+            pos=box.center,
+            friction=[OBJECT_FRICTION, TABLE_ROLLING, TABLE_ROLLING],
+            contype=TABLE_BIT,
+            conaffinity=OBJECT_BIT,
+            **_CONTACT,
+        )
+    for number, model in enumerate(models):
+        _add_object(spec, model, number)
     if robot is not None:
         _add_robot(spec, robot)
     return spec
 
 
-def _add_object(spec: mujoco.MjSpec, model: Model) -> None:
-    body = spec.worldbody.add_body(name="object")
+def _add_object(spec: mujoco.MjSpec, model: Model, order: int) -> None:
+    body = spec.worldbody.add_body(name=f"{OBJECT}{order}")
     body.add_freejoint()
     body.explicitinertial = True
     body.mass, body.inertia = model.mass, model.inertia
     for number, part in enumerate(model.parts):
-        name = f"part{number}"
+        name = f"part{order}-{number}"
         spec.add_mesh(
             name=name,
             uservert=part.vertices.ravel(),
             userface=part.faces.ravel(),
             inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
         )
-        # The friction is that of what it touches, whose priority is higher.
+        # Table and robot have a higher priority: their friction counts, not this one.
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_MESH,
             meshname=name,
             mass=0,
+            friction=[OBJECT_FRICTION, TABLE_ROLLING, TABLE_ROLLING],
             contype=OBJECT_BIT,
-            conaffinity=0,
+            conaffinity=OBJECT_BIT,
             **_CONTACT,
         )
-    pin = spec.worldbody.add_body(name="pin", mocap=True)
+    pin = spec.worldbody.add_body(name=f"pin{order}", mocap=True)
     equality = spec.add_equality(
         type=mujoco.mjtEq.mjEQ_WELD,
         objtype=mujoco.mjtObj.mjOBJ_BODY,

@@ -1,6 +1,7 @@
 """The simulated world in MuJoCo."""
 
 import logging
+import math
 from collections.abc import Sequence
 from typing import Self
 
@@ -10,14 +11,26 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from egad.sim.model import Model
-from egad.sim.mujoco_model import CLOSE, DAMPING_TIME, HOLD, ROBOT, SUBSTEPS, described
+from egad.sim.mujoco_model import (
+    CLOSE,
+    DAMPING_TIME,
+    HOLD,
+    OBJECT,
+    OBJECT_BIT,
+    ROBOT,
+    SUBSTEPS,
+    TABLE_BIT,
+    WALL,
+    described,
+)
 from egad.sim.robot import LEFT, RIGHT, Robot
 from egad.sim.world import CLOSING_SPEED, DOWN, Forces, Pose, World
 
 log = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
 
-TABLE, OBJECT, LEFT_FINGER, RIGHT_FINGER, OTHERS = range(5)  # owners of shapes
+# Owners of shapes; objects have the numbers from FIRST_OBJECT on
+TABLE, LEFT_FINGER, RIGHT_FINGER, OTHERS, WALLS, FIRST_OBJECT = range(6)
 
 
 class MujocoWorld(World):
@@ -28,14 +41,20 @@ class MujocoWorld(World):
         data: The state of the engine.
     """
 
-    def __init__(self, model: Model, robot: Robot | None = None) -> None:
-        super().__init__(model, robot)
+    def __init__(
+        self, models: Sequence[Model], robot: Robot | None = None, walls: float | None = None
+    ) -> None:
+        super().__init__(models, robot, walls)
         mujoco.set_mju_user_warning(log.debug)  # else it writes a file into the current folder
-        self.engine = described(model, robot).compile()
+        self.engine = described(self.models, robot, walls).compile()
         self.data = mujoco.MjData(self.engine)
         engine = self.engine
-        self._owners = np.array([_owner(engine, body) for body in engine.geom_bodyid])
-        self._pin_body = engine.body("pin").mocapid[0]
+        numbers = range(len(self.models))
+        self._owners = np.array([_owner(engine, shape) for shape in range(engine.ngeom)])
+        self._pins = [engine.body(f"pin{number}").mocapid[0] for number in numbers]
+        joints = [engine.body(f"{OBJECT}{number}").jntadr[0] for number in numbers]
+        self._positions = engine.jnt_qposadr[joints]
+        self._speeds = engine.jnt_dofadr[joints]
         if robot is not None:
             self._base = engine.body("base").mocapid[0]
             self._links = np.array([engine.body(ROBOT + link.name).id for link in robot.links])
@@ -57,8 +76,14 @@ class MujocoWorld(World):
     def reset(self) -> None:
         mujoco.mj_resetData(self.engine, self.data)
         self.set_gravity(DOWN)
-        self.data.qpos[2] = float(self.model.mesh.scale)
+        self.engine.geom_contype[self._owners == WALLS] = TABLE_BIT
+        self.engine.geom_conaffinity[self._owners == WALLS] = OBJECT_BIT
         self._here = False
+        if len(self.models) == 1:
+            self.data.qpos[2] = float(self.model.mesh.scale)
+            return
+        for number in range(len(self.models)):
+            self.park(number)
 
     @override
     def set_gravity(self, acceleration: Sequence[float]) -> None:
@@ -70,12 +95,20 @@ class MujocoWorld(World):
         pose: Pose,
         velocity: Sequence[float] = (0.0, 0.0, 0.0),
         turning: Sequence[float] = (0.0, 0.0, 0.0),
+        number: int = 0,
     ) -> None:
-        self.data.qpos[:3] = pose.position
-        self.data.qpos[3:7] = _scalar_first(pose.quaternion)
-        self.data.qvel[:3] = velocity
-        self.data.qvel[3:6] = pose.matrix[:3, :3].T @ turning
+        place, speed = self._positions[number], self._speeds[number]
+        self.data.qpos[place : place + 3] = pose.position
+        self.data.qpos[place + 3 : place + 7] = _scalar_first(pose.quaternion)
+        self.data.qvel[speed : speed + 3] = velocity
+        self.data.qvel[speed + 3 : speed + 6] = pose.matrix[:3, :3].T @ turning
         self.data.qacc_warmstart[:] = 0
+        self._unpin(number)
+
+    @override
+    def remove_walls(self) -> None:
+        self.engine.geom_contype[self._owners == WALLS] = 0
+        self.engine.geom_conaffinity[self._owners == WALLS] = 0
 
     @override
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
@@ -110,21 +143,34 @@ class MujocoWorld(World):
         return self.data.qpos[self._fingers.positions], self.data.qvel[self._fingers.speeds]
 
     @override
-    def forces(self) -> Forces:
-        contact = self.data.contact
-        first = contact.efc_address
-        pairs = np.sort(self._owners[contact.geom[first >= 0]], axis=1)
-        # Of each contact, the first number is the normal force.
-        normal = self.data.efc_force[first[first >= 0]]
-        sums = np.bincount(pairs[:, 0] * 5 + pairs[:, 1], normal, 25).reshape(5, 5)
-        left, right, rest = sums[OBJECT, LEFT_FINGER:].tolist()
+    def forces(self, number: int | None = None) -> Forces:
+        sums = self._normal_forces()
+        chosen = slice(FIRST_OBJECT, None) if number is None else [FIRST_OBJECT + number]
+        on_objects = sums[:, chosen].sum(axis=1)
+        left, right, rest = on_objects[[LEFT_FINGER, RIGHT_FINGER, OTHERS]].tolist()
         return Forces(
             left,
             right,
             rest,
-            support=float(sums[TABLE, OBJECT]),
-            blocked=float(sums[TABLE, LEFT_FINGER:].sum()),
+            support=float(on_objects[TABLE]),
+            blocked=float(sums[TABLE, [LEFT_FINGER, RIGHT_FINGER, OTHERS]].sum()),
         )
+
+    @override
+    def touches_object(self, number: int) -> bool:
+        among = self._normal_forces()[FIRST_OBJECT:, FIRST_OBJECT:]
+        return bool(among[number].any() or among[:, number].any())
+
+    def _normal_forces(self) -> Floats:
+        """Sums of the normal forces between two owners of shapes, the lower number first."""
+        contact, count = self.data.contact, FIRST_OBJECT + len(self.models)
+        first = contact.efc_address
+        pairs = np.sort(self._owners[contact.geom[first >= 0]], axis=1)
+        # Of each contact, the first number is the normal force.
+        normal = self.data.efc_force[first[first >= 0]]
+        sums: Floats = np.zeros((count, count))
+        np.add.at(sums, (pairs[:, 0], pairs[:, 1]), normal)
+        return sums
 
     @override
     def link_poses(self) -> list[Pose]:
@@ -138,25 +184,27 @@ class MujocoWorld(World):
 
     @override
     def speeds(self) -> tuple[float, float]:
-        velocity = self.data.qvel
-        return float(np.linalg.norm(velocity[:3])), float(np.linalg.norm(velocity[3:6]))
+        velocities = [self.data.qvel[speed : speed + 6] for speed in self._speeds]
+        linear = max(float(np.linalg.norm(velocity[:3])) for velocity in velocities)
+        return linear, max(float(np.linalg.norm(velocity[3:])) for velocity in velocities)
 
-    def _numbers(self) -> tuple[Sequence[float], Sequence[float]]:
-        numbers = self.data.qpos[:7].tolist()
+    def _numbers(self, number: int) -> tuple[Sequence[float], Sequence[float]]:
+        place = self._positions[number]
+        numbers = self.data.qpos[place : place + 7].tolist()
         return numbers[:3], [*numbers[4:], numbers[3]]
 
-    def _advance(self) -> Sequence[float]:
+    def _advance(self) -> float:
         mujoco.mj_step(self.engine, self.data, SUBSTEPS)
-        velocity: list[float] = self.data.qvel[:3].tolist()
-        return velocity
+        speeds = [math.hypot(*self.data.qvel[speed : speed + 3]) for speed in self._speeds]
+        return sum(speeds) if any(map(math.isnan, speeds)) else max(speeds)
 
-    def _pin(self, pose: Pose) -> None:
-        self.data.mocap_pos[self._pin_body] = pose.position
-        self.data.mocap_quat[self._pin_body] = _scalar_first(pose.quaternion)
-        self.data.eq_active[0] = 1
+    def _pin(self, pose: Pose, number: int) -> None:
+        self.data.mocap_pos[self._pins[number]] = pose.position
+        self.data.mocap_quat[self._pins[number]] = _scalar_first(pose.quaternion)
+        self.data.eq_active[number] = 1
 
-    def _unpin(self) -> None:
-        self.data.eq_active[0] = 0
+    def _unpin(self, number: int) -> None:
+        self.data.eq_active[number] = 0
 
 
 class _Joints:
@@ -172,11 +220,10 @@ def _scalar_first(quaternion: Floats) -> Floats:
     return np.roll(quaternion, 1)
 
 
-def _owner(engine: mujoco.MjModel, body: int) -> int:
-    names = {
-        "world": TABLE,
-        "object": OBJECT,
-        ROBOT + LEFT: LEFT_FINGER,
-        ROBOT + RIGHT: RIGHT_FINGER,
-    }
-    return names.get(engine.body(body).name, OTHERS)
+def _owner(engine: mujoco.MjModel, shape: int) -> int:
+    body = engine.body(engine.geom_bodyid[shape]).name
+    if body.startswith(OBJECT):
+        return FIRST_OBJECT + int(body.removeprefix(OBJECT))
+    if body == "world":
+        return WALLS if engine.geom(shape).name.startswith(WALL) else TABLE
+    return {ROBOT + LEFT: LEFT_FINGER, ROBOT + RIGHT: RIGHT_FINGER}.get(body, OTHERS)

@@ -1,6 +1,7 @@
 """The simulated world in PyBullet."""
 
 import functools
+import math
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,16 +13,18 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from egad.sim.model import Model
-from egad.sim.robot import LEFT, RIGHT, Robot, to_urdf
+from egad.sim.robot import LEFT, RIGHT, Box, Robot, to_urdf
 from egad.sim.world import (
     CLOSING_SPEED,
     DOWN,
+    OBJECT_FRICTION,
     TABLE_FRICTION,
     TABLE_ROLLING,
     TIME_STEP,
     Forces,
     Pose,
     World,
+    wall_boxes,
 )
 
 Floats = NDArray[np.float64]
@@ -29,8 +32,6 @@ Floats = NDArray[np.float64]
 # With 50 iterations a 40 mm cube of 50 g is pressed into the fingers by 0.6 mm at 70 N and by 6 mm
 # at 100 N; 100 do for it, and 150 leave something for thinner objects.
 SOLVER_ITERATIONS = 150
-# The engine multiplies the friction of two bodies; with 1 for the object, the other one decides.
-OBJECT_FRICTION = 1.0
 # The engine's 1 mm is added all around convex parts: a 40 mm cube would be 42 mm.
 COLLISION_MARGIN = 1e-4
 PIN_STRENGTH = 1000.0  # newtons, and newton metres
@@ -56,15 +57,15 @@ class PyBulletWorld(World):
 
     Attributes:
         client: The engine.
-        object: Number of the object in the engine.
+        objects: Numbers of the objects in the engine.
         table: Number of the table in the engine.
     """
 
     def __enter__(self) -> Self:
         # The engine reads compounds and robots from files only.
         self._folder = tempfile.TemporaryDirectory()
-        self._shape = Path(self._folder.name) / "parts.obj"
-        self._shape.write_text(_wavefront(self.model), encoding="ascii")
+        for number, model in enumerate(self.models):
+            self._shape(number).write_text(_wavefront(model), encoding="ascii")
         self._description = Path(self._folder.name) / "robot.urdf"
         if self.robot is not None:
             self._description.write_text(to_urdf(self.robot), encoding="utf-8")
@@ -85,9 +86,16 @@ class PyBulletWorld(World):
             numSolverIterations=SOLVER_ITERATIONS,
             deterministicOverlappingPairs=1,
         )
+        # The engine multiplies the friction of two bodies; with 1 for an object, the other decides.
+        self._friction = 1.0 if len(self.models) == 1 else math.sqrt(OBJECT_FRICTION)
         self.table = self._add_table()
-        self.object = self._add_object()
+        self._walls = [self._add_wall(box) for box in wall_boxes(self.walls)] if self.walls else []
+        self.objects = [self._add_object(number) for number in range(len(self.models))]
+        self._constraints: dict[int, int] = {}
         self._robot: int | None = None
+        if len(self.models) > 1:
+            for number in range(len(self.models)):
+                self.park(number)
 
     @override
     def set_gravity(self, acceleration: Sequence[float]) -> None:
@@ -99,11 +107,19 @@ class PyBulletWorld(World):
         pose: Pose,
         velocity: Sequence[float] = (0.0, 0.0, 0.0),
         turning: Sequence[float] = (0.0, 0.0, 0.0),
+        number: int = 0,
     ) -> None:
+        body = self.objects[number]
         self.client.resetBasePositionAndOrientation(
-            self.object, pose.position.tolist(), pose.quaternion.tolist()
+            body, pose.position.tolist(), pose.quaternion.tolist()
         )
-        self.client.resetBaseVelocity(self.object, velocity, turning)
+        self.client.resetBaseVelocity(body, velocity, turning)
+        self._unpin(number)
+
+    @override
+    def remove_walls(self) -> None:
+        while self._walls:
+            self.client.removeBody(self._walls.pop())
 
     @override
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
@@ -154,11 +170,16 @@ class PyBulletWorld(World):
         return np.array([state[0] for state in states]), np.array([state[1] for state in states])
 
     @override
-    def forces(self) -> Forces:
-        support = self._force(self.table, self.object)
+    def forces(self, number: int | None = None) -> Forces:
+        chosen = self.objects if number is None else [self.objects[number]]
+        support = sum(self._force(self.table, body) for body in chosen)
         if self._robot is None:
             return Forces(0.0, 0.0, 0.0, support, 0.0)
-        contacts = self.client.getContactPoints(self._robot, self.object)
+        contacts = [
+            contact
+            for body in chosen
+            for contact in self.client.getContactPoints(self._robot, body)
+        ]
         left, right = (
             float(sum(contact[NORMAL_FORCE] for contact in contacts if contact[LINK] == finger))
             for finger in self._fingers
@@ -166,6 +187,11 @@ class PyBulletWorld(World):
         others = [contact for contact in contacts if contact[LINK] not in self._fingers]
         rest = float(sum(contact[NORMAL_FORCE] for contact in others))
         return Forces(left, right, rest, support, self._force(self.table, self._robot))
+
+    @override
+    def touches_object(self, number: int) -> bool:
+        body = self.objects[number]
+        return any(self._force(body, other) > 0 for other in self.objects if other != body)
 
     @override
     def link_poses(self) -> list[Pose]:
@@ -179,21 +205,21 @@ class PyBulletWorld(World):
 
     @override
     def speeds(self) -> tuple[float, float]:
-        linear, angular = self.client.getBaseVelocity(self.object)
-        return float(np.linalg.norm(linear)), float(np.linalg.norm(angular))
+        velocities = [self.client.getBaseVelocity(body) for body in self.objects]
+        linear = max(float(np.linalg.norm(velocity[0])) for velocity in velocities)
+        return linear, max(float(np.linalg.norm(velocity[1])) for velocity in velocities)
 
-    def _numbers(self) -> tuple[Sequence[float], Sequence[float]]:
-        position, quaternion = self.client.getBasePositionAndOrientation(self.object)
+    def _numbers(self, number: int) -> tuple[Sequence[float], Sequence[float]]:
+        position, quaternion = self.client.getBasePositionAndOrientation(self.objects[number])
         return position, quaternion
 
-    def _advance(self) -> Sequence[float]:
+    def _advance(self) -> float:
         self.client.stepSimulation()
-        velocity: Sequence[float] = self.client.getBaseVelocity(self.object)[0]
-        return velocity
+        return self.speeds()[0]
 
-    def _pin(self, pose: Pose) -> None:
-        self._constraint = self.client.createConstraint(
-            self.object,
+    def _pin(self, pose: Pose, number: int) -> None:
+        constraint = self.client.createConstraint(
+            self.objects[number],
             *FREE,
             pybullet.JOINT_FIXED,
             (0, 0, 0),
@@ -201,10 +227,15 @@ class PyBulletWorld(World):
             pose.position.tolist(),
             childFrameOrientation=pose.quaternion.tolist(),
         )
-        self.client.changeConstraint(self._constraint, maxForce=PIN_STRENGTH)
+        self.client.changeConstraint(constraint, maxForce=PIN_STRENGTH)
+        self._constraints[number] = constraint
 
-    def _unpin(self) -> None:
-        self.client.removeConstraint(self._constraint)
+    def _unpin(self, number: int) -> None:
+        if number in self._constraints:
+            self.client.removeConstraint(self._constraints.pop(number))
+
+    def _shape(self, number: int) -> Path:
+        return Path(self._folder.name) / f"parts{number}.obj"
 
     def _force(self, first: int, second: int) -> float:
         contacts = self.client.getContactPoints(first, second)
@@ -219,7 +250,10 @@ class PyBulletWorld(World):
         sliding, torsional = self._known_robot().pad_friction
         for link in range(joints):
             self.client.changeDynamics(
-                self._robot, link, lateralFriction=sliding, spinningFriction=torsional
+                self._robot,
+                link,
+                lateralFriction=sliding / self._friction,
+                spinningFriction=torsional / self._friction,
             )
 
     def _hold_fingers(self, opening: float) -> None:
@@ -252,24 +286,32 @@ class PyBulletWorld(World):
         self.client.changeDynamics(
             table,
             -1,
-            lateralFriction=TABLE_FRICTION,
-            rollingFriction=TABLE_ROLLING,
-            spinningFriction=TABLE_ROLLING,
+            lateralFriction=TABLE_FRICTION / self._friction,
+            rollingFriction=TABLE_ROLLING / self._friction,
+            spinningFriction=TABLE_ROLLING / self._friction,
         )
         return table
 
-    def _add_object(self) -> int:
-        shape = self.client.createCollisionShape(pybullet.GEOM_MESH, fileName=str(self._shape))
-        above = (0, 0, float(self.model.mesh.scale))
-        body: int = self.client.createMultiBody(self.model.mass, shape, basePosition=above)
+    def _add_wall(self, box: Box) -> int:
+        half = [side / 2 for side in box.size]
+        shape = self.client.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half)
+        wall: int = self.client.createMultiBody(0, shape, basePosition=box.center)
+        self.client.changeDynamics(wall, -1, lateralFriction=OBJECT_FRICTION / self._friction)
+        return wall
+
+    def _add_object(self, number: int) -> int:
+        file, model = str(self._shape(number)), self.models[number]
+        shape = self.client.createCollisionShape(pybullet.GEOM_MESH, fileName=file)
+        above = (0, 0, float(model.mesh.scale))
+        body: int = self.client.createMultiBody(model.mass, shape, basePosition=above)
         self.client.changeDynamics(
             body,
             -1,
-            lateralFriction=OBJECT_FRICTION,
+            lateralFriction=self._friction,
             # Contacts remember where they stuck. Without, a cube held for 10 s at 20 N sinks by
             # 0.06 mm and turns by 1.5 degrees. The friction cone still limits the force.
             frictionAnchor=1,
-            localInertiaDiagonal=self.model.inertia.tolist(),
+            localInertiaDiagonal=model.inertia.tolist(),
             collisionMargin=COLLISION_MARGIN,
         )
         return body

@@ -76,7 +76,7 @@ def simulate_labels(
     """
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
     arm, chosen = Axis(gripper), chosen_grasps(grasps, settings)
-    with open_world(settings.trials.engine, model, arm.robot) as world:
+    with open_world(settings.trials.engine, [model], arm.robot) as world:
         found = [
             simulate_grasp(world, arm, *_floating(model, row, gripper), settings.trials)
             for row in parquet.records(grasps.iloc[chosen])

@@ -1,7 +1,6 @@
-"""A simulated table, an object on it and a robot, whichever engine computes them."""
+"""A simulated table, objects on it and a robot, whichever engine computes them."""
 
 import importlib.util
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -14,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from egad.errors import UserError, check_name
 from egad.sim.model import Model
 from egad.sim.parameters import ENGINES, EngineChoice, EngineName
-from egad.sim.robot import Robot
+from egad.sim.robot import Box, Robot
 
 Floats = NDArray[np.float64]
 
@@ -26,14 +25,32 @@ CLOSING_SPEED = 0.1  # m/s, each finger
 TABLE_FRICTION = 0.5  # plastic on wood or paper
 # Without it a ball rolls or spins for ever. As a length: where the ground pushes ahead of it.
 TABLE_ROLLING = 0.001
+OBJECT_FRICTION = 0.5  # of objects against each other and against walls
+WALL_HEIGHT, WALL_THICKNESS = 0.4, 0.05  # metres
+PARKED = 10.0  # metres from the table; objects that take no part are apart by as much
 REACH = 5.0  # metres; whatever is further away did not get there by physics
 SUNK = 0.05
 # m/s; a fall from 40 cm ends at 3. Only a penetration that is undone at once makes more than this.
 FASTEST = 10.0
 
 
+def wall_boxes(inside: float) -> list[Box]:
+    """Four boxes around a square of the table.
+
+    Args:
+        inside: Its side, metres.
+    """
+    along, off = inside + 2 * WALL_THICKNESS, (inside + WALL_THICKNESS) / 2
+    across = [
+        Box((WALL_THICKNESS, along, WALL_HEIGHT), (x, 0.0, WALL_HEIGHT / 2)) for x in (-off, off)
+    ]
+    return across + [
+        Box((along, WALL_THICKNESS, WALL_HEIGHT), (0.0, y, WALL_HEIGHT / 2)) for y in (-off, off)
+    ]
+
+
 class UnstableError(Exception):
-    """The simulation went wrong: the object is nowhere, under the table, or shot away."""
+    """The simulation went wrong: an object is nowhere, under the table, or shot away."""
 
 
 class Pose(NamedTuple):
@@ -60,10 +77,10 @@ class Forces(NamedTuple):
     """Normal forces of contacts, in newtons, added up without their directions.
 
     Attributes:
-        left: Of the left finger on the object.
-        right: Of the right finger on the object.
-        rest: Of all else of the robot on the object.
-        support: Of the table on the object.
+        left: Of the left finger on the objects.
+        right: Of the right finger on the objects.
+        rest: Of all else of the robot on the objects.
+        support: Of the table on the objects.
         blocked: Of the table on the robot.
     """
 
@@ -75,31 +92,41 @@ class Forces(NamedTuple):
 
     @property
     def hand(self) -> float:
-        """Of the whole robot on the object."""
+        """Of the whole robot on the objects."""
         return self.left + self.right + self.rest
 
 
 class World(ABC):
-    """A table at height 0, one object and perhaps a robot, simulated in a `with` block.
+    """A table at height 0, objects and perhaps a robot, simulated in a `with` block.
 
-    The robot takes no part until it is put somewhere.
+    The robot takes no part until it is put somewhere, and of several objects none does.
 
     Attributes:
-        model: The object.
-        robot: What may grasp it.
+        models: The objects; methods know them by their numbers, the first one is 0.
+        robot: What may grasp them.
+        walls: Inner length and width of a box without a floor, metres; none if None.
         watch: Called after every time step, for films.
     """
 
-    def __init__(self, model: Model, robot: Robot | None = None) -> None:
+    def __init__(
+        self, models: Sequence[Model], robot: Robot | None = None, walls: float | None = None
+    ) -> None:
         """Prepare a world.
 
         Args:
-            model: The object that lies on the table.
-            robot: What may grasp it; nothing if None.
+            models: The objects.
+            robot: What may grasp them; nothing if None.
+            walls: Inner length and width of a box around the middle, without a floor; none if None.
         """
-        self.model = model
+        self.models = tuple(models)
         self.robot = robot
+        self.walls = walls
         self.watch: Callable[[World], None] | None = None
+
+    @property
+    def model(self) -> Model:
+        """The first object."""
+        return self.models[0]
 
     @abstractmethod
     def __enter__(self) -> Self:
@@ -111,7 +138,7 @@ class World(ABC):
 
     @abstractmethod
     def reset(self) -> None:
-        """Forget all that happened: only the table and the object, above it, are left."""
+        """Forget all that happened: a single object is above the table, several are parked."""
 
     @abstractmethod
     def set_gravity(self, acceleration: Sequence[float]) -> None:
@@ -123,8 +150,13 @@ class World(ABC):
         pose: Pose,
         velocity: Sequence[float] = (0.0, 0.0, 0.0),
         turning: Sequence[float] = (0.0, 0.0, 0.0),
+        number: int = 0,
     ) -> None:
-        """Put the object somewhere, at rest or with a velocity (m/s) and a turning (rad/s)."""
+        """Put an object somewhere, at rest or with a velocity (m/s) and a turning (rad/s)."""
+
+    @abstractmethod
+    def remove_walls(self) -> None:
+        """Take the walls away, until the world is reset."""
 
     @abstractmethod
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
@@ -153,8 +185,12 @@ class World(ABC):
         """Distances of left and right finger from the middle (m), and their speeds (m/s)."""
 
     @abstractmethod
-    def forces(self) -> Forces:
-        """Normal forces of all contacts after the last step."""
+    def forces(self, number: int | None = None) -> Forces:
+        """Normal forces of contacts after the last step, of one object or of all."""
+
+    @abstractmethod
+    def touches_object(self, number: int) -> bool:
+        """Whether an object pressed on another one in the last step."""
 
     @abstractmethod
     def link_poses(self) -> list[Pose]:
@@ -162,60 +198,66 @@ class World(ABC):
 
     @abstractmethod
     def speeds(self) -> tuple[float, float]:
-        """Speed of the object's center of mass in m/s, and its turning speed in rad/s."""
+        """Speed of the fastest center of mass in m/s, and of the fastest turning in rad/s."""
 
     @abstractmethod
-    def _numbers(self) -> tuple[Sequence[float], Sequence[float]]:
-        """Position and quaternion (x, y, z, w) of the object."""
+    def _numbers(self, number: int) -> tuple[Sequence[float], Sequence[float]]:
+        """Position and quaternion (x, y, z, w) of an object."""
 
     @abstractmethod
-    def _advance(self) -> Sequence[float]:
-        """Take a time step, and tell the velocity of the object, (3,), m/s."""
+    def _advance(self) -> float:
+        """Take a time step, and tell the speed of the fastest object, m/s."""
 
     @abstractmethod
-    def _pin(self, pose: Pose) -> None:
-        """Hold the object at a pose."""
+    def _pin(self, pose: Pose, number: int) -> None:
+        """Hold an object at a pose."""
 
     @abstractmethod
-    def _unpin(self) -> None:
+    def _unpin(self, number: int) -> None:
         """Let it go."""
 
     @contextmanager
     def pinned(self) -> Iterator[None]:
-        """Hold the object where it is, as long as the `with` block lasts."""
-        self._pin(self.pose())
+        """Hold the first object where it is, as long as the `with` block lasts."""
+        self._pin(self.pose(), 0)
         try:
             yield
         finally:
-            self._unpin()
+            self._unpin(0)
 
-    def pose(self) -> Pose:
-        """Where the object is now.
+    def park(self, number: int) -> None:
+        """Take an object away, until it is placed again."""
+        far = Pose(np.array([PARKED * (number + 1), 0.0, PARKED]), np.array([0.0, 0.0, 0.0, 1.0]))
+        self.place(far, number=number)
+        self._pin(far, number)
+
+    def pose(self, number: int = 0) -> Pose:
+        """Where an object is now.
 
         Raises:
             UnstableError: It is not finite, out of reach or under the table.
         """
-        position, quaternion = map(np.array, self._numbers())
+        position, quaternion = map(np.array, self._numbers(number))
         finite = np.isfinite(position).all() and np.isfinite(quaternion).all()
         if not finite or np.abs(position).max() > REACH or position[2] < -SUNK:
-            raise UnstableError(f"the object is at {position}")
+            raise UnstableError(f"an object is at {position}")
         return Pose(position, quaternion)
 
-    def vertices(self) -> Floats:
-        """The vertices of the object's surface where it is now, (n, 3)."""
-        matrix = self.pose().matrix
-        moved: Floats = self.model.mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    def vertices(self, number: int = 0) -> Floats:
+        """The vertices of an object's surface where it is now, (n, 3)."""
+        matrix = self.pose(number).matrix
+        moved: Floats = self.models[number].mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
         return moved
 
     def step(self, steps: int = 1) -> None:
         """Advance the simulation by steps of 1/240 s.
 
         Raises:
-            UnstableError: The object explodes: it gets faster than anything here can make it.
+            UnstableError: An object explodes: it gets faster than anything here can make it.
         """
         for _ in range(steps):
-            if not math.hypot(*self._advance()) < FASTEST:  # which a NaN is not, either
-                raise UnstableError("the object was thrown away")
+            if not self._advance() < FASTEST:  # which a NaN is not, either
+                raise UnstableError("an object was thrown away")
             if self.watch is not None:
                 self.watch(self)
 
@@ -237,13 +279,19 @@ def installed_engine(name: EngineChoice) -> EngineName:
     return name
 
 
-def open_world(engine: EngineChoice, model: Model, robot: Robot | None = None) -> World:
+def open_world(
+    engine: EngineChoice,
+    models: Sequence[Model],
+    robot: Robot | None = None,
+    walls: float | None = None,
+) -> World:
     """A world in an engine, for a `with` block.
 
     Args:
         engine: Its name; `auto`: PyBullet if it is installed, else MuJoCo.
-        model: The object that lies on the table.
-        robot: What may grasp it; nothing if None.
+        models: The objects.
+        robot: What may grasp them; nothing if None.
+        walls: Inner length and width of a box around the middle, without a floor; none if None.
 
     Raises:
         UserError: There is no such engine, or it is not installed.
@@ -251,7 +299,7 @@ def open_world(engine: EngineChoice, model: Model, robot: Robot | None = None) -
     if installed_engine(engine) == "pybullet":
         from egad.sim.pybullet_world import PyBulletWorld  # noqa: PLC0415 (may not be installed)
 
-        return PyBulletWorld(model, robot)
+        return PyBulletWorld(models, robot, walls)
     from egad.sim.mujoco_world import MujocoWorld  # noqa: PLC0415 (loads the other one in vain)
 
-    return MujocoWorld(model, robot)
+    return MujocoWorld(models, robot, walls)

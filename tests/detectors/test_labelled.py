@@ -127,7 +127,7 @@ def test_a_bench_tells_where_the_object_is():
         for axis in (SHORT, MIDDLE_SIDE)
     ]
     arm = ARMS["axis"](HAND)
-    with open_world("mujoco", build(BOX, 400.0, BUNDLE), arm.robot) as world:
+    with open_world("mujoco", [build(BOX, 400.0, BUNDLE)], arm.robot) as world:
         bench = TrialRunner(world, arm, Trials())
         outcomes = [bench.attempt(labelled(rows), seed).outcome for seed in range(6)]
     assert outcomes.count("success") >= 5

@@ -28,7 +28,7 @@ HAND = GRIPPERS["egad_75mm"]
 
 def start(engine: EngineName, model: Model, gripper: Gripper = HAND, arm: str = "axis") -> World:
     """A world with the robot that `hung` brings into it."""
-    return open_world(engine, model, ARMS[arm](gripper).robot)
+    return open_world(engine, [model], ARMS[arm](gripper).robot)
 
 
 def hung(world: World, stance: HandPose, width: float, arm: str = "axis") -> Hand:
@@ -40,6 +40,6 @@ def hung(world: World, stance: HandPose, width: float, arm: str = "axis") -> Han
 def twist(world: Any, torque: Sequence[float]) -> None:
     """Turn the object by a torque (N m) in the next step."""
     if hasattr(world, "data"):
-        world.data.xfrc_applied[world.engine.body("object").id, 3:] = torque
+        world.data.xfrc_applied[world.engine.body("object0").id, 3:] = torque
     else:
-        world.client.applyExternalTorque(world.object, -1, torque, 2)  # in the world's frame
+        world.client.applyExternalTorque(world.objects[0], -1, torque, 2)  # in the world's frame

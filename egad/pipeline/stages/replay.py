@@ -69,7 +69,7 @@ def repeat_attempt(
     if row["id"] not in known:
         raise UserError(f"{bundle}: no object {row['label']}")
     arm = ARMS[settings.trials.arm](settings.gripper)
-    with open_world(row["engine"], model_in(bundle, known[row["id"]]), arm.robot) as world:
+    with open_world(row["engine"], [model_in(bundle, known[row["id"]])], arm.robot) as world:
         film = Film(world)
         again = TrialRunner(world, arm, settings.trials).repeat(*read_attempt(row))
     return again, film.frames
