@@ -6,6 +6,8 @@ from .api import sample_grasps as sample_grasps
 from .api import similarity as similarity
 from .api import similarity_matrix as similarity_matrix
 from .api import stable_poses as stable_poses
+from .benchmark import Benchmark as Benchmark
+from .benchmark import run_benchmark as run_benchmark
 from .errors import EgadError as EgadError
 from .errors import RejectedError as RejectedError
 from .errors import TableError as TableError

@@ -19,6 +19,7 @@ class Outcome(StrEnum):
         CRASHED: The physics engine crashed or hung, twice.
         NO_GRASP: The detector proposed no grasp.
         NOT_FINITE: A number of the proposed grasp is NaN or infinite.
+        NOT_RIGID: The proposed pose is no rotation and shift.
         TOO_WIDE: The hand cannot open as wide as the proposed grasp is.
         BELOW_TABLE: The fingertips would be under the table.
         ERROR: The detector raised an error or returned something else than grasps.
@@ -38,6 +39,7 @@ class Outcome(StrEnum):
     CRASHED = "crashed"
     NO_GRASP = "no_grasp"
     NOT_FINITE = "not_finite"
+    NOT_RIGID = "not_rigid"
     TOO_WIDE = "too_wide"
     BELOW_TABLE = "below_table"
     ERROR = "error"
@@ -65,6 +67,7 @@ SIMULATION_FAILURES = (Outcome.FAILED, Outcome.CRASHED)
 DETECTOR_FAILURES = (
     Outcome.NO_GRASP,
     Outcome.NOT_FINITE,
+    Outcome.NOT_RIGID,
     Outcome.TOO_WIDE,
     Outcome.BELOW_TABLE,
     Outcome.ERROR,

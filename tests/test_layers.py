@@ -13,7 +13,7 @@ LAYERS = [
     *("errors", "random", "outcomes", "_util", "plugins", "data", "tables"),
     *("geometry", "cppn", "reeb", "grasps", "measures", "map_elites", "perception"),
     *("evalset", "stats", "learning", "detectors", "sim", "exchange", "report"),
-    *("objects", "api", "trials", "export", "pipeline"),
+    *("objects", "api", "trials", "benchmark", "export", "pipeline"),
 ]
 
 

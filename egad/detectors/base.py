@@ -3,14 +3,12 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from egad.grasps import Gripper
 from egad.outcomes import Outcome
-from egad.perception import View
 
 Floats = NDArray[np.float64]
 
@@ -92,17 +90,5 @@ def _promise(grasp: Grasp) -> float:
     return -grasp.quality if math.isfinite(grasp.quality) else math.inf
 
 
-class Detector(Protocol):
-    """Proposes grasps for what a depth camera sees."""
-
-    def __call__(self, view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
-        """Propose grasps, in any order; none if there is nothing to hold.
-
-        The answer may depend on these three alone, not on earlier calls: attempts are spread over
-        processes, and each can be repeated by itself.
-
-        Args:
-            view: Depth image, intrinsics and pose of the camera; the table is at height 0.
-            gripper: The hand that will try.
-            rng: The only source of chance.
-        """
+class DetectorTimeoutError(Exception):
+    """A detector took too long and was stopped."""

@@ -8,16 +8,20 @@ import numpy as np
 
 from egad import plugins as own_code
 from egad.detectors.antipodal import antipodal_depth
-from egad.detectors.base import WHERE, Detector, Grasp
+from egad.detectors.base import WHERE, Grasp
+from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.parameters import DetectorConfig
+from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
 from egad.errors import UserError
 from egad.grasps import Gripper
-from egad.perception import View
 
 QUICK: dict[str, Detector] = {"antipodal-depth": antipodal_depth, "random": random_grasp}
 """Detectors that need nothing but the image, and no process of their own to be stopped."""
+
+IN_SCENES: dict[str, Detector] = {"antipodal-cloud": antipodal_cloud, **QUICK}
+"""The same for scenes of several objects, which many cameras see."""
 
 
 def make_detector(config: DetectorConfig) -> Detector:
@@ -39,11 +43,16 @@ def make_detector(config: DetectorConfig) -> Detector:
 
 
 def with_checked_answers(detect: Callable[..., Any]) -> Detector:
-    """The same detector, but with an error for an answer that is no list of grasps."""
+    """The same detector, but with an error for an answer that is no grasps."""
 
     @functools.wraps(detect, updated=())
-    def ask(view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
-        return [_plain(grasp) for grasp in detect(view, gripper, rng)]
+    def ask(
+        seen: object, gripper: Gripper, rng: np.random.Generator, /
+    ) -> list[Grasp] | GraspPoses:
+        answer = detect(seen, gripper, rng)
+        if isinstance(answer, tuple) and not any(hasattr(each, "center") for each in answer):
+            return poses_of(answer)
+        return [_plain(grasp) for grasp in answer]
 
     return ask
 

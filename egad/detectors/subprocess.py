@@ -8,25 +8,23 @@ from typing import Self
 import numpy as np
 
 from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
-from egad.detectors.base import Detector, Grasp
+from egad.detectors.asking import seen_by
+from egad.detectors.base import DetectorTimeoutError, Grasp
 from egad.detectors.parameters import DetectorConfig
+from egad.detectors.poses import Detector, GraspPoses
 from egad.detectors.registry import make_detector
 from egad.errors import UserError
 from egad.grasps import Gripper
-from egad.perception import View
+from egad.perception import Observation, View
 
 STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load
 
-Question = tuple[View, Gripper, np.random.Generator]
-Answer = list[Grasp] | MemoryError | str  # text: what went wrong
+Question = tuple[View | Observation, Gripper, np.random.Generator]
+Answer = list[Grasp] | GraspPoses | MemoryError | str  # text: what went wrong
 
 
 class DetectorError(Exception):
     """A detector raised an error, gave something else than grasps, or ended its process."""
-
-
-class DetectorTimeoutError(Exception):
-    """A detector took too long and was stopped."""
 
 
 class Child:
@@ -50,8 +48,10 @@ class Child:
     def __exit__(self, *error: object) -> None:
         self._worker.__exit__(*error)
 
-    def __call__(self, view: View, gripper: Gripper, rng: np.random.Generator) -> list[Grasp]:
-        """Ask the detector.
+    def __call__(
+        self, observation: View | Observation, gripper: Gripper, rng: np.random.Generator
+    ) -> list[Grasp] | GraspPoses:
+        """Ask the detector, which gets what it wants of an observation.
 
         Raises:
             DetectorError: It failed, or cannot be started anew.
@@ -62,7 +62,7 @@ class Child:
         if not self._worker.running:
             self._start()
         try:
-            answer: Answer = self._worker((view, gripper, rng))
+            answer: Answer = self._worker((observation, gripper, rng))
         except WorkerTimeoutError as error:
             raise DetectorTimeoutError(str(error)) from error
         except WorkerDiedError as error:
@@ -91,8 +91,11 @@ def _answering(config: DetectorConfig) -> Iterator[Callable[[Question], Answer]]
 
 
 def _answer(detect: Detector, question: Question) -> Answer:
+    seen, gripper, rng = question
     try:
-        return detect(*question)
+        if isinstance(seen, Observation):
+            return detect(seen_by(detect, seen), gripper, rng)
+        return detect(seen, gripper, rng)
     except MemoryError as error:
         return MemoryError(str(error))
     except Exception as error:

@@ -11,6 +11,7 @@ from torch import nn
 
 from egad._util.files import atomic_output
 from egad.learning.networks import MAKERS, TITLES, Heads
+from egad.learning.vgn import VgnNetwork
 
 SAFE = ".safetensors"
 MOST_NAMED = 3
@@ -40,15 +41,35 @@ def read(path: str | Path) -> Heads:
     state = state_in(path)
     name = "ggcnn2" if any(key.startswith("features.") for key in state) else "ggcnn"
     network = MAKERS[name]()
+    text = f"{path}: these are not weights of GG-CNN or GG-CNN2; most similar to {TITLES[name]}"
+    _load(network, state, text)
+    return network
+
+
+def read_vgn(path: str | Path) -> VgnNetwork:
+    """Read VGN.
+
+    Args:
+        path: A file of safetensors, known by its ending, or else a state dictionary of PyTorch.
+
+    Raises:
+        WeightsError: The file is damaged, or holds something else.
+    """
+    network = VgnNetwork()
+    _load(network, state_in(path), f"{path}: these are not weights of VGN")
+    return network
+
+
+def _load(network: nn.Module, state: Mapping[str, torch.Tensor], text: str) -> None:
+    """Give a network its weights.
+
+    Raises:
+        WeightsError: They are of another one; the message begins with the text.
+    """
     if wrong := _differences(state, network.state_dict()):
         more = f"; and {len(wrong) - MOST_NAMED} more" if len(wrong) > MOST_NAMED else ""
-        said = "; ".join(wrong[:MOST_NAMED])
-        raise WeightsError(
-            f"{path}: these are not weights of GG-CNN or GG-CNN2; most similar to "
-            f"{TITLES[name]}, but {said}{more}"
-        )
+        raise WeightsError(f"{text}, but {'; '.join(wrong[:MOST_NAMED])}{more}")
     network.load_state_dict(state)
-    return network
 
 
 def state_in(path: str | Path) -> Mapping[str, torch.Tensor]:

@@ -18,7 +18,15 @@ from .image_shards import Images as Images
 from .image_shards import files as files
 from .image_shards import read as read
 from .image_shards import shards as shards
+from .noise import NOISES as NOISES
+from .noise import NoiseName as NoiseName
+from .noise import add_gamma_noise as add_gamma_noise
 from .noise import add_sensor_noise as add_sensor_noise
+from .noise import observed_with as observed_with
+from .observation import Observation as Observation
+from .observation import PointCloud as PointCloud
+from .observation import cameras_around as cameras_around
+from .observation import render_scene as render_scene
 from .parameters import CAMERAS as CAMERAS
 from .parameters import Camera as Camera
 from .parameters import ImageNoise as ImageNoise
@@ -38,3 +46,5 @@ from .splits import SPLITS as SPLITS
 from .splits import Share as Share
 from .splits import shard_count as shard_count
 from .splits import shares as shares
+from .tsdf import Tsdf as Tsdf
+from .tsdf import fuse as fuse

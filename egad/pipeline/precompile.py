@@ -16,6 +16,7 @@ from egad.geometry.repair import repair
 from egad.grasps import LabelParameters, label_grasps
 from egad.measures import MeasureParameters, rough_difficulty
 from egad.measures.complexity import complexity
+from egad.perception import Intrinsics, View, camera_above, fuse
 from egad.pipeline.config import Settings, Shape
 from egad.pipeline.config.stage_settings import select
 from egad.random import generator
@@ -38,6 +39,12 @@ def compile_measures() -> None:
     similarities(Forest(weight, graphs), np.array([[0, 1]]))
 
 
+def compile_fusion() -> None:
+    """Fusion of depth images."""
+    view = View(np.ones((2, 2), np.float32), Intrinsics.spanning(2, 2, 60.0), camera_above(1.0))
+    fuse([view], np.zeros(3), 1.0, 2)
+
+
 def _example() -> trimesh.Trimesh:
     """A small object as evolution makes them."""
     voxels = np.zeros((25, 25, 25), bool)
@@ -49,6 +56,7 @@ if __name__ == "__main__":
     other = multiprocessing.get_context("spawn").Process(target=compile_grasps)
     other.start()
     compile_measures()
+    compile_fusion()
     other.join()
     if other.exitcode:
         sys.exit("grasp kernels could not be compiled")

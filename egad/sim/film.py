@@ -19,7 +19,7 @@ Pixels = NDArray[np.uint8]
 ENDINGS = (".gif", ".mp4")
 STEPS = 12  # of the simulation, from one frame to the next: 20 a second
 SIZE = (352, 400)  # multiples of 16, as video wants them
-DISTANCE, YAW, PITCH = 0.5, 35.0, -9.0  # of the camera, metres and degrees
+FOLLOWED, WHOLE = (0.5, 35.0, -9.0), (0.85, 35.0, -35.0)  # cameras: metres, yaw and pitch, degrees
 FIELD_OF_VIEW = 38.0  # vertical, degrees
 LOWEST = (-np.inf, -np.inf, 0.06)  # that the camera looks at; it follows the object
 FOLLOWING = 0.3  # of the way to it, in a frame
@@ -27,7 +27,14 @@ LIGHT = np.array([0.0, -0.7, 1.2]) / np.linalg.norm([0.0, -0.7, 1.2])
 AMBIENT, HEADLIGHT = 0.4, 0.2  # parts of the brightness; the light itself has the rest
 TABLE_SIDE = 100.0  # metres
 SKY = (0.97, 0.97, 0.98)
-TABLE_COLOR, OBJECT_COLOR, ROBOT_COLOR = (0.87, 0.88, 0.9), (0.93, 0.55, 0.2), (0.55, 0.6, 0.68)
+TABLE_COLOR, ROBOT_COLOR = (0.87, 0.88, 0.9), (0.55, 0.6, 0.68)
+OBJECT_COLORS = (
+    (0.93, 0.55, 0.2),
+    (0.27, 0.55, 0.75),
+    (0.55, 0.7, 0.3),
+    (0.75, 0.4, 0.6),
+    (0.9, 0.78, 0.3),
+)
 OFF = 1e-4  # metres; rays to the light start this far off the surface
 
 
@@ -43,7 +50,7 @@ class Film:
         self.frames: list[Pixels] = []
         self._steps = 0
         self._looking_at = np.array([0.0, 0.0, LOWEST[2]])
-        self._object = trimesh.util.concatenate(list(world.model.parts))
+        self._objects = [trimesh.util.concatenate(list(model.parts)) for model in world.models]
         self._links = [] if world.robot is None else [link.box for link in world.robot.links]
         world.watch = self._look
 
@@ -53,27 +60,33 @@ class Film:
         self._steps += 1
 
     def _frame(self, world: World) -> Pixels:
-        pose = world.pose()
-        self._looking_at += FOLLOWING * (np.maximum(pose.position, LOWEST) - self._looking_at)
-        bodies = [
-            (_table(), TABLE_COLOR),
-            (self._object.copy().apply_transform(pose.matrix), OBJECT_COLOR),
-        ]
+        camera = FOLLOWED if len(self._objects) == 1 else WHOLE
+        bodies = [(_table(), TABLE_COLOR)]
+        for number in world.present():
+            pose = world.pose(number)
+            color = OBJECT_COLORS[number % len(OBJECT_COLORS)]
+            bodies.append((self._objects[number].copy().apply_transform(pose.matrix), color))
+            if camera == FOLLOWED:
+                way = np.maximum(pose.position, LOWEST) - self._looking_at
+                self._looking_at += FOLLOWING * way
         for box, place in zip(self._links, world.link_poses(), strict=False):
             if box is not None:
                 mesh = trimesh.creation.box(box.size).apply_translation(box.center)
                 bodies.append((mesh.apply_transform(place.matrix), ROBOT_COLOR))
-        return draw(bodies, self._looking_at)
+        return draw(bodies, self._looking_at, camera)
 
 
 def draw(
-    bodies: list[tuple[trimesh.Trimesh, tuple[float, float, float]]], looking_at: Floats
+    bodies: list[tuple[trimesh.Trimesh, tuple[float, float, float]]],
+    looking_at: Floats,
+    camera: tuple[float, float, float] = FOLLOWED,
 ) -> Pixels:
     """A picture of colored meshes with one light and its shadows, (height, width, 3).
 
     Args:
         bodies: Meshes in metres, z up, and their colors from 0 to 1.
         looking_at: What is in the middle of the picture, (3,).
+        camera: Its distance from there, metres, and its yaw and pitch, degrees.
     """
     counts = [len(mesh.faces) for mesh, _ in bodies]
     colors = np.repeat([color for _, color in bodies], counts, axis=0)
@@ -82,7 +95,7 @@ def draw(
             [mesh.vertices for mesh, _ in bodies], [mesh.faces for mesh, _ in bodies]
         )
     )
-    eye, rays = _rays(looking_at)
+    eye, rays = _rays(looking_at, *camera)
     hits = scene.intersections(np.broadcast_to(eye, rays.shape), rays)
     seen = hits.faces >= 0
     points = eye + rays[seen] * hits.distances[seen, None]
@@ -97,9 +110,9 @@ def draw(
     return np.round(255 * picture).astype(np.uint8).reshape(SIZE[1], SIZE[0], 3)
 
 
-def _rays(looking_at: Floats) -> tuple[Floats, Floats]:
+def _rays(looking_at: Floats, distance: float, yaw: float, pitch: float) -> tuple[Floats, Floats]:
     """Where the camera is, (3,), and the directions of its pixels, (n, 3), row by row."""
-    turn = Rotation.from_euler("ZX", [YAW, PITCH], degrees=True).as_matrix()
+    turn = Rotation.from_euler("ZX", [yaw, pitch], degrees=True).as_matrix()
     right, forward, up = turn.T
     half = np.tan(np.radians(FIELD_OF_VIEW) / 2)
     width, height = SIZE
@@ -107,7 +120,7 @@ def _rays(looking_at: Floats) -> tuple[Floats, Floats]:
     down = (np.arange(height) + 0.5 - height / 2) / (height / 2) * half
     u, v = (grid.ravel()[:, None] for grid in np.meshgrid(across, down))
     rays: Floats = forward + u * right - v * up
-    return looking_at - DISTANCE * forward, rays / np.linalg.norm(rays, axis=1, keepdims=True)
+    return looking_at - distance * forward, rays / np.linalg.norm(rays, axis=1, keepdims=True)
 
 
 def _table() -> trimesh.Trimesh:

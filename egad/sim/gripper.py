@@ -22,11 +22,51 @@ HEAVIEST = (3 - 3**0.5) / 6
 Still = Callable[[], bool]
 
 
-class Hand:
-    """Palm and two fingers that move as mirror images, carried by an arm.
+class Fingers:
+    """The two fingers of a hand in a world, which move as mirror images.
 
     Attributes:
-        world: Where it is.
+        world: Where they are.
+        gripper: What they are part of.
+    """
+
+    def __init__(self, world: World) -> None:
+        """Of the robot in a world."""
+        if world.robot is None:
+            raise ValueError("there is no robot in this world")
+        self.world = world
+        self.gripper = world.robot.gripper
+
+    def close(self) -> bool:
+        """Close the fingers until they stall, and keep pressing with the gripper's force.
+
+        Returns:
+            Whether both of them pressed on an object at some time.
+        """
+        self.world.close_fingers()
+        still, touched = 0, False
+        for _ in range(round(CLOSING_TIME / TIME_STEP)):
+            self.world.step()
+            touched = touched or self.pinches()
+            still = still + 1 if np.abs(self.world.fingers()[1]).max() < STALLED_SPEED else 0
+            if still == STALLED_STEPS:
+                break
+        return touched
+
+    def pinches(self) -> bool:
+        """Whether both fingers press on an object."""
+        forces = self.world.forces()
+        return forces.left > 0 and forces.right > 0
+
+    def opening(self) -> float:
+        """Distance of the finger pads, metres."""
+        return float(self.world.fingers()[0].sum())
+
+
+class Hand(Fingers):
+    """Palm and fingers, carried by an arm.
+
+    Attributes:
         arm: What carries it.
         path_left: Heights that `lift` left out.
     """
@@ -43,7 +83,7 @@ class Hand:
         Raises:
             UnreachableError: The arm cannot bring it there.
         """
-        self.world = world
+        super().__init__(world)
         self.arm = arm
         self.path_left: list[float] = []
         self._stance = stance
@@ -103,27 +143,6 @@ class Hand:
             self._raise_to(target)
         self.hold(seconds)
 
-    def close(self) -> bool:
-        """Close the fingers until they stall, and keep pressing with the gripper's force.
-
-        Returns:
-            Whether both of them pressed on the object at some time.
-        """
-        self.world.close_fingers()
-        still, touched = 0, False
-        for _ in range(round(CLOSING_TIME / TIME_STEP)):
-            self.world.step()
-            touched = touched or self.pinches()
-            still = still + 1 if np.abs(self.world.fingers()[1]).max() < STALLED_SPEED else 0
-            if still == STALLED_STEPS:
-                break
-        return touched
-
-    def pinches(self) -> bool:
-        """Whether both fingers press on the object."""
-        forces = self.world.forces()
-        return forces.left > 0 and forces.right > 0
-
     def carries(self) -> bool:
         """Whether the object touches the hand and not the table."""
         forces = self.world.forces()
@@ -132,10 +151,6 @@ class Hand:
     def height(self) -> float:
         """Of the fingertips above the table, metres."""
         return self.arm.height(self.world.arm_joints())
-
-    def opening(self) -> float:
-        """Distance of the finger pads, metres."""
-        return float(self.world.fingers()[0].sum())
 
     def _raise_to(self, height: float) -> None:
         self.steer(self._stance._replace(height=height))

@@ -1,7 +1,7 @@
 """An object as the physics engine needs it: convex parts, mass and principal inertia."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import trimesh
@@ -28,7 +28,7 @@ class Model:
         mass: Kilograms.
         inertia: Principal moments about the center of mass, (3,), kg m2.
         volume_error: Volume of the parts / volume of the mesh - 1.
-        to_principal: (4, 4) transform from the frame that the object was given in.
+        to_principal: (4, 4) transform from the frame that the object was given in, with its scale.
     """
 
     mesh: trimesh.Trimesh
@@ -37,6 +37,23 @@ class Model:
     inertia: Floats
     volume_error: float
     to_principal: Floats
+
+    def scaled(self, factor: float) -> "Model":
+        """The same object in another size, of the same density, but not lighter than 50 g.
+
+        Args:
+            factor: New size / size.
+        """
+        mass = max(self.mass * factor**3, MIN_MASS)
+        to_principal = np.diag([factor, factor, factor, 1.0]) @ self.to_principal
+        return replace(
+            self,
+            mesh=self.mesh.copy().apply_scale(factor),
+            parts=tuple(part.copy().apply_scale(factor) for part in self.parts),
+            mass=mass,
+            inertia=self.inertia * (mass / self.mass) * factor**2,
+            to_principal=to_principal,
+        )
 
 
 def model_of(

@@ -144,7 +144,12 @@ class MujocoWorld(World):
 
     @override
     def forces(self, number: int | None = None) -> Forces:
-        sums = self._normal_forces()
+        contact, count = self.data.contact, FIRST_OBJECT + len(self.models)
+        first = contact.efc_address
+        pairs = np.sort(self._owners[contact.geom[first >= 0]], axis=1)
+        # Of each contact, the first number is the normal force.
+        sums = np.zeros((count, count))
+        np.add.at(sums, (pairs[:, 0], pairs[:, 1]), self.data.efc_force[first[first >= 0]])
         chosen = slice(FIRST_OBJECT, None) if number is None else [FIRST_OBJECT + number]
         on_objects = sums[:, chosen].sum(axis=1)
         left, right, rest = on_objects[[LEFT_FINGER, RIGHT_FINGER, OTHERS]].tolist()
@@ -155,22 +160,6 @@ class MujocoWorld(World):
             support=float(on_objects[TABLE]),
             blocked=float(sums[TABLE, [LEFT_FINGER, RIGHT_FINGER, OTHERS]].sum()),
         )
-
-    @override
-    def touches_object(self, number: int) -> bool:
-        among = self._normal_forces()[FIRST_OBJECT:, FIRST_OBJECT:]
-        return bool(among[number].any() or among[:, number].any())
-
-    def _normal_forces(self) -> Floats:
-        """Sums of the normal forces between two owners of shapes, the lower number first."""
-        contact, count = self.data.contact, FIRST_OBJECT + len(self.models)
-        first = contact.efc_address
-        pairs = np.sort(self._owners[contact.geom[first >= 0]], axis=1)
-        # Of each contact, the first number is the normal force.
-        normal = self.data.efc_force[first[first >= 0]]
-        sums: Floats = np.zeros((count, count))
-        np.add.at(sums, (pairs[:, 0], pairs[:, 1]), normal)
-        return sums
 
     @override
     def link_poses(self) -> list[Pose]:

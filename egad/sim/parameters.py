@@ -1,15 +1,18 @@
 """Settings of simulated grasping trials."""
 
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, Self, get_args
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels, Seed
 from egad.grasps import Gripper, Quality
+from egad.perception import NOISES, NoiseName
 
 EngineName = Literal["pybullet", "mujoco"]
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
 EngineChoice = Literal["auto", EngineName]
+SceneKind = Literal["single", "packed", "pile"]
+SCENE_KINDS: tuple[SceneKind, ...] = get_args(SceneKind)
 
 
 class Lifting(Parameters):
@@ -70,6 +73,37 @@ class Trials(Lifting):
     )
 
 
+class Clutter(Parameters):
+    """Rounds of clearing a table of several objects."""
+
+    engine: EngineChoice = Field("mujoco", description="physics engine, as in `trials`")
+    scenes: tuple[SceneKind, ...] = Field(
+        SCENE_KINDS,
+        min_length=1,
+        description="single: one object, dropped; packed: upright side by side; pile: dropped on "
+        "top of each other",
+    )
+    noise: tuple[NoiseName, ...] = Field(
+        NOISES,
+        min_length=1,
+        description="of depth images; none; stereo: as in `trials.depth_noise`, of 0.1 pixels; "
+        "gamma: as in the experiments of VGN",
+    )
+    rounds: int = Field(100, ge=1, description="rounds of each kind of scene and noise")
+    objects: int = Field(5, ge=1, le=20, description="objects in packed and piled scenes")
+    scale: tuple[float, float] = Field(
+        (0.7, 0.9), description="range of the sizes of objects, of those in the bundle"
+    )
+    views: int = Field(6, ge=1, le=64, description="cameras around the table")
+
+    @model_validator(mode="after")
+    def _scale_can_be_drawn_from(self) -> Self:
+        low, high = self.scale
+        if not 0 < low <= high:
+            raise ValueError(f"scale must go from a positive low to high, got {low} to {high}")
+        return self
+
+
 class Agreement(Parameters):
     """Labelled grasps executed in simulation, to validate their quality."""
 
@@ -113,3 +147,11 @@ class LabelTrialParameters(ParameterGroup):
     quality: Quality
     trials: Lifting
     agreement: Agreement
+
+
+class ClutterParameters(NamedTuple):
+    """What rounds of clearing a table depend on."""
+
+    seed: int
+    gripper: Gripper
+    clutter: Clutter

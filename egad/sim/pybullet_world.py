@@ -189,11 +189,6 @@ class PyBulletWorld(World):
         return Forces(left, right, rest, support, self._force(self.table, self._robot))
 
     @override
-    def touches_object(self, number: int) -> bool:
-        body = self.objects[number]
-        return any(self._force(body, other) > 0 for other in self.objects if other != body)
-
-    @override
     def link_poses(self) -> list[Pose]:
         if self._robot is None:
             return []

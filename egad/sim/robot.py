@@ -1,4 +1,4 @@
-"""The parallel-jaw hand of the gripper table, on an axis or on a Panda arm, as links and joints."""
+"""The parallel-jaw hand of the gripper table as links and joints: on an arm, or free."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -156,6 +156,26 @@ def on_axis(gripper: Gripper) -> Robot:
             *joints,
         ),
         dict(zip(("height", PALM), AXIS_STRENGTH, strict=True)),
+    )
+
+
+def free(gripper: Gripper) -> Robot:
+    """The hand by itself, moved along its own axes: at 0 the fingertips are at the origin."""
+    root = (0.0, 0.0, -gripper.palm[2] - gripper.finger_length)
+    links, joints = _hand(gripper)
+    names = ("along_x", "along_y", PALM)
+    axes: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    moving = [
+        Joint(name, parent, "prismatic", origin, axis=axis, limits=(-STROKE, STROKE))
+        for name, parent, origin, axis in zip(
+            names, ("stand", *names), (root, (0.0,) * 3, (0.0,) * 3), axes, strict=False
+        )
+    ]
+    return Robot(
+        gripper,
+        (Link("stand"), Link("along_x"), Link("along_y"), *links),
+        (*moving, *joints),
+        dict.fromkeys(names, AXIS_STRENGTH[0]),
     )
 
 

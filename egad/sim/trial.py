@@ -10,8 +10,7 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.detectors import Detector, DetectorTimeoutError, Grasp, Labels, best_grasp
-from egad.errors import UserError
+from egad.detectors import Detector, Grasp, Labels, best_grasp, from_above, planned
 from egad.outcomes import Outcome
 from egad.perception import (
     DepthCamera,
@@ -222,18 +221,13 @@ class TrialRunner:
     ) -> Grasp | Outcome:
         """The grasp to try, or the outcome if there is none; a detector may fail as it likes."""
         place = self.world.pose().matrix @ self.world.model.to_principal
-        try:
-            if isinstance(detect, Labels):
-                return best_grasp(detect.propose(place, view, self.gripper), self.gripper)
-            return best_grasp(detect(view, self.gripper, rng), self.gripper)
-        except (UserError, MemoryError):
-            raise
-        except DetectorTimeoutError as error:
-            log.warning("the detector was stopped: %s", error)
-            return Outcome.TIMEOUT
-        except Exception as error:
-            log.warning("the detector failed: %s: %s", type(error).__name__, error)
-            return Outcome.ERROR
+        if isinstance(detect, Labels):
+            return planned(
+                lambda: best_grasp(detect.propose(place, view, self.gripper), self.gripper)
+            )
+        return planned(
+            lambda: best_grasp(from_above(detect(view, self.gripper, rng)), self.gripper)
+        )
 
     def _begin(self, rng: np.random.Generator, before: Attempt | None) -> Ready | None:
         """Drop the object, or leave it, until it lies still in the workspace."""

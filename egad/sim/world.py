@@ -189,10 +189,6 @@ class World(ABC):
         """Normal forces of contacts after the last step, of one object or of all."""
 
     @abstractmethod
-    def touches_object(self, number: int) -> bool:
-        """Whether an object pressed on another one in the last step."""
-
-    @abstractmethod
     def link_poses(self) -> list[Pose]:
         """Where the links of the robot are; none before it is put somewhere."""
 
@@ -230,6 +226,11 @@ class World(ABC):
         far = Pose(np.array([PARKED * (number + 1), 0.0, PARKED]), np.array([0.0, 0.0, 0.0, 1.0]))
         self.place(far, number=number)
         self._pin(far, number)
+
+    def present(self) -> list[int]:
+        """Numbers of the objects that are not parked."""
+        numbers = range(len(self.models))
+        return [number for number in numbers if self._numbers(number)[0][2] < PARKED / 2]
 
     def pose(self, number: int = 0) -> Pose:
         """Where an object is now.

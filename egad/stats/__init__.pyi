@@ -1,3 +1,6 @@
+from .clearing import Clearing as Clearing
+from .clearing import by_difficulty as by_difficulty
+from .clearing import clearing_rates as clearing_rates
 from .paired import Comparison as Comparison
 from .paired import NothingInCommonError as NothingInCommonError
 from .paired import compare as compare

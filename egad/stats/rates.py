@@ -12,6 +12,7 @@ from egad.evalset import cell_of_label
 from egad.random import generator
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 Interval = tuple[float, float]
 DRAWS = 10_000
 
@@ -131,15 +132,29 @@ def mean_rate(trials: pd.DataFrame) -> Mean:
     The interval is never narrower than Wilson's of all attempts, for objects may agree by chance;
     from a single object nothing is known about others.
     """
-    total, objects = rate(trials), by_object(trials)
-    if len(objects) < 2:
+    objects = by_object(trials)
+    return mean_of(objects["successes"].to_numpy(), objects["attempts"].to_numpy())
+
+
+def mean_of(successes: Integers, attempts: Integers) -> Mean:
+    """The success rate over groups of attempts, with an interval of 95 % for other such groups.
+
+    The interval is that of `mean_rate`.
+
+    Args:
+        successes: Of each group, (n,).
+        attempts: Of each group, (n,).
+    """
+    total = Rate(int(successes.sum()), int(attempts.sum()))
+    if len(attempts) < 2:
         return Mean(total.successes, total.attempts, 0.0, 1.0)
-    successes, attempts = objects["successes"].to_numpy(), objects["attempts"].to_numpy()
-    low, high = bootstrap(
-        lambda drawn: successes[drawn].sum(axis=1) / attempts[drawn].sum(axis=1), len(objects)
-    )
+    with np.errstate(invalid="ignore"):  # groups without attempts may be drawn alone
+        low, high = bootstrap(
+            lambda drawn: successes[drawn].sum(axis=1) / attempts[drawn].sum(axis=1),
+            len(attempts),
+        )
     least, most = total.interval
-    return Mean(total.successes, total.attempts, min(low, least), max(high, most))
+    return Mean(total.successes, total.attempts, np.fmin(low, least), np.fmax(high, most))
 
 
 def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:

@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.perception.camera import DepthCamera, Intrinsics, camera_above
-from egad.perception.noise import BASELINE, add_sensor_noise, grazing, stereo_shadow
+from egad.perception.camera import DepthCamera, Intrinsics, View, camera_above
+from egad.perception.noise import (
+    BASELINE,
+    add_gamma_noise,
+    add_sensor_noise,
+    grazing,
+    stereo_shadow,
+)
 from egad.pipeline.config import ImageNoise
 
 NOISE = ImageNoise(disparity=0.1)
@@ -119,3 +125,20 @@ def test_without_noise_a_view_is_as_it_was() -> None:
     np.testing.assert_array_equal(found.depth, view.depth)
     _, noise = seen(disparity=0.1)
     assert (noise.depth - view.depth).std() > 1e-3
+
+
+def test_gamma_noise_scales_the_image_and_blurs_the_rest() -> None:
+    """Over many images: a common factor of standard deviation 0.032, and 5 mm every 4 pixels."""
+    view = View(np.full((120, 160), 0.6, np.float32), Intrinsics.spanning(160, 120, 60), np.eye(4))
+    rng = np.random.default_rng(0)
+    found = np.stack([add_gamma_noise(view, rng).depth for _ in range(400)]).astype(float)
+    means = found.mean(axis=(1, 2))
+    assert means.mean() == pytest.approx(0.6, abs=0.003)
+    assert means.std() == pytest.approx(0.6 / np.sqrt(1000), rel=0.1)
+    grid = found - means[:, None, None]
+    # Bilinear interpolation keeps the variance at the nodes and lowers it between them.
+    assert 0.003 < grid.std() < 0.005
+    along = (grid[:, :, :-1] * grid[:, :, 1:]).mean() / grid.var()
+    apart = (grid[:, :, :-12] * grid[:, :, 12:]).mean() / grid.var()
+    assert along > 0.8
+    assert abs(apart) < 0.05

@@ -6,7 +6,8 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, start
 
-from egad.detectors.base import Detector, Grasp
+from egad.detectors.base import Grasp
+from egad.detectors.poses import Detector
 from egad.detectors.registry import QUICK
 from egad.outcomes import Outcome
 from egad.perception.camera import View

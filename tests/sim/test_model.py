@@ -50,3 +50,22 @@ def test_inside_out_is_mended_and_the_input_left_alone() -> None:
     assert model.volume_error == pytest.approx(0, abs=1e-6)
     np.testing.assert_array_equal(mesh.vertices, before[0])
     np.testing.assert_array_equal(mesh.faces, before[1])
+
+
+def test_a_scaled_object_is_that_of_the_scaled_mesh() -> None:
+    box = tilted_box()
+    scaled = build(box, 1000.0, BUNDLE).scaled(1.5)
+    expected = build(box.copy().apply_scale(1.5), 1000.0, BUNDLE)
+    assert scaled.mass == pytest.approx(expected.mass)
+    np.testing.assert_allclose(scaled.inertia, expected.inertia, rtol=1e-9)
+    np.testing.assert_allclose(scaled.mesh.extents, expected.mesh.extents, rtol=1e-9)
+    for part in scaled.parts:
+        np.testing.assert_allclose(part.extents, 1.5 * SIDES, rtol=1e-6)
+    # It maps the frame of the given mesh to that of the model, of its new size.
+    mapped = box.copy().apply_transform(scaled.to_principal)
+    np.testing.assert_allclose(mapped.vertices, scaled.mesh.vertices, atol=1e-9)
+
+
+def test_a_scaled_object_is_not_lighter_than_the_least_mass() -> None:
+    small = build(tilted_box(), 1000.0, BUNDLE).scaled(0.5)
+    assert small.mass == MIN_MASS

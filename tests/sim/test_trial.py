@@ -5,7 +5,8 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, HAND, start
 
-from egad.detectors.base import Detector, Grasp
+from egad.detectors.base import Grasp
+from egad.detectors.poses import Detector
 from egad.detectors.subprocess import DetectorTimeoutError
 from egad.outcomes import Outcome
 from egad.perception.camera import View

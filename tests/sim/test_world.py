@@ -20,6 +20,7 @@ from egad.sim.world import (
     UnstableError,
     World,
     installed_engine,
+    open_world,
 )
 
 BUNDLE = Bundle()
@@ -150,3 +151,66 @@ def test_an_engine_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -
     assert installed_engine("auto") == "mujoco"
     with pytest.raises(UserError, match="pybullet is not installed"):
         installed_engine("pybullet")
+
+
+@EACH_ENGINE
+def test_forces_are_told_apart_by_object(engine: EngineName) -> None:
+    """A cube on a cube: the table bears both, through the lower one."""
+    with open_world(engine, [CUBE, CUBE.scaled(0.5)]) as world:
+        world.place(at(0, 0, SIDE / 2), number=0)
+        world.place(at(0, 0, 1.25 * SIDE + 0.001), number=1)
+        world.step(240)
+        weights = [model.mass * GRAVITY for model in world.models]
+        assert world.forces(0).support == pytest.approx(sum(weights), rel=0.02)
+        assert world.forces(1).support == 0
+        assert world.forces().support == pytest.approx(sum(weights), rel=0.02)
+        assert world.pose(1).position[2] == pytest.approx(1.25 * SIDE, abs=0.001)
+
+
+@EACH_ENGINE
+def test_several_objects_take_no_part_until_they_are_placed(engine: EngineName) -> None:
+    with open_world(engine, [CUBE, CUBE]) as world:
+        assert world.present() == []
+        world.place(at(0, 0, SIDE / 2), number=1)
+        world.step(120)
+        assert world.present() == [1]
+        assert world.speeds()[0] < 0.01
+        world.park(1)
+        assert world.present() == []
+        world.place(at(0, 0, 0.5), number=1)
+        world.step(60)
+        assert world.pose(1).position[2] < 0.25  # it falls again
+
+
+@EACH_ENGINE
+@pytest.mark.parametrize(("slope", "slides"), [(0.4, False), (0.6, True)])
+def test_an_object_slides_off_another_beyond_their_friction(
+    engine: EngineName, slope: float, slides: bool
+) -> None:
+    """Gravity is tilted instead of the lower one, which is held: their friction is 0.5."""
+    slab = build(trimesh.creation.box((0.2, 0.2, 0.02)), 1000.0, BUNDLE)
+    with open_world(engine, [slab, CUBE]) as world:
+        world.place(at(0, 0, 0.5), number=0)
+        world.place(at(0, 0, 0.51 + SIDE / 2), number=1)
+        world.set_gravity((GRAVITY * slope, 0.0, -GRAVITY))
+        with world.pinned():
+            world.step(60)
+            moved = world.pose(1).position[0]
+    assert (moved > 0.01) == slides
+
+
+@EACH_ENGINE
+def test_walls_hold_an_object_until_they_are_removed(engine: EngineName) -> None:
+    with open_world(engine, [CUBE], walls=0.2) as world:
+        for removed in (False, True):
+            world.reset()
+            if removed:
+                world.remove_walls()
+            world.place(at(0, 0, SIDE / 2), velocity=(2.0, 0.0, 0.0))
+            world.step(60)
+            assert (world.pose().position[0] > 0.1) == removed
+            # Resetting raises them again
+            world.reset()
+            world.place(at(0, 0, SIDE / 2), velocity=(0.0, -2.0, 0.0))
+            world.step(60)
+            assert world.pose().position[1] > -0.1 + SIDE / 2 - 0.005

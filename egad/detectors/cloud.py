@@ -1,0 +1,156 @@
+"""antipodal-cloud: grasps between opposing points of a point cloud, from any direction."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.detectors.poses import GraspPoses, best_poses
+from egad.grasps import TABLE_CLEARANCE, Gripper, finger_span, hand_poses, roomy
+from egad.perception import PointCloud
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+MAX_POINTS = 800  # that can be contacts
+MAX_PAIRS = 1000  # that are rated
+MAX_CANDIDATES = 60  # for which approaches are tried
+MAX_OBSTACLES = 3000  # points that the hand must not touch
+APPROACHES = 16  # around the closing axis
+UPWARD = 0.2  # the approach may point up by this sine
+WAY = 0.05  # metres; the straight way in is free, too
+LEAST_CLEARANCE = 0.002  # on each side of the object
+TORQUE_SCALING = 100.0  # 1/m
+
+
+class _Pairs(NamedTuple):
+    """Candidates: two opposing points each."""
+
+    middle: Floats  # (n, 3)
+    axis: Floats  # (n, 3) unit vectors from the first point to the second
+    distance: Floats  # (n,)
+    squareness: Floats  # (n,) lesser cos^2 of the angles between axis and normals
+
+
+def antipodal_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator) -> GraspPoses:
+    """Grasps between opposing points of a point cloud (ours).
+
+    Two points are a candidate if the line between them lies in the friction cones of both and the
+    hand opens wide enough. Of the approaches around this line, those are kept that do not come from
+    below and on which the hand touches no other point and not the table. The score, from 0 to 1, is
+
+        cos^2(angle) / sqrt(1 + (100 / m * distance)^2) * (1 - slope) / 2,
+
+    the closed form of the Ferrari-Canny quality for small angles, as far as the cloud tells: the
+    wider angle between line and normals, and the distance of the line from the centroid of the
+    points that are as near as the hand is wide; the slope is the third coordinate of the approach,
+    -1 straight down.
+
+    Args:
+        cloud: What the cameras see; the table is at height 0.
+        gripper: The hand.
+        rng: Chooses the points that are tried.
+
+    Returns:
+        At most 50 grasps, best first.
+    """
+    obstacles = cloud.points[_chosen(len(cloud.points), MAX_OBSTACLES, rng)]
+    pairs = _pairs(cloud, gripper, rng)
+    quality = pairs.squareness / _moment(pairs, obstacles, gripper.opening)
+    best = np.argsort(-quality, kind="stable")[:MAX_CANDIDATES]
+    pairs, quality = _Pairs(*(values[best] for values in pairs)), quality[best]
+    widths = roomy(pairs.distance, gripper)
+    approaches = _around(pairs.axis)
+    count = len(pairs.axis)
+    poses = hand_poses(
+        np.repeat(pairs.middle, APPROACHES, axis=0),
+        np.repeat(pairs.axis, APPROACHES, axis=0),
+        approaches.reshape(-1, 3),
+    )
+    slope = approaches[:, :, 2]
+    scores = quality[:, None] * (1 - slope) / 2
+    blocked = (slope > UPWARD).ravel()
+    blocked[~blocked] = _blocked(
+        poses[~blocked], np.repeat(widths, APPROACHES)[~blocked], obstacles, gripper
+    )
+    scores[blocked.reshape(count, APPROACHES)] = -1.0
+    turn = scores.argmax(axis=1)
+    each = np.arange(count)
+    found = GraspPoses(
+        poses.reshape(count, APPROACHES, 4, 4)[each, turn], widths, scores[each, turn]
+    )
+    return best_poses(GraspPoses(*(values[found.scores > 0] for values in found)))
+
+
+def _chosen(count: int, most: int, rng: np.random.Generator) -> Indices:
+    """Some of the numbers below `count`, ascending."""
+    return np.sort(rng.permutation(count)[:most])
+
+
+def _pairs(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator) -> _Pairs:
+    """Pairs of some points that oppose each other within friction cones and opening."""
+    chosen = _chosen(len(cloud.points), MAX_POINTS, rng)
+    points, normals = cloud.points[chosen], cloud.normals[chosen]
+    cone = np.cos(np.arctan(gripper.pad.friction))
+    # If a line lies in both cones, the normals are at most twice the angle of a cone from opposite.
+    first, second = np.nonzero(np.triu(normals @ normals.T < 1 - 2 * cone**2, 1))
+    apart = points[second] - points[first]
+    distance = np.linalg.norm(apart, axis=1)
+    axis = apart / np.maximum(distance, 1e-12)[:, None]
+    cosines = np.minimum(
+        -np.einsum("ij,ij->i", axis, normals[first]), np.einsum("ij,ij->i", axis, normals[second])
+    )
+    widest = gripper.opening - 2 * LEAST_CLEARANCE
+    fits = np.flatnonzero((cosines >= cone) & (distance <= widest))
+    fits = fits[_chosen(len(fits), MAX_PAIRS, rng)]
+    middle = (points[first[fits]] + points[second[fits]]) / 2
+    return _Pairs(middle, axis[fits], distance[fits], cosines[fits] ** 2)
+
+
+def _moment(pairs: _Pairs, points: Floats, radius: float) -> Floats:
+    """By how much the lever of the weight lowers the quality of pairs, (n,), at least 1."""
+    offsets = points[None] - pairs.middle[:, None]
+    near = (offsets**2).sum(axis=2) <= radius**2
+    away = (offsets * near[:, :, None]).sum(axis=1) / np.maximum(near.sum(axis=1), 1)[:, None]
+    across = away - np.einsum("ij,ij->i", away, pairs.axis)[:, None] * pairs.axis
+    moment: Floats = np.sqrt(1 + TORQUE_SCALING**2 * (across**2).sum(axis=1))
+    return moment
+
+
+def _around(axes: Floats) -> Floats:
+    """Unit vectors at right angles to axes (n, 3), evenly around them: (n, APPROACHES, 3)."""
+    helper = np.where(np.abs(axes[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
+    first = np.cross(axes, helper)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(axes, first)
+    turns = 2 * np.pi * np.arange(APPROACHES) / APPROACHES
+    ways: Floats = (
+        np.cos(turns)[None, :, None] * first[:, None]
+        + np.sin(turns)[None, :, None] * second[:, None]
+    )
+    return ways
+
+
+def _blocked(poses: Floats, widths: Floats, points: Floats, gripper: Gripper) -> Flags:
+    """Whether a hand on its way to a grasp touches a point or the table, (n,)."""
+    base, tip = finger_span(gripper)
+    palm, side = np.array(gripper.palm) / 2, gripper.finger_width / 2
+    back = base - gripper.palm[2]
+    found = np.zeros(len(poses), dtype=np.bool_)
+    for number, (pose, width) in enumerate(zip(poses, widths, strict=True)):
+        x, y, z = ((points - pose[:3, 3]) @ pose[:3, :3]).T
+        inner, outer = width / 2, width / 2 + gripper.finger_thickness
+        fingers = (np.abs(x) >= inner) & (np.abs(x) <= outer) & (np.abs(y) <= side)
+        fingers &= (z >= base - WAY) & (z <= tip)
+        rest = (np.abs(x) <= palm[0]) & (np.abs(y) <= palm[1]) & (z >= back - WAY) & (z <= base)
+        lowest = _lowest(pose, [(outer, side, base, tip), (palm[0], palm[1], back, base)])
+        found[number] = lowest < TABLE_CLEARANCE or (fingers | rest).any()
+    return found
+
+
+def _lowest(pose: Floats, boxes: list[tuple[float, float, float, float]]) -> float:
+    """Height of the lowest corner of boxes: half sides along x and y, from and to along z."""
+    across = [abs(pose[2, 0]) * x + abs(pose[2, 1]) * y for x, y, _, _ in boxes]
+    ends = [min(pose[2, 2] * low, pose[2, 2] * high) for _, _, low, high in boxes]
+    return float(pose[2, 3] + min(end - wide for end, wide in zip(ends, across, strict=True)))

@@ -1,0 +1,106 @@
+"""vgn: grasps from the network of VGN, for every voxel of a truncated signed distance field.
+
+Breyer et al., "Volumetric grasping network: real-time 6 DOF grasp detection in clutter", CoRL 2020.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.spatial.transform import Rotation
+
+from egad.detectors.base import WHERE
+from egad.detectors.poses import GraspPoses, best_poses
+from egad.errors import UserError
+from egad.grasps import Gripper, finger_span
+from egad.perception import Tsdf
+
+Singles = NDArray[np.float32]
+
+VGN_WEIGHTS = "the published ones are in the data of the project ethz-asl/vgn: vgn_conv.pth"
+# Open3D's uniform volume, which VGN was trained with, leaves out what is further from a surface.
+FAR = 0.98  # of the truncation
+SMOOTHING = 1.0  # voxels
+NEAR_SURFACE = 2  # voxels
+WIDTHS = (1.33, 9.33)  # voxels; predictions beyond these are dropped
+THRESHOLD = 0.9  # of the quality
+APART = 4  # voxels; side of the cube in which only the best grasp is kept
+FINGER_DEPTH = 0.05  # metres; VGN's origin lies this far before the fingertips
+# VGN closes along y, we along x.
+TURN = Rotation.from_euler("z", np.pi / 2).as_matrix()
+
+
+class Vgn:
+    """VGN's network as a grasp detector."""
+
+    def __init__(self, weights: str | None) -> None:
+        """Load it.
+
+        Args:
+            weights: File of weights, published or safetensors.
+
+        Raises:
+            UserError: PyTorch is missing, or the weights are, or they are of another network.
+        """
+        if weights is None or not Path(weights).is_file():
+            missing = "vgn needs `weights: FILE`" if weights is None else f"no such file: {weights}"
+            raise UserError(f"{WHERE}: {missing}; {VGN_WEIGHTS}")
+        try:
+            from egad.learning import vgn  # noqa: PLC0415 (an extra)
+            from egad.learning import weights as files  # noqa: PLC0415
+        except ModuleNotFoundError as error:
+            raise UserError("vgn needs PyTorch: pip install 'egad[vision]'") from error
+        try:
+            self._infer = vgn.inference(files.read_vgn(weights))
+        except files.WeightsError as error:
+            raise UserError(f"{error}; {VGN_WEIGHTS}") from error
+
+    def __call__(self, tsdf: Tsdf, gripper: Gripper, _rng: np.random.Generator) -> GraspPoses:
+        """Grasps at the voxels of the highest quality.
+
+        The hand opens as wide as it can, as in VGN's experiments; the width that the network
+        predicts only excludes grasps.
+
+        Args:
+            tsdf: 40 x 40 x 40 voxels.
+            gripper: The hand.
+            _rng: Not used: the same field gives the same grasps.
+
+        Returns:
+            At most 50 grasps, best first.
+        """
+        grid = encoded(tsdf)
+        answer = self._infer(grid)
+        quality = _processed(answer[0], answer[5], grid)
+        voxels = np.argwhere(_peaks(quality))
+        i, j, k = voxels.T
+        rotations = Rotation.from_quat(answer[1:5, i, j, k].T).as_matrix() @ TURN
+        poses = np.tile(np.eye(4), (len(voxels), 1, 1))
+        poses[:, :3, :3] = rotations
+        reach = FINGER_DEPTH - finger_span(gripper)[1]
+        poses[:, :3, 3] = tsdf.corner + voxels * tsdf.voxel + reach * rotations[:, :, 2]
+        widths = np.full(len(voxels), gripper.opening)
+        return best_poses(GraspPoses(poses, widths, quality[i, j, k].astype(np.float64)))
+
+
+def encoded(tsdf: Tsdf) -> Singles:
+    """A field as the network was trained with: from 0 inside to 1 outside, 0 far from surfaces."""
+    near = (tsdf.weights > 0) & (tsdf.distances < FAR) & (tsdf.distances >= -FAR)
+    grid: Singles = np.where(near, (tsdf.distances + 1) / 2, 0).astype(np.float32)
+    return grid
+
+
+def _processed(quality: Singles, width: Singles, grid: Singles) -> Singles:
+    """The quality smoothed, and 0 where it is far from free space or the width is none."""
+    smooth: Singles = ndimage.gaussian_filter(quality, SMOOTHING, mode="nearest")
+    inside = (grid > 1e-3) & (grid < 0.5)
+    near = ndimage.binary_dilation(grid > 0.5, iterations=NEAR_SURFACE, mask=~inside)
+    smooth[~near | (width < WIDTHS[0]) | (width > WIDTHS[1])] = 0
+    return smooth
+
+
+def _peaks(quality: Singles) -> NDArray[np.bool_]:
+    """Voxels of a quality above the threshold and above that of all others nearby."""
+    high = np.where(quality >= THRESHOLD, quality, 0)
+    return np.asarray((high > 0) & (high == ndimage.maximum_filter(high, APART)))

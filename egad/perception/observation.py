@@ -1,0 +1,109 @@
+"""What cameras around a table see of a scene: depth images, their point cloud and their TSDF."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.perception.camera import DepthCamera, Intrinsics, View
+from egad.perception.tsdf import Tsdf, fuse
+
+Floats = NDArray[np.float64]
+
+BELOW = 0.05  # metres; the cube of a TSDF begins this far below the table
+TSDF_RESOLUTION, CLOUD_RESOLUTION = 40, 120  # voxels along a side
+
+
+class PointCloud(NamedTuple):
+    """Points of the surface that cameras see, (n, 3) in metres, and outward unit normals, (n, 3).
+
+    The table is at height 0; none of its points is among them.
+    """
+
+    points: Floats
+    normals: Floats
+
+
+@dataclass(frozen=True)
+class Observation:
+    """A scene on a table at height 0, as cameras see it.
+
+    Attributes:
+        view: A depth image straight from above.
+        views: Depth images from all around.
+        side: Of the workspace, a square around the origin, metres.
+    """
+
+    view: View
+    views: tuple[View, ...]
+    side: float
+
+    @cached_property
+    def tsdf(self) -> Tsdf:
+        """The views fused into 40 x 40 x 40 voxels: a cube that begins 5 cm below the table."""
+        return self.fused(TSDF_RESOLUTION)
+
+    @cached_property
+    def cloud(self) -> PointCloud:
+        """The surface of the views fused into 120 x 120 x 120 voxels, without the table."""
+        fine = self.fused(CLOUD_RESOLUTION)
+        points, normals = fine.surface()
+        standing = points[:, 2] > fine.voxel
+        return PointCloud(points[standing], normals[standing])
+
+    def fused(self, resolution: int) -> Tsdf:
+        """The views fused into a cube of as many voxels along a side."""
+        corner = np.array([-self.side / 2, -self.side / 2, -BELOW])
+        return fuse(self.views, corner, self.side, resolution)
+
+
+def look_at(eye: Floats, target: Floats) -> Floats:
+    """The pose of an upright camera that looks from one point at another, (4, 4).
+
+    Args:
+        eye: (3,) not straight above or below the target.
+        target: (3,).
+    """
+    forward = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :3] = np.stack([right, np.cross(forward, right), forward], axis=1)
+    pose[:3, 3] = eye
+    return pose
+
+
+def cameras_around(target: Floats, count: int, distance: float, tilt: float) -> list[Floats]:
+    """Poses of cameras that look at a point, evenly around it, (4, 4) each.
+
+    Args:
+        target: (3,) metres.
+        count: How many cameras.
+        distance: Metres.
+        tilt: Of their lines of sight against the vertical, radians.
+    """
+    angles = 2 * np.pi * np.arange(count) / count
+    ways = [np.array([np.cos(a), np.sin(a), 0.0]) * np.sin(tilt) for a in angles]
+    up = np.array([0.0, 0.0, np.cos(tilt)])
+    return [look_at(target + distance * (way + up), target) for way in ways]
+
+
+def render_scene(
+    cameras: Sequence[DepthCamera], matrices: Sequence[Floats], intrinsics: Intrinsics, pose: Floats
+) -> View:
+    """A depth image of several objects on the table.
+
+    Args:
+        cameras: One for each object.
+        matrices: (4, 4) from the frame of each object to the world.
+        intrinsics: The camera.
+        pose: (4, 4) from the camera to the world.
+    """
+    views = [
+        camera.render(matrix, intrinsics, pose)
+        for camera, matrix in zip(cameras, matrices, strict=True)
+    ]
+    return View(np.fmin.reduce([view.depth for view in views]), intrinsics, pose)

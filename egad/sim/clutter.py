@@ -1,0 +1,158 @@
+"""Rounds of clearing a table, one object after the other (Breyer et al. 2020, section V)."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.detectors import Detector, PoseGrasp, choose, planned, seen_by
+from egad.grasps import Gripper
+from egad.outcomes import Outcome
+from egad.perception import (
+    DepthCamera,
+    Intrinsics,
+    NoiseName,
+    Observation,
+    View,
+    camera_above,
+    cameras_around,
+    observed_with,
+    render_scene,
+)
+from egad.random import generator
+from egad.sim.free_hand import execute_pose
+from egad.sim.parameters import Clutter, SceneKind
+from egad.sim.scenes import WORKSPACE, Placed, make_scene, put, settle_from
+from egad.sim.world import UnstableError, World
+
+Floats = NDArray[np.float64]
+Generator = np.random.Generator
+Propose = Callable[[Observation, Sequence[Placed], Generator], PoseGrasp | Outcome]
+
+CAMERA_DISTANCE = 2 * WORKSPACE
+CAMERA_TILT = np.radians(30)
+LOOKING_AT = np.array([0.0, 0.0, -0.05])  # the middle of the bottom of VGN's cube
+CAMERA = Intrinsics(320, 240, 120 / np.tan(1.047 / 2), (159.5, 119.5))
+OVERHEAD = Intrinsics.spanning(640, 480, 75.0)
+OVERHEAD_HEIGHT = 0.6
+FAILURES = 2  # in a row end a round
+
+
+@dataclass(frozen=True)
+class ClutterAttempt:
+    """What came of an attempt.
+
+    Attributes:
+        outcome: As of `PoseExecution`, or one of `egad.outcomes.DETECTOR_FAILURES`.
+        present: The objects on the table before it.
+        grasp: What was tried, if it came to that.
+        held: Number of the object that was held.
+        stopped: How far before the grasp something stopped the hand, metres.
+    """
+
+    outcome: Outcome
+    present: tuple[Placed, ...]
+    grasp: PoseGrasp | None = None
+    held: int | None = None
+    stopped: float = 0.0
+
+
+class ClutterRunner:
+    """A table with objects, cameras all around and a hand, to clear it."""
+
+    def __init__(self, world: World, settings: Clutter) -> None:
+        """Set up.
+
+        Args:
+            world: A running simulation of the objects of a round, with walls for a pile, and the
+                robot `egad.sim.robot.free`.
+            settings: Cameras.
+        """
+        self.world = world
+        self._eyes = [DepthCamera(model.mesh) for model in world.models]
+        self._cameras = cameras_around(LOOKING_AT, settings.views, CAMERA_DISTANCE, CAMERA_TILT)
+
+    def clear(
+        self, propose: Propose, kind: SceneKind, noise: NoiseName, seed: int
+    ) -> Iterator[ClutterAttempt]:
+        """Grasp one object after the other, until none is left or nothing works any more.
+
+        A round ends after two failures in a row, or when nothing is proposed. All depends on the
+        arguments alone; the scene at the beginning on kind and seed.
+
+        Args:
+            propose: What decides on the grasps.
+            kind: How the objects lie.
+            noise: What goes wrong in depth images.
+            seed: For the scene and, apart from it, for detector and cameras.
+        """
+        try:
+            present = make_scene(self.world, kind, generator(seed, "scene", kind))
+        except UnstableError:
+            yield ClutterAttempt(Outcome.FAILED, ())
+            return
+        number = failures = 0
+        while present and failures < FAILURES:
+            view = self.observe(present, noise, generator(seed, "cameras", number))
+            grasp = propose(view, present, generator(seed, "detector", number))
+            attempt, present = self.carry_out(grasp, present)
+            yield attempt
+            failures = 0 if attempt.outcome == Outcome.SUCCESS else failures + 1
+            number += 1
+            if attempt.outcome == Outcome.NO_GRASP:
+                return
+
+    def repeat(
+        self, grasps: Sequence[PoseGrasp | None], kind: SceneKind, seed: int
+    ) -> Iterator[ClutterAttempt]:
+        """A round again without its detector: the same, bit by bit.
+
+        Args:
+            grasps: What was tried in each attempt, if anything.
+            kind: How the objects lie.
+            seed: That of the round.
+        """
+        present = make_scene(self.world, kind, generator(seed, "scene", kind))
+        for grasp in grasps:
+            attempt, present = self.carry_out(grasp or Outcome.NO_GRASP, present)
+            yield attempt
+
+    def observe(self, present: Sequence[Placed], noise: NoiseName, rng: Generator) -> Observation:
+        """What the cameras see of objects at rest."""
+        eyes = [self._eyes[each.number] for each in present]
+        matrices = [each.pose.matrix for each in present]
+
+        def seen(intrinsics: Intrinsics, pose: Floats) -> View:
+            return observed_with(noise, render_scene(eyes, matrices, intrinsics, pose), rng)
+
+        views = tuple(seen(CAMERA, pose) for pose in self._cameras)
+        return Observation(seen(OVERHEAD, camera_above(OVERHEAD_HEIGHT)), views, WORKSPACE)
+
+    def carry_out(
+        self, grasp: PoseGrasp | Outcome, present: Sequence[Placed]
+    ) -> tuple[ClutterAttempt, list[Placed]]:
+        """Try a grasp, if there is one; what came of it, and what is left when all lies still."""
+        if isinstance(grasp, Outcome):
+            return ClutterAttempt(grasp, tuple(present)), list(present)
+        put(self.world, present)
+        result = execute_pose(self.world, grasp.pose, grasp.width)
+        attempt = ClutterAttempt(result.outcome, tuple(present), grasp, result.held, result.stopped)
+        try:
+            numbers = [each.number for each in present if each.number != result.held]
+            moved = [Placed(number, self.world.pose(number)) for number in numbers]
+            return attempt, settle_from(self.world, moved)
+        except UnstableError:
+            failed = ClutterAttempt(Outcome.FAILED, tuple(present), grasp)
+            return failed, list(present)
+
+
+def proposed_by(detect: Detector, gripper: Gripper) -> Propose:
+    """A detector that sees what it wants of the scene, and whose best grasp is tried."""
+
+    def propose(
+        observation: Observation, _: Sequence[Placed], rng: Generator
+    ) -> PoseGrasp | Outcome:
+        return planned(lambda: choose(detect(seen_by(detect, observation), gripper, rng), gripper))
+
+    return propose

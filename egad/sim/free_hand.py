@@ -1,0 +1,130 @@
+"""A hand without an arm: along its approach to a grasp, and away with what it holds."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from egad.grasps import finger_span
+from egad.outcomes import Outcome
+from egad.sim.gripper import COLLISION_FORCE, Fingers, minimum_jerk
+from egad.sim.world import TIME_STEP, Pose, UnstableError, World
+
+Floats = NDArray[np.float64]
+
+# As in VGN's experiments (Breyer et al. 2020).
+STANDOFF = 0.05  # metres before the grasp, where the approach begins
+RETREAT = 0.1  # metres
+STEEP = np.radians(60)  # approaches that are nearer to level retreat upwards
+LEAST_OPENING = 0.1  # of the hand's opening: closed further, the fingers hold nothing
+UP = np.array([0.0, 0.0, 1.0])
+APPROACH_SPEED, RETREAT_SPEED = 0.25, 0.35  # mean, m/s
+
+
+class PoseExecution(NamedTuple):
+    """What came of a grasp.
+
+    Attributes:
+        outcome: Success; collided: the hand was stopped on its way and held nothing in the end;
+            missed, slipped_closing or slipped_lifting; failed.
+        held: Number of the object in the hand; None without success.
+        stopped: How far before the grasp something stopped the hand, metres.
+    """
+
+    outcome: Outcome
+    held: int | None = None
+    stopped: float = 0.0
+
+
+class FreeHand(Fingers):
+    """A hand that moves along straight lines without turning."""
+
+    def __init__(self, world: World, pose: Floats, width: float) -> None:
+        """Open a hand in a world.
+
+        Args:
+            world: A world of the robot `egad.sim.robot.free`; the hand is gone when it is reset.
+            pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
+            width: Distance of the finger pads, metres.
+        """
+        super().__init__(world)
+        self._rotation = pose[:3, :3]
+        self._joints = np.zeros(3)
+        tip = pose[:3, 3] + finger_span(self.gripper)[1] * pose[:3, 2]
+        turn = Rotation.from_matrix(self._rotation).as_quat()
+        world.put_robot(Pose(tip, turn), self._joints.tolist(), width)
+
+    def move(self, shift: Floats, speed: float, *, yielding: bool) -> float:
+        """Move along a straight line on a minimum-jerk path.
+
+        Args:
+            shift: (3,) metres, in the world.
+            speed: Mean, m/s.
+            yielding: Whether to stop at a contact force of more than `COLLISION_FORCE`.
+
+        Returns:
+            How far before the end it stopped, metres.
+        """
+        start, length = self._joints, float(np.linalg.norm(shift))
+        along = self._rotation.T @ shift / length
+        for way in minimum_jerk(0.0, length, length / speed):
+            joints = start + way * along
+            self.world.drive(joints.tolist(), ((joints - self._joints) / TIME_STEP).tolist())
+            self._joints = joints
+            self.world.step()
+            if yielding and self.is_stopped():
+                return length - way
+        return 0.0
+
+    def is_stopped(self) -> bool:
+        """Whether something pushes against the hand so hard that a robot would stop."""
+        forces = self.world.forces()
+        return forces.hand + forces.blocked > COLLISION_FORCE
+
+    def held(self) -> int | None:
+        """Number of the object that the hand presses on most; None if there is none."""
+        numbers = range(len(self.world.models))
+        pressed = [self.world.forces(number).hand for number in numbers]
+        return int(np.argmax(pressed)) if max(pressed) > 0 else None
+
+
+def execute_pose(world: World, pose: Floats, width: float) -> PoseExecution:
+    """Approach from 5 cm away, stop at a contact, close, and retreat by 10 cm.
+
+    A hand that comes from above, give or take 60 degrees, retreats the way that it came; another
+    one moves straight up. An object is held if the hand touches it then and is not closed.
+
+    It depends on the arguments alone, if the world was reset before the objects were placed.
+
+    Args:
+        world: With the objects where they lie, and the robot `egad.sim.robot.free`.
+        pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
+        width: How far the hand opens, metres.
+    """
+    try:
+        return _executed(world, pose, width)
+    except UnstableError:
+        return PoseExecution(Outcome.FAILED)
+
+
+def _executed(world: World, pose: Floats, width: float) -> PoseExecution:
+    approach = pose[:3, 2]
+    start = pose.copy()
+    start[:3, 3] -= STANDOFF * approach
+    hand = FreeHand(world, start, width)
+    world.step()
+    if hand.is_stopped():
+        return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
+    stopped = hand.move(STANDOFF * approach, APPROACH_SPEED, yielding=True)
+    touched = hand.close()
+    if not hand.pinches():
+        lost = Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED
+        return PoseExecution(Outcome.COLLIDED if stopped else lost, stopped=stopped)
+    way = -approach if -approach[2] >= np.cos(STEEP) else UP
+    hand.move(RETREAT * way, RETREAT_SPEED, yielding=False)
+    held = hand.held()
+    if held is None or hand.opening() <= LEAST_OPENING * hand.gripper.opening:
+        lost = Outcome.COLLIDED if stopped else Outcome.SLIPPED_LIFTING
+        return PoseExecution(lost, stopped=stopped)
+    return PoseExecution(Outcome.SUCCESS, held, stopped)

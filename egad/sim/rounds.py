@@ -1,0 +1,208 @@
+"""Rounds of clearing a table, as rows of a table; and rounds made from rows again."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.spatial.transform import Rotation
+
+from egad.detectors import PoseGrasp
+from egad.outcomes import Outcome
+from egad.perception import NoiseName
+from egad.random import entropy, generator
+from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose
+from egad.sim.model import Model
+from egad.sim.parameters import ClutterParameters, SceneKind
+from egad.sim.robot import free
+from egad.sim.scenes import BOX
+from egad.sim.world import World, installed_engine, open_world
+from egad.tables import parquet
+from egad.tables.clutter import CLUTTER, GRASP_POSE
+
+Models = Mapping[str, Model]
+
+
+class Round(NamedTuple):
+    """One round: which objects, of which size, and how they lie.
+
+    Attributes:
+        scene: How the objects lie.
+        noise: What goes wrong in depth images.
+        number: Of the round.
+        seed: For all that happens in it.
+        ids: Names of the objects, in the order of their numbers.
+        factors: Their sizes, of those in the models.
+    """
+
+    scene: SceneKind
+    noise: NoiseName
+    number: int
+    seed: int
+    ids: tuple[str, ...]
+    factors: tuple[float, ...]
+
+
+def rounds_of(ids: Sequence[str], settings: ClutterParameters) -> list[Round]:
+    """All rounds, in the order scene, noise, number.
+
+    A scene depends on the seed of the settings, the number of the round and the ids, not on their
+    order, nor on noise and detector.
+
+    Args:
+        ids: Names of the objects to choose from.
+        settings: Scenes, noise, rounds, objects, sizes and seed.
+    """
+    clutter = settings.clutter
+    return [
+        _round(sorted(ids), settings, scene, noise, number)
+        for scene in clutter.scenes
+        for noise in clutter.noise
+        for number in range(clutter.rounds)
+    ]
+
+
+def _round(
+    ids: Sequence[str],
+    settings: ClutterParameters,
+    scene: SceneKind,
+    noise: NoiseName,
+    number: int,
+) -> Round:
+    rng = generator(settings.seed, "clutter", scene, number)
+    count = 1 if scene == "single" else min(settings.clutter.objects, len(ids))
+    chosen = tuple(ids[index] for index in rng.permutation(len(ids))[:count])
+    factors = tuple(rng.uniform(*settings.clutter.scale, size=count).tolist())
+    seed = entropy(settings.seed, "round", scene, number)
+    return Round(scene, noise, number, seed, chosen, factors)
+
+
+def run_round(
+    this: Round,
+    models: Models,
+    proposer: Callable[[Sequence[str], Sequence[Model]], Propose],
+    settings: ClutterParameters,
+) -> pd.DataFrame:
+    """Let a detector clear a table.
+
+    Args:
+        this: The round.
+        models: All objects by their names.
+        proposer: From the names and the models of the objects in the scene to what decides.
+        settings: Gripper, cameras and engine.
+
+    Returns:
+        One row per attempt, columns of `tables.clutter.CLUTTER`.
+    """
+    sized = _sized(this, models)
+    with _world(this, sized, settings) as world:
+        runner = ClutterRunner(world, settings.clutter)
+        propose = proposer(this.ids, sized)
+        attempts = list(runner.clear(propose, this.scene, this.noise, this.seed))
+    return _table(this, sized, attempts, settings)
+
+
+def failed_round(this: Round, settings: ClutterParameters, outcome: Outcome) -> pd.DataFrame:
+    """The table of a round that could not be simulated."""
+    return _table(this, [], [ClutterAttempt(outcome, ())], settings)
+
+
+def repeat_round(
+    rows: pd.DataFrame,
+    models: Models,
+    settings: ClutterParameters,
+    watch: Callable[[World], object] = lambda _: None,
+) -> pd.DataFrame:
+    """A round again, without its detector.
+
+    Args:
+        rows: Columns of `tables.clutter.CLUTTER`, of one round.
+        models: All objects by their names.
+        settings: Those of the round.
+        watch: Called with the world before the round begins.
+
+    Returns:
+        The same rows, bit by bit, if all is as it was.
+    """
+    ids = str(rows["objects"].iloc[0]).split()
+    known = {(each.scene, each.number): each for each in rounds_of(list(models), settings)}
+    first = rows.iloc[0]
+    this = known[first["scene"], first["round"]]._replace(noise=first["noise"])
+    if list(this.ids) != ids:
+        raise ValueError("the objects to choose from differ")
+    sized = _sized(this, models)
+    with _world(this, sized, settings) as world:
+        watch(world)
+        runner = ClutterRunner(world, settings.clutter)
+        grasps = [read_grasp(row) for row in parquet.records(rows)]
+        attempts = list(runner.repeat(grasps, this.scene, this.seed))
+    return _table(this, sized, attempts, settings)
+
+
+def read_grasp(row: Mapping[str, Any]) -> PoseGrasp | None:
+    """What was tried in an attempt of a table."""
+    numbers = np.array([row[name] for name in GRASP_POSE], dtype=np.float64)
+    if np.isnan(numbers).any():
+        return None
+    pose = np.eye(4)
+    pose[:3] = numbers.reshape(3, 4)
+    return PoseGrasp(pose, float(row["width"]), float(row["score"]))
+
+
+def _sized(this: Round, models: Models) -> list[Model]:
+    return [models[name].scaled(by) for name, by in zip(this.ids, this.factors, strict=True)]
+
+
+def _world(this: Round, models: Sequence[Model], settings: ClutterParameters) -> World:
+    walls = BOX if this.scene == "pile" else None
+    return open_world(settings.clutter.engine, models, free(settings.gripper), walls)
+
+
+def _table(
+    this: Round,
+    models: Sequence[Model],
+    attempts: Sequence[ClutterAttempt],
+    settings: ClutterParameters,
+) -> pd.DataFrame:
+    at_first = len(attempts[0].present) if attempts else 0
+    known = {
+        "scene": this.scene,
+        "noise": this.noise,
+        "round": this.number,
+        "seed": f"{this.seed:032x}",
+        "objects": " ".join(this.ids),
+        "n_objects": at_first,
+        "engine": installed_engine(settings.clutter.engine),
+    }
+    rows = [
+        known | {"attempt": number} | _columns_of(attempt, this, models)
+        for number, attempt in enumerate(attempts)
+    ]
+    return pd.DataFrame(rows, columns=CLUTTER.names)
+
+
+def _columns_of(attempt: ClutterAttempt, this: Round, models: Sequence[Model]) -> dict[str, Any]:
+    grasp = attempt.grasp
+    numbers = np.full(12, np.nan) if grasp is None else grasp.pose[:3].ravel()
+    return {
+        "n_present": len(attempt.present),
+        "success": attempt.outcome == Outcome.SUCCESS,
+        "outcome": attempt.outcome.value,
+        "id": "" if grasp is None else this.ids[_target(attempt, grasp, models)],
+        **dict(zip(GRASP_POSE, numbers.tolist(), strict=True)),
+        "width": np.nan if grasp is None else grasp.width,
+        "score": np.nan if grasp is None else grasp.score,
+        "stopped": attempt.stopped,
+    }
+
+
+def _target(attempt: ClutterAttempt, grasp: PoseGrasp, models: Sequence[Model]) -> int:
+    """Number of the object that was held, or else that of which a vertex is nearest."""
+    if attempt.held is not None:
+        return attempt.held
+    center = grasp.pose[:3, 3]
+    distances = []
+    for number, pose in attempt.present:
+        local = Rotation.from_quat(pose.quaternion).inv().apply(center - pose.position)
+        distances.append(np.linalg.norm(models[number].mesh.vertices - local, axis=1).min())
+    return attempt.present[int(np.argmin(distances))].number

@@ -1,0 +1,96 @@
+"""labels: the best labelled grasp of any object in a scene, knowing where all of them are."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from egad.detectors import PoseGrasp
+from egad.grasps import Gripper, blocked_turns, hand_poses, parts, vectors
+from egad.outcomes import Outcome
+from egad.perception import Observation
+from egad.sim.free_hand import STANDOFF
+from egad.sim.model import Model
+from egad.sim.scenes import WORKSPACE, Placed
+
+Floats = NDArray[np.float64]
+
+TURNS = 2 * np.pi * np.arange(16) / 16  # about the closing axis, from the labelled approach
+CHUNK = 32  # grasps that are tested at once
+MOST = 640  # grasps that are tested at all
+# The table, metres
+TABLE = WORKSPACE * np.array(
+    [[[-1, -1, 0], [1, -1, 0], [1, 1, 0]], [[-1, -1, 0], [1, 1, 0], [-1, 1, 0]]]
+)
+
+
+class SceneLabels:
+    """Labelled grasps of objects, to be proposed wherever they lie (ours)."""
+
+    def __init__(
+        self, grasps: Sequence[pd.DataFrame], models: Sequence[Model], gripper: Gripper
+    ) -> None:
+        """Keep the grasps that the hand can come to from some side.
+
+        Args:
+            grasps: Columns of `tables.grasping.GRASPS` for each object.
+            models: The objects.
+            gripper: The hand.
+        """
+        self._grasps = [table[table["collision_free"]] for table in grasps]
+        self._models = models
+        self._gripper = gripper
+        self._hand = parts(gripper, retreat=STANDOFF)
+
+    def __call__(
+        self, observation: Observation, present: Sequence[Placed], rng: np.random.Generator
+    ) -> PoseGrasp | Outcome:
+        """The grasp of the highest robust quality to which the open hand has a straight way.
+
+        The hand may come from any of 16 directions around the closing axis; it takes the one of
+        those without a collision that points down most.
+        """
+        del observation, rng
+        frames, quality = self._candidates(present)
+        scene = np.concatenate([TABLE, *(self._triangles(each) for each in present)])
+        best = np.argsort(-quality, kind="stable")[:MOST]
+        for first in range(0, len(best), CHUNK):
+            chosen = frames[best[first : first + CHUNK]]
+            rows = np.ascontiguousarray(chosen[:, :3, :3].transpose(0, 2, 1))
+            blocked = blocked_turns(scene, self._hand, chosen[:, :3, 3], rows, TURNS)
+            possible = np.flatnonzero(~blocked.all(axis=1))
+            if len(possible):
+                number = int(possible[0])
+                pose = _turned(chosen[number], blocked[number])
+                return PoseGrasp(pose, self._gripper.opening, float(quality[best[first + number]]))
+        return Outcome.NO_GRASP
+
+    def _candidates(self, present: Sequence[Placed]) -> tuple[Floats, Floats]:
+        """Poses of the hand at all grasps, (n, 4, 4), in the world, and their robust qualities."""
+        poses, quality = [np.empty((0, 4, 4))], [np.empty(0)]
+        for number, pose in present:
+            table = self._grasps[number]
+            matrix = pose.matrix @ self._models[number].to_principal
+            rotation = matrix[:3, :3] / np.cbrt(np.linalg.det(matrix[:3, :3]))
+            centers = vectors(table, "center") @ matrix[:3, :3].T + matrix[:3, 3]
+            axis, approach = (vectors(table, name) @ rotation.T for name in ("axis", "approach"))
+            poses.append(hand_poses(centers, axis, approach))
+            quality.append(table["robust_quality"].to_numpy(np.float64))
+        return np.concatenate(poses), np.concatenate(quality)
+
+    def _triangles(self, placed: Placed) -> Floats:
+        matrix = placed.pose.matrix
+        triangles: Floats = self._models[placed.number].mesh.triangles @ matrix[:3, :3].T
+        return triangles + matrix[:3, 3]
+
+
+def _turned(pose: Floats, blocked: NDArray[np.bool_]) -> Floats:
+    """A pose of the hand turned about x as `blocked_turns` does: downwards, but not blocked."""
+    y, z = pose[:3, 1], pose[:3, 2]
+    approaches = np.cos(TURNS)[:, None] * z - np.sin(TURNS)[:, None] * y
+    turn = TURNS[np.where(blocked, np.inf, approaches[:, 2]).argmin()]
+    turned = pose.copy()
+    turned[:3, 1] = np.cos(turn) * y + np.sin(turn) * z
+    turned[:3, 2] = np.cos(turn) * z - np.sin(turn) * y
+    return turned

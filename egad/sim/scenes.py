@@ -1,0 +1,153 @@
+"""Scenes of several objects on a table: each alone, packed side by side, or in a pile."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
+
+from egad.geometry import StablePose
+from egad.geometry.stable_poses import stable_poses
+from egad.sim.parameters import SceneKind
+from egad.sim.world import TIME_STEP, Pose, World
+
+Floats = NDArray[np.float64]
+
+# As in VGN's experiments (Breyer et al. 2020), unless it says "ours".
+WORKSPACE = 0.3  # metres, side of the cube; what leaves it is removed
+BOX = 0.26  # inner side of the box that a pile is dropped into
+DROP_AREA = 0.1  # side of the square above which objects are dropped
+DROP_HEIGHT = 0.02  # ours: of the lowest point above the objects that lie there
+PACKING_AREA = 0.2  # ours: side of the square in which packed objects have their centers
+PACKING_TRIALS = 50  # ours: positions of an object
+STAND = 0.002  # above the table, where packed objects are put
+SETTLING_TIME = 2.0  # seconds, at most
+REST_SPEED = 0.01  # m/s
+REST_TIME = 0.1  # ours: seconds that all objects must be slower than that
+
+
+class Placed(NamedTuple):
+    """An object in a scene: its number in the world, and where it lies."""
+
+    number: int
+    pose: Pose
+
+
+def make_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[Placed]:
+    """Put the objects of a world on the table, one after the other, until they lie still.
+
+    single, pile: dropped in random orientations, a pile into a box that is then removed. packed:
+    put upright, as they are most likely to come to rest, with a random turn and without contact; an
+    object for which there is no space is left out.
+
+    Args:
+        world: With the objects, and for a pile with walls.
+        kind: How they are put there.
+        rng: Source of chance.
+
+    Returns:
+        The objects that lie in the workspace, in the order of their numbers.
+
+    Raises:
+        UnstableError: The simulation went wrong.
+    """
+    world.reset()
+    if kind == "packed":
+        present = _pack(world, rng)
+    else:
+        present = list(range(len(world.models)))
+        top = 0.0
+        for number in present:
+            world.place(_above(world.models[number].mesh, top, rng), number=number)
+            settle(world)
+            top = max(top, float(world.vertices(number)[:, 2].max()))
+    world.remove_walls()
+    return settle_all(world, present)
+
+
+def settle_all(world: World, present: Sequence[int]) -> list[Placed]:
+    """Let objects come to rest, and take away those that are outside the workspace then."""
+    left = list(present)
+    while True:
+        settle(world)
+        inside = [number for number in left if in_workspace(world.pose(number).position)]
+        for number in set(left) - set(inside):
+            world.park(number)
+        if inside == left:
+            return [Placed(number, world.pose(number)) for number in left]
+        left = inside
+
+
+def settle_from(world: World, objects: Sequence[Placed]) -> list[Placed]:
+    """Let objects come to rest from where they are now, with nothing else in the world."""
+    put(world, objects)
+    return settle_all(world, [each.number for each in objects])
+
+
+def put(world: World, objects: Sequence[Placed]) -> None:
+    """Put objects somewhere at rest, and nothing else."""
+    world.reset()
+    world.remove_walls()
+    for each in objects:
+        world.place(each.pose, number=each.number)
+
+
+def settle(world: World) -> None:
+    """Let all objects come to rest, or move for two seconds."""
+    still, pause = 0, round(REST_TIME / TIME_STEP)
+    for _ in range(round(SETTLING_TIME / TIME_STEP)):
+        world.step()
+        still = still + 1 if world.speeds()[0] < REST_SPEED else 0
+        if still == pause:
+            return
+
+
+def in_workspace(position: Floats) -> bool:
+    """Whether a center of mass is in the workspace: a cube that stands on the table."""
+    half = WORKSPACE / 2
+    return bool((np.abs(position[:2]) <= half).all() and 0 <= position[2] <= WORKSPACE)
+
+
+def _above(mesh: trimesh.Trimesh, top: float, rng: np.random.Generator) -> Pose:
+    """In a random orientation above the middle and what lies there."""
+    turn = Rotation.random(rng=rng)
+    x, y = rng.uniform(-DROP_AREA / 2, DROP_AREA / 2, size=2)
+    lowest = float(turn.apply(mesh.vertices)[:, 2].min())
+    return Pose(np.array([x, y, top + DROP_HEIGHT - lowest]), turn.as_quat())
+
+
+def _pack(world: World, rng: np.random.Generator) -> list[int]:
+    """Put objects upright, none above another one; the numbers of those that fit."""
+    present: list[int] = []
+    taken: list[ConvexHull] = []
+    for number, model in enumerate(world.models):
+        upright = stable_poses(model.mesh, np.zeros(3))[0]
+        for _ in range(PACKING_TRIALS):
+            pose = _turned(upright, rng)
+            corners = model.mesh.vertices @ pose.matrix[:2, :3].T + pose.matrix[:2, 3]
+            footprint = ConvexHull(corners)
+            if all(_apart(footprint, other) for other in taken):
+                world.place(pose, number=number)
+                present.append(number)
+                taken.append(footprint)
+                break
+    return present
+
+
+def _apart(first: ConvexHull, second: ConvexHull) -> bool:
+    """Whether two polygons have no point in common: all of one lie beyond an edge of the other."""
+    return any(
+        bool((one.equations[:, :2] @ other.points.T + one.equations[:, 2:] > 0).all(axis=1).any())
+        for one, other in ((first, second), (second, first))
+    )
+
+
+def _turned(upright: StablePose, rng: np.random.Generator) -> Pose:
+    """Standing just above the table, turned about the vertical and shifted at random."""
+    turn = Rotation.from_euler("z", rng.uniform(0, 2 * np.pi))
+    x, y = rng.uniform(-PACKING_AREA / 2, PACKING_AREA / 2, size=2)
+    quaternion = (turn * Rotation.from_matrix(upright.rotation)).as_quat()
+    return Pose(np.array([x, y, upright.height + STAND]), quaternion)

@@ -1,0 +1,45 @@
+"""Schema of rounds of clearing a table."""
+
+import pyarrow as pa
+
+from egad.outcomes import DETECTOR_FAILURES, SIMULATION_FAILURES, Outcome, listed
+from egad.tables.columns import FLOAT, INT, STRING, column
+from egad.tables.evaluation import ENGINE, SUCCESS
+
+GRASP_POSE = tuple(f"pose_{row}{part}" for row in "xyz" for part in ("x", "y", "z", "t"))
+CARRIED_OUT = (
+    Outcome.SUCCESS,
+    Outcome.COLLIDED,
+    Outcome.MISSED,
+    Outcome.SLIPPED_CLOSING,
+    Outcome.SLIPPED_LIFTING,
+)
+
+CLUTTER = pa.schema(
+    [
+        column("scene", STRING, "how the objects lie: single, packed or pile"),
+        column("noise", STRING, "of the depth images: none, stereo or gamma"),
+        column("round", INT, "number of the round"),
+        column("attempt", INT, "number of the attempt in its round"),
+        column("seed", STRING, "seed of the round (hexadecimal)"),
+        column("objects", STRING, "ids of the objects of the round, separated by spaces"),
+        column("n_objects", INT, "objects on the table at the beginning of the round"),
+        column("n_present", INT, "objects on the table before the attempt"),
+        SUCCESS,
+        column("outcome", STRING, listed((*CARRIED_OUT, *SIMULATION_FAILURES, *DETECTOR_FAILURES))),
+        column("id", STRING, "the object that was held, or else the one nearest to the grasp"),
+        *(
+            column(
+                name,
+                FLOAT,
+                "pose of the hand that was tried, world frame: row and column of a (3, 4) matrix; "
+                "column t is the position between the pads in metres",
+            )
+            for name in GRASP_POSE
+        ),
+        column("width", FLOAT, "opening that the detector asked for", "m"),
+        column("score", FLOAT, "score that the detector predicted"),
+        column("stopped", FLOAT, "how far before the grasp something stopped the hand", "m"),
+        ENGINE,
+    ]
+)

@@ -1,0 +1,90 @@
+"""Detectors get what they ask for."""
+
+import functools
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.detectors import GraspPoses, from_above, seen_by, wanted_input, with_checked_answers
+from egad.detectors.base import Grasp
+from egad.errors import UserError
+from egad.perception import DepthCamera, Intrinsics, Observation, camera_above, cameras_around
+
+CAMERA = Intrinsics(80, 60, 52.0, (39.5, 29.5))
+
+
+@pytest.fixture(scope="module")
+def observation():
+    eye = DepthCamera(trimesh.creation.box((0.05, 0.05, 0.05)))
+    matrix = trimesh.transformations.translation_matrix((0, 0, 0.025))
+    poses = cameras_around(np.zeros(3), 3, 0.5, 0.5)
+    views = tuple(eye.render(matrix, CAMERA, pose) for pose in poses)
+    return Observation(eye.render(matrix, CAMERA, camera_above(0.6)), views, 0.3)
+
+
+def of_view(view, _gripper, _rng):
+    return [view]
+
+
+def of_tsdf(tsdf, _gripper, _rng):
+    return tsdf
+
+
+class OfCloud:
+    def __call__(self, cloud, _gripper, _rng):
+        return cloud
+
+
+class Declared:
+    observes = "views"
+
+    def __call__(self, cloud, _gripper, _rng):
+        return cloud
+
+
+def of_anything(x, _gripper, _rng):
+    return x
+
+
+@pytest.mark.parametrize(
+    ("detect", "name"),
+    [
+        (of_view, "view"),
+        (of_tsdf, "tsdf"),
+        (OfCloud(), "cloud"),
+        (Declared(), "views"),
+        (of_anything, "view"),
+        (with_checked_answers(of_tsdf), "tsdf"),
+        (with_checked_answers(Declared()), "views"),
+        (functools.partial(of_tsdf), "tsdf"),
+        (max, "view"),
+    ],
+)
+def test_the_input_is_known_from_signature_or_attribute(detect, name, observation):
+    assert wanted_input(detect) == name
+    assert seen_by(detect, observation) is getattr(observation, name)
+
+
+def test_an_unknown_input_is_named():
+    detect = OfCloud()
+    detect.observes = "mesh"
+    with pytest.raises(UserError, match=r"mesh.*views"):
+        wanted_input(detect)
+
+
+def test_a_tuple_of_arrays_is_an_answer_of_poses():
+    answer = (np.eye(4)[None].tolist(), [0.05], [1])
+    found = with_checked_answers(lambda *_: answer)(None, None, None)
+    assert isinstance(found, GraspPoses)
+    assert found.poses.shape == (1, 4, 4)
+
+
+def test_a_tuple_of_grasps_is_an_answer_of_grasps():
+    grasp = Grasp((0.0, 0.0, 0.1), 0.0, 0.05, 0.01, 1.0)
+    assert with_checked_answers(lambda *_: (grasp,) * 3)(None, None, None) == [grasp] * 3
+
+
+def test_poses_are_not_from_above():
+    with pytest.raises(TypeError, match="benchmark"):
+        from_above(GraspPoses(np.empty((0, 4, 4)), np.empty(0), np.empty(0)))

@@ -1,0 +1,75 @@
+"""VGN: its input, its answers; EGAD_VGN names the file of its published weights."""
+
+import os
+
+import numpy as np
+import pytest
+import trimesh
+
+from egad.detectors import Vgn, wanted_input
+from egad.detectors.vgn import encoded
+from egad.errors import UserError
+from egad.grasps import finger_span
+from egad.perception import DepthCamera, Intrinsics, Tsdf, cameras_around, fuse
+from egad.pipeline.config import GRIPPERS
+
+HAND = GRIPPERS["panda"]
+WEIGHTS = os.environ.get("EGAD_VGN")
+CAMERA = Intrinsics(320, 240, 208.0, (159.5, 119.5))
+
+
+def fused(mesh):
+    eye = DepthCamera(mesh)
+    poses = cameras_around(np.array([0, 0, -0.05]), 6, 0.6, np.radians(30))
+    views = [eye.render(np.eye(4), CAMERA, pose) for pose in poses]
+    return fuse(views, np.array([-0.15, -0.15, -0.05]), 0.3, 40)
+
+
+def test_the_grid_is_0_where_nothing_is_known_and_far_from_surfaces():
+    distances = np.zeros((40, 40, 40), np.float32)
+    distances[:, 0, 0] = np.linspace(-1, 1, 40)
+    weights = np.ones_like(distances)
+    weights[0, 1, 0] = 0
+    grid = encoded(Tsdf(distances, weights, np.zeros(3), 0.0075, 0.03))
+    assert grid[0, 1, 0] == 0  # not seen
+    assert grid[1, 1, 0] == 0.5  # on a surface
+    assert grid[0, 0, 0] == 0
+    assert grid[-1, 0, 0] == 0  # free space, far away
+    np.testing.assert_allclose(grid[1:-1, 0, 0], np.linspace(0, 1, 40)[1:-1], atol=1e-6)
+    assert grid.dtype == np.float32
+
+
+@pytest.mark.parametrize("weights", [None, "no/such/file.pth"])
+def test_missing_weights_are_named(weights):
+    with pytest.raises(UserError, match=r"vgn_conv\.pth"):
+        Vgn(weights)
+
+
+def test_weights_of_another_network_are_named(tmp_path):
+    torch = pytest.importorskip("torch")
+    path = tmp_path / "other.pth"
+    torch.save({"layer": torch.zeros(3)}, path)
+    with pytest.raises(UserError, match=r"not weights of VGN.*encoder\.conv1\.weight is missing"):
+        Vgn(str(path))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(WEIGHTS is None, reason="EGAD_VGN names no file")
+@pytest.mark.parametrize("turn", [0.0, 0.6, 1.5])
+def test_a_block_is_grasped_across(turn):
+    """The frame is ours: x closes, and the pads are where the block is."""
+    pytest.importorskip("torch")
+    block = trimesh.creation.box((0.03, 0.1, 0.06)).apply_translation((0, 0, 0.03))
+    block.apply_transform(trimesh.transformations.rotation_matrix(turn, [0, 0, 1]))
+    detect = Vgn(WEIGHTS)
+    assert wanted_input(detect) == "tsdf"
+    grasps = detect(fused(block), HAND, np.random.default_rng(0))
+    assert len(grasps.poses) > 0
+    best = grasps.poses[0]
+    np.testing.assert_allclose(best[:3, :3].T @ best[:3, :3], np.eye(3), atol=1e-5)
+    across = [np.cos(turn), np.sin(turn), 0]
+    assert abs(best[:3, 0] @ across) > 0.9
+    assert abs(best[:3, 3] @ across) < 0.02
+    assert best[2, 2] < -0.5
+    tip = best[:3, 3] + finger_span(HAND)[1] * best[:3, 2]
+    assert 0 < tip[2] < 0.06

@@ -1,0 +1,115 @@
+"""A hand without an arm grasps from any direction, and is stopped by what is in its way."""
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
+from worlds import EACH_ENGINE, HAND
+
+from egad.grasps import finger_span, hand_poses
+from egad.outcomes import Outcome
+from egad.pipeline.config import Bundle
+from egad.sim.free_hand import RETREAT, STANDOFF, FreeHand, execute_pose
+from egad.sim.model import build
+from egad.sim.robot import free
+from egad.sim.world import EngineName, Pose, World, open_world
+
+SIDE = 0.04
+CUBE = build(trimesh.creation.box((SIDE,) * 3), 1000.0, Bundle())
+TALL = build(trimesh.creation.box((SIDE, SIDE, 0.2)), 500.0, Bundle())
+UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
+DOWN = [0.0, 0.0, -1.0]
+
+
+def grasp(center: list[float], axis: list[float], approach: list[float]) -> np.ndarray:
+    return np.asarray(
+        hand_poses(*(np.array([each], float) for each in (center, axis, approach)))[0]
+    )
+
+
+def stand(world: World, height: float) -> None:
+    upright = Rotation.from_matrix(world.model.to_principal[:3, :3].T).as_quat()
+    world.place(Pose(np.array([0, 0, height / 2 + 1e-4]), upright), number=0)
+    world.step(24)
+
+
+@EACH_ENGINE
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_a_hand_moves_to_where_it_is_told(engine: EngineName, turn: float) -> None:
+    """The fingertips are where the pose says, before and after a straight motion."""
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_euler("xyz", [np.pi - 0.4, 0.3, turn]).as_matrix()
+    pose[:3, 3] = [0.05, -0.03, 0.3]
+    shift = np.array([0.02, 0.03, 0.04])
+    with open_world(engine, [CUBE], free(HAND)) as world:
+        world.place(Pose(np.array([1.0, 0, SIDE / 2]), UPRIGHT))
+        hand = FreeHand(world, pose, 0.05)
+        assert world.robot is not None
+        tip = [link.name for link in world.robot.links].index("tip")
+        reach = finger_span(HAND)[1] * pose[:3, 2]
+        for moved in (np.zeros(3), shift):
+            if moved.any():
+                assert hand.move(moved, 0.2, yielding=True) == 0
+                world.step(48)
+            found = world.link_poses()[tip]
+            np.testing.assert_allclose(found.position, pose[:3, 3] + reach + moved, atol=0.001)
+            np.testing.assert_allclose(found.matrix[:3, :3], pose[:3, :3], atol=0.002)
+        assert hand.opening() == pytest.approx(0.05, abs=0.001)
+
+
+@EACH_ENGINE
+@pytest.mark.parametrize(
+    ("axis", "approach"),
+    [
+        pytest.param([1, 0, 0], DOWN, id="from above"),
+        pytest.param([0, 1, 0], [0.6, 0, -0.8], id="slanted"),
+        pytest.param([0, 1, 0], [1, 0, 0], id="from the side"),
+    ],
+)
+def test_an_object_is_held_from_any_side(
+    engine: EngineName, axis: list[float], approach: list[float]
+) -> None:
+    with open_world(engine, [TALL], free(HAND)) as world:
+        stand(world, 0.2)
+        before = world.pose().position
+        result = execute_pose(world, grasp([0, 0, 0.17], axis, approach), HAND.opening)
+        assert (result.outcome, result.held, result.stopped) == (Outcome.SUCCESS, 0, 0.0)
+        way = -np.array(approach, float) if approach[2] < -0.5 else np.array([0, 0, 1.0])
+        moved = world.pose().position - before
+        np.testing.assert_allclose(moved, RETREAT * way, atol=0.01)
+
+
+@EACH_ENGINE
+def test_the_number_of_the_held_object_is_told(engine: EngineName) -> None:
+    with open_world(engine, [CUBE, CUBE], free(HAND)) as world:
+        world.place(Pose(np.array([0.2, 0, SIDE / 2]), UPRIGHT), number=0)
+        world.place(Pose(np.array([0, 0, SIDE / 2]), UPRIGHT), number=1)
+        assert execute_pose(world, grasp([0, 0, 0.02], [1, 0, 0], DOWN), 0.07).held == 1
+
+
+@EACH_ENGINE
+def test_closing_beside_an_object_is_a_miss(engine: EngineName) -> None:
+    with open_world(engine, [CUBE], free(HAND)) as world:
+        stand(world, SIDE)
+        result = execute_pose(world, grasp([0, 0.1, 0.02], [1, 0, 0], DOWN), 0.07)
+        assert (result.outcome, result.held) == (Outcome.MISSED, None)
+
+
+@EACH_ENGINE
+def test_a_finger_that_comes_down_on_the_object_is_stopped(engine: EngineName) -> None:
+    """The left finger is above the cube: it is stopped at its top, and cannot hold it."""
+    with open_world(engine, [CUBE], free(HAND)) as world:
+        stand(world, SIDE)
+        pose = grasp([0.045, 0, 0.02], [1, 0, 0], DOWN)
+        result = execute_pose(world, pose, 0.07)
+        assert result.outcome == Outcome.COLLIDED
+        bottom = 0.02 - finger_span(HAND)[1]
+        assert result.stopped == pytest.approx(SIDE - bottom, abs=0.003)
+
+
+@EACH_ENGINE
+def test_a_hand_that_begins_within_an_object_collides(engine: EngineName) -> None:
+    with open_world(engine, [TALL], free(HAND)) as world:
+        stand(world, 0.2)
+        result = execute_pose(world, grasp([0.03, 0, 0.05], [1, 0, 0], DOWN), 0.07)
+        assert (result.outcome, result.stopped) == (Outcome.COLLIDED, STANDOFF)

@@ -1,0 +1,97 @@
+"""Scenes are at rest, inside the workspace, and follow from the seed."""
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial import ConvexHull
+from worlds import EACH_ENGINE
+
+from egad.pipeline.config import Bundle
+from egad.random import generator
+from egad.sim.model import build
+from egad.sim.parameters import SCENE_KINDS, SceneKind
+from egad.sim.scenes import BOX, WORKSPACE, Placed, make_scene, put, settle_from
+from egad.sim.world import EngineName, World, open_world
+
+BLOCK = build(trimesh.creation.box((0.03, 0.04, 0.08)), 600.0, Bundle())
+CAN = build(trimesh.creation.cylinder(0.02, 0.06, sections=24), 600.0, Bundle())
+PLATE = build(trimesh.creation.box((0.18, 0.18, 0.01)), 600.0, Bundle())
+MODELS = [BLOCK, CAN, BLOCK, CAN, BLOCK]
+
+
+def same(first: list[Placed], second: list[Placed]) -> bool:
+    numbers = [each.number for each in first] == [each.number for each in second]
+    return numbers and all(
+        np.array_equal(one.pose.position, other.pose.position)
+        and np.array_equal(one.pose.quaternion, other.pose.quaternion)
+        for one, other in zip(first, second, strict=True)
+    )
+
+
+def footprint(world: World, number: int) -> ConvexHull:
+    return ConvexHull(world.vertices(number)[:, :2])
+
+
+@EACH_ENGINE
+@pytest.mark.parametrize("kind", SCENE_KINDS)
+def test_scenes_are_at_rest_and_reproducible(engine: EngineName, kind: SceneKind) -> None:
+    models = MODELS[:1] if kind == "single" else MODELS
+    with open_world(engine, models, walls=BOX) as world:
+        first = make_scene(world, kind, generator(1, "test", kind))
+        assert len(first) >= len(models) - 1
+        for each in first:
+            assert np.abs(each.pose.position[:2]).max() <= WORKSPACE / 2
+            assert world.vertices(each.number)[:, 2].min() > -0.002
+        settled = settle_from(world, first)
+        for before, after in zip(first, settled, strict=True):
+            np.testing.assert_allclose(after.pose.position, before.pose.position, atol=0.003)
+        assert same(make_scene(world, kind, generator(1, "test", kind)), first)
+        assert not same(make_scene(world, kind, generator(2, "test", kind)), first)
+
+
+def test_packed_objects_stand_apart_and_as_they_are_most_stable() -> None:
+    with open_world("mujoco", MODELS) as world:
+        placed = make_scene(world, "packed", generator(0, "test"))
+        assert len(placed) == len(MODELS)
+        hulls = [footprint(world, each.number) for each in placed]
+        for number, each in enumerate(placed):
+            for other in hulls[:number]:
+                # No corner of one within the other
+                for one, two in ((hulls[number], other), (other, hulls[number])):
+                    below = one.equations[:, :2] @ two.points.T + one.equations[:, 2:]
+                    assert not (below < 0).all(axis=0).any()
+            if MODELS[each.number] is BLOCK:  # on its largest face
+                height = np.ptp(world.vertices(each.number)[:, 2])
+                assert height == pytest.approx(0.03, abs=0.001)
+
+
+def test_packed_objects_without_space_are_left_out() -> None:
+    with open_world("mujoco", [PLATE] * 5) as world:
+        placed = make_scene(world, "packed", generator(0, "test"))
+        assert 1 <= len(placed) < 5
+        assert world.present() == [each.number for each in placed]
+
+
+def test_a_pile_is_dropped_into_a_box() -> None:
+    """Objects rest on each other, which they never do side by side."""
+    with open_world("mujoco", [PLATE] * 4, walls=BOX) as world:
+        placed = make_scene(world, "pile", generator(0, "test"))
+        assert max(each.pose.position[2] for each in placed) > 0.012
+
+
+def test_what_leaves_the_workspace_is_removed() -> None:
+    with open_world("mujoco", MODELS[:2]) as world:
+        first = make_scene(world, "packed", generator(0, "test"))
+        outside = first[0]._replace(
+            pose=first[0].pose._replace(position=np.array([0.2, 0.0, 0.04]))
+        )
+        left = settle_from(world, [outside, first[1]])
+        assert [each.number for each in left] == [1]
+        assert world.present() == [1]
+
+
+def test_what_was_put_is_all_there_is() -> None:
+    with open_world("mujoco", MODELS) as world:
+        first = make_scene(world, "packed", generator(0, "test"))
+        put(world, first[:2])
+        assert world.present() == [0, 1]
