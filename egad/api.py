@@ -267,7 +267,11 @@ def convex_parts(
     Raises:
         RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
         UserError: A number is out of bounds.
+
+    Warns:
+        UnitsWarning: The size of the mesh suggests another unit than the metre.
     """
+    check_units(mesh)
     wanted = from_arguments(
         Bundle,
         max_parts=max_parts,

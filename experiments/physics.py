@@ -1,8 +1,6 @@
 """The figures of physics in docs/trials.md: `python experiments/physics.py results/D/bundle/G`.
 
-They are those of PyBullet, whose settings they justify.
-
-Each is the same small experiment with the engine as it is, and with one setting another.
+Each is a small experiment in both engines; in PyBullet also with one of its settings changed.
 """
 
 import sys

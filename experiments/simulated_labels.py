@@ -26,7 +26,7 @@ def main(results: Path, gripper: str) -> None:
     """Print the tables."""
     table = parquet.read(results / "grasps" / f"{gripper}.parquet", SIMULATED_GRASPS)
     objects = parquet.read(results / "objects.parquet", OBJECTS)
-    known = table[table["simulated_outcome"].notna()]
+    known = table[table["simulated_success"].notna()]
     print(f"{len(known)} grasps of {known['id'].nunique()} objects\n")
     print(f"{known['simulated_outcome'].value_counts(normalize=True).to_markdown()}\n")
     print("| rating | all grasps | grasps of one object |\n| --- | --- | --- |")

@@ -20,7 +20,7 @@ from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.replay import repeat_attempt
 from egad.pipeline.stages.simulate import SimulatedTrials
-from egad.sim import Pixels
+from egad.sim import ROBOT_COLOR, Pixels
 from egad.stats import object_positions, trend, trial_grid
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
@@ -29,7 +29,6 @@ DOCS = Path(__file__).parents[1] / "docs"
 FRAMES = 6
 LOST = [each for each in EXECUTION if each not in (Outcome.SUCCESS, Outcome.COLLIDED)]
 WIDTH, HEIGHT, TEXT = 180, 200, 16
-HAND = (120, 205)  # its shades of grey; nothing else is as dark and without color
 
 
 def main(folder: Path, gripper: str, *detectors: str) -> None:
@@ -92,10 +91,10 @@ def chosen(frames: list[Pixels]) -> list[int]:
 
 
 def shows_hand(frame: Pixels) -> bool:
-    """Whether there is much grey."""
-    low, high = frame.min(axis=2), frame.max(axis=2)
-    grey = (high - low < 8) & (low > HAND[0]) & (high < HAND[1])
-    return bool(grey.mean() > 0.02)
+    """Whether there is much of the color of the robot, in whatever light."""
+    color = frame / np.maximum(frame.max(axis=2, keepdims=True), 1)
+    robot = np.array(ROBOT_COLOR) / max(ROBOT_COLOR)
+    return bool((np.abs(color - robot).max(axis=2) < 0.02).mean() > 0.02)
 
 
 if __name__ == "__main__":

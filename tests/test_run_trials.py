@@ -52,6 +52,19 @@ def test_the_same_seed_gives_the_same_attempts(good):
     assert not other.table["initial_qw"].equals(good.table["initial_qw"])
 
 
+def test_the_engine_is_the_one_that_was_asked_for():
+    trials = egad.run_trials(across_the_bar, {"bar": BAR}, "panda", attempts=1, engine="mujoco")
+    assert trials.table["engine"].tolist() == ["mujoco"]
+
+
+def test_a_detector_that_asks_for_more_than_a_view_is_told_where_to_go():
+    def detect(cloud, _gripper, _rng):
+        return cloud
+
+    with pytest.raises(UserError, match=r"cloud.*run_benchmark"):
+        egad.run_trials(detect, {"bar": BAR}, "panda", attempts=1)
+
+
 @pytest.mark.parametrize(("detector", "outcome"), [(broken, "error"), (blind, "no_grasp")])
 def test_what_a_detector_does_wrong_is_the_outcome(good, detector, outcome):
     trials = egad.run_trials(detector, {"bar": BAR}, "panda", attempts=2, seed=2)

@@ -14,7 +14,7 @@ from egad.perception import (
     Window,
     heightmap_of,
     min_fingertip_height,
-    restored,
+    restore,
     window_of,
 )
 
@@ -55,7 +55,7 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     vertical pads. Two edges are a candidate if the line between them lies in the friction cones
     of both (in the plane), and the hand opens wide enough. The hand goes as deep as table,
     neighboring surface and palm allow. Holes and noise of the image are removed first, as
-    `egad.perception.restored` does. The quality, from 0 to 1, is
+    `egad.perception.restore` does. The quality, from 0 to 1, is
 
         cos^2(angle) / sqrt(1 + (100 / m * distance)^2) * min(bite / 20 mm, 1),
 
@@ -71,7 +71,7 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     Returns:
         At most 50 grasps, best first.
     """
-    view = restored(view)
+    view = restore(view)
     window = _uneven(view, gripper.pad.friction)
     relief = heightmap_of(view, window)
     if relief is None:

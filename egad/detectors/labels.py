@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from egad.detectors.base import Grasp, rank_grasps
 from egad.grasps import LEAST_BITE, Gripper, finger_span, roomy
-from egad.perception import View, heightmap_of, min_fingertip_height, restored
+from egad.perception import View, heightmap_of, min_fingertip_height, restore
 
 Floats = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ class Labels:
         Returns:
             At most 50 grasps, best first.
         """
-        relief = heightmap_of(restored(view))
+        relief = heightmap_of(restore(view))
         axis = self._axis @ matrix[:3, :3].T
         level = np.flatnonzero(np.abs(axis[:, 2]) <= np.sin(TILT))
         if relief is None or len(level) == 0:

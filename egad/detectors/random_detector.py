@@ -4,7 +4,7 @@ import numpy as np
 
 from egad.detectors.base import Grasp
 from egad.grasps import TABLE_CLEARANCE, Gripper
-from egad.perception import View, restored
+from egad.perception import View, restore
 
 
 def random_grasp(view: View, gripper: Gripper, rng: np.random.Generator) -> list[Grasp]:
@@ -14,7 +14,7 @@ def random_grasp(view: View, gripper: Gripper, rng: np.random.Generator) -> list
     below the point as the fingers are long, but not onto the table. The quality is a random number
     from 0 to 1.
     """
-    points = restored(view).points().reshape(-1, 3)
+    points = restore(view).points().reshape(-1, 3)
     standing = points[points[:, 2] > TABLE_CLEARANCE]
     if len(standing) == 0:
         return []

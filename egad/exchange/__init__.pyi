@@ -20,6 +20,7 @@ from .gqcnn import write_gqcnn as write_gqcnn
 from .grasps import by_object as by_object
 from .grasps import check_opening as check_opening
 from .grasps import grasp_table as grasp_table
+from .grasps import is_simulated as is_simulated
 from .hdf5 import DamagedError as DamagedError
 from .hdf5 import check_key as check_key
 from .hdf5 import copy_group as copy_group

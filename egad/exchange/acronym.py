@@ -34,6 +34,7 @@ COLUMNS = [
     "width",
     *QUALITIES,
     "simulated_outcome",
+    "simulated_success",
     *MOTIONS,
 ]
 
@@ -116,7 +117,7 @@ def is_ours(path: Path) -> bool:
 
 def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, least: float) -> None:
     group = add_group(file, "grasps")
-    grasps = grasps[grasps["simulated_outcome"].notna() | ~grasps["collision_free"]]
+    grasps = grasps[grasps["simulated_success"].notna() | ~grasps["collision_free"]]
     add_array(group, "transforms", panda_poses(Grasps(grasps).poses, jaws.fingertip))
     add_array(group, "widths", grasps["width"])
     own = add_group(group, "qualities/egad")

@@ -31,8 +31,12 @@ def load_grasps(path: str | Path, gripper: str | None = None) -> Grasps:
         TableError: The table is damaged, or is not one of grasps.
     """
     table = grasp_table(as_path("path", path), gripper)
-    is_simulated = "simulated_outcome" in parquet.columns(table)
-    return Grasps(parquet.read(table, SIMULATED_GRASPS if is_simulated else GRASPS))
+    return Grasps(parquet.read(table, SIMULATED_GRASPS if is_simulated(table) else GRASPS))
+
+
+def is_simulated(grasps: Path) -> bool:
+    """Whether a table of grasps has simulated labels."""
+    return "simulated_outcome" in parquet.columns(grasps)
 
 
 def grasp_table(path: Path, gripper: str | None) -> Path:

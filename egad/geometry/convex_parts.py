@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from egad.errors import RejectedError
 from egad.geometry.checks import ROUNDING, check_mesh
 from egad.geometry.cuts import best_plane, middle_plane
-from egad.geometry.fit import Tolerances, finished, fits, too_deep
+from egad.geometry.fit import Tolerances, finish, fits, too_deep
 from egad.geometry.hulls import Hull, hull_and_planes, hull_mesh, merge_hulls
 from egad.geometry.manifold import Solid, arrays, is_solid, to_mesh, to_solid, union
 from egad.geometry.parameters import DEVIATION, MAX_VERTICES
@@ -67,9 +67,9 @@ def convex_parts(
     The solid is cut again and again: always the piece whose hull is worst, at the plane that leaves
     the smallest hulls. A hull is bad if it exceeds the solid, if points that a finger can touch lie
     deep in it, or if it needs too many vertices. Then pieces whose common hull adds least are
-    joined again, as long as it is good, which makes good for unlucky cuts. In the end faces of
-    hulls that bridge a hollow are moved inwards, so that they lie in the middle of the hollow, and
-    corners that matter little are left out.
+    joined again, as long as it stays within the bounds; this undoes unlucky cuts. In the end faces
+    of hulls that bridge a hollow are moved inwards, so that they lie in the middle of the hollow,
+    and corners that matter little are left out.
 
     Points that fingers can touch lie deeper in a part than `deviation` at about 1 % of the surface,
     and the parts leave out a layer about as thick at most.
@@ -108,7 +108,7 @@ def convex_parts(
     joined = merge_hulls(
         hulls, (1 + volume_error) * volume, max_parts, lambda h: fits(h, touchable, tolerances)
     )
-    return [hull_mesh(finished(hull, touchable, tolerances)) for hull in joined]
+    return [hull_mesh(finish(hull, touchable, tolerances)) for hull in joined]
 
 
 def union_of_parts(parts: list[trimesh.Trimesh]) -> Solid:

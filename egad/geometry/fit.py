@@ -40,7 +40,7 @@ class Tolerances(NamedTuple):
         return len(hull.points) <= self.max_vertices or self.reduced(hull, LOSS)[1]
 
     def reduced(self, hull: Hull, loss: tuple[float, float]) -> tuple[Hull, bool]:
-        """A hull without the corners that matter least, and whether it loses too little to care."""
+        """A hull without the corners that matter least, and whether the loss is within bounds."""
         distance, share = loss[0] * self.deviation, loss[1] * self.volume_error
         return fewer_vertices(hull, self.max_vertices, distance, share)
 
@@ -75,7 +75,7 @@ def fits(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> bool:
     return tolerances.can_be_reduced(hull)
 
 
-def lowered(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hull:
+def lower_faces(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hull:
     """A hull whose faces are moved inwards where they bridge a hollow (ours).
 
     Without this, all of the deviation would be outwards, and twice as many parts would be needed.
@@ -97,6 +97,6 @@ def lowered(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hull:
     return smaller if smaller.volume > 0 else hull
 
 
-def finished(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hull:
+def finish(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hull:
     """A hull as a part: lowered, and without the corners that matter least."""
-    return tolerances.reduced(lowered(hull, touchable, tolerances), FINAL_LOSS)[0]
+    return tolerances.reduced(lower_faces(hull, touchable, tolerances), FINAL_LOSS)[0]

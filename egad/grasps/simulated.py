@@ -14,8 +14,8 @@ def simulated_difficulty(grasps: pd.DataFrame) -> pd.DataFrame:
     """How often the simulated grasps of each object held (ours).
 
     Args:
-        grasps: Columns of `tables.grasping.SIMULATED_GRASPS`; those that were not simulated do not
-            count.
+        grasps: Columns of `tables.grasping.SIMULATED_GRASPS`; those that were not simulated, or
+            with which the engine failed, do not count.
 
     Returns:
         One row per object that has any, sorted by label: `id`, `label`, `n_simulated`;
@@ -23,7 +23,7 @@ def simulated_difficulty(grasps: pd.DataFrame) -> pd.DataFrame:
         objects as all difficulties are; `held_shaking`, the share that held while it was shaken,
         which is ACRONYM's success; `simulated_engine`.
     """
-    known = grasps[grasps["simulated_outcome"].notna()]
+    known = grasps[grasps["simulated_success"].notna()]
     marked = known.assign(
         success=known["simulated_success"].astype(float),
         shaken=known["simulated_outcome"].isin(SHAKEN_AND_HELD),

@@ -41,7 +41,7 @@ from .rectangles import half_turn as half_turn
 from .rendering import Picture as Picture
 from .rendering import pictures as pictures
 from .restoration import fill_missing as fill_missing
-from .restoration import restored as restored
+from .restoration import restore as restore
 from .splits import SPLITS as SPLITS
 from .splits import Share as Share
 from .splits import shard_count as shard_count

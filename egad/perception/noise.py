@@ -62,7 +62,7 @@ def add_sensor_noise(view: View, noise: ImageNoise, rng: np.random.Generator) ->
     The disparity, baseline * focal length / depth, gets normal noise, so that the depth errs in
     proportion to its square: with 0.1 pixels by 1.7 mm at 0.6 m. Stereo cameras match windows of
     pixels, 7 x 7 in a RealSense R200 (Keselman et al. 2017, "Intel RealSense stereoscopic depth
-    cameras"), so pixels less than 7 apart in both directions err alike, the nearer the more. Holes
+    cameras"), so the errors of pixels less than 7 apart in both directions are correlated. Holes
     are where the second imager sees nothing (`stereo_shadow`), and where it sees the surface too
     slanted (`grazing`).
 

@@ -24,7 +24,7 @@ SURELY_STANDING = 5.0
 MARGIN = 12  # pixels of table around what stands; enough for the window, and to know the noise
 
 
-def restored(view: View) -> View:
+def restore(view: View) -> View:
     """A view of a table for detectors, without holes and noise as far as can be told (ours).
 
     Holes are filled (`fill_missing`). If the image has noise (`noise_of`), what stands on the
@@ -84,7 +84,7 @@ def noise_of(heights: Floats) -> float:
 
 
 def fill_missing(depth: Depth) -> Depth:
-    """A depth image whose missing pixels have the farther of the next depths to the left and right.
+    """Fill each missing pixel with the larger of the nearest depths to its left and right.
 
     The imagers of a stereo camera are side by side: what only one of them sees is behind something
     that is nearer. A row without any depth is like the next row that has some.

@@ -9,6 +9,7 @@ from .attempts import run_attempts as run_attempts
 from .clutter import Propose as Propose
 from .clutter import proposed_by as proposed_by
 from .film import ENDINGS as ENDINGS
+from .film import ROBOT_COLOR as ROBOT_COLOR
 from .film import Film as Film
 from .film import Pixels as Pixels
 from .film import write_film as write_film

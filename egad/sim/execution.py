@@ -79,10 +79,10 @@ def _outcome(
     world.set_gravity(DOWN)
     if not hand.pinches():
         return Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED, world.pose()
-    return carried(hand, lifting)
+    return lift_and_hold(hand, lifting)
 
 
-def carried(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
+def lift_and_hold(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
     """Lift and hold; what lies still in the hand stays there, and need not be simulated on."""
     height, seconds = lifting.lift_height, lifting.lift_height / LIFT_SPEED
     still = Stillness(hand, HEAVIEST * seconds, seconds + lifting.hold_time)

@@ -69,7 +69,8 @@ class Film:
             if camera == FOLLOWED:
                 way = np.maximum(pose.position, LOWEST) - self._looking_at
                 self._looking_at += FOLLOWING * way
-        for box, place in zip(self._links, world.link_poses(), strict=False):
+        places = world.link_poses()
+        for box, place in zip(self._links if places else [], places, strict=True):
             if box is not None:
                 mesh = trimesh.creation.box(box.size).apply_translation(box.center)
                 bodies.append((mesh.apply_transform(place.matrix), ROBOT_COLOR))

@@ -67,7 +67,7 @@ def execute_labelled_grasps(
         model: The object.
         label: Name in the evaluation set.
         object_id: Name of the object.
-        sample: From `sampled`.
+        sample: From `sample_labelled_grasps`.
         settings: Gripper, friction, lift and hold.
 
     Returns:

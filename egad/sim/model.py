@@ -12,9 +12,7 @@ from egad.geometry import MassProperties
 
 Floats = NDArray[np.float64]
 
-# kg; the solver does not get done with contacts of lighter bodies in a strong hand: of 40 x 40 mm
-# plates of 3 to 13 g, 5, 10 and 20 mm thick, 70 N squeeze the first two to nothing and the third
-# by 2 mm; of 50 g each, all by less than 0.2 mm.
+# kg; PyBullet's solver does not converge for lighter bodies in a strong hand: see docs/trials.md
 MIN_MASS = 0.05
 
 

@@ -26,7 +26,7 @@ DAMPING_TIME = 0.02  # seconds
 FINGER_SLACK = 0.002  # metres
 LEAST_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
 ARMATURE = 0.004  # s2/m or s2: inertia of what drives a joint, by its strength
-PARKED = (0.0, 0.0, 3.0)  # where a robot waits that takes no part
+PARKED = (0.0, 0.0, 100.0)  # where a robot waits that takes no part
 ROBOT = "robot-"  # before the names of its links and joints
 HOLD, CLOSE, ARM = range(3)  # groups of actuators: of the fingers, and of the arm
 OBJECT, WALL = "object", "wall"  # before their numbers
@@ -40,7 +40,7 @@ _CONTACT = {
 }
 
 
-def described(
+def scene_spec(
     models: Sequence[Model], robot: Robot | None, walls: float | None = None
 ) -> mujoco.MjSpec:
     """Table, objects and robot for MuJoCo, with the motors of the robot.

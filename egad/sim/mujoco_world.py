@@ -21,10 +21,10 @@ from egad.sim.mujoco_model import (
     SUBSTEPS,
     TABLE_BIT,
     WALL,
-    described,
+    scene_spec,
 )
 from egad.sim.robot import LEFT, RIGHT, Robot
-from egad.sim.world import CLOSING_SPEED, DOWN, Forces, Pose, World
+from egad.sim.world import CLOSING_SPEED, DOWN, Forces, Pose, UnstableError, World
 
 log = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
@@ -46,7 +46,7 @@ class MujocoWorld(World):
     ) -> None:
         super().__init__(models, robot, walls)
         mujoco.set_mju_user_warning(log.debug)  # else it writes a file into the current folder
-        self.engine = described(self.models, robot, walls).compile()
+        self.engine = scene_spec(self.models, robot, walls).compile()
         self.data = mujoco.MjData(self.engine)
         engine = self.engine
         numbers = range(len(self.models))
@@ -76,6 +76,9 @@ class MujocoWorld(World):
     def reset(self) -> None:
         mujoco.mj_resetData(self.engine, self.data)
         self.set_gravity(DOWN)
+        self.engine.opt.disableactuator = 1 << CLOSE
+        if self.robot is not None:
+            self.data.qpos[self._arm.positions] = self._arm.middles
         self.engine.geom_contype[self._owners == WALLS] = TABLE_BIT
         self.engine.geom_conaffinity[self._owners == WALLS] = OBJECT_BIT
         self._here = False
@@ -184,6 +187,9 @@ class MujocoWorld(World):
 
     def _advance(self) -> float:
         mujoco.mj_step(self.engine, self.data, SUBSTEPS)
+        for number, warning in enumerate(self.data.warning):
+            if warning.number:
+                raise UnstableError(mujoco.mju_warningText(number, warning.lastinfo))
         speeds = [math.hypot(*self.data.qvel[speed : speed + 3]) for speed in self._speeds]
         return sum(speeds) if any(map(math.isnan, speeds)) else max(speeds)
 
@@ -197,12 +203,13 @@ class MujocoWorld(World):
 
 
 class _Joints:
-    """Where positions and speeds of joints are in the state."""
+    """Where positions and speeds of joints are in the state, and the middles of their ranges."""
 
     def __init__(self, engine: mujoco.MjModel, names: Sequence[str]) -> None:
         joints = [engine.joint(ROBOT + name) for name in names]
         self.positions = np.array([joint.qposadr[0] for joint in joints])
         self.speeds = np.array([joint.dofadr[0] for joint in joints])
+        self.middles = np.array([joint.range.mean() for joint in joints])
 
 
 def _scalar_first(quaternion: Floats) -> Floats:

@@ -25,8 +25,8 @@ class Lifting(Parameters):
     )
     arm: Literal["axis", "panda"] = Field(
         "axis",
-        description="arm that moves the hand: a vertical axis, or a Franka Panda, which takes 1.5 "
-        "times as long",
+        description="arm that moves the hand: a vertical axis, or a Franka Panda, which takes 2 to "
+        "3 times as long",
     )
     lift_height: float = Field(
         0.4, gt=0, le=1, description="height that a successful grasp lifts the object to, metres"

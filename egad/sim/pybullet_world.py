@@ -29,8 +29,7 @@ from egad.sim.world import (
 
 Floats = NDArray[np.float64]
 
-# With 50 iterations a 40 mm cube of 50 g is pressed into the fingers by 0.6 mm at 70 N and by 6 mm
-# at 100 N; 100 do for it, and 150 leave something for thinner objects.
+# Enough for light, thin objects in a strong hand; figures are in docs/trials.md.
 SOLVER_ITERATIONS = 150
 # The engine's 1 mm is added all around convex parts: a 40 mm cube would be 42 mm.
 COLLISION_MARGIN = 1e-4
@@ -303,8 +302,8 @@ class PyBulletWorld(World):
             body,
             -1,
             lateralFriction=self._friction,
-            # Contacts remember where they stuck. Without, a cube held for 10 s at 20 N sinks by
-            # 0.06 mm and turns by 1.5 degrees. The friction cone still limits the force.
+            # Contacts remember where they stuck, or held objects creep and turn. The friction
+            # cone still limits the force.
             frictionAnchor=1,
             localInertiaDiagonal=model.inertia.tolist(),
             collisionMargin=COLLISION_MARGIN,

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from egad.grasps import Gripper
-from egad.outcomes import Outcome
+from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.sim.arms import Arm, Axis, HandPose
-from egad.sim.execution import carried
+from egad.sim.execution import lift_and_hold
 from egad.sim.gripper import COLLISION_FORCE, Hand
 from egad.sim.labelled_trials import floating_pose
 from egad.sim.model import Model
@@ -36,12 +36,12 @@ from egad.tables.grasping import MOTIONS
 
 Floats = NDArray[np.float64]
 
-# At its turning points the hand speeds up by 11 m/s2, a little more than gravity does; when it
-# turns, by as much 6 cm off its axis. ACRONYM gives no numbers.
+# The hand moves by at most 26 mm and speeds up by 11 m/s2, a little more than gravity does; it
+# turns by at most 25 degrees, 6 cm off its axis as fast. ACRONYM gives no numbers.
 SHAKES = 2  # each way
 FREQUENCY = 3.0  # Hz
-AMPLITUDE = 0.03  # metres
-SWING = 0.5  # radians
+AMPLITUDE = 0.03  # metres, before the envelope
+SWING = 0.5  # radians, before the envelope
 NOT_A_MOTION = (np.nan, np.nan)
 
 
@@ -59,6 +59,11 @@ class SimulatedGrasp(NamedTuple):
     outcome: Outcome
     closing: tuple[float, float] = NOT_A_MOTION
     shaking: tuple[float, float] = NOT_A_MOTION
+
+    @property
+    def success(self) -> bool | None:
+        """Whether it held to the end; None if the engine could not tell."""
+        return None if self.outcome in SIMULATION_FAILURES else self.outcome == Outcome.SUCCESS
 
 
 def simulate_labels(
@@ -103,10 +108,7 @@ def with_simulated_labels(
         found: What became of these.
         settings: Of the simulation.
     """
-    rows = [
-        (each.outcome.value, each.outcome == Outcome.SUCCESS, *each.closing, *each.shaking)
-        for each in found
-    ]
+    rows = [(each.outcome.value, each.success, *each.closing, *each.shaking) for each in found]
     names = ["simulated_outcome", "simulated_success", *MOTIONS]
     labels = pd.DataFrame(rows, index=chosen, columns=names, dtype=object)
     labels["simulated_engine"] = installed_engine(settings.trials.engine)
@@ -152,7 +154,7 @@ def _simulated(hand: Hand, stance: HandPose, lifting: Lifting) -> SimulatedGrasp
     if not hand.pinches():
         return SimulatedGrasp(Outcome.SLIPPED_SHAKING, closing, shaking)
     world.set_gravity(DOWN)
-    return SimulatedGrasp(carried(hand, lifting)[0], closing, shaking)
+    return SimulatedGrasp(lift_and_hold(hand, lifting)[0], closing, shaking)
 
 
 def _shaking(stance: HandPose) -> Iterator[HandPose]:

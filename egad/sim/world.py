@@ -270,7 +270,10 @@ def installed_engine(name: EngineChoice) -> EngineName:
         UserError: There is no such engine, or it is not installed.
     """
     if name == "auto":
-        return next(engine for engine in ENGINES if importlib.util.find_spec(engine))
+        found = [engine for engine in ENGINES if importlib.util.find_spec(engine)]
+        if not found:
+            raise UserError("no physics engine is installed: pip install mujoco")
+        return found[0]
     check_name("engine", name, ("auto", *ENGINES))
     if importlib.util.find_spec(name) is None:
         raise UserError(

@@ -83,7 +83,11 @@ _SIMULATED = [
         f"closed in free space, shaken and lifted in simulation: {listed(SHAKEN)}; or "
         f"{listed(SIMULATION_FAILURES)}; missing if the grasp was not simulated",
     ),
-    column("simulated_success", BOOL, "whether the object was still held at the end"),
+    column(
+        "simulated_success",
+        BOOL,
+        "whether the object was still held at the end; missing if the engine could not tell",
+    ),
     *_MOTIONS,
     (_ENGINE := column("simulated_engine", STRING, "physics engine")),
 ]
@@ -94,7 +98,7 @@ SIMULATED_OBJECTS = pa.schema(
     [
         ID,
         LABEL,
-        column("n_simulated", INT, "number of simulated grasps"),
+        column("n_simulated", INT, "number of simulated grasps with an outcome"),
         column(
             "simulated_difficulty",
             FLOAT,

@@ -170,6 +170,7 @@ CRATE = trimesh.creation.box((20, 30, 50))
         lambda _: egad.rescale(CRATE, "panda"),
         lambda _: egad.sample_grasps(CRATE, "panda"),
         lambda _: egad.run_trials("random", {"crate": CRATE}, "panda", attempts=1),
+        lambda _: egad.convex_parts(CRATE),
         lambda folder: egad.export({"crate": CRATE}, "obj", "panda", folder / "out"),
     ],
 )

@@ -24,3 +24,20 @@ def test_shares_are_those_of_the_simulated_grasps():
     assert found["n_simulated"].tolist() == [2, 3]
     np.testing.assert_allclose(found["simulated_difficulty"], [1 / 2, 1 / 3])
     np.testing.assert_allclose(found["held_shaking"], [1 / 2, 2 / 3])
+
+
+def test_what_the_engine_could_not_tell_does_not_count():
+    """An object with nothing else is not the hardest one: nothing is known about it."""
+    table = pd.DataFrame(
+        {
+            "label": list("AAB"),
+            "id": list("aab"),
+            "simulated_outcome": ["success", "crashed", "failed"],
+            "simulated_success": [True, None, None],
+            "simulated_engine": "mujoco",
+        }
+    )
+    found = simulated_difficulty(table)
+    assert found["label"].tolist() == ["A"]
+    assert found["n_simulated"].tolist() == [1]
+    assert found["simulated_difficulty"].tolist() == [1.0]

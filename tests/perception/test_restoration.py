@@ -6,7 +6,7 @@ import trimesh
 
 from egad.perception.camera import DepthCamera, Intrinsics, View, camera_above, object_mask
 from egad.perception.noise import add_sensor_noise
-from egad.perception.restoration import fill_missing, noise_of, restored
+from egad.perception.restoration import fill_missing, noise_of, restore
 from egad.pipeline.config import ImageNoise
 
 CAMERA = Intrinsics.spanning(320, 240, 40.0)
@@ -46,21 +46,21 @@ def test_the_noise_is_known_from_the_table() -> None:
 
 def test_an_ideal_image_stays_as_it_is() -> None:
     view = ideal(block(0.05, 0.05, 0.05))
-    assert restored(view).depth is view.depth
+    assert restore(view).depth is view.depth
 
 
 def test_the_shadow_of_a_box_becomes_table() -> None:
     view = ideal(block(0.05, 0.05, 0.06))
     holes = add_sensor_noise(view, ImageNoise(holes=True), np.random.default_rng(0))
     assert np.isnan(holes.depth).sum() > 100
-    np.testing.assert_allclose(restored(holes).depth, view.depth, atol=1e-6)
+    np.testing.assert_allclose(restore(holes).depth, view.depth, atol=1e-6)
 
 
 @pytest.mark.parametrize("sigma", [0.05, 0.1, 0.2])
 def test_table_and_box_are_told_apart(sigma: float) -> None:
     view = ideal(block(0.05, 0.08, 0.04), x=0.02)
     for seed in range(5):
-        found = restored(noisy(view, sigma, seed))
+        found = restore(noisy(view, sigma, seed))
         assert np.isfinite(found.depth).all()
         stands, known = object_mask(view), found.heights() > 0.003
         assert (stands != known).sum() < 0.05 * stands.sum()
@@ -72,7 +72,7 @@ def test_a_small_obstacle_stays_and_no_bump_of_the_noise_becomes_one() -> None:
     small = block(0.006, 0.006, 0.02).apply_translation((0.05, 0, 0))
     view = ideal(trimesh.util.concatenate([block(0.04, 0.04, 0.04), small]))
     for seed in range(10):
-        points = restored(noisy(view, seed=seed)).points()
+        points = restore(noisy(view, seed=seed)).points()
         standing = points[points[..., 2] > 0.003]
         there = np.abs(standing[:, :2] - (0.05, 0)).max(axis=1) < 0.006
         assert there.any()
@@ -93,7 +93,7 @@ def test_slopes_are_those_of_the_surface(angle: float) -> None:
     view = ideal(trimesh.convex.convex_hull(np.array(corners)))
     slopes = []
     for seed in range(5):
-        points = restored(noisy(view, seed=seed)).points().reshape(-1, 3)
+        points = restore(noisy(view, seed=seed)).points().reshape(-1, 3)
         for side in (-1, 1):
             near = (np.abs(points[:, 0] * side - 0.015) < 0.011) & (np.abs(points[:, 1]) < 0.05)
             slopes.append(-side * np.polyfit(points[near, 0], points[near, 2], 1)[0])
@@ -104,9 +104,9 @@ def test_slopes_are_those_of_the_surface(angle: float) -> None:
 
 def test_without_any_depth_nothing_is_restored() -> None:
     blind = View(np.full((240, 320), np.nan, dtype=np.float32), CAMERA, camera_above(0.6))
-    assert np.isnan(restored(blind).depth).all()
+    assert np.isnan(restore(blind).depth).all()
 
 
 def test_an_empty_table_is_level() -> None:
     empty = noisy(ideal(block(0.01, 0.01, 0.01), x=5.0))
-    np.testing.assert_allclose(restored(empty).heights(), 0, atol=1e-6)
+    np.testing.assert_allclose(restore(empty).heights(), 0, atol=1e-6)

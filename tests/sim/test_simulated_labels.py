@@ -101,16 +101,16 @@ def test_the_hand_is_shaken_and_comes_back(monkeypatch):
         return lambda hand, place: places.append(place) or steer(hand, place)
 
     monkeypatch.setattr(Hand, "steer", noted(Hand.steer))
-    monkeypatch.setattr(simulated_labels, "carried", lambda *_: (Outcome.SUCCESS, None))
+    monkeypatch.setattr(simulated_labels, "lift_and_hold", lambda *_: (Outcome.SUCCESS, None))
     labelled(0.1, grasp())
     heights = np.array([place.height for place in places])
     angles = np.array([place.angle for place in places])
-    assert np.ptp(heights) > simulated_labels.AMPLITUDE
-    assert np.ptp(angles) > simulated_labels.SWING
+    assert np.abs(heights - heights[0]).max() == pytest.approx(0.026, abs=0.0005)
+    assert np.abs(angles - angles[0]).max() == pytest.approx(np.radians(25), abs=0.01)
     assert heights[-1] == pytest.approx(heights[0], abs=1e-4)
     assert angles[-1] == pytest.approx(angles[0], abs=1e-4)
     # by hand: the largest second difference of the heights, per square of the time step
-    assert 8 < np.abs(np.diff(heights, 2)).max() * 240**2 < 14
+    assert np.abs(np.diff(heights, 2)).max() * 240**2 == pytest.approx(11.2, abs=0.5)
 
 
 def test_a_simulation_that_explodes_is_an_outcome(monkeypatch):
@@ -121,4 +121,5 @@ def test_a_simulation_that_explodes_is_an_outcome(monkeypatch):
     monkeypatch.setattr(Hand, "close", explode)
     found = labelled(0.1, grasp())
     assert found["simulated_outcome"].item() == "failed"
+    assert found["simulated_success"].isna().item()
     assert found[list(MOTIONS)].isna().all(axis=None)

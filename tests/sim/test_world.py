@@ -1,16 +1,20 @@
 """The simulated table obeys the physics that can be worked out by hand."""
 
 import importlib.util
+from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 import trimesh
-from worlds import EACH_ENGINE, HAND, hung, start
+from worlds import EACH_ARM, EACH_ENGINE, HAND, hung, start
 
 from egad.errors import UserError
 from egad.pipeline.config import Bundle
+from egad.sim import mujoco_world
 from egad.sim.arms import HandPose
 from egad.sim.model import build
+from egad.sim.mujoco_model import scene_spec
 from egad.sim.world import (
     GRAVITY,
     TABLE_FRICTION,
@@ -94,18 +98,19 @@ def test_the_hole_of_a_ring_is_free(engine: EngineName, x: float, free: bool) ->
 
 
 @EACH_ENGINE
-def test_reset_forgets_everything(engine: EngineName) -> None:
+@EACH_ARM
+def test_reset_forgets_everything(engine: EngineName, arm: str) -> None:
     def tumble(world: World) -> Pose:
         world.place(Pose(np.array([0.01, 0.02, 0.15]), np.array([0.1, 0.5, 0.3, 0.8124])))
         world.step(200)
         return world.pose()
 
-    with start(engine, RING) as world:
+    with start(engine, RING, arm=arm) as world:
         first = tumble(world)
-        hung(world, HandPose(0.0, 0.0, 0.1, 0.0), 0.05).close()
+        hung(world, HandPose(0.0, 0.0, 0.1, 0.0), 0.05, arm).close()
         world.reset()
         second = tumble(world)
-    with start(engine, RING) as world:
+    with start(engine, RING, arm=arm) as world:
         third = tumble(world)
     for again in (second, third):
         np.testing.assert_array_equal(first.position, again.position)
@@ -151,6 +156,34 @@ def test_an_engine_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -
     assert installed_engine("auto") == "mujoco"
     with pytest.raises(UserError, match="pybullet is not installed"):
         installed_engine("pybullet")
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
+    with pytest.raises(UserError, match="no physics engine is installed"):
+        installed_engine("auto")
+
+
+@EACH_ENGINE
+def test_a_robot_that_is_nowhere_stops_nothing(engine: EngineName) -> None:
+    """From as high as an object may be dropped."""
+    with start(engine, CUBE) as world:
+        for height in (3.2, 4.0):
+            world.place(at(0, 0, height))
+            world.step(60)
+            assert world.pose().position[2] == pytest.approx(height - GRAVITY / 32, abs=0.03)
+
+
+def test_a_warning_of_the_engine_is_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Too little memory for the contacts: MuJoCo would leave some of them out, and go on."""
+
+    def cramped(*scene: Any) -> mujoco.MjSpec:
+        spec = scene_spec(*scene)
+        spec.memory = 40_000
+        return spec
+
+    monkeypatch.setattr(mujoco_world, "scene_spec", cramped)
+    with start("mujoco", RING) as world:
+        world.place(at(0, 0, 0.008))
+        with pytest.raises(UnstableError):
+            world.step(10)
 
 
 @EACH_ENGINE

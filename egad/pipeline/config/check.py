@@ -12,6 +12,7 @@ from egad._util.parameters import Node, keys_of, wanted
 from egad.errors import UserError
 from egad.pipeline.config import Settings
 from egad.pipeline.config.schema import node_at, schema
+from egad.sim import installed_engine
 
 Problem = Mapping[str, Any]  # an error of pydantic: its type, loc, input and msg
 Path = tuple[str | int, ...]
@@ -48,6 +49,19 @@ def check(config: Mapping[str, Any]) -> Settings:
     if problems:
         raise UserError("\n".join(problems))
     return Settings.model_validate_json(json.dumps(plain), strict=True)
+
+
+def with_engine(settings: Settings) -> Settings:
+    """Settings with the name of the physics engine in the place of `auto`.
+
+    So rules re-run when another one is installed, rather than mixing results of two engines.
+
+    Raises:
+        UserError: The engine is not installed.
+    """
+    engine = installed_engine(settings.trials.engine)
+    trials = settings.trials.model_copy(update={"engine": engine})
+    return settings.model_copy(update={"trials": trials})
 
 
 def _errors(config: dict[str, Any]) -> list[Problem]:

@@ -9,7 +9,16 @@ import numpy as np
 from egad._util.files import atomic_output, check_not_file
 from egad._util.progress import progress
 from egad.errors import UserError
-from egad.exchange import COLUMNS, Body, Jaws, by_object, check_key, is_ours, write_acronym
+from egad.exchange import (
+    COLUMNS,
+    Body,
+    Jaws,
+    by_object,
+    check_key,
+    is_ours,
+    is_simulated,
+    write_acronym,
+)
 from egad.grasps import finger_span
 from egad.pipeline.config import Acronym, Gripper, Quality
 from egad.pipeline.config.stage_settings import StageSettings
@@ -59,7 +68,7 @@ def run(
             "name a folder of its own"
         )
     check_key(gripper, "gripper")
-    if "simulated_outcome" not in parquet.columns(grasps):
+    if not is_simulated(grasps):
         raise UserError(
             f"{grasps} has no simulated labels, which ACRONYM files need: run the workflow with "
             "targets.simulated_labels: true"

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from egad.errors import UserError
+from egad.exchange import is_simulated
 from egad.grasps import simulated_difficulty
 from egad.pipeline.parameters import Input, Output, command
 from egad.tables import parquet
@@ -25,7 +26,7 @@ def run(
     Raises:
         UserError: The grasps have no simulated labels.
     """
-    if "simulated_outcome" not in parquet.columns(grasps):
+    if not is_simulated(grasps):
         raise UserError(f"{grasps} has no simulated labels; set targets.simulated_labels: true")
     table = parquet.read(grasps, SIMULATED_GRASPS)
     parquet.write(simulated_difficulty(table), SIMULATED_OBJECTS, out)

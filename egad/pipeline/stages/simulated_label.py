@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Annotated
 
 import pandas as pd
+import trimesh
 
 from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
-from egad.errors import RejectedError
+from egad.errors import RejectedError, UserError
 from egad.exchange import read_mesh
 from egad.outcomes import Outcome
 from egad.pipeline.config import Bundle, Material
@@ -79,8 +80,8 @@ def simulator(
 
     def simulate(rows: pd.DataFrame) -> pd.DataFrame:
         label = rows["label"].iloc[0]
+        mesh = _read(meshes / f"{label}.obj")
         try:
-            mesh = read_mesh(meshes / f"{label}.obj", "m")
             model = build(mesh, settings.material.density, settings.bundle)
         except RejectedError as reason:
             log.warning("%s cannot be simulated: %s", label, reason)
@@ -88,6 +89,14 @@ def simulator(
         return simulate_labels(model, rows, settings)
 
     yield simulate
+
+
+def _read(path: Path) -> trimesh.Trimesh:
+    """A mesh that an earlier stage wrote: if it cannot be read, the folder is broken."""
+    try:
+        return read_mesh(path, "m")
+    except RejectedError as reason:
+        raise UserError(f"{path}: {reason}") from reason
 
 
 def _failed(rows: pd.DataFrame, settings: SimulatedLabels, outcome: Outcome) -> pd.DataFrame:

@@ -4,7 +4,8 @@ import pytest
 
 from egad.errors import UserError
 from egad.pipeline.config import Settings
-from egad.pipeline.config.check import check
+from egad.pipeline.config.check import check, with_engine
+from egad.sim import installed_engine
 
 
 def problems(config):
@@ -123,3 +124,13 @@ def test_the_number_of_rounds_is_bounded_by_the_mistakes():
     assert {line.split(":")[0] for line in problems(wrong)} == set(Settings.model_fields) - {
         "shards"
     }
+
+
+def test_auto_becomes_the_engine_that_is_installed(monkeypatch):
+    """Else results of two engines could be joined, as Snakemake would see no change."""
+    assert with_engine(Settings()).trials.engine == installed_engine("auto")
+    chosen = Settings.model_validate({"trials": {"engine": "mujoco"}})
+    assert with_engine(chosen) == chosen
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    with pytest.raises(UserError, match="no physics engine"):
+        with_engine(Settings())
