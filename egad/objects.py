@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from egad._util.files import as_path
 from egad._util.parameters import ScaleRule
 from egad.cppn import Row, Shape, packed_surface, unpack
-from egad.data import released
+from egad.data import released, released_simulated
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange import read_mesh
 from egad.geometry import SIDE_FRACTION, check_units, rescale, wind_outwards
@@ -23,6 +23,7 @@ from egad.map_elites import Archive
 from egad.measures import labels
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME
+from egad.tables.grasping import SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
 
 RELEASED = "released"
@@ -173,7 +174,8 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
     object stays.
 
     Args:
-        source: `released`: the archive that egad ships; the folder of a dataset, such as
+        source: `released`: the archive that egad ships, whose table also has `simulated_difficulty`
+            and `held_shaking` (docs/released.md); the folder of a dataset, such as
             `results/egad`; a file `archive.parquet`; or an archive that `egad.evolve` returned.
 
     Raises:
@@ -194,7 +196,16 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
         raise UserError(
             f"{source} is neither {RELEASED!r}, nor a folder with objects.parquet, nor an archive"
         )
-    return _from_archive(parquet.read(path, ARCHIVE), _shape(path))
+    dataset = _from_archive(parquet.read(path, ARCHIVE), _shape(path))
+    if source == RELEASED:
+        dataset.table = _with_simulated(dataset.table)
+    return dataset
+
+
+def _with_simulated(table: pd.DataFrame) -> pd.DataFrame:
+    """The table of the released objects with the shares of their simulated grasps that hold."""
+    simulated = parquet.read(released_simulated(), SIMULATED_OBJECTS).set_index("id")
+    return table.join(simulated[["simulated_difficulty", "held_shaking"]], on="id")
 
 
 def _from_archive(elites: pd.DataFrame, shape: Shape) -> Dataset:

@@ -5,11 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import egad
 from egad._util.workers import workers
 from egad.cppn import voxels
 from egad.cppn.constraints import UNBOUND
 from egad.cppn.surface import packed_surface
-from egad.data import archive_path, released, released_ancestry
+from egad.data import archive_path, released, released_ancestry, released_simulated
 from egad.map_elites.archive import Elite
 from egad.map_elites.evaluation import Solid, express, measure, refine
 from egad.map_elites.parameters import EvolutionParameters
@@ -22,6 +23,7 @@ from egad.reeb import graph as reeb
 from egad.reeb.neighbors import diversities
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME, LINEAGE
+from egad.tables.grasping import SIMULATED_OBJECTS
 
 SETTINGS = Settings.model_validate(FULL)
 EVOLVE = select(SETTINGS, EvolutionParameters)
@@ -138,3 +140,16 @@ def test_genomes_express_the_voxels(archive):
     found = [express({name: row[name] for name in GENOME.names}, EVOLVE, UNBOUND) for row in rows]
     same = [solid.id == row["id"] for solid, row in zip(found, rows, strict=True)]
     assert np.mean(same) >= 0.9
+
+
+def test_the_simulated_grasps_are_those_of_the_released_objects(archive):
+    table = parquet.read(released_simulated(), SIMULATED_OBJECTS)
+    assert set(table["id"]) == set(archive["id"])
+    assert (table["n_simulated"] == 100).all()
+    assert (table["simulated_difficulty"] <= table["held_shaking"]).all()
+    assert table["held_shaking"].between(0, 1).all()
+    loaded = egad.load("released").table.set_index("id")
+    expected = table.set_index("id").loc[loaded.index]
+    for name in ("simulated_difficulty", "held_shaking"):
+        assert loaded[name].tolist() == expected[name].tolist()
+    assert "simulated_difficulty" not in egad.load(released()).table

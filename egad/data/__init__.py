@@ -1,4 +1,4 @@
-"""The released dataset: the archive of a full evolution, and the ancestors of its objects."""
+"""The released dataset: the archive of a full evolution, ancestors, and simulated grasps."""
 
 from pathlib import Path
 
@@ -11,6 +11,14 @@ def released() -> Path:
 def released_ancestry() -> Path:
     """The released objects and all their ancestors: columns as in `results/D/ancestry.parquet`."""
     return Path(__file__).with_name("ancestry.parquet")
+
+
+def released_simulated() -> Path:
+    """How often simulated grasps of the released objects hold.
+
+    Columns as in `results/D/simulated/G.parquet`, for the gripper `egad_75mm`.
+    """
+    return Path(__file__).with_name("simulated.parquet")
 
 
 def archive_path(archive: Path) -> Path:

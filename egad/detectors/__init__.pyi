@@ -1,8 +1,8 @@
 from .asking import INPUTS as INPUTS
 from .asking import choose as choose
 from .asking import from_above as from_above
-from .asking import planned as planned
 from .asking import seen_by as seen_by
+from .asking import try_to_plan as try_to_plan
 from .asking import wanted_input as wanted_input
 from .base import DetectorTimeoutError as DetectorTimeoutError
 from .base import Grasp as Grasp

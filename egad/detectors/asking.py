@@ -66,7 +66,7 @@ def from_above(answer: list[Grasp] | GraspPoses) -> list[Grasp]:
     return answer
 
 
-def planned(plan: Callable[[], T]) -> T | Outcome:
+def try_to_plan(plan: Callable[[], T]) -> T | Outcome:
     """The result of asking a detector, or the outcome of the attempt if that goes wrong.
 
     Raises:

@@ -70,7 +70,7 @@ class Vgn:
         Returns:
             At most 50 grasps, best first.
         """
-        grid = encoded(tsdf)
+        grid = encode(tsdf)
         answer = self._infer(grid)
         quality = _processed(answer[0], answer[5], grid)
         voxels = np.argwhere(_peaks(quality))
@@ -84,7 +84,7 @@ class Vgn:
         return best_poses(GraspPoses(poses, widths, quality[i, j, k].astype(np.float64)))
 
 
-def encoded(tsdf: Tsdf) -> Singles:
+def encode(tsdf: Tsdf) -> Singles:
     """A field as the network was trained with: from 0 inside to 1 outside, 0 far from surfaces."""
     near = (tsdf.weights > 0) & (tsdf.distances < FAR) & (tsdf.distances >= -FAR)
     grid: Singles = np.where(near, (tsdf.distances + 1) / 2, 0).astype(np.float32)

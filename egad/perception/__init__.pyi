@@ -21,8 +21,8 @@ from .image_shards import shards as shards
 from .noise import NOISES as NOISES
 from .noise import NoiseName as NoiseName
 from .noise import add_gamma_noise as add_gamma_noise
+from .noise import add_noise as add_noise
 from .noise import add_sensor_noise as add_sensor_noise
-from .noise import observed_with as observed_with
 from .observation import Observation as Observation
 from .observation import PointCloud as PointCloud
 from .observation import cameras_around as cameras_around

@@ -24,7 +24,7 @@ STEREO = ImageNoise(disparity=0.1, holes=True)
 GAMMA_SHAPE, GAMMA_SIGMA, GAMMA_GRID = 1000.0, 0.005, 4  # metres; pixels
 
 
-def observed_with(noise: NoiseName, view: View, rng: np.random.Generator) -> View:
+def add_noise(noise: NoiseName, view: View, rng: np.random.Generator) -> View:
     """A view as a camera has it.
 
     Args:

@@ -44,17 +44,17 @@ class Observation:
     @cached_property
     def tsdf(self) -> Tsdf:
         """The views fused into 40 x 40 x 40 voxels: a cube that begins 5 cm below the table."""
-        return self.fused(TSDF_RESOLUTION)
+        return self.fuse_views(TSDF_RESOLUTION)
 
     @cached_property
     def cloud(self) -> PointCloud:
         """The surface of the views fused into 120 x 120 x 120 voxels, without the table."""
-        fine = self.fused(CLOUD_RESOLUTION)
+        fine = self.fuse_views(CLOUD_RESOLUTION)
         points, normals = fine.surface()
         standing = points[:, 2] > fine.voxel
         return PointCloud(points[standing], normals[standing])
 
-    def fused(self, resolution: int) -> Tsdf:
+    def fuse_views(self, resolution: int) -> Tsdf:
         """The views fused into a cube of as many voxels along a side."""
         corner = np.array([-self.side / 2, -self.side / 2, -BELOW])
         return fuse(self.views, corner, self.side, resolution)

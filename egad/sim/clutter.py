@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.detectors import Detector, PoseGrasp, choose, planned, seen_by
+from egad.detectors import Detector, PoseGrasp, choose, seen_by, try_to_plan
 from egad.grasps import Gripper
 from egad.outcomes import Outcome
 from egad.perception import (
@@ -15,9 +15,9 @@ from egad.perception import (
     NoiseName,
     Observation,
     View,
+    add_noise,
     camera_above,
     cameras_around,
-    observed_with,
     render_scene,
 )
 from egad.random import generator
@@ -66,7 +66,7 @@ class ClutterRunner:
 
         Args:
             world: A running simulation of the objects of a round, with walls for a pile, and the
-                robot `egad.sim.robot.free`.
+                robot `egad.sim.robot.free_hand`.
             settings: Cameras.
         """
         self.world = world
@@ -124,7 +124,7 @@ class ClutterRunner:
         matrices = [each.pose.matrix for each in present]
 
         def seen(intrinsics: Intrinsics, pose: Floats) -> View:
-            return observed_with(noise, render_scene(eyes, matrices, intrinsics, pose), rng)
+            return add_noise(noise, render_scene(eyes, matrices, intrinsics, pose), rng)
 
         views = tuple(seen(CAMERA, pose) for pose in self._cameras)
         return Observation(seen(OVERHEAD, camera_above(OVERHEAD_HEIGHT)), views, WORKSPACE)
@@ -153,6 +153,8 @@ def proposed_by(detect: Detector, gripper: Gripper) -> Propose:
     def propose(
         observation: Observation, _: Sequence[Placed], rng: Generator
     ) -> PoseGrasp | Outcome:
-        return planned(lambda: choose(detect(seen_by(detect, observation), gripper, rng), gripper))
+        return try_to_plan(
+            lambda: choose(detect(seen_by(detect, observation), gripper, rng), gripper)
+        )
 
     return propose

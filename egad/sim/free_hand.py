@@ -44,7 +44,7 @@ class FreeHand(Fingers):
         """Open a hand in a world.
 
         Args:
-            world: A world of the robot `egad.sim.robot.free`; the hand is gone when it is reset.
+            world: A world of `egad.sim.robot.free_hand`; the hand is gone when it is reset.
             pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
             width: Distance of the finger pads, metres.
         """
@@ -98,7 +98,7 @@ def execute_pose(world: World, pose: Floats, width: float) -> PoseExecution:
     It depends on the arguments alone, if the world was reset before the objects were placed.
 
     Args:
-        world: With the objects where they lie, and the robot `egad.sim.robot.free`.
+        world: With the objects where they lie, and the robot `egad.sim.robot.free_hand`.
         pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
         width: How far the hand opens, metres.
     """

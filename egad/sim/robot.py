@@ -159,7 +159,7 @@ def on_axis(gripper: Gripper) -> Robot:
     )
 
 
-def free(gripper: Gripper) -> Robot:
+def free_hand(gripper: Gripper) -> Robot:
     """The hand by itself, moved along its own axes: at 0 the fingertips are at the origin."""
     root = (0.0, 0.0, -gripper.palm[2] - gripper.finger_length)
     links, joints = _hand(gripper)

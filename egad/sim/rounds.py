@@ -14,7 +14,7 @@ from egad.random import entropy, generator
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose
 from egad.sim.model import Model
 from egad.sim.parameters import ClutterParameters, SceneKind
-from egad.sim.robot import free
+from egad.sim.robot import free_hand
 from egad.sim.scenes import BOX
 from egad.sim.world import World, installed_engine, open_world
 from egad.tables import parquet
@@ -155,7 +155,7 @@ def _sized(this: Round, models: Models) -> list[Model]:
 
 def _world(this: Round, models: Sequence[Model], settings: ClutterParameters) -> World:
     walls = BOX if this.scene == "pile" else None
-    return open_world(settings.clutter.engine, models, free(settings.gripper), walls)
+    return open_world(settings.clutter.engine, models, free_hand(settings.gripper), walls)
 
 
 def _table(

@@ -10,7 +10,7 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.detectors import Detector, Grasp, Labels, best_grasp, from_above, planned
+from egad.detectors import Detector, Grasp, Labels, best_grasp, from_above, try_to_plan
 from egad.outcomes import Outcome
 from egad.perception import (
     DepthCamera,
@@ -222,10 +222,10 @@ class TrialRunner:
         """The grasp to try, or the outcome if there is none; a detector may fail as it likes."""
         place = self.world.pose().matrix @ self.world.model.to_principal
         if isinstance(detect, Labels):
-            return planned(
+            return try_to_plan(
                 lambda: best_grasp(detect.propose(place, view, self.gripper), self.gripper)
             )
-        return planned(
+        return try_to_plan(
             lambda: best_grasp(from_above(detect(view, self.gripper, rng)), self.gripper)
         )
 

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from egad.detectors import Vgn, wanted_input
-from egad.detectors.vgn import encoded
+from egad.detectors.vgn import encode
 from egad.errors import UserError
 from egad.grasps import finger_span
 from egad.perception import DepthCamera, Intrinsics, Tsdf, cameras_around, fuse
@@ -30,7 +30,7 @@ def test_the_grid_is_0_where_nothing_is_known_and_far_from_surfaces():
     distances[:, 0, 0] = np.linspace(-1, 1, 40)
     weights = np.ones_like(distances)
     weights[0, 1, 0] = 0
-    grid = encoded(Tsdf(distances, weights, np.zeros(3), 0.0075, 0.03))
+    grid = encode(Tsdf(distances, weights, np.zeros(3), 0.0075, 0.03))
     assert grid[0, 1, 0] == 0  # not seen
     assert grid[1, 1, 0] == 0.5  # on a surface
     assert grid[0, 0, 0] == 0

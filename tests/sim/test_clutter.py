@@ -16,7 +16,7 @@ from egad.pipeline.config import Bundle
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose, proposed_by
 from egad.sim.model import build
 from egad.sim.parameters import Clutter
-from egad.sim.robot import free
+from egad.sim.robot import free_hand
 from egad.sim.scenes import Placed
 from egad.sim.world import EngineName, open_world
 
@@ -59,7 +59,7 @@ def in_turn(*proposals: Propose) -> Propose:
 
 
 def clear(propose: Propose, engine: EngineName = "mujoco") -> list[ClutterAttempt]:
-    with open_world(engine, MODELS, free(HAND)) as world:
+    with open_world(engine, MODELS, free_hand(HAND)) as world:
         runner = ClutterRunner(world, Clutter())
         return list(runner.clear(propose, "packed", "none", 3))
 
@@ -124,7 +124,7 @@ def test_a_thousand_grasps_are_as_good_as_the_best_of_them() -> None:
 @EACH_ENGINE
 def test_a_round_is_repeated_bit_by_bit(engine: EngineName) -> None:
     propose = in_turn(nowhere, knowing, nowhere, nowhere)
-    with open_world(engine, MODELS, free(HAND)) as world:
+    with open_world(engine, MODELS, free_hand(HAND)) as world:
         runner = ClutterRunner(world, Clutter())
         attempts = list(runner.clear(propose, "packed", "stereo", 3))
         again = list(runner.repeat([each.grasp for each in attempts], "packed", 3))
@@ -141,7 +141,7 @@ def test_noise_changes_what_is_seen_but_not_the_scene() -> None:
         seen[noise] = observation.views[0].depth, present[0].pose.position
         return Outcome.NO_GRASP
 
-    with open_world("mujoco", MODELS, free(HAND)) as world:
+    with open_world("mujoco", MODELS, free_hand(HAND)) as world:
         runner = ClutterRunner(world, Clutter())
         for noise in ("none", "stereo", "gamma"):
             list(runner.clear(look, "packed", noise, 3))

@@ -11,7 +11,7 @@ from egad.outcomes import Outcome
 from egad.pipeline.config import Bundle
 from egad.sim.free_hand import RETREAT, STANDOFF, FreeHand, execute_pose
 from egad.sim.model import build
-from egad.sim.robot import free
+from egad.sim.robot import free_hand
 from egad.sim.world import EngineName, Pose, World, open_world
 
 SIDE = 0.04
@@ -41,7 +41,7 @@ def test_a_hand_moves_to_where_it_is_told(engine: EngineName, turn: float) -> No
     pose[:3, :3] = Rotation.from_euler("xyz", [np.pi - 0.4, 0.3, turn]).as_matrix()
     pose[:3, 3] = [0.05, -0.03, 0.3]
     shift = np.array([0.02, 0.03, 0.04])
-    with open_world(engine, [CUBE], free(HAND)) as world:
+    with open_world(engine, [CUBE], free_hand(HAND)) as world:
         world.place(Pose(np.array([1.0, 0, SIDE / 2]), UPRIGHT))
         hand = FreeHand(world, pose, 0.05)
         assert world.robot is not None
@@ -69,7 +69,7 @@ def test_a_hand_moves_to_where_it_is_told(engine: EngineName, turn: float) -> No
 def test_an_object_is_held_from_any_side(
     engine: EngineName, axis: list[float], approach: list[float]
 ) -> None:
-    with open_world(engine, [TALL], free(HAND)) as world:
+    with open_world(engine, [TALL], free_hand(HAND)) as world:
         stand(world, 0.2)
         before = world.pose().position
         result = execute_pose(world, grasp([0, 0, 0.17], axis, approach), HAND.opening)
@@ -81,7 +81,7 @@ def test_an_object_is_held_from_any_side(
 
 @EACH_ENGINE
 def test_the_number_of_the_held_object_is_told(engine: EngineName) -> None:
-    with open_world(engine, [CUBE, CUBE], free(HAND)) as world:
+    with open_world(engine, [CUBE, CUBE], free_hand(HAND)) as world:
         world.place(Pose(np.array([0.2, 0, SIDE / 2]), UPRIGHT), number=0)
         world.place(Pose(np.array([0, 0, SIDE / 2]), UPRIGHT), number=1)
         assert execute_pose(world, grasp([0, 0, 0.02], [1, 0, 0], DOWN), 0.07).held == 1
@@ -89,7 +89,7 @@ def test_the_number_of_the_held_object_is_told(engine: EngineName) -> None:
 
 @EACH_ENGINE
 def test_closing_beside_an_object_is_a_miss(engine: EngineName) -> None:
-    with open_world(engine, [CUBE], free(HAND)) as world:
+    with open_world(engine, [CUBE], free_hand(HAND)) as world:
         stand(world, SIDE)
         result = execute_pose(world, grasp([0, 0.1, 0.02], [1, 0, 0], DOWN), 0.07)
         assert (result.outcome, result.held) == (Outcome.MISSED, None)
@@ -98,7 +98,7 @@ def test_closing_beside_an_object_is_a_miss(engine: EngineName) -> None:
 @EACH_ENGINE
 def test_a_finger_that_comes_down_on_the_object_is_stopped(engine: EngineName) -> None:
     """The left finger is above the cube: it is stopped at its top, and cannot hold it."""
-    with open_world(engine, [CUBE], free(HAND)) as world:
+    with open_world(engine, [CUBE], free_hand(HAND)) as world:
         stand(world, SIDE)
         pose = grasp([0.045, 0, 0.02], [1, 0, 0], DOWN)
         result = execute_pose(world, pose, 0.07)
@@ -109,7 +109,7 @@ def test_a_finger_that_comes_down_on_the_object_is_stopped(engine: EngineName) -
 
 @EACH_ENGINE
 def test_a_hand_that_begins_within_an_object_collides(engine: EngineName) -> None:
-    with open_world(engine, [TALL], free(HAND)) as world:
+    with open_world(engine, [TALL], free_hand(HAND)) as world:
         stand(world, 0.2)
         result = execute_pose(world, grasp([0.03, 0, 0.05], [1, 0, 0], DOWN), 0.07)
         assert (result.outcome, result.stopped) == (Outcome.COLLIDED, STANDOFF)
