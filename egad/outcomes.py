@@ -67,7 +67,6 @@ SIMULATION_FAILURES = (Outcome.FAILED, Outcome.CRASHED)
 DETECTOR_FAILURES = (
     Outcome.NO_GRASP,
     Outcome.NOT_FINITE,
-    Outcome.NOT_RIGID,
     Outcome.TOO_WIDE,
     Outcome.BELOW_TABLE,
     Outcome.ERROR,

@@ -18,8 +18,6 @@ from .image_shards import Images as Images
 from .image_shards import files as files
 from .image_shards import read as read
 from .image_shards import shards as shards
-from .noise import NOISES as NOISES
-from .noise import NoiseName as NoiseName
 from .noise import add_gamma_noise as add_gamma_noise
 from .noise import add_noise as add_noise
 from .noise import add_sensor_noise as add_sensor_noise
@@ -28,8 +26,10 @@ from .observation import PointCloud as PointCloud
 from .observation import cameras_around as cameras_around
 from .observation import render_scene as render_scene
 from .parameters import CAMERAS as CAMERAS
+from .parameters import NOISES as NOISES
 from .parameters import Camera as Camera
 from .parameters import ImageNoise as ImageNoise
+from .parameters import NoiseName as NoiseName
 from .parameters import Render as Render
 from .parameters import RenderParameters as RenderParameters
 from .reachability import GraspCandidates as GraspCandidates

@@ -1,13 +1,11 @@
 """Sensor noise of depth cameras."""
 
-from typing import Literal, get_args
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
 from egad.perception.camera import View
-from egad.perception.parameters import ImageNoise
+from egad.perception.parameters import ImageNoise, NoiseName
 
 Depth = NDArray[np.float32]
 Floats = NDArray[np.float64]
@@ -17,8 +15,6 @@ LEAST_DISPARITY = 1.0  # pixels; far beyond everything there is
 MATCHED = 7  # pixels; side of the windows that are matched (Keselman et al. 2017)
 MAX_INCIDENCE = 80.0  # degrees
 SPOT = 1.5  # pixels; how far lost pixels keep together
-NoiseName = Literal["none", "stereo", "gamma"]
-NOISES: tuple[NoiseName, ...] = get_args(NoiseName)
 STEREO = ImageNoise(disparity=0.1, holes=True)
 # Of VGN's experiments
 GAMMA_SHAPE, GAMMA_SIGMA, GAMMA_GRID = 1000.0, 0.005, 4  # metres; pixels

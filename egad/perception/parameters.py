@@ -1,6 +1,6 @@
 """Settings of depth images for training detectors."""
 
-from typing import Self
+from typing import Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
@@ -17,6 +17,9 @@ from egad._util.parameters import (
     check_ascending,
 )
 from egad.grasps import GraspLabel, Gripper
+
+NoiseName = Literal["none", "stereo", "gamma"]
+NOISES: tuple[NoiseName, ...] = get_args(NoiseName)
 
 
 class Camera(Parameters):

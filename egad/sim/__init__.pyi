@@ -35,6 +35,7 @@ from .parameters import SimulatedLabel as SimulatedLabel
 from .parameters import SimulatedLabelParameters as SimulatedLabelParameters
 from .parameters import TrialParameters as TrialParameters
 from .parameters import Trials as Trials
+from .parameters import installed_engine as installed_engine
 from .rounds import Round as Round
 from .rounds import failed_round as failed_round
 from .rounds import repeat_round as repeat_round
@@ -52,5 +53,4 @@ from .trial import initial_poses as initial_poses
 from .world import TIME_STEP as TIME_STEP
 from .world import Pose as Pose
 from .world import World as World
-from .world import installed_engine as installed_engine
 from .world import open_world as open_world

@@ -11,9 +11,9 @@ from egad.outcomes import Outcome
 from egad.random import entropy
 from egad.sim.arms import ARMS
 from egad.sim.model import Model
-from egad.sim.parameters import TrialParameters
+from egad.sim.parameters import TrialParameters, installed_engine
 from egad.sim.trial import Attempt, InitialPose, TrialRunner
-from egad.sim.world import Pose, installed_engine, open_world
+from egad.sim.world import Pose, open_world
 from egad.tables.columns import INITIAL, POSE_PARTS
 from egad.tables.evaluation import TRIALS
 

@@ -20,8 +20,8 @@ from egad.random import generator
 from egad.sim.arms import ARMS
 from egad.sim.execution import Execution, execute
 from egad.sim.model import Model
-from egad.sim.parameters import LabelTrialParameters
-from egad.sim.world import Pose, installed_engine, open_world
+from egad.sim.parameters import LabelTrialParameters, installed_engine
+from egad.sim.world import Pose, open_world
 from egad.tables import parquet
 from egad.tables.columns import vector_names
 from egad.tables.evaluation import AGREEMENT

@@ -1,10 +1,12 @@
 """Settings of simulated grasping trials."""
 
+import importlib.util
 from typing import Literal, NamedTuple, Self, get_args
 
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels, Seed
+from egad.errors import UserError, check_name
 from egad.grasps import Gripper, Quality
 from egad.perception import NOISES, NoiseName
 
@@ -13,6 +15,26 @@ ENGINES: tuple[EngineName, ...] = get_args(EngineName)
 EngineChoice = Literal["auto", EngineName]
 SceneKind = Literal["single", "packed", "pile"]
 SCENE_KINDS: tuple[SceneKind, ...] = get_args(SceneKind)
+
+
+def installed_engine(name: EngineChoice) -> EngineName:
+    """The engine of a name; of `auto`, the first of `ENGINES` that is installed.
+
+    Raises:
+        UserError: There is no such engine, or it is not installed.
+    """
+    if name == "auto":
+        found = [engine for engine in ENGINES if importlib.util.find_spec(engine)]
+        if not found:
+            raise UserError("no physics engine is installed: pip install mujoco")
+        return found[0]
+    check_name("engine", name, ("auto", *ENGINES))
+    if importlib.util.find_spec(name) is None:
+        raise UserError(
+            f"the physics engine {name} is not installed: pip install {name}, or choose another "
+            f"one of {', '.join(ENGINES)}"
+        )
+    return name
 
 
 class Lifting(Parameters):

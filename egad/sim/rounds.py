@@ -13,10 +13,10 @@ from egad.perception import NoiseName
 from egad.random import entropy, generator
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose
 from egad.sim.model import Model
-from egad.sim.parameters import ClutterParameters, SceneKind
+from egad.sim.parameters import ClutterParameters, SceneKind, installed_engine
 from egad.sim.robot import free_hand
 from egad.sim.scenes import BOX
-from egad.sim.world import World, installed_engine, open_world
+from egad.sim.world import World, open_world
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER, GRASP_POSE
 

@@ -20,17 +20,8 @@ from egad.sim.execution import lift_and_hold
 from egad.sim.gripper import COLLISION_FORCE, Hand
 from egad.sim.labelled_trials import floating_pose
 from egad.sim.model import Model
-from egad.sim.parameters import Lifting, SimulatedLabelParameters
-from egad.sim.world import (
-    DOWN,
-    TIME_STEP,
-    WEIGHTLESS,
-    Pose,
-    UnstableError,
-    World,
-    installed_engine,
-    open_world,
-)
+from egad.sim.parameters import Lifting, SimulatedLabelParameters, installed_engine
+from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World, open_world
 from egad.tables import parquet
 from egad.tables.grasping import MOTIONS
 

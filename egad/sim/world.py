@@ -1,6 +1,5 @@
 """A simulated table, objects on it and a robot, whichever engine computes them."""
 
-import importlib.util
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -10,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.errors import UserError, check_name
 from egad.sim.model import Model
-from egad.sim.parameters import ENGINES, EngineChoice, EngineName
+from egad.sim.parameters import EngineChoice, installed_engine
 from egad.sim.robot import Box, Robot
 
 Floats = NDArray[np.float64]
@@ -261,26 +259,6 @@ class World(ABC):
                 raise UnstableError("an object was thrown away")
             if self.watch is not None:
                 self.watch(self)
-
-
-def installed_engine(name: EngineChoice) -> EngineName:
-    """The engine of a name; of `auto`, the first of `ENGINES` that is installed.
-
-    Raises:
-        UserError: There is no such engine, or it is not installed.
-    """
-    if name == "auto":
-        found = [engine for engine in ENGINES if importlib.util.find_spec(engine)]
-        if not found:
-            raise UserError("no physics engine is installed: pip install mujoco")
-        return found[0]
-    check_name("engine", name, ("auto", *ENGINES))
-    if importlib.util.find_spec(name) is None:
-        raise UserError(
-            f"the physics engine {name} is not installed: pip install {name}, or choose another "
-            f"one of {', '.join(ENGINES)}"
-        )
-    return name
 
 
 def open_world(

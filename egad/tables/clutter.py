@@ -26,7 +26,11 @@ CLUTTER = pa.schema(
         column("n_objects", INT, "objects on the table at the beginning of the round"),
         column("n_present", INT, "objects on the table before the attempt"),
         SUCCESS,
-        column("outcome", STRING, listed((*CARRIED_OUT, *SIMULATION_FAILURES, *DETECTOR_FAILURES))),
+        column(
+            "outcome",
+            STRING,
+            listed((*CARRIED_OUT, *SIMULATION_FAILURES, Outcome.NOT_RIGID, *DETECTOR_FAILURES)),
+        ),
         column("id", STRING, "the object that was held, or else the one nearest to the grasp"),
         *(
             column(

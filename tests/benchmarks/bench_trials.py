@@ -22,8 +22,8 @@ from egad.sim import execution
 from egad.sim.attempts import run_attempts
 from egad.sim.gripper import Hand
 from egad.sim.model import build
+from egad.sim.parameters import ENGINES
 from egad.sim.trial import TrialRunner
-from egad.sim.world import ENGINES
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 

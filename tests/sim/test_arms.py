@@ -8,8 +8,8 @@ from worlds import EACH_ARM, EACH_ENGINE, HAND, start
 from egad.pipeline.config import Bundle
 from egad.sim.arms import ARMS, PANDA_READY, HandPose, Panda, UnreachableError
 from egad.sim.model import build
+from egad.sim.parameters import EngineName
 from egad.sim.robot import TIP
-from egad.sim.world import EngineName
 
 BALL = build(trimesh.creation.icosphere(2, 0.02), 400.0, Bundle())
 

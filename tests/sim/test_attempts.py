@@ -15,9 +15,8 @@ from egad.pipeline.config import GRIPPERS, Bundle, Gripper, Trials
 from egad.sim.arms import ARMS
 from egad.sim.attempts import columns_of, failed_attempts, read_attempt, run_attempts
 from egad.sim.model import Model, build
-from egad.sim.parameters import TrialParameters
+from egad.sim.parameters import EngineName, TrialParameters
 from egad.sim.trial import TrialRunner
-from egad.sim.world import EngineName
 from egad.tables import parquet
 from egad.tables.columns import INITIAL
 from egad.tables.evaluation import TRIALS

@@ -15,10 +15,10 @@ from egad.perception import Observation
 from egad.pipeline.config import Bundle
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose, proposed_by
 from egad.sim.model import build
-from egad.sim.parameters import Clutter
+from egad.sim.parameters import Clutter, EngineName
 from egad.sim.robot import free_hand
 from egad.sim.scenes import Placed
-from egad.sim.world import EngineName, open_world
+from egad.sim.world import open_world
 
 BALL = build(trimesh.creation.icosphere(2, 0.02), 600.0, Bundle())
 BLOCK = build(trimesh.creation.box((0.03, 0.04, 0.05)), 600.0, Bundle())

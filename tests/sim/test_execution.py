@@ -14,8 +14,9 @@ from egad.pipeline.config import Bundle, Trials
 from egad.sim.arms import ARMS
 from egad.sim.execution import Execution, Stillness, execute
 from egad.sim.model import Model, build
+from egad.sim.parameters import EngineName
 from egad.sim.trial import Attempt, TrialRunner
-from egad.sim.world import TIME_STEP, EngineName, Pose, World
+from egad.sim.world import TIME_STEP, Pose, World
 
 BUNDLE = Bundle()
 SIDE = 0.04

@@ -11,8 +11,9 @@ from egad.outcomes import Outcome
 from egad.pipeline.config import Bundle
 from egad.sim.free_hand import RETREAT, STANDOFF, FreeHand, execute_pose
 from egad.sim.model import build
+from egad.sim.parameters import EngineName
 from egad.sim.robot import free_hand
-from egad.sim.world import EngineName, Pose, World, open_world
+from egad.sim.world import Pose, World, open_world
 
 SIDE = 0.04
 CUBE = build(trimesh.creation.box((SIDE,) * 3), 1000.0, Bundle())

@@ -9,7 +9,8 @@ from egad.pipeline.config import GRIPPERS, Bundle, Gripper
 from egad.sim.arms import HandPose
 from egad.sim.gripper import COLLISION_FORCE, Hand
 from egad.sim.model import build
-from egad.sim.world import EngineName, Pose, UnstableError, World
+from egad.sim.parameters import EngineName
+from egad.sim.world import Pose, UnstableError, World
 
 BUNDLE = Bundle()
 ROUND = Bundle(deviation=1e-5, max_vertices=1000)  # one part with all vertices

@@ -9,9 +9,9 @@ from worlds import EACH_ENGINE
 from egad.pipeline.config import Bundle
 from egad.random import generator
 from egad.sim.model import build
-from egad.sim.parameters import SCENE_KINDS, SceneKind
+from egad.sim.parameters import SCENE_KINDS, EngineName, SceneKind
 from egad.sim.scenes import BOX, WORKSPACE, Placed, make_scene, put, settle_from
-from egad.sim.world import EngineName, World, open_world
+from egad.sim.world import World, open_world
 
 BLOCK = build(trimesh.creation.box((0.03, 0.04, 0.08)), 600.0, Bundle())
 CAN = build(trimesh.creation.cylinder(0.02, 0.06, sections=24), 600.0, Bundle())

@@ -14,8 +14,9 @@ from egad.pipeline.config import Bundle, Gripper, Trials
 from egad.sim.arms import ARMS
 from egad.sim.execution import Execution, Stillness, execute
 from egad.sim.model import build
+from egad.sim.parameters import EngineName
 from egad.sim.trial import Attempt, InitialPose, TrialRunner
-from egad.sim.world import EngineName, Pose, World
+from egad.sim.world import Pose, World
 
 BUNDLE = Bundle()
 AXIS = ARMS["axis"](HAND)

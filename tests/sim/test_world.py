@@ -15,15 +15,14 @@ from egad.sim import mujoco_world
 from egad.sim.arms import HandPose
 from egad.sim.model import build
 from egad.sim.mujoco_model import scene_spec
+from egad.sim.parameters import EngineName, installed_engine
 from egad.sim.world import (
     GRAVITY,
     TABLE_FRICTION,
     TIME_STEP,
-    EngineName,
     Pose,
     UnstableError,
     World,
-    installed_engine,
     open_world,
 )
 

@@ -11,7 +11,8 @@ from egad.pipeline.config import GRIPPERS
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.gripper import Hand
 from egad.sim.model import Model
-from egad.sim.world import ENGINES, EngineName, World, open_world
+from egad.sim.parameters import ENGINES, EngineName
+from egad.sim.world import World, open_world
 
 EACH_ENGINE = pytest.mark.parametrize(
     "engine",
