@@ -74,6 +74,9 @@ DETECTOR_FAILURES = (
 )
 """The detector gave nothing that can be tried."""
 
+POSE_FAILURES = (Outcome.NOT_RIGID, *DETECTOR_FAILURES)
+"""The same of a detector that answers with poses."""
+
 NOTED_BY_HAND = (Outcome.SLIPPED, Outcome.OTHER)
 """Only in tables of a real robot."""
 

@@ -4,6 +4,7 @@ from egad.outcomes import (
     DETECTOR_FAILURES,
     EXECUTION,
     NOTED_BY_HAND,
+    POSE_FAILURES,
     SHAKEN,
     SIMULATION_FAILURES,
     Outcome,
@@ -13,10 +14,11 @@ from egad.outcomes import (
 
 def test_every_outcome_is_of_one_kind():
     shaken_only = [outcome for outcome in SHAKEN if outcome not in EXECUTION]
-    kinds = [*EXECUTION, *shaken_only, *SIMULATION_FAILURES, *DETECTOR_FAILURES, *NOTED_BY_HAND]
+    kinds = [*EXECUTION, *shaken_only, *SIMULATION_FAILURES, *POSE_FAILURES, *NOTED_BY_HAND]
     assert [outcome for outcome in SHAKEN if outcome in EXECUTION] == list(EXECUTION)
     assert len(kinds) == len(set(kinds))
     assert set(kinds) == set(Outcome)
+    assert set(DETECTOR_FAILURES) < set(POSE_FAILURES)
 
 
 def test_outcomes_are_told_as_a_phrase():

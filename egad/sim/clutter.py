@@ -44,7 +44,7 @@ class ClutterAttempt:
     """What came of an attempt.
 
     Attributes:
-        outcome: As of `PoseExecution`, `not_rigid`, or one of `DETECTOR_FAILURES`.
+        outcome: As of `PoseExecution`, or one of `egad.outcomes.POSE_FAILURES`.
         present: The objects on the table before it.
         grasp: What was tried, if it came to that.
         held: Number of the object that was held.

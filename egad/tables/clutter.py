@@ -2,7 +2,7 @@
 
 import pyarrow as pa
 
-from egad.outcomes import DETECTOR_FAILURES, SIMULATION_FAILURES, Outcome, listed
+from egad.outcomes import POSE_FAILURES, SIMULATION_FAILURES, Outcome, listed
 from egad.tables.columns import FLOAT, INT, STRING, column
 from egad.tables.evaluation import ENGINE, SUCCESS
 
@@ -26,11 +26,7 @@ CLUTTER = pa.schema(
         column("n_objects", INT, "objects on the table at the beginning of the round"),
         column("n_present", INT, "objects on the table before the attempt"),
         SUCCESS,
-        column(
-            "outcome",
-            STRING,
-            listed((*CARRIED_OUT, *SIMULATION_FAILURES, Outcome.NOT_RIGID, *DETECTOR_FAILURES)),
-        ),
+        column("outcome", STRING, listed((*CARRIED_OUT, *SIMULATION_FAILURES, *POSE_FAILURES))),
         column("id", STRING, "the object that was held, or else the one nearest to the grasp"),
         *(
             column(
