@@ -2,24 +2,30 @@
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from functools import partial
-from typing import Any, NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias
 
+import numpy as np
 import pandas as pd
 import trimesh
 
+from egad._util.files import as_path
 from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.api import dataset_grasps
-from egad.detectors import IN_SCENES, with_checked_answers
+from egad.detectors import IN_SCENES, DetectorConfig, opened, with_checked_answers
 from egad.errors import RejectedError, UserError, check_name
 from egad.evalset import Bundle
+from egad.exchange import check_ending
 from egad.geometry import Material
 from egad.grasps import GraspLabel, Gripper, as_gripper, label_parameters
 from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
 from egad.perception import NOISES, NoiseName
 from egad.sim import (
+    ENDINGS,
     SCENE_KINDS,
     Clutter,
     ClutterParameters,
@@ -30,20 +36,31 @@ from egad.sim import (
     SceneKind,
     SceneLabels,
     build,
+    film_round,
     installed_engine,
     proposed_by,
     rounds_of,
     run_round,
+    timed,
+    write_film,
 )
-from egad.stats import Clearing, clearing_rates
+from egad.stats import Clearing, ClearingComparison, clearing_rates, compare_clearing
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
 log = logging.getLogger(__name__)
 
 LABELS = "labels"
+Detect: TypeAlias = Callable[..., Any] | DetectorConfig
 SHARDS = 4  # for each job, so that none waits long for the others
 ROUND = ["scene", "noise", "round"]
+
+
+class Scenes(NamedTuple):
+    """What rounds took place with: the objects by id, and the settings."""
+
+    models: Mapping[str, Model]
+    settings: ClutterParameters
 
 
 class Benchmark:
@@ -51,11 +68,25 @@ class Benchmark:
 
     Attributes:
         table: One row per attempt; columns as in `results/README.md`, "clutter".
+        planning_time: Median time from the depth images to the grasps, seconds; NaN if unknown.
     """
 
-    def __init__(self, table: pd.DataFrame) -> None:
-        """Wrap a table with the columns of `tables.clutter.CLUTTER`."""
+    def __init__(
+        self,
+        table: pd.DataFrame,
+        planning_time: float = float("nan"),
+        scenes: Scenes | None = None,
+    ) -> None:
+        """Wrap a table.
+
+        Args:
+            table: Columns of `tables.clutter.CLUTTER`.
+            planning_time: Median, seconds.
+            scenes: What the rounds took place with, to film them.
+        """
         self.table = table.reset_index(drop=True)
+        self.planning_time = planning_time
+        self._scenes = scenes
 
     def __repr__(self) -> str:
         return f"Benchmark({len(self.table)} attempts)"
@@ -64,8 +95,37 @@ class Benchmark:
         """Success rate and share of objects cleared for each kind of scene and noise."""
         return clearing_rates(self.table)
 
+    def compare(self, other: "Benchmark") -> list[ClearingComparison]:
+        """The differences to another detector, over the rounds with the same scene for both.
 
-class _Object(NamedTuple):
+        Raises:
+            UserError: There is no such round.
+        """
+        return compare_clearing(self.table, other.table)
+
+    def film(
+        self, scene: SceneKind, number: int, out: str | Path, noise: NoiseName = "none"
+    ) -> None:
+        """Repeat a round exactly, without its detector, and film it.
+
+        Args:
+            scene: How the objects lay.
+            number: Of the round, from 0.
+            out: File to write: `.gif`, or `.mp4` if ffmpeg is there.
+            noise: Of the depth images.
+
+        Raises:
+            UserError: There is no such round, the file has another ending, or the table was read
+                from a file.
+        """
+        path = as_path("out", out)
+        check_ending(path, ENDINGS)
+        if self._scenes is None:
+            raise UserError("only what `egad.run_benchmark` returned can be filmed")
+        write_film(film_round(self.table, scene, noise, number, *self._scenes), path)
+
+
+class SceneObject(NamedTuple):
     """An object as it is simulated, and its labelled grasps, none if they are not needed."""
 
     id: str
@@ -74,7 +134,7 @@ class _Object(NamedTuple):
 
 
 def run_benchmark(
-    detect: Callable[..., Any] | str,
+    detect: Detect | str,
     objects: Dataset | Mapping[str, trimesh.Trimesh],
     gripper: Gripper | str = "panda",
     *,
@@ -133,45 +193,80 @@ def run_benchmark(
         objects=per_scene,
         scale=scale,
     )
-    settings = ClutterParameters(seed, hand, clutter)
+    settings = from_arguments(ClutterParameters, seed=seed, gripper=hand, clutter=clutter)
     if isinstance(detect, str):
-        check_name("detector", detect, (LABELS, *IN_SCENES))
-    elif not callable(detect):
+        detect = DetectorConfig(detector=check_name("detector", detect, (LABELS, *IN_SCENES)))
+    elif not callable(detect) and not isinstance(detect, DetectorConfig):
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")
-    label_seed = seed if detect == LABELS else None
-    prepare = partial(_prepared, rule=rule, gripper=hand, label_seed=label_seed)
-    targets = named_meshes(objects)
+    label_seed = seed if _knows(detect) else None
+    known = prepare_objects(named_meshes(objects), hand, rule, label_seed, jobs)
+    return clear_tables(detect, known, settings, jobs)
+
+
+def prepare_objects(
+    targets: Sequence[NamedMesh],
+    gripper: Gripper,
+    rule: str,
+    label_seed: int | None = None,
+    jobs: int = 1,
+) -> list[SceneObject]:
+    """Prepare objects for tables that are to be cleared; what cannot be simulated is left out.
+
+    Args:
+        targets: The objects.
+        gripper: What they are scaled to.
+        rule: How they are scaled.
+        label_seed: For labelled grasps; None if they are not needed.
+        jobs: Processes; the result does not depend on them.
+
+    Raises:
+        UserError: None of the objects can be simulated.
+    """
+    work = partial(_prepared, rule=rule, gripper=gripper, label_seed=label_seed)
     with workers(jobs, chunk=1) as mapper:
-        made = list(progress(mapper(prepare, targets), "making models", len(targets)))
-        usable = [each for each in made if each is not None]
-        if not usable:
-            raise UserError("none of the objects can be simulated")
-        todo = rounds_of([each.id for each in usable], settings)
-        shards = [todo[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(todo)))]
-        work = partial(_cleared, objects=usable, detect=detect, settings=settings)
-        tables = list(progress(mapper(work, shards), "clearing", len(shards)))
-    by_round = {key: rows for table in tables for key, rows in table.groupby(ROUND)}
-    return Benchmark(pd.concat([by_round[this[:3]] for this in todo]))
+        made = list(progress(mapper(work, targets), "making models", len(targets)))
+    usable = [each for each in made if each is not None]
+    if not usable:
+        raise UserError("none of the objects can be simulated")
+    return usable
+
+
+def clear_tables(
+    detect: Detect, objects: Sequence[SceneObject], settings: ClutterParameters, jobs: int = 1
+) -> Benchmark:
+    """Let a detector clear tables of prepared objects.
+
+    Args:
+        detect: As of `run_benchmark`; `labels` needs objects with grasps.
+        objects: To choose from.
+        settings: Seed, gripper, scenes and cameras.
+        jobs: Processes; the result does not depend on them.
+    """
+    todo = rounds_of([each.id for each in objects], settings)
+    shards = [todo[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(todo)))]
+    work = partial(_cleared, objects=objects, detect=detect, settings=settings)
+    with workers(jobs, chunk=1) as mapper:
+        done = list(progress(mapper(work, shards), "clearing", len(shards)))
+    by_round = {key: rows for table, _ in done for key, rows in table.groupby(ROUND)}
+    seconds = [time for _, times in done for time in times]
+    return Benchmark(
+        pd.concat([by_round[this[:3]] for this in todo]),
+        float(np.median(seconds)) if seconds else float("nan"),
+        Scenes({each.id: each.model for each in objects}, settings),
+    )
 
 
 def _prepared(
     target: NamedMesh, rule: str, gripper: Gripper, label_seed: int | None
-) -> _Object | None:
-    """An object as it is simulated; None if that is impossible.
-
-    Args:
-        target: The object.
-        rule: How it is scaled.
-        gripper: What it is scaled to.
-        label_seed: For labelled grasps; None if they are not needed.
-    """
+) -> SceneObject | None:
+    """An object as it is simulated; None if that is impossible."""
     try:
         mesh = scaled_solid(target, gripper, rule)
         model = build(mesh, Material().density, Bundle())
         if label_seed is None:
-            return _Object(target.id, model, empty(GRASPS))
+            return SceneObject(target.id, model, empty(GRASPS))
         wanted = label_parameters(gripper, GraspLabel().grasps, label_seed)
-        return _Object(target.id, model, dataset_grasps(mesh, target.id, wanted))
+        return SceneObject(target.id, model, dataset_grasps(mesh, target.id, wanted))
     except RejectedError as reason:
         log.warning("%s is left out: %s", target.label, reason)
         return None
@@ -179,18 +274,38 @@ def _prepared(
 
 def _cleared(
     rounds: Sequence[Round],
-    objects: Sequence[_Object],
-    detect: Callable[..., Any] | str,
+    objects: Sequence[SceneObject],
+    detect: Detect,
     settings: ClutterParameters,
-) -> pd.DataFrame:
-    """The attempts of some rounds, columns of `tables.clutter.CLUTTER`."""
+) -> tuple[pd.DataFrame, list[float]]:
+    """The attempts of some rounds, columns of `tables.clutter.CLUTTER`; planning times, seconds."""
+    seconds: list[float] = []
     models = {each.id: each.model for each in objects}
-    grasps = {each.id: each.grasps for each in objects}
+    with ExitStack() as stack:
+        proposer = _proposer(detect, objects, settings, stack)
+        tables = [
+            run_round(this, models, lambda *scene: timed(proposer(*scene), seconds), settings)
+            for this in rounds
+        ]
+    return pd.concat(tables), seconds
 
-    def proposer(ids: Sequence[str], sized: Sequence[Model]) -> Propose:
-        if detect == LABELS:
-            return SceneLabels([grasps[name] for name in ids], sized, settings.gripper)
-        known = IN_SCENES[detect] if isinstance(detect, str) else with_checked_answers(detect)
-        return proposed_by(known, settings.gripper)
 
-    return pd.concat([run_round(this, models, proposer, settings) for this in rounds])
+def _proposer(
+    detect: Detect, objects: Sequence[SceneObject], settings: ClutterParameters, stack: ExitStack
+) -> Callable[[Sequence[str], Sequence[Model]], Propose]:
+    """From the objects of a scene to what proposes grasps, as long as the stack lasts."""
+    if _knows(detect):
+        grasps = {each.id: each.grasps for each in objects}
+        return lambda ids, models: SceneLabels(
+            [grasps[name] for name in ids], models, settings.gripper
+        )
+    if isinstance(detect, DetectorConfig):
+        found = stack.enter_context(opened(detect, settings.clutter.planning_time))
+    else:
+        found = with_checked_answers(detect)
+    return lambda *_: proposed_by(found, settings.gripper)
+
+
+def _knows(detect: Detect) -> bool:
+    """Whether a detector knows where the objects are."""
+    return isinstance(detect, DetectorConfig) and detect.detector == LABELS

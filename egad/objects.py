@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from egad._util.files import as_path
 from egad._util.parameters import ScaleRule
 from egad.cppn import Row, Shape, packed_surface, unpack
-from egad.data import released, released_simulated
+from egad.data import evaluation_set, released, released_simulated
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange import read_mesh
 from egad.geometry import SIDE_FRACTION, check_units, rescale, wind_outwards
@@ -26,7 +26,7 @@ from egad.tables.evolution import ARCHIVE, GENOME
 from egad.tables.grasping import SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
 
-RELEASED = "released"
+RELEASED, EVALUATION_SET = "released", "evaluation-set"
 UNSCALED = "none"
 RULES = (*get_args(ScaleRule), UNSCALED)
 
@@ -175,7 +175,8 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
 
     Args:
         source: `released`: the archive that egad ships, whose table also has `simulated_difficulty`
-            and `held_shaking` (docs/released.md); the folder of a dataset, such as
+            and `held_shaking` (docs/released.md); `evaluation-set`: the 49 of them that detectors
+            are tested with, with the labels A0 to G6; the folder of a dataset, such as
             `results/egad`; a file `archive.parquet`; or an archive that `egad.evolve` returned.
 
     Raises:
@@ -184,6 +185,8 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
     """
     if isinstance(source, Archive):
         return _from_archive(source.to_frame(), Shape())
+    if source == EVALUATION_SET:
+        return _evaluation_set()
     path = released() if source == RELEASED else as_path("source", source)
     if path.is_dir() and (path / "objects.parquet").is_file():
         archive = path / "archive.parquet"
@@ -194,12 +197,22 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
         )
     if not path.is_file():
         raise UserError(
-            f"{source} is neither {RELEASED!r}, nor a folder with objects.parquet, nor an archive"
+            f"{source} is neither {RELEASED!r}, nor {EVALUATION_SET!r}, nor a folder with "
+            "objects.parquet, nor an archive"
         )
     dataset = _from_archive(parquet.read(path, ARCHIVE), _shape(path))
     if source == RELEASED:
         dataset.table = _with_simulated(dataset.table)
     return dataset
+
+
+def _evaluation_set() -> Dataset:
+    """Those of the released objects that are in the evaluation set, with their labels in it."""
+    path, chosen = released(), pd.read_csv(evaluation_set())
+    known = load().table.set_index("id", drop=False)
+    table = known.loc[chosen["id"]].assign(label=chosen["label"].to_numpy())
+    elites = parquet.read(path, ARCHIVE)
+    return Dataset(table.reset_index(drop=True), elites, _shape(path), None)
 
 
 def _with_simulated(table: pd.DataFrame) -> pd.DataFrame:

@@ -1,5 +1,6 @@
 """Code that a user brings: functions and classes in files of their own, named `FILE.py:NAME`."""
 
+import ast
 import hashlib
 import importlib
 import importlib.util
@@ -7,7 +8,7 @@ import sys
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeGuard
 
 from egad.errors import UserError
 
@@ -34,6 +35,49 @@ def find(name: str, where: str, kind: str) -> Any:  # noqa: ANN401 (it is the us
     if not callable(found):
         raise UserError(f"{where}: there is no {kind} {attribute} in {path}")
     return found
+
+
+def named(text: str, arguments: int = 3) -> str:
+    """A name with its file: that of a file alone gets the only thing in it that can be meant.
+
+    Args:
+        text: `FILE.py`, or a name as of `find`.
+        arguments: How many arguments the function takes; or the class, when it is called.
+
+    Raises:
+        UserError: The file is missing or is not Python, or has none such or several.
+    """
+    path = Path(text)
+    if path.suffix != ".py":
+        return text
+    if not path.is_file():
+        raise UserError(f"there is no file {text}")
+    try:
+        body = ast.parse(path.read_bytes()).body
+    except SyntaxError as error:
+        raise UserError(f"{text}, line {error.lineno}: {error.msg}") from error
+    names = [node.name for node in body if _is_called_with(node, arguments)]
+    if len(names) != 1:
+        choice = f"several: {', '.join(names)}" if names else "none"
+        raise UserError(
+            f"{text} must have one function of {arguments} arguments, or one class that is called "
+            f"with them, but has {choice}; name it: {text}:NAME"
+        )
+    return f"{text}:{names[0]}"
+
+
+def _is_called_with(node: ast.stmt, arguments: int) -> TypeGuard[ast.FunctionDef | ast.ClassDef]:
+    """Whether a statement defines something public that takes so many arguments."""
+    if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+        methods = [each for each in node.body if isinstance(each, ast.FunctionDef)]
+        return any(each.name == "__call__" and _count(each) == arguments + 1 for each in methods)
+    if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+        return _count(node) == arguments
+    return False
+
+
+def _count(function: ast.FunctionDef) -> int:
+    return len(function.args.posonlyargs) + len(function.args.args)
 
 
 def source_hash(name: str, where: str) -> str:

@@ -1,5 +1,4 @@
 import os
-from pathlib import Path
 
 # Tests run in a process a core: more threads would only wait for each other.
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -11,7 +10,7 @@ import trimesh
 from compiled import reached_kernels
 
 from egad.cppn.surface import packed_surface
-from egad.data import released
+from egad.data import evaluation_set, released
 from egad.geometry.mass import repair
 from egad.geometry.refinement import triangulation
 from egad.geometry.scaling import rescale
@@ -19,8 +18,6 @@ from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.pipeline.config import Shape
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
-
-RELEASED_SET = Path(__file__).parent / "data/released_set.csv"
 
 
 def pytest_collection_modifyitems(items):
@@ -73,7 +70,7 @@ def look():
 def released_set():
     """The evaluation set of the released objects by label, scaled for an opening of 75 mm."""
     voxels = parquet.read(released(), ARCHIVE).set_index("id")["voxels"]
-    chosen = pd.read_csv(RELEASED_SET).itertuples()
+    chosen = pd.read_csv(evaluation_set()).itertuples()
     meshes = {row.label: repair(packed_surface(voxels[row.id], Shape())).mesh for row in chosen}
     return {label: rescale(mesh, "paper", 0.075, 0.8)[0] for label, mesh in meshes.items()}
 

@@ -85,9 +85,9 @@ def test_an_archive_loads_from_its_file(objects, tmp_path):
 
 
 def test_what_is_no_dataset_is_a_sentence(tmp_path):
-    with pytest.raises(UserError, match="neither 'released', nor a folder"):
+    with pytest.raises(UserError, match="neither 'released'"):
         egad.load(tmp_path)
-    with pytest.raises(UserError, match="neither 'released', nor a folder"):
+    with pytest.raises(UserError, match="neither 'released'"):
         egad.load("relaesed")
     (tmp_path / "archive.parquet").write_bytes(b"PAR1 but no more")
     with pytest.raises(TableError, match="not a readable Parquet file"):
@@ -156,3 +156,18 @@ def test_the_mesh_whose_unit_looks_wrong_is_named():
     (target,) = named_meshes({"box": BOX.copy().apply_scale(1000)})
     with pytest.warns(UnitsWarning, match="the longest side of the mesh 'box' is 300 m"):
         scaled_solid(target, egad.gripper("panda"), "paper")
+
+
+def test_the_evaluation_set_is_of_released_objects_under_its_own_labels():
+    chosen, whole = egad.load("evaluation-set"), egad.load("released")
+    letters, digits = zip(*(each.label for each in chosen), strict=True)
+    assert len(chosen) == 49
+    assert sorted(set(letters)) == list("ABCDEFG")
+    assert sorted(set(digits)) == list("0123456")
+    assert all(each.id in whole for each in chosen)
+    hard = whole[chosen["G6"].id]
+    assert np.array_equal(chosen["G6"].voxels, hard.voxels)
+    # the letters go from easy to hard, the digits from simple to complex
+    table = chosen.table.assign(row=letters, column=digits)
+    assert table.groupby("row")["difficulty"].mean().is_monotonic_decreasing
+    assert table.groupby("column")["complexity"].mean().is_monotonic_increasing

@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from egad.errors import UserError
-from egad.plugins import file_hash, find, source_hash
+from egad.plugins import file_hash, find, named, source_hash
 
 
 @pytest.fixture
@@ -74,3 +74,35 @@ def test_equal_bytes_have_equal_fingerprints(tmp_path):
     assert first == second != third
     with pytest.raises(UserError, match="here: there is no file"):
         file_hash(tmp_path, "here")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def mine(view, gripper, rng): pass\ndef helper(points): pass\n",
+        "import os\nclass mine:\n    def __call__(self, view, gripper, rng): pass\n",
+        "def mine(view, /, gripper, rng): pass\ndef _other(view, gripper, rng): pass\n",
+    ],
+)
+def test_the_only_thing_that_can_be_meant_needs_no_name(tmp_path, text):
+    path = tmp_path / "detector.py"
+    path.write_text(text)
+    assert named(str(path)) == f"{path}:mine"
+    assert named(f"{path}:helper") == f"{path}:helper"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("def one(a, b, c): pass\ndef two(a, b, c): pass\n", "several: one, two"),
+        ("def one(a): pass\n", "none"),
+        ("def one(a:\n", "line 1"),
+    ],
+)
+def test_a_file_in_which_several_or_none_can_be_meant_is_refused(tmp_path, text, said):
+    path = tmp_path / "detector.py"
+    path.write_text(text)
+    with pytest.raises(UserError, match=said):
+        named(str(path))
+    with pytest.raises(UserError, match="there is no file"):
+        named(str(tmp_path / "missing.py"))

@@ -1,4 +1,4 @@
-"""The released dataset: the archive of a full evolution, ancestors, and simulated grasps."""
+"""The released dataset: archive, ancestors, simulated grasps and evaluation set."""
 
 from pathlib import Path
 
@@ -19,6 +19,11 @@ def released_simulated() -> Path:
     Columns as in `results/D/simulated/G.parquet`, for the gripper `egad_75mm`.
     """
     return Path(__file__).with_name("simulated.parquet")
+
+
+def evaluation_set() -> Path:
+    """The evaluation set of the released objects: columns label and id."""
+    return Path(__file__).with_name("evaluation_set.csv")
 
 
 def archive_path(archive: Path) -> Path:

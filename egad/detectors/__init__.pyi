@@ -19,4 +19,5 @@ from .registry import QUICK as QUICK
 from .registry import fingerprint as fingerprint
 from .registry import with_checked_answers as with_checked_answers
 from .subprocess import Child as Child
+from .subprocess import opened as opened
 from .vgn import Vgn as Vgn

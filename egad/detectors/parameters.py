@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from egad._util.parameters import Parameters
 
-SHIPPED = ("antipodal-depth", "ggcnn", "labels", "random")
+SHIPPED = ("antipodal-cloud", "antipodal-depth", "ggcnn", "labels", "random", "vgn")
 
 
 class DetectorConfig(Parameters):
@@ -28,7 +28,7 @@ class DetectorConfig(Parameters):
                 f"detector is {self.detector!r}; allowed: {', '.join(SHIPPED)}, "
                 "FILE.py:CLASS or package.module:CLASS"
             )
-        if self.weights and self.detector in SHIPPED and self.detector != "ggcnn":
+        if self.weights and self.detector in SHIPPED and self.detector not in ("ggcnn", "vgn"):
             raise ValueError(f"the detector {self.detector} takes no `weights`")
         return self
 

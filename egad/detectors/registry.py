@@ -14,6 +14,7 @@ from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.parameters import DetectorConfig
 from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
+from egad.detectors.vgn import Vgn
 from egad.errors import UserError
 from egad.grasps import Gripper
 
@@ -35,11 +36,13 @@ def make_detector(config: DetectorConfig) -> Detector:
         UserError: It cannot be found or made.
     """
     name = config.detector
-    if name in QUICK:
-        return QUICK[name]
+    if name in IN_SCENES:
+        return IN_SCENES[name]
     if name == "labels":
         raise UserError("labels: knows where the object is and answers in simulated trials only")
-    return with_checked_answers(GGCNN(config.weights) if name == "ggcnn" else _own(config))
+    networks: dict[str, Callable[[str | None], Detector]] = {"ggcnn": GGCNN, "vgn": Vgn}
+    made = networks[name](config.weights) if name in networks else _own(config)
+    return with_checked_answers(made)
 
 
 def with_checked_answers(detect: Callable[..., Any]) -> Detector:

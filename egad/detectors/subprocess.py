@@ -12,7 +12,7 @@ from egad.detectors.asking import seen_by
 from egad.detectors.base import DetectorTimeoutError, Grasp
 from egad.detectors.parameters import DetectorConfig
 from egad.detectors.poses import Detector, GraspPoses
-from egad.detectors.registry import make_detector
+from egad.detectors.registry import IN_SCENES, make_detector
 from egad.errors import UserError
 from egad.grasps import Gripper
 from egad.perception import Observation, View
@@ -82,6 +82,24 @@ class Child:
                 raise DetectorError(f"it cannot be restarted: {error}") from error
             raise
         self._was_ready = True
+
+
+@contextmanager
+def opened(config: DetectorConfig, limit: float) -> Iterator[Detector]:
+    """A detector for as long as the block lasts, in a process of its own if it needs one.
+
+    Args:
+        config: The detector; not `labels`.
+        limit: Seconds that an answer may take.
+
+    Raises:
+        UserError: It cannot be found or made.
+    """
+    if config.detector in IN_SCENES:
+        yield IN_SCENES[config.detector]
+        return
+    with Child(config, limit) as child:
+        yield child
 
 
 @contextmanager

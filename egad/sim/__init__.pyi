@@ -8,6 +8,7 @@ from .attempts import read_attempt as read_attempt
 from .attempts import run_attempts as run_attempts
 from .clutter import Propose as Propose
 from .clutter import proposed_by as proposed_by
+from .clutter import timed as timed
 from .film import ENDINGS as ENDINGS
 from .film import ROBOT_COLOR as ROBOT_COLOR
 from .film import Film as Film
@@ -38,6 +39,8 @@ from .parameters import Trials as Trials
 from .parameters import installed_engine as installed_engine
 from .rounds import Round as Round
 from .rounds import failed_round as failed_round
+from .rounds import film_round as film_round
+from .rounds import picture_of as picture_of
 from .rounds import repeat_round as repeat_round
 from .rounds import rounds_of as rounds_of
 from .rounds import run_round as run_round

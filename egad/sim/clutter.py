@@ -1,5 +1,6 @@
 """Rounds of clearing a table, one object after the other (Breyer et al. 2020, section V)."""
 
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -88,7 +89,7 @@ class ClutterRunner:
             seed: For the scene and, apart from it, for detector and cameras.
         """
         try:
-            present = make_scene(self.world, kind, generator(seed, "scene", kind))
+            present = self.begin(kind, seed)
         except UnstableError:
             yield ClutterAttempt(Outcome.FAILED, ())
             return
@@ -103,6 +104,14 @@ class ClutterRunner:
             if attempt.outcome == Outcome.NO_GRASP:
                 return
 
+    def begin(self, kind: SceneKind, seed: int) -> list[Placed]:
+        """Put the objects on the table.
+
+        Raises:
+            UnstableError: The simulation went wrong.
+        """
+        return make_scene(self.world, kind, generator(seed, "scene", kind))
+
     def repeat(
         self, grasps: Sequence[PoseGrasp | None], kind: SceneKind, seed: int
     ) -> Iterator[ClutterAttempt]:
@@ -113,7 +122,7 @@ class ClutterRunner:
             kind: How the objects lie.
             seed: That of the round.
         """
-        present = make_scene(self.world, kind, generator(seed, "scene", kind))
+        present = self.begin(kind, seed)
         for grasp in grasps:
             attempt, present = self.carry_out(grasp or Outcome.NO_GRASP, present)
             yield attempt
@@ -158,3 +167,17 @@ def proposed_by(detect: Detector, gripper: Gripper) -> Propose:
         )
 
     return propose
+
+
+def timed(propose: Propose, seconds: list[float]) -> Propose:
+    """The same, but it notes how long each answer took, from the depth images to the grasp."""
+
+    def ask(
+        observation: Observation, present: Sequence[Placed], rng: Generator
+    ) -> PoseGrasp | Outcome:
+        begin = time.perf_counter()
+        grasp = propose(observation, present, rng)
+        seconds.append(time.perf_counter() - begin)
+        return grasp
+
+    return ask

@@ -19,7 +19,7 @@ Pixels = NDArray[np.uint8]
 ENDINGS = (".gif", ".mp4")
 STEPS = 12  # of the simulation, from one frame to the next: 20 a second
 SIZE = (352, 400)  # multiples of 16, as video wants them
-FOLLOWED, WHOLE = (0.5, 35.0, -9.0), (0.85, 35.0, -35.0)  # cameras: metres, yaw and pitch, degrees
+FOLLOWED, WHOLE = (0.5, 35.0, -9.0), (0.7, 35.0, -40.0)  # cameras: metres, yaw and pitch, degrees
 FIELD_OF_VIEW = 38.0  # vertical, degrees
 LOWEST = (-np.inf, -np.inf, 0.06)  # that the camera looks at; it follows the object
 FOLLOWING = 0.3  # of the way to it, in a frame
@@ -48,18 +48,20 @@ class Film:
             world: The world.
         """
         self.frames: list[Pixels] = []
-        self._steps = 0
+        self._world, self._steps = world, 0
         self._looking_at = np.array([0.0, 0.0, LOWEST[2]])
         self._objects = [trimesh.util.concatenate(list(model.parts)) for model in world.models]
         self._links = [] if world.robot is None else [link.box for link in world.robot.links]
         world.watch = self._look
 
-    def _look(self, world: World) -> None:
+    def _look(self, _: World) -> None:
         if self._steps % STEPS == 0:
-            self.frames.append(self._frame(world))
+            self.frames.append(self.frame())
         self._steps += 1
 
-    def _frame(self, world: World) -> Pixels:
+    def frame(self) -> Pixels:
+        """What it looks like now."""
+        world = self._world
         camera = FOLLOWED if len(self._objects) == 1 else WHOLE
         bodies = [(_table(), TABLE_COLOR)]
         for number in world.present():

@@ -1,7 +1,7 @@
 """Settings of simulated grasping trials."""
 
 import importlib.util
-from typing import Literal, NamedTuple, Self, get_args
+from typing import Annotated, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
@@ -15,6 +15,13 @@ ENGINES: tuple[EngineName, ...] = get_args(EngineName)
 EngineChoice = Literal["auto", EngineName]
 SceneKind = Literal["single", "packed", "pile"]
 SCENE_KINDS: tuple[SceneKind, ...] = get_args(SceneKind)
+PlanningTime = Annotated[
+    float,
+    Field(
+        gt=0,
+        description="time limit of a detector, seconds; an attempt that exceeds it fails",
+    ),
+]
 
 
 def installed_engine(name: EngineChoice) -> EngineName:
@@ -88,11 +95,7 @@ class Trials(Lifting):
         description="standard deviation of the disparity, as in a stereo camera, pixels; about 0.1 "
         "for a D435; if not 0, the image also has holes beside edges and on steep surfaces",
     )
-    planning_time: float = Field(
-        60.0,
-        gt=0,
-        description="time limit of a detector, seconds; an attempt that exceeds it fails",
-    )
+    planning_time: PlanningTime = 60.0
 
 
 class Clutter(Parameters):
@@ -106,7 +109,7 @@ class Clutter(Parameters):
         "top of each other",
     )
     noise: tuple[NoiseName, ...] = Field(
-        NOISES,
+        NOISES[:2],
         min_length=1,
         description="of depth images; none; stereo: as in `trials.depth_noise`, of 0.1 pixels; "
         "gamma: as in the experiments of VGN",
@@ -114,9 +117,10 @@ class Clutter(Parameters):
     rounds: int = Field(100, ge=1, description="rounds of each kind of scene and noise")
     objects: int = Field(5, ge=1, le=20, description="objects in packed and piled scenes")
     scale: tuple[float, float] = Field(
-        (0.7, 0.9), description="range of the sizes of objects, of those in the bundle"
+        (0.8, 1.0), description="range of the sizes of objects, of those in the bundle"
     )
     views: int = Field(6, ge=1, le=64, description="cameras around the table")
+    planning_time: PlanningTime = 60.0
 
     @model_validator(mode="after")
     def _scale_can_be_drawn_from(self) -> Self:
@@ -171,9 +175,9 @@ class LabelTrialParameters(ParameterGroup):
     agreement: Agreement
 
 
-class ClutterParameters(NamedTuple):
-    """What rounds of clearing a table depend on."""
+class ClutterParameters(ParameterGroup):
+    """The settings that rounds of clearing a table depend on."""
 
-    seed: int
+    seed: Seed
     gripper: Gripper
     clutter: Clutter

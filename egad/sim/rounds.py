@@ -8,10 +8,12 @@ import pandas as pd
 from scipy.spatial.transform import Rotation
 
 from egad.detectors import PoseGrasp
+from egad.errors import UserError
 from egad.outcomes import Outcome
 from egad.perception import NoiseName
 from egad.random import entropy, generator
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose
+from egad.sim.film import Film, Pixels
 from egad.sim.model import Model
 from egad.sim.parameters import ClutterParameters, SceneKind, installed_engine
 from egad.sim.robot import free_hand
@@ -21,6 +23,8 @@ from egad.tables import parquet
 from egad.tables.clutter import CLUTTER, GRASP_POSE
 
 Models = Mapping[str, Model]
+
+ENDS = ["attempt", "n_present", "success", "stopped"]  # of attempts
 
 
 class Round(NamedTuple):
@@ -44,7 +48,7 @@ class Round(NamedTuple):
 
 
 def rounds_of(ids: Sequence[str], settings: ClutterParameters) -> list[Round]:
-    """All rounds, in the order scene, noise, number.
+    """All rounds, in the order scene, noise, number; none without objects.
 
     A scene depends on the seed of the settings, the number of the round and the ids, not on their
     order, nor on noise and detector.
@@ -58,7 +62,7 @@ def rounds_of(ids: Sequence[str], settings: ClutterParameters) -> list[Round]:
         _round(sorted(ids), settings, scene, noise, number)
         for scene in clutter.scenes
         for noise in clutter.noise
-        for number in range(clutter.rounds)
+        for number in range(clutter.rounds if ids else 0)
     ]
 
 
@@ -137,6 +141,54 @@ def repeat_round(
         grasps = [read_grasp(row) for row in parquet.records(rows)]
         attempts = list(runner.repeat(grasps, this.scene, this.seed))
     return _table(this, sized, attempts, settings)
+
+
+def film_round(
+    table: pd.DataFrame,
+    scene: str,
+    noise: str,
+    number: int,
+    models: Models,
+    settings: ClutterParameters,
+) -> list[Pixels]:
+    """The frames of a round that is repeated without its detector.
+
+    Args:
+        table: Columns of `tables.clutter.CLUTTER`.
+        scene: How the objects lay.
+        noise: Of the depth images.
+        number: Of the round.
+        models: All objects by their names.
+        settings: Those of the round.
+
+    Raises:
+        UserError: There is no such round, it never began, or it ends differently.
+    """
+    chosen = (table["scene"] == scene) & (table["noise"] == noise) & (table["round"] == number)
+    rows = table[chosen].reset_index(drop=True)
+    name = f"round {number}, {scene}, noise {noise}"
+    if rows.empty or not rows["n_objects"].iloc[0]:
+        raise UserError(f"{name}: there is none in the table, or it never began")
+    films: list[Film] = []
+    again = repeat_round(rows, models, settings, lambda world: films.append(Film(world)))
+    before, after = (each[ENDS].to_numpy(dtype=np.float64) for each in (rows, again))
+    if not np.array_equal(before, after):
+        raise UserError(
+            f"{name} was not reproduced; settings, objects, machine or the version of the engine "
+            "must differ from those of the round"
+        )
+    return films[0].frames
+
+
+def picture_of(this: Round, models: Models, settings: ClutterParameters) -> Pixels:
+    """What a round begins with, (height, width, 3).
+
+    Raises:
+        UnstableError: The simulation went wrong.
+    """
+    with _world(this, _sized(this, models), settings) as world:
+        ClutterRunner(world, settings.clutter).begin(this.scene, this.seed)
+        return Film(world).frame()
 
 
 def read_grasp(row: Mapping[str, Any]) -> PoseGrasp | None:

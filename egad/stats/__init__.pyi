@@ -1,6 +1,8 @@
 from .clearing import Clearing as Clearing
+from .clearing import ClearingComparison as ClearingComparison
 from .clearing import by_difficulty as by_difficulty
 from .clearing import clearing_rates as clearing_rates
+from .clearing import compare_clearing as compare_clearing
 from .paired import Comparison as Comparison
 from .paired import NothingInCommonError as NothingInCommonError
 from .paired import compare as compare

@@ -1,12 +1,20 @@
-"""How well a detector clears tables: success rate and share of objects that are cleared."""
+"""How well detectors clear tables: success rates and shares of objects that are cleared."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from egad.outcomes import Outcome
-from egad.stats.rates import Mean, mean_of
+from egad.stats.paired import NothingInCommonError, sign_flip
+from egad.stats.rates import Interval, Mean, bootstrap, mean_of
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+SCENE = ["round", "seed", "objects", "n_objects"]  # what a round begins with
 
 
 class Clearing(NamedTuple):
@@ -36,8 +44,51 @@ def clearing_rates(table: pd.DataFrame) -> list[Clearing]:
     Args:
         table: Columns of `tables.clutter.CLUTTER`.
     """
-    groups = table.groupby(["scene", "noise"], sort=False)
-    return [_rates(str(scene), str(noise), rows) for (scene, noise), rows in groups]
+    return [_rates(*key, _rounds(rows)) for key, rows in _groups(table)]
+
+
+class ClearingComparison(NamedTuple):
+    """The first of two detectors against the second, over the rounds that both played.
+
+    Attributes:
+        scene: How the objects lay.
+        noise: Of the depth images.
+        rounds: Rounds that began with the same scene.
+        success: Difference of the success rates.
+        success_interval: Its 95 % confidence interval, by resampling rounds.
+        cleared: Difference of the shares of objects that were cleared.
+        cleared_interval: Its 95 % confidence interval, by resampling rounds.
+        p_cleared: Sign-flip test over the rounds; see `sign_flip`.
+    """
+
+    scene: str
+    noise: str
+    rounds: int
+    success: float
+    success_interval: Interval
+    cleared: float
+    cleared_interval: Interval
+    p_cleared: float
+
+
+def compare_clearing(first: pd.DataFrame, second: pd.DataFrame) -> list[ClearingComparison]:
+    """Compare two detectors by the rounds that began with the same scene for both.
+
+    Args:
+        first: Columns of `tables.clutter.CLUTTER`.
+        second: The same of the other detector.
+
+    Raises:
+        NothingInCommonError: There is no such round.
+    """
+    one, other = ({key: _rounds(rows) for key, rows in _groups(each)} for each in (first, second))
+    pairs = {key: one[key].merge(other[key], on=SCENE) for key in one if key in other}
+    found = [_compared(*key, rounds) for key, rounds in pairs.items() if len(rounds)]
+    if not found:
+        raise NothingInCommonError(
+            "the two tables have no round in common: same scene, noise, objects and seed"
+        )
+    return found
 
 
 def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame, thirds: int = 3) -> pd.DataFrame:
@@ -60,10 +111,52 @@ def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame, thirds: int = 3) -
     return pd.DataFrame(found, columns=["axis", "band", "successes", "attempts"])
 
 
-def _rates(scene: str, noise: str, rows: pd.DataFrame) -> Clearing:
-    rounds = rows.assign(tried=rows["outcome"] != Outcome.NO_GRASP).groupby("round")
-    counts = rounds.agg({"success": "sum", "tried": "sum", "n_objects": "first"})
-    successes, tried, present = counts.to_numpy(dtype=np.int64).T
+def _groups(table: pd.DataFrame) -> Iterator[tuple[tuple[str, str], pd.DataFrame]]:
+    """The rows of each kind of scene and noise."""
+    for (scene, noise), rows in table.groupby(["scene", "noise"], sort=False):
+        yield (str(scene), str(noise)), rows
+
+
+def _rounds(rows: pd.DataFrame) -> pd.DataFrame:
+    """Successes and attempts of each round, with the columns `SCENE`."""
+    tried = rows.assign(tried=rows["outcome"] != Outcome.NO_GRASP)
+    return tried.groupby(SCENE, as_index=False)[["success", "tried"]].sum()
+
+
+def _rates(scene: str, noise: str, rounds: pd.DataFrame) -> Clearing:
+    successes, tried, present = _counts(rounds, "success", "tried", "n_objects")
     return Clearing(
-        scene, noise, len(counts), mean_of(successes, tried), mean_of(successes, present)
+        scene, noise, len(rounds), mean_of(successes, tried), mean_of(successes, present)
     )
+
+
+def _compared(scene: str, noise: str, rounds: pd.DataFrame) -> ClearingComparison:
+    one, other, tried, other_tried, present = _counts(
+        rounds, "success_x", "success_y", "tried_x", "tried_y", "n_objects"
+    )
+
+    def success(drawn: Integers) -> Floats:
+        with np.errstate(invalid="ignore"):  # rounds without attempts may be drawn alone
+            first = one[drawn].sum(axis=1) / tried[drawn].sum(axis=1)
+            second = other[drawn].sum(axis=1) / other_tried[drawn].sum(axis=1)
+        return np.asarray(first - second)
+
+    def cleared(drawn: Integers) -> Floats:
+        with np.errstate(invalid="ignore"):
+            return np.asarray((one - other)[drawn].sum(axis=1) / present[drawn].sum(axis=1))
+
+    all_rounds = np.arange(len(rounds))[None]
+    return ClearingComparison(
+        scene,
+        noise,
+        len(rounds),
+        float(success(all_rounds)[0]),
+        bootstrap(success, len(rounds)),
+        float(cleared(all_rounds)[0]),
+        bootstrap(cleared, len(rounds)),
+        sign_flip(one - other),
+    )
+
+
+def _counts(rounds: pd.DataFrame, *names: str) -> list[Integers]:
+    return [rounds[name].to_numpy(dtype=np.int64) for name in names]

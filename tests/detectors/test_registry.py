@@ -114,7 +114,7 @@ def test_weights_for_a_function_are_a_mistake(file):
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"detector": "telepathy"}, "antipodal-depth, ggcnn, labels, random, FILE.py:CLASS"),
+        ({"detector": "telepathy"}, "ggcnn, labels, random, vgn, FILE.py:CLASS"),
         ({"detector": "mine.py:"}, "FILE.py:CLASS"),
         ({"detector": "random", "weights": "w.pt"}, "takes no `weights`"),
     ],

@@ -11,6 +11,7 @@ from egad.pipeline.report.page import DatasetReport, ReportData, build
 from egad.report.pictures import png_bytes, render
 from egad.report.viewer import Scene
 from egad.tables import parquet
+from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
@@ -117,6 +118,25 @@ def agreement() -> pd.DataFrame:
 
 
 @pytest.fixture(scope="session")
+def clutter(evalset) -> pd.DataFrame:
+    """Two rounds of piles: one object of two is removed, and then nothing."""
+    first, second = evalset["id"].iloc[:2]
+    frame = pd.DataFrame(
+        {
+            "scene": "pile",
+            "noise": "none",
+            "round": [0, 0, 0, 1, 1],
+            "attempt": [0, 1, 2, 0, 1],
+            "n_objects": 2,
+            "success": [True, False, False, False, False],
+            "outcome": ["success", "missed", "collided", "missed", "missed"],
+            "id": [first, second, second, first, first],
+        }
+    )
+    return filled(frame, CLUTTER)
+
+
+@pytest.fixture(scope="session")
 def history(settings: Settings) -> pd.DataFrame:
     """Three steps of ten offspring that fill one cell after another."""
     cells = [bytes([1] * step + [0] * (settings.space.cells**2 - step)) for step in (1, 2, 3)]
@@ -157,7 +177,7 @@ def size_effect() -> pd.DataFrame:
 
 @pytest.fixture(scope="session")
 def report(
-    settings, objects, pictures, evalset, grasps, trials, agreement, history, size_effect
+    settings, objects, pictures, evalset, grasps, trials, clutter, agreement, history, size_effect
 ) -> ReportData:
     rejected = pd.DataFrame(
         {
@@ -185,6 +205,8 @@ def report(
         ],
         manifests={"egad_75mm": filled(manifest, MANIFEST)},
         trials={("egad_75mm", "antipodal-depth"): trials},
+        clutter={"egad_75mm": {"antipodal-cloud": clutter}},
+        clutter_pictures={"egad_75mm": {"pile": [next(iter(pictures.values()))]}},
         agreement={"egad_75mm": agreement},
         history=history,
     )

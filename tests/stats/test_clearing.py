@@ -4,7 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.stats import by_difficulty, clearing_rates
+from egad.errors import UserError
+from egad.stats import by_difficulty, clearing_rates, compare_clearing
 
 
 def rows(scene, number, n_objects, outcomes, ids=None):
@@ -13,6 +14,8 @@ def rows(scene, number, n_objects, outcomes, ids=None):
             "scene": scene,
             "noise": "none",
             "round": number,
+            "seed": f"{number:032x}",
+            "objects": " ".join(f"object{each}" for each in range(n_objects)),
             "n_objects": n_objects,
             "success": [outcome == "success" for outcome in outcomes],
             "outcome": outcomes,
@@ -73,3 +76,29 @@ def test_attempts_without_an_object_count_in_no_third():
     objects = pd.DataFrame({"id": ["a"], "complexity": [1.0], "difficulty": [0.1]})
     table = rows("pile", 0, 1, ["success", "error"], ["a", ""])
     assert by_difficulty(table, objects)["attempts"].sum() == pytest.approx(2)  # on two axes
+
+
+def test_two_detectors_are_compared_over_the_rounds_that_both_played():
+    first = [rows("pile", n, 4, ["success"] * 4) for n in range(20)]
+    second = [rows("pile", n, 4, ["success", "missed", "success", "no_grasp"]) for n in range(20)]
+    found = compare_clearing(pd.concat(first[:15]), pd.concat(second[5:]))
+    assert len(found) == 1
+    assert found[0].rounds == 10
+    assert found[0].success == pytest.approx(1 - 2 / 3)
+    assert found[0].cleared == pytest.approx(0.5)
+    assert found[0].cleared_interval == pytest.approx((0.5, 0.5))  # all rounds are alike
+    assert found[0].p_cleared == pytest.approx(2**-9)  # all of 10 coins on one side, either
+    mirrored = compare_clearing(pd.concat(second), pd.concat(first))[0]
+    assert mirrored.cleared == pytest.approx(-0.5)
+
+
+def test_a_detector_does_not_differ_from_itself():
+    table = pd.concat([rows("packed", n, 3, ["success"] * (n % 4) + ["error"]) for n in range(9)])
+    same = compare_clearing(table, table)[0]
+    assert (same.success, same.cleared, same.p_cleared) == (0, 0, 1)
+
+
+def test_rounds_with_other_objects_are_not_compared():
+    table = rows("pile", 0, 3, ["success"])
+    with pytest.raises(UserError, match="no round in common"):
+        compare_clearing(table, table.assign(objects="cup bowl"))

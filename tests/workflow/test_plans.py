@@ -9,6 +9,7 @@ from egad.perception.image_shards import read
 from egad.pipeline.config import Settings
 from egad.pipeline.stages.shards import shard_of
 from egad.tables import parquet
+from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import AGREEMENT, EVAL49, TRIALS
 from egad.tables.grasping import SIMULATED_GRASPS, SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
@@ -419,6 +420,23 @@ def test_labelled_grasps_are_carried_out_if_that_is_asked_for(copy):
     assert 0 < len(table) <= 4
     assert 'id="agreement"' in (copy.results / "report.html").read_text(encoding="utf-8")
     changed = copy.overlay("changed.yaml", {"agreement": {"grasps": 5}})
+    assert copy.planned(configs=[*configs, changed]) == made
+
+
+@pytest.mark.slow
+def test_tables_are_cleared_if_that_is_asked_for(copy):
+    few = {"rounds": 2, "objects": 2, "scenes": ["pile"], "noise": ["none"]}
+    asked = {"targets": {"clutter": ["antipodal-cloud", "labels"]}, "clutter": few}
+    configs = ["config/test.yaml", copy.overlay("clutter.yaml", asked)]
+    made = {"clutter": 4, "join_clutter": 2, "report": 1, "all": 1}
+    assert copy.planned(configs=configs) == made
+    copy.make("--cores", 2, configs=configs)
+    assert copy.planned(configs=configs) == {}
+    for detector in ("antipodal-cloud", "labels"):
+        table = parquet.read(copy.results / f"egad/clutter/egad_75mm/{detector}.parquet", CLUTTER)
+        assert table.groupby("round").size().index.tolist() == [0, 1]
+    assert 'id="clutter"' in (copy.results / "report.html").read_text(encoding="utf-8")
+    changed = copy.overlay("changed.yaml", {"clutter": {"rounds": 3}})
     assert copy.planned(configs=[*configs, changed]) == made
 
 

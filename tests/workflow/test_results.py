@@ -17,6 +17,7 @@ import pytest
 import trimesh
 
 from egad import __version__
+from egad.data import evaluation_set
 from egad.exchange.sums import read_sums
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config import Settings
@@ -444,7 +445,7 @@ def test_everybody_gets_the_same_evaluation_set_from_the_released_objects(clean)
     table = "results/egad/eval49.parquet"
     clean.make("--cores", 2, table, configs=["config/released.yaml"])
     chosen = parquet.read(clean.folder / table, EVAL49)
-    expected = pd.read_csv(Path(__file__).parents[1] / "data/released_set.csv")
+    expected = pd.read_csv(evaluation_set())
     assert chosen[["label", "id"]].values.tolist() == expected.values.tolist()
 
 

@@ -33,7 +33,7 @@ try:
     # The user's own measures by their code, so that editing it re-runs what they measure.
     MEASURES = [source_hash(measure) for measure in SETTINGS.measures.functions().values()]
     # Files of target detectors must exist before anything runs.
-    for name in SETTINGS.targets.detectors:
+    for name in [*SETTINGS.targets.detectors, *SETTINGS.targets.clutter]:
         fingerprint(SETTINGS.detectors[name])
 except UserError as error:
     raise WorkflowError(f"The configuration cannot be used:\n{error}")

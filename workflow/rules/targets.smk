@@ -17,7 +17,7 @@ def published():
         of_gripper.append("simulated/{gripper}.parquet")
     if targets.agreement:
         of_gripper.append("agreement/{gripper}.parquet")
-    trials = "trials/{gripper}/{detector}.parquet"
+    trials, clutter = (f"{name}/{{gripper}}/{{detector}}.parquet" for name in ("trials", "clutter"))
     of_target = [
         "eval49.parquet",
         "eval49.rejected.parquet",
@@ -26,6 +26,7 @@ def published():
         "eval49/trials.csv",
         *expand(of_gripper, gripper=targets.grippers),
         *expand(trials, gripper=targets.grippers, detector=targets.detectors),
+        *expand(clutter, gripper=targets.grippers, detector=targets.clutter),
     ]
     return [
         "results/comparison.parquet",

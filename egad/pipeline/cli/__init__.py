@@ -4,10 +4,20 @@ import logging
 import sys
 
 from egad.errors import LESS_MEMORY, RejectedError, TableError, UserError
-from egad.pipeline.cli import exchange, grasping, measuring, origins, tools, training, trials
+from egad.pipeline.cli import (
+    benchmark,
+    exchange,
+    grasping,
+    measuring,
+    origins,
+    tools,
+    training,
+    trials,
+)
 from egad.pipeline.cli.common import app
 
 __all__ = [
+    "benchmark",
     "exchange",
     "grasping",
     "main",

@@ -11,7 +11,7 @@ from egad.measures import cell_name
 from egad.report.axes import AxisPair
 from egad.report.page import p_value
 from egad.report.trials import Pair
-from egad.stats import Mean
+from egad.stats import Clearing, ClearingComparison, Mean
 
 DASH = "-"
 WIDE = 200  # columns of a table that goes into a file
@@ -114,6 +114,49 @@ def compared(pairs: Sequence[Pair]) -> None:
                 p_value(pair.result.p_attempts),
             )
             for pair in pairs
+        ],
+    )
+
+
+def cleared(rates: Mapping[str, Sequence[Clearing]]) -> None:
+    """Print how well detectors clear tables."""
+    show(
+        [
+            *("detector", "scenes", "noise", "rounds", "attempts"),
+            *("success %", "95 % interval", "cleared %", "95 % interval"),
+        ],
+        [
+            (
+                *(name, rate.scene, rate.noise, str(rate.rounds), str(rate.success.attempts)),
+                number(100 * rate.success.value, 1),
+                _interval(rate.success.interval),
+                number(100 * rate.cleared.value, 1),
+                _interval(rate.cleared.interval),
+            )
+            for name, each in rates.items()
+            for rate in each
+        ],
+    )
+
+
+def clearing_compared(pairs: Mapping[str, Sequence[ClearingComparison]]) -> None:
+    """Print the comparison of detectors that cleared the same tables."""
+    show(
+        [
+            *("first vs second", "scenes", "noise", "common rounds"),
+            *("success +%", "95 % interval", "cleared +%", "95 % interval", "p over rounds"),
+        ],
+        [
+            (
+                *(name, found.scene, found.noise, str(found.rounds)),
+                number(100 * found.success, 1),
+                _interval(found.success_interval),
+                number(100 * found.cleared, 1),
+                _interval(found.cleared_interval),
+                p_value(found.p_cleared),
+            )
+            for name, each in pairs.items()
+            for found in each
         ],
     )
 

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 trials = typer.Typer(
-    no_args_is_help=True, help="Results of grasping trials: compare, report, replay, template."
+    no_args_is_help=True,
+    help="Results of grasping trials: compare, report, replay, film, template.",
 )
 app.add_typer(trials, name="trials", rich_help_panel=TOOL)
 
@@ -35,12 +36,22 @@ def compare(
 ) -> None:
     """Compare detectors on the same objects: success rates, differences, significance.
 
-    Simulated results must be of the same evaluation set, scaled to the same gripper.
+    Simulated results must be of the same evaluation set, scaled to the same gripper; cleared tables
+    must begin with the same scenes.
     """
     from egad.exchange import check_ending
     from egad.stats import gather
+    from egad.tables import parquet
 
     check_ending(out, (".html",))
+    is_clutter = [path.suffix == ".parquet" and "scene" in parquet.columns(path) for path in tables]
+    if all(is_clutter) and len(tables) > 1 and out is None:
+        _compare_clearing(tables)
+        return
+    if any(is_clutter):
+        raise UserError(
+            "cleared tables are compared with each other, at least two, and without --out"
+        )
     found = gather(tables)
     if len(found) < 2:
         raise UserError("compare needs the results of at least two detectors")
@@ -114,6 +125,45 @@ def replay(
     typer.echo(f"{film}: {label}, attempt {attempt}: {outcome}, as before")
 
 
+@trials.command(name="film")
+def film_round(
+    scene: Annotated[str, typer.Argument(help="single, packed or pile")],
+    number: Annotated[int, typer.Argument(help="number of the round, from 0")],
+    noise: Annotated[str, typer.Option(help="of the depth images: none, stereo, gamma")] = "none",
+    out: Annotated[
+        Path | None, typer.Option(help=".gif or .mp4; default: SCENE-NUMBER.gif")
+    ] = None,
+    dataset: Annotated[Path, typer.Option("--in", help="folder of the dataset")] = Path(
+        "results/egad"
+    ),
+    gripper: GripperName = None,
+    detector: Annotated[
+        str | None, typer.Option(help="detector; default: the first of targets.clutter")
+    ] = None,
+    config: Config = None,
+) -> None:
+    """Repeat a round of clearing a table exactly, and film it."""
+    from egad.exchange import check_ending
+    from egad.pipeline.config.stage_settings import select
+    from egad.pipeline.stages import clutter as stage
+    from egad.sim import ENDINGS, ClutterParameters
+
+    film = out or Path(f"{scene}-{number}.gif")
+    check_ending(film, ENDINGS)
+    settings = settings_in(config)
+    hand = check_name("gripper", gripper or settings.targets.grippers[0], settings.grippers)
+    if detector is None and not settings.targets.clutter:
+        raise UserError("--detector is missing: the configuration has no targets.clutter")
+    stage.film(
+        select(settings, ClutterParameters, hand),
+        dataset / "clutter" / hand / f"{detector or settings.targets.clutter[0]}.parquet",
+        dataset / "bundle" / hand,
+        (scene, noise, number),
+        film,
+    )
+    typer.echo(f"{film}: round {number} of {scene}, noise {noise}, as before")
+
+
 @trials.command()
 def template(
     out: Annotated[Path, typer.Option(help="CSV file to write")] = Path("results.csv"),
@@ -143,6 +193,25 @@ def template(
     with atomic_output(out) as temporary:
         frame.to_csv(temporary, index=False)
     typer.echo(f"{out}: {len(frame)} attempts at {len(labels)} objects")
+
+
+def _compare_clearing(tables: list[Path]) -> None:
+    """Print rates of detectors that cleared the same tables, and comparisons of pairs."""
+    from itertools import combinations
+
+    from egad.pipeline.cli.terminal_tables import cleared, clearing_compared
+    from egad.stats import clearing_rates, compare_clearing
+    from egad.tables import parquet
+    from egad.tables.clutter import CLUTTER
+
+    several = len({path.stem for path in tables}) < len(tables)
+    names = [str(path.with_suffix("")) if several else path.stem for path in tables]
+    found = {name: parquet.read(path, CLUTTER) for name, path in zip(names, tables, strict=True)}
+    cleared({name: clearing_rates(table) for name, table in found.items()})
+    pairs = combinations(found, 2)
+    clearing_compared(
+        {f"{one} vs {other}": compare_clearing(found[one], found[other]) for one, other in pairs}
+    )
 
 
 def _tell(found: "Mapping[str, pd.DataFrame]") -> None:

@@ -133,6 +133,10 @@ class Targets(Parameters):
         min_length=1,
         description="grasp detectors to test in simulation, from the table below",
     )
+    clutter: list[Name] = Field(
+        [],
+        description="grasp detectors to let clear tables of several objects, from the table below",
+    )
     exports: list[Format] = Field(
         [],
         description="exports for other programs, of labelled grasps or of rendered images with "

@@ -27,7 +27,7 @@ from egad.pipeline.config.sections import (
     TrainingStudy,
 )
 from egad.reeb import Similarity
-from egad.sim import Agreement, SimulatedLabel, Trials
+from egad.sim import Agreement, Clutter, SimulatedLabel, Trials
 
 
 class Settings(Parameters):
@@ -71,6 +71,7 @@ class Settings(Parameters):
     dexnet: DexNet = DexNet()
     acronym: Acronym = Acronym()
     trials: Trials = Trials()
+    clutter: Clutter = Clutter()
     simulated_label: SimulatedLabel = SimulatedLabel()
     agreement: Agreement = Agreement()
     training: Training = Training()
@@ -96,6 +97,7 @@ class Settings(Parameters):
             *_unknown("targets.datasets", self.targets.datasets, self.datasets),
             *_unknown("targets.grippers", self.targets.grippers, self.grippers),
             *_unknown("targets.detectors", self.targets.detectors, self.detectors),
+            *_unknown("targets.clutter", self.targets.clutter, self.detectors),
             *_unknown("render.camera", [self.render.camera], self.cameras),
             *_unknown("difficulty.gripper", [self.difficulty.gripper], self.grippers),
             *_unknown(

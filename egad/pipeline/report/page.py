@@ -12,6 +12,7 @@ from egad.pipeline.config.settings import Settings
 from egad.pipeline.report.config_tables import entry_tables, parameter_tables
 from egad.report import (
     agreement,
+    clutter,
     comparison,
     evaluation,
     evolution,
@@ -26,6 +27,7 @@ from egad.report.viewer import Scene
 
 KINDS = {"evolved": "evolved", "primitives": "random"}
 ByGripper = Mapping[str, pd.DataFrame]
+ByDetector = Mapping[str, pd.DataFrame]
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,8 @@ class DatasetReport:
         size_effects: Columns of `tables.grasping.SIZE_EFFECT`, by gripper.
         manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
         trials: Columns of `tables.evaluation.TRIALS`, by gripper and detector.
+        clutter: Columns of `tables.clutter.CLUTTER`, by gripper and detector.
+        clutter_pictures: PNGs of scenes that are cleared, by gripper and kind of scene.
         agreement: Columns of `tables.evaluation.AGREEMENT`, by gripper.
         scenes: Objects of the evaluation set with grasps of the first gripper.
         history: Columns of `tables.evolution.HISTORY`; only of a dataset evolved here.
@@ -58,6 +62,8 @@ class DatasetReport:
     size_effects: ByGripper = field(default_factory=dict)
     manifests: ByGripper = field(default_factory=dict)
     trials: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
+    clutter: Mapping[str, ByDetector] = field(default_factory=dict)
+    clutter_pictures: Mapping[str, Mapping[str, Sequence[bytes]]] = field(default_factory=dict)
     agreement: ByGripper = field(default_factory=dict)
     scenes: Sequence[Scene] = ()
     history: pd.DataFrame | None = None
@@ -109,6 +115,7 @@ def _sections(report: ReportData) -> Iterator[Section]:
     yield comparison.section(report.comparison, objects, space, axes)
     yield from _grasps(datasets, settings)
     yield from _trials(results, settings)
+    yield from _clutter(datasets)
     yield from _agreement(datasets, settings)
     yield summary.rejected_section({name: data.rejected for name, data in datasets.items()})
     yield section_of(
@@ -223,6 +230,21 @@ def _trials(
             lift_height=settings.trials.lift_height,
             named=len(results) > 1,
         )
+
+
+def _clutter(datasets: Mapping[str, DatasetReport]) -> Iterator[Section]:
+    found = {
+        name: {
+            gripper: clutter.clutter_view(
+                tables, data.evalset, data.clutter_pictures.get(gripper, {})
+            )
+            for gripper, tables in data.clutter.items()
+            if data.evalset is not None and any(len(table) for table in tables.values())
+        }
+        for name, data in datasets.items()
+    }
+    if any(found.values()):
+        yield clutter.section(found, named=len(datasets) > 1)
 
 
 def _agreement(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterator[Section]:

@@ -5,7 +5,7 @@ from contextlib import suppress
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import pandas as pd
 import pyarrow as pa
@@ -16,12 +16,16 @@ from egad._util.progress import phase, progress
 from egad._util.workers import Mapper, workers
 from egad.exchange import read_mesh
 from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.parameters import Input, Jobs, NotNoted, Output, command
 from egad.pipeline.report.page import DatasetReport, ReportData, build
+from egad.pipeline.stages.clutter import scene_pictures
 from egad.pipeline.stages.scenes import scenes
 from egad.report.pictures import png_bytes, render
 from egad.report.space_map import shown_objects
+from egad.sim import ClutterParameters
 from egad.tables import parquet
+from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
@@ -112,6 +116,7 @@ def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> Dat
             for gripper in grippers
             for detector in settings.targets.detectors
         },
+        **_clutter(settings, folder),
         agreement=_each(
             grippers if settings.targets.agreement else [],
             folder / "agreement",
@@ -119,6 +124,27 @@ def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> Dat
             AGREEMENT,
         ),
     )
+
+
+def _clutter(settings: Settings, folder: Path) -> dict[str, Any]:
+    """Cleared tables by gripper and detector, and pictures of their scenes, if there are any."""
+    detectors = settings.targets.clutter
+    grippers = settings.targets.grippers if detectors else []
+    return {
+        "clutter": {
+            gripper: {
+                name: parquet.read(folder / "clutter" / gripper / f"{name}.parquet", CLUTTER)
+                for name in detectors
+            }
+            for gripper in grippers
+        },
+        "clutter_pictures": {
+            gripper: scene_pictures(
+                select(settings, ClutterParameters, gripper), folder / "bundle" / gripper
+            )
+            for gripper in grippers
+        },
+    }
 
 
 def versions() -> dict[str, str]:

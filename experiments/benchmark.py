@@ -1,0 +1,148 @@
+"""The tables of docs/benchmark.md: detectors clear tables of evolved objects, YCB and primitives.
+
+    python experiments/benchmark.py OUT --ycb FOLDER --vgn WEIGHTS --ggcnn WEIGHTS --jobs 2
+
+writes OUT/SET/DETECTOR.parquet, unless it is there, and prints the tables. `simple` is
+a set of single boxes, cylinders and balls, as VGN was trained with.
+"""
+
+import argparse
+import os
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+import egad
+from egad.benchmark import clear_tables, prepare_objects
+from egad.detectors import DetectorConfig
+from egad.exchange import object_names, read_mesh
+from egad.geometry import joined_primitives
+from egad.geometry.manifold import to_mesh
+from egad.geometry.primitives import loose_piece, solid_of
+from egad.objects import NamedMesh, named_meshes
+from egad.pipeline.config import GRIPPERS
+from egad.random import generator
+from egad.sim import Clutter, ClutterParameters
+from egad.stats import Clearing, by_difficulty, clearing_rates
+from egad.tables import parquet
+from egad.tables.clutter import CLUTTER
+
+ROUNDS = 100
+GRIPPER = "panda"
+COUNT = 49  # primitives and simple objects, as many as in the evaluation set
+LARGEST = 0.075  # side of a simple object, metres
+SIMPLE = "simple"
+
+
+def main(given: argparse.Namespace) -> None:
+    """Run what is missing, and print the tables."""
+    detectors = {
+        "vgn": DetectorConfig(detector="vgn", weights=given.vgn),
+        "ggcnn2": DetectorConfig(detector="ggcnn", weights=given.ggcnn),
+        **{name: DetectorConfig(detector=name) for name in ("antipodal-cloud", "labels", "random")},
+    }
+    sets = {
+        "evolved": named_meshes(egad.load("evaluation-set")),
+        "ycb": ycb(Path(given.ycb)),
+        "primitives": [NamedMesh(*[f"p{n:02}"] * 2, partial(joined, n)) for n in range(COUNT)],
+        SIMPLE: [NamedMesh(*[f"s{n:02}"] * 2, partial(single, n)) for n in range(COUNT)],
+    }
+    for name, targets in sets.items():
+        used = {"vgn": detectors["vgn"]} if name == SIMPLE else detectors
+        run(Path(given.out) / name, targets, used, given.jobs)
+    print_tables(Path(given.out))
+
+
+def ycb(folder: Path) -> list[NamedMesh]:
+    """The meshes of a folder, metres."""
+    files = object_names(sorted(folder.glob("*.ply")))
+    return [NamedMesh(name, name, partial(read_mesh, path, "m")) for name, path in files.items()]
+
+
+def joined(number: int) -> trimesh.Trimesh:
+    """An object of several primitives, as in a dataset of the source `primitives`."""
+    return joined_primitives(generator(0, "primitives", number), 0.1)
+
+
+def single(number: int) -> trimesh.Trimesh:
+    """A box, a cylinder or a ball."""
+    mesh = to_mesh(solid_of(loose_piece(generator(0, "simple", number))))
+    return mesh.apply_scale(LARGEST)
+
+
+def run(
+    folder: Path, targets: list[NamedMesh], detectors: dict[str, DetectorConfig], jobs: int
+) -> None:
+    """Let detectors clear tables, those that did not yet; prints what each took."""
+    missing = [name for name in detectors if not (folder / f"{name}.parquet").exists()]
+    if not missing:
+        return
+    simple = folder.name == SIMPLE
+    noise = ("none", "stereo", "gamma") if simple else ("none", "stereo")
+    clutter = Clutter(rounds=ROUNDS, noise=noise, scenes=("single", "packed", "pile"))
+    settings = ClutterParameters(seed=0, gripper=GRIPPERS[GRIPPER], clutter=clutter)
+    rule, label_seed = ("none", None) if simple else ("paper", settings.seed)
+    objects = prepare_objects(targets, settings.gripper, rule, label_seed, jobs)
+    for name in missing:
+        begin = cpu_time()
+        found = clear_tables(detectors[name], objects, settings, jobs)
+        parquet.write(found.table, CLUTTER, folder / f"{name}.parquet")
+        minutes = (cpu_time() - begin) / 60
+        print(
+            f"{folder.name}, {name}: {minutes:.1f} CPU min, planning {found.planning_time:.3f} s",
+            flush=True,
+        )
+
+
+def cpu_time() -> float:
+    """Of this process and those it started that have ended, seconds."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
+
+
+def print_tables(out: Path) -> None:
+    """Print rates by set, detector, scenes and noise; and success by thirds of the objects."""
+    tables = {
+        (path.parent.name, path.stem): parquet.read(path, CLUTTER)
+        for path in sorted(out.glob("*/*.parquet"))
+    }
+    print("| objects | detector | noise | single | packed | packed cleared | pile | pile cleared |")
+    print("| --- " * 8 + "|")
+    for (name, detector), table in tables.items():
+        for line in lines(table):
+            print(f"| {name} | `{detector}` | {line} |")
+    print("\n| detector | simple | | complex | easy | | hard |\n" + "| --- " * 7 + "|")
+    objects = egad.load("evaluation-set").table
+    for (name, detector), table in tables.items():
+        if name == "evolved":
+            thirds = by_difficulty(table, objects)
+            rates = 100 * thirds["successes"] / thirds["attempts"]
+            print(f"| `{detector}` | {' | '.join(f'{rate:.0f}' for rate in rates)} |")
+
+
+def lines(table: pd.DataFrame) -> Iterator[str]:
+    """Noise and rates with intervals, in percent."""
+    rates: dict[str, dict[str, Clearing]] = {}
+    for each in clearing_rates(table):
+        rates.setdefault(each.noise, {})[each.scene] = each
+    for noise, by_scene in rates.items():
+        shown = [by_scene["single"].success]
+        for scene in ("packed", "pile"):
+            shown += [by_scene[scene].success, by_scene[scene].cleared]
+        percents = [100 * np.array([rate.value, *rate.interval]) for rate in shown]
+        yield " | ".join(
+            [noise, *(f"{v:.0f} ({low:.0f} to {high:.0f})" for v, low, high in percents)]
+        )
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("out")
+    for option in ("--ycb", "--vgn", "--ggcnn"):
+        parser.add_argument(option, required=True)
+    parser.add_argument("--jobs", type=int, default=2)
+    main(parser.parse_args())
