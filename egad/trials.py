@@ -12,7 +12,13 @@ from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.api import dataset_grasps
-from egad.detectors import QUICK, Detector, Labels, wanted_input, with_checked_answers
+from egad.detectors import (
+    QUICK,
+    Detector,
+    Labels,
+    check_views_will_do,
+    with_checked_answers,
+)
 from egad.errors import RejectedError, UserError, check_name
 from egad.evalset import Bundle
 from egad.geometry import Material
@@ -136,11 +142,8 @@ def run_trials(
         check_name("detector", detect, (LABELS, *QUICK))
     elif not callable(detect):
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")
-    elif wanted_input(detect) != "view":
-        raise UserError(
-            f"in trials, a detector gets a view from above; this one asks for "
-            f"`{wanted_input(detect)}`, which `egad.run_benchmark` gives"
-        )
+    else:
+        check_views_will_do(detect)
     work = partial(_attempts, detect=detect, rule=rule, parameters=parameters)
     with workers(jobs, chunk=1) as mapper:
         tables = progress(mapper(work, targets), "trying", len(targets))

@@ -2,6 +2,7 @@
 
     python experiments/benchmark.py OUT --ycb FOLDER --vgn WEIGHTS --ggcnn WEIGHTS --jobs 2
 
+(and the same with --picture, which draws docs/benchmark.png)
 writes OUT/SET/DETECTOR.parquet, unless it is there, and prints the tables. `simple` is
 a set of single boxes, cylinders and balls, as VGN was trained with.
 """
@@ -15,8 +16,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import trimesh
+from PIL import Image
 
 import egad
+from egad._util.files import atomic_output
 from egad.benchmark import clear_tables, prepare_objects
 from egad.detectors import DetectorConfig
 from egad.exchange import object_names, read_mesh
@@ -24,9 +27,10 @@ from egad.geometry import joined_primitives
 from egad.geometry.manifold import to_mesh
 from egad.geometry.primitives import loose_piece, solid_of
 from egad.objects import NamedMesh, named_meshes
+from egad.perception import NoiseName
 from egad.pipeline.config import GRIPPERS
 from egad.random import generator
-from egad.sim import Clutter, ClutterParameters
+from egad.sim import Clutter, ClutterParameters, picture_of, rounds_of
 from egad.stats import Clearing, by_difficulty, clearing_rates
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
@@ -36,6 +40,9 @@ GRIPPER = "panda"
 COUNT = 49  # primitives and simple objects, as many as in the evaluation set
 LARGEST = 0.075  # side of a simple object, metres
 SIMPLE = "simple"
+SHOWN = 2  # scenes of each kind
+CROP = (slice(110, 370), slice(20, 332))
+DOCS = Path(__file__).parents[1] / "docs"
 
 
 def main(given: argparse.Namespace) -> None:
@@ -51,6 +58,9 @@ def main(given: argparse.Namespace) -> None:
         "primitives": [NamedMesh(*[f"p{n:02}"] * 2, partial(joined, n)) for n in range(COUNT)],
         SIMPLE: [NamedMesh(*[f"s{n:02}"] * 2, partial(single, n)) for n in range(COUNT)],
     }
+    if given.picture:
+        draw(sets)
+        return
     for name, targets in sets.items():
         used = {"vgn": detectors["vgn"]} if name == SIMPLE else detectors
         run(Path(given.out) / name, targets, used, given.jobs)
@@ -82,9 +92,7 @@ def run(
     if not missing:
         return
     simple = folder.name == SIMPLE
-    noise = ("none", "stereo", "gamma") if simple else ("none", "stereo")
-    clutter = Clutter(rounds=ROUNDS, noise=noise, scenes=("single", "packed", "pile"))
-    settings = ClutterParameters(seed=0, gripper=GRIPPERS[GRIPPER], clutter=clutter)
+    settings = settings_of(("none", "stereo", "gamma") if simple else ("none", "stereo"))
     rule, label_seed = ("none", None) if simple else ("paper", settings.seed)
     objects = prepare_objects(targets, settings.gripper, rule, label_seed, jobs)
     for name in missing:
@@ -96,6 +104,28 @@ def run(
             f"{folder.name}, {name}: {minutes:.1f} CPU min, planning {found.planning_time:.3f} s",
             flush=True,
         )
+
+
+def settings_of(noise: tuple[NoiseName, ...]) -> ClutterParameters:
+    """Those of all runs."""
+    clutter = Clutter(rounds=ROUNDS, noise=noise, scenes=("single", "packed", "pile"))
+    return ClutterParameters(seed=0, gripper=GRIPPERS[GRIPPER], clutter=clutter)
+
+
+def draw(sets: dict[str, list[NamedMesh]]) -> None:
+    """Two packed scenes and two piles of each set; a row is a set."""
+    settings, rows = settings_of(("none",)), []
+    for name, targets in sets.items():
+        if name == SIMPLE:
+            continue
+        objects = prepare_objects(targets, settings.gripper, "paper", jobs=2)
+        models = {each.id: each.model for each in objects}
+        todo = rounds_of(list(models), settings)
+        shown = [this for this in todo if this.scene != "single" and this.number < SHOWN]
+        rows.append([picture_of(this, models, settings)[CROP] for this in shown])
+    sheet = Image.fromarray(np.concatenate([np.concatenate(row, axis=1) for row in rows]))
+    with atomic_output(DOCS / "benchmark.png") as out:
+        sheet.quantize(64).save(out, "png", optimize=True)
 
 
 def cpu_time() -> float:
@@ -145,4 +175,5 @@ if __name__ == "__main__":
     for option in ("--ycb", "--vgn", "--ggcnn"):
         parser.add_argument(option, required=True)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--picture", action="store_true", help="draw docs/benchmark.png instead")
     main(parser.parse_args())

@@ -40,6 +40,15 @@ def wanted_input(detect: Callable[..., Any]) -> str:
     return first if first in INPUTS else INPUTS[0]
 
 
+def check_views_will_do(detect: Callable[..., Any]) -> None:
+    """Raise UserError for a detector that asks for more than trials give."""
+    if (name := wanted_input(detect)) != INPUTS[0]:
+        raise UserError(
+            f"in trials, a detector gets a view from above; this one asks for `{name}`, which "
+            "`egad benchmark` and `egad.run_benchmark` give"
+        )
+
+
 def seen_by(detect: Callable[..., Any], observation: Observation) -> Seen:
     """The part of an observation that a detector wants."""
     name = wanted_input(detect)

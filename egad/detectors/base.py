@@ -90,5 +90,9 @@ def _promise(grasp: Grasp) -> float:
     return -grasp.quality if math.isfinite(grasp.quality) else math.inf
 
 
+class DetectorError(Exception):
+    """A detector raised an error, gave something else than grasps, or ended its process."""
+
+
 class DetectorTimeoutError(Exception):
     """A detector took too long and was stopped."""

@@ -7,28 +7,56 @@ from pydantic import Field, model_validator
 from egad._util.parameters import Parameters
 
 SHIPPED = ("antipodal-cloud", "antipodal-depth", "ggcnn", "labels", "random", "vgn")
+GRASPGEN = "graspgen"  # shipped, but without an address it is nothing
+KNOWN = f"{', '.join(SHIPPED)}, {GRASPGEN}"
 
 
 class DetectorConfig(Parameters):
     """A named grasp detector."""
 
-    detector: str = Field(
-        description=f"a built-in one ({', '.join(SHIPPED)}), or your own: FILE.py:CLASS or "
-        "package.module:CLASS"
+    detector: str | None = Field(
+        None,
+        description=f"a built-in one ({KNOWN}), or your own: FILE.py:CLASS or package.module:CLASS",
+    )
+    command: tuple[str, ...] | None = Field(
+        None,
+        min_length=1,
+        description="instead of `detector`: the command that starts it in its own environment",
     )
     weights: str | None = Field(
         None, description="file that the detector loads, such as the weights of a network"
     )
 
+    address: str | None = Field(
+        None, description="of the server of `graspgen`, such as tcp://localhost:5556"
+    )
+
+    @property
+    def name(self) -> str:
+        """The detector, or the command as one text."""
+        return self.detector or " ".join(self.command or ())
+
     @model_validator(mode="after")
     def _detector_can_be_found(self) -> Self:
+        if (self.detector is None) == (self.command is None):
+            raise ValueError("a detector needs either `detector` or `command`")
+        if (self.detector == GRASPGEN) != (self.address is not None):
+            raise ValueError("the detector graspgen needs `address`, and no other takes it")
+        if self.detector is None:
+            if self.weights:
+                raise ValueError("a detector with `command` takes no `weights`: put them there")
+            return self
         module, _, name = self.detector.rpartition(":")
-        if self.detector not in SHIPPED and not (module and name.isidentifier()):
+        if self.detector not in (*SHIPPED, GRASPGEN) and not (module and name.isidentifier()):
             raise ValueError(
-                f"detector is {self.detector!r}; allowed: {', '.join(SHIPPED)}, "
+                f"detector is {self.detector!r}; allowed: {KNOWN}, "
                 "FILE.py:CLASS or package.module:CLASS"
             )
-        if self.weights and self.detector in SHIPPED and self.detector not in ("ggcnn", "vgn"):
+        if (
+            self.weights
+            and self.detector in (*SHIPPED, GRASPGEN)
+            and self.detector not in ("ggcnn", "vgn")
+        ):
             raise ValueError(f"the detector {self.detector} takes no `weights`")
         return self
 

@@ -2,6 +2,7 @@
 
 import functools
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from egad.detectors.antipodal import antipodal_depth
 from egad.detectors.base import WHERE, Grasp
 from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
-from egad.detectors.parameters import DetectorConfig
+from egad.detectors.graspgen import GraspGen
+from egad.detectors.parameters import GRASPGEN, DetectorConfig
 from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.vgn import Vgn
@@ -35,11 +37,13 @@ def make_detector(config: DetectorConfig) -> Detector:
     Raises:
         UserError: It cannot be found or made.
     """
-    name = config.detector
+    name = config.name
     if name in IN_SCENES:
         return IN_SCENES[name]
     if name == "labels":
         raise UserError("labels: knows where the object is and answers in simulated trials only")
+    if name == GRASPGEN and config.address:
+        return GraspGen(config.address)
     networks: dict[str, Callable[[str | None], Detector]] = {"ggcnn": GGCNN, "vgn": Vgn}
     made = networks[name](config.weights) if name in networks else _own(config)
     return with_checked_answers(made)
@@ -68,19 +72,19 @@ def _plain(grasp: Any) -> Grasp:  # noqa: ANN401 (whatever the user's code gives
 
 
 def _own(config: DetectorConfig) -> Callable[..., Any]:
-    found = own_code.find(config.detector, WHERE, "class or function")
+    found = own_code.find(config.name, WHERE, "class or function")
     if not isinstance(found, type):
         if config.weights:
-            raise UserError(f"{WHERE}: {config.detector} is not a class that takes `weights`")
+            raise UserError(f"{WHERE}: {config.name} is not a class that takes `weights`")
         return found  # type: ignore[no-any-return]
     arguments = [config.weights] if config.weights else []
     try:
         made: Callable[..., Any] = found(*arguments)
     except Exception as error:
-        message = f"{WHERE}: {config.detector} cannot be made: {type(error).__name__}: {error}"
+        message = f"{WHERE}: {config.name} cannot be made: {type(error).__name__}: {error}"
         raise UserError(message) from error
     if not callable(made):
-        raise UserError(f"{WHERE}: {config.detector} has no __call__(view, gripper, rng)")
+        raise UserError(f"{WHERE}: {config.name} has no __call__(view, gripper, rng)")
     return made
 
 
@@ -92,6 +96,9 @@ def fingerprint(config: DetectorConfig) -> list[str]:
     """
     if config.detector == "ggcnn":
         check_ggcnn(config.weights)
-    own = [own_code.source_hash(config.detector, WHERE)] if ":" in config.detector else []
+    if config.command:
+        files = [word for word in config.command if Path(word).is_file()]
+        return [own_code.file_hash(file, WHERE) for file in files]
+    own = [own_code.source_hash(config.name, WHERE)] if ":" in config.name else []
     weights = [own_code.file_hash(config.weights, WHERE)] if config.weights else []
     return [*own, *weights]

@@ -8,10 +8,11 @@ from typing import Self
 import numpy as np
 
 from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
-from egad.detectors.asking import seen_by
-from egad.detectors.base import DetectorTimeoutError, Grasp
+from egad.detectors.asking import check_views_will_do, seen_by
+from egad.detectors.base import DetectorError, DetectorTimeoutError, Grasp
 from egad.detectors.parameters import DetectorConfig
 from egad.detectors.poses import Detector, GraspPoses
+from egad.detectors.program import Program
 from egad.detectors.registry import IN_SCENES, make_detector
 from egad.errors import UserError
 from egad.grasps import Gripper
@@ -21,10 +22,6 @@ STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to lo
 
 Question = tuple[View | Observation, Gripper, np.random.Generator]
 Answer = list[Grasp] | GraspPoses | MemoryError | str  # text: what went wrong
-
-
-class DetectorError(Exception):
-    """A detector raised an error, gave something else than grasps, or ended its process."""
 
 
 class Child:
@@ -37,7 +34,7 @@ class Child:
             config: The detector.
             limit: Seconds that an answer may take.
         """
-        name = f"the process of the detector {config.detector}"
+        name = f"the process of the detector {config.name}"
         self._worker = Worker(partial(_answering, config), limit, STARTING_TIME, name)
         self._was_ready = False
 
@@ -98,6 +95,10 @@ def opened(config: DetectorConfig, limit: float) -> Iterator[Detector]:
     if config.detector in IN_SCENES:
         yield IN_SCENES[config.detector]
         return
+    if config.command:
+        with Program(config.command, limit, STARTING_TIME) as program:
+            yield program
+        return
     with Child(config, limit) as child:
         yield child
 
@@ -110,6 +111,8 @@ def _answering(config: DetectorConfig) -> Iterator[Callable[[Question], Answer]]
 
 def _answer(detect: Detector, question: Question) -> Answer:
     seen, gripper, rng = question
+    if not isinstance(seen, Observation):
+        check_views_will_do(detect)
     try:
         if isinstance(seen, Observation):
             return detect(seen_by(detect, seen), gripper, rng)

@@ -114,7 +114,7 @@ def test_weights_for_a_function_are_a_mistake(file):
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"detector": "telepathy"}, "ggcnn, labels, random, vgn, FILE.py:CLASS"),
+        ({"detector": "telepathy"}, "labels, random, vgn, graspgen, FILE.py:CLASS"),
         ({"detector": "mine.py:"}, "FILE.py:CLASS"),
         ({"detector": "random", "weights": "w.pt"}, "takes no `weights`"),
     ],
@@ -222,3 +222,27 @@ def test_a_child_that_cannot_be_made_at_its_first_question_is_the_users_mistake(
 def test_a_child_that_cannot_be_made_is_the_users_mistake(file):
     with pytest.raises(UserError, match="no such camera"):
         Child(DetectorConfig(detector=f"{file}:Broken"), 60).__enter__()
+
+
+def test_a_command_is_instead_of_a_detector_and_its_files_count(tmp_path):
+    with pytest.raises(ValueError, match="either `detector` or `command`"):
+        DetectorConfig()
+    with pytest.raises(ValueError, match="either `detector` or `command`"):
+        DetectorConfig(detector="random", command=("python", "mine.py"))
+    with pytest.raises(ValueError, match="takes no `weights`"):
+        DetectorConfig(command=("python", "mine.py"), weights="w.pt")
+    path = tmp_path / "mine.py"
+    path.write_text("1")
+    config = DetectorConfig(command=("python", str(path), "--fast"))
+    first = fingerprint(config)
+    path.write_text("2")
+    assert len(first) == 1
+    assert first != fingerprint(config)
+
+
+def test_what_asks_for_more_than_a_view_cannot_do_trials(tmp_path, view):
+    path = tmp_path / "mine.py"
+    path.write_text("def of_a_cloud(cloud, gripper, rng): return []\n")
+    config = DetectorConfig(detector=f"{path}:of_a_cloud")
+    with Child(config, 60) as child, pytest.raises(UserError, match="egad benchmark"):
+        child(view, HAND, np.random.default_rng(0))

@@ -101,6 +101,8 @@ def benchmark(
         jobs=jobs,
     )
     cleared({name: result.rates()})
+    outcomes = result.table["outcome"].value_counts()
+    typer.echo(f"outcomes: {', '.join(f'{count} {name}' for name, count in outcomes.items())}")
     typer.echo(f"planning takes {result.planning_time:.2g} s (median); attempts: {path}")
     if films is not None:
         for kind in settings.clutter.scenes:

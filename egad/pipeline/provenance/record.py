@@ -75,7 +75,7 @@ def named_files(settings: BaseModel) -> list[Path]:
     """The files that settings name: meshes, weights, and the user's own code if it is there."""
     paths = []
     for key, value in _texts(settings.model_dump(mode="json")):
-        if key in ("mesh", "weights") and Path(value).is_file():
+        if key in ("mesh", "weights", "command") and Path(value).is_file():
             paths.append(Path(value))
         elif key in ("complexity", "difficulty", "detector") and ":" in value:
             with suppress(UserError):

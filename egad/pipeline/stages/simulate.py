@@ -11,7 +11,14 @@ import pandas as pd
 
 from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
-from egad.detectors import QUICK, Child, Detector, DetectorConfig, Labels
+from egad.detectors import (
+    IN_SCENES,
+    Detector,
+    DetectorConfig,
+    Labels,
+    check_views_will_do,
+    opened,
+)
 from egad.errors import UserError
 from egad.pipeline.parameters import Evaluation, Input, Output, Shard, command
 from egad.pipeline.stages.bundled import ENGINE_TIME, model_in, outlived, rows_by_id
@@ -93,11 +100,11 @@ def open_detector(
     config = settings.detector
     if config.detector == "labels":
         yield _labels(grasps)
-    elif config.detector in QUICK:
-        yield lambda _: QUICK[config.detector]
-    else:
-        with Child(config, settings.trials.planning_time) as child:
-            yield lambda _: child
+        return
+    if config.detector in IN_SCENES:
+        check_views_will_do(IN_SCENES[config.detector])
+    with opened(config, settings.trials.planning_time) as detect:
+        yield lambda _: detect
 
 
 def _labels(grasps: Path | None) -> Callable[[str], Labels]:

@@ -1,0 +1,87 @@
+"""graspgen: grasps from a server of GraspGen (Murali et al. 2025), asked over ZeroMQ."""
+
+from typing import Any
+
+import numpy as np
+
+from egad.detectors.base import WHERE
+from egad.detectors.messages import packed, unpacked
+from egad.detectors.poses import GraspPoses, poses_of
+from egad.errors import UserError
+from egad.grasps import Gripper
+from egad.perception import PointCloud
+
+GREETING_TIME = 10_000  # milliseconds
+GRASPS = 200
+# From the base of its grippers to where their pads touch, along the approach, metres; from the
+# gripper descriptions of GraspGen.
+DEPTHS = {"franka_panda": 0.1053, "robotiq_2f_140": 0.195, "robotiq_2f_85": 0.1303}
+
+
+class GraspGen:
+    """A server of GraspGen as a grasp detector.
+
+    It gets the whole cloud of what stands on the table, while GraspGen was trained with clouds of
+    single objects.
+    """
+
+    def __init__(self, address: str) -> None:
+        """Connect.
+
+        Args:
+            address: Such as tcp://localhost:5556.
+
+        Raises:
+            UserError: PyZMQ is missing, nobody answers, or the server has an unknown gripper.
+        """
+        try:
+            import zmq  # noqa: PLC0415 (an extra)
+        except ModuleNotFoundError as error:
+            raise UserError("graspgen needs PyZMQ: pip install 'egad[graspgen]'") from error
+        self._socket: Any = zmq.Context.instance().socket(zmq.REQ)
+        self._socket.setsockopt(zmq.LINGER, 0)
+        self._socket.setsockopt(zmq.RCVTIMEO, GREETING_TIME)
+        try:
+            self._socket.connect(address)
+            name = self._ask({"action": "metadata"}).get("gripper_name")
+        except zmq.ZMQError as error:
+            raise UserError(f"{WHERE}: no GraspGen server at {address}: {error}") from error
+        if name not in DEPTHS:
+            raise UserError(
+                f"{WHERE}: the GraspGen server has the gripper {name}; known: {', '.join(DEPTHS)}"
+            )
+        self._depth = DEPTHS[name]
+        self._socket.setsockopt(zmq.RCVTIMEO, -1)  # from now on, the caller has a limit
+
+    def __call__(
+        self, cloud: PointCloud, gripper: Gripper, _rng: np.random.Generator
+    ) -> GraspPoses:
+        """Grasps of what stands on the table; the hand opens as wide as it can.
+
+        Args:
+            cloud: The points.
+            gripper: The hand.
+            _rng: Not used: the server has its own chance.
+        """
+        if len(cloud.points) == 0:
+            return poses_of(([], [], []))
+        points = cloud.points.astype(np.float32)
+        asked = {"action": "infer", "point_cloud": points, "num_grasps": GRASPS}
+        answer = self._ask(asked | {"topk_num_grasps": GRASPS})
+        poses = np.asarray(answer["grasps"], dtype=np.float64)
+        scores = np.asarray(answer["confidences"], dtype=np.float64)
+        grasps = poses_of((poses, np.full(len(poses), gripper.opening), scores))
+        grasps.poses[:, :3, 3] += self._depth * grasps.poses[:, :3, 2]
+        return grasps
+
+    def _ask(self, request: dict[str, Any]) -> dict[str, Any]:
+        """Send a request and receive the answer.
+
+        Raises:
+            ValueError: It is no message, or tells of an error.
+        """
+        self._socket.send(packed(request))
+        answer = unpacked(self._socket.recv())
+        if not isinstance(answer, dict) or "error" in answer:
+            raise ValueError(f"the GraspGen server says: {answer}")
+        return answer
