@@ -1,8 +1,8 @@
 """Clearing tables of objects with a grasp detector, from Python."""
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
@@ -51,6 +51,7 @@ from egad.tables.parquet import empty
 log = logging.getLogger(__name__)
 
 LABELS = "labels"
+Cleared: TypeAlias = tuple[pd.DataFrame, list[float]]  # attempts; planning times in seconds
 Detect: TypeAlias = Callable[..., Any] | DetectorConfig
 SHARDS = 4  # for each job, so that none waits long for the others
 ROUND = ["scene", "noise", "round"]
@@ -154,6 +155,8 @@ def run_benchmark(
     pile. Six depth cameras look at them, the detector proposes grasps, and a hand without an arm
     carries out the best one. What is held is removed. The round ends when nothing is left, nothing
     is proposed, or two attempts in a row have failed.
+
+    An error of the detector is one failed attempt, but an endless loop is not ended.
 
     Args:
         detect: A function or object that is called with what it asks for, the gripper and a random
@@ -263,13 +266,15 @@ def _prepared(
     try:
         mesh = scaled_solid(target, gripper, rule)
         model = build(mesh, Material().density, Bundle())
-        if label_seed is None:
-            return SceneObject(target.id, model, empty(GRASPS))
-        wanted = label_parameters(gripper, GraspLabel().grasps, label_seed)
-        return SceneObject(target.id, model, dataset_grasps(mesh, target.id, wanted))
     except RejectedError as reason:
         log.warning("%s is left out: %s", target.label, reason)
         return None
+    grasps = empty(GRASPS)
+    if label_seed is not None:
+        with suppress(RejectedError):  # it has no grasp, but is there
+            wanted = label_parameters(gripper, GraspLabel().grasps, label_seed)
+            grasps = dataset_grasps(mesh, target.id, wanted)
+    return SceneObject(target.id, model, grasps)
 
 
 def _cleared(
@@ -277,33 +282,60 @@ def _cleared(
     objects: Sequence[SceneObject],
     detect: Detect,
     settings: ClutterParameters,
-) -> tuple[pd.DataFrame, list[float]]:
-    """The attempts of some rounds, columns of `tables.clutter.CLUTTER`; planning times, seconds."""
-    seconds: list[float] = []
+) -> Cleared:
+    """The attempts of some rounds, and the planning times."""
     models = {each.id: each.model for each in objects}
-    with ExitStack() as stack:
-        proposer = _proposer(detect, objects, settings, stack)
-        tables = [
-            run_round(this, models, lambda *scene: timed(proposer(*scene), seconds), settings)
-            for this in rounds
-        ]
-    return pd.concat(tables), seconds
+    grasps = {each.id: each.grasps for each in objects}
+    with open_table(detect, models.__getitem__, grasps.__getitem__, settings) as clear:
+        done = [clear(this) for this in rounds]
+    return pd.concat([table for table, _ in done]), [time for _, times in done for time in times]
 
 
+@contextmanager
+def open_table(
+    detect: Detect,
+    model: Callable[[str], Model],
+    grasps: Callable[[str], pd.DataFrame],
+    settings: ClutterParameters,
+) -> Iterator[Callable[[Round], Cleared]]:
+    """A function that lets a detector clear one table, valid within the context.
+
+    Args:
+        detect: As of `run_benchmark`.
+        model: From the id of an object to its model.
+        grasps: From its id to its labelled grasps, columns of `tables.grasping.GRASPS`; asked for
+            `labels` only.
+        settings: Seed, gripper, scenes and cameras.
+
+    Raises:
+        UserError: The detector cannot be found or made.
+    """
+    with _proposer(detect, grasps, settings) as proposer:
+
+        def clear(this: Round) -> Cleared:
+            seconds: list[float] = []
+            models = {name: model(name) for name in this.ids}
+            table = run_round(
+                this, models, lambda *scene: timed(proposer(*scene), seconds), settings
+            )
+            return table, seconds
+
+        yield clear
+
+
+@contextmanager
 def _proposer(
-    detect: Detect, objects: Sequence[SceneObject], settings: ClutterParameters, stack: ExitStack
-) -> Callable[[Sequence[str], Sequence[Model]], Propose]:
-    """From the objects of a scene to what proposes grasps, as long as the stack lasts."""
+    detect: Detect, grasps: Callable[[str], pd.DataFrame], settings: ClutterParameters
+) -> Iterator[Callable[[Sequence[str], Sequence[Model]], Propose]]:
+    """From the objects of a scene to what proposes grasps."""
     if _knows(detect):
-        grasps = {each.id: each.grasps for each in objects}
-        return lambda ids, models: SceneLabels(
-            [grasps[name] for name in ids], models, settings.gripper
-        )
-    if isinstance(detect, DetectorConfig):
-        found = stack.enter_context(opened(detect, settings.clutter.planning_time))
+        yield lambda ids, models: SceneLabels(list(map(grasps, ids)), models, settings.gripper)
+    elif isinstance(detect, DetectorConfig):
+        with opened(detect, settings.clutter.planning_time) as found:
+            yield lambda *_: proposed_by(found, settings.gripper)
     else:
-        found = with_checked_answers(detect)
-    return lambda *_: proposed_by(found, settings.gripper)
+        checked = with_checked_answers(detect)
+        yield lambda *_: proposed_by(checked, settings.gripper)
 
 
 def _knows(detect: Detect) -> bool:

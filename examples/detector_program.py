@@ -1,6 +1,6 @@
 """A grasp detector in its own environment: needs Python, NumPy and msgpack, but not egad.
 
-    egad benchmark narrow_side --command "python detector_program.py"
+    egad benchmark my_detector --command "python detector_program.py"
 
 Replace `detect` by your detector, and OBSERVES by what it wants to see.
 """
@@ -16,20 +16,38 @@ OBSERVES = "cloud"  # view, views, tsdf, cloud or observation
 
 
 def detect(observation, gripper, rng):
-    """Grasp the highest thing across its narrower side, from above: (poses, widths, scores)."""
-    points = observation["cloud"]["points"]  # (n, 3), metres; the table is at height 0
-    if len(points) == 0:
-        return np.empty((0, 4, 4)), np.empty(0), np.empty(0)
-    highest = points[points[:, 2].argmax()]
-    near = points[np.linalg.norm(points[:, :2] - highest[:2], axis=1) < gripper["opening"] / 2]
-    away = near[:, :2] - near[:, :2].mean(axis=0)
-    x = np.append(np.linalg.eigh(away.T @ away)[1][:, 0], 0.0)  # the closing axis
-    z = np.array([0.0, 0.0, -1.0])  # the approach
+    """Grasp from above, at random points, where the fingers fit: (poses, widths, scores)."""
+    points, normals = observation["cloud"]["points"], observation["cloud"]["normals"]
+    high = points[points[:, 2] > 0.01]  # metres; the table is at height 0
+    angles = rng.uniform(0, np.pi, 300 if len(high) else 0)
+    tried = [try_grasp(high[rng.integers(len(high))], a, points, normals, gripper) for a in angles]
+    poses, widths, scores = zip(*filter(None, tried)) if any(tried) else ((), (), ())
+    return np.array(poses).reshape(-1, 4, 4), np.array(widths), np.array(scores)
+
+
+def try_grasp(point, angle, points, normals, gripper):
+    """Pose, width and score of a grasp around a point; None if the hand does not fit there."""
+    closing = np.array([np.cos(angle), np.sin(angle), 0.0])
+    across = np.array([-np.sin(angle), np.cos(angle), 0.0])
+    tip = max(point[2] - 0.02, 0.003)  # height of the fingertips
+    beside = np.abs((points - point) @ across) < 0.6 * gripper["finger_width"]
+    strip = np.flatnonzero(beside & (points[:, 2] > tip))
+    strip = strip[np.argsort((points[strip] - point) @ closing)]
+    along = (points[strip] - point) @ closing
+    # What the fingers close around ends where there is space for them.
+    gaps = np.flatnonzero(np.diff(along) > 1.5 * gripper["finger_thickness"])
+    number = np.searchsorted(gaps, np.searchsorted(along, 0.0))
+    first = gaps[number - 1] + 1 if number > 0 else 0
+    last = gaps[number] if number < len(gaps) else len(along) - 1
+    width = along[last] - along[first] + 0.01
+    reach = points[strip, 2].max() - tip
+    if width > gripper["opening"] or reach > gripper["finger_length"]:
+        return None
     pose = np.eye(4)
-    pose[:3, :3] = np.column_stack([x, np.cross(z, x), z])
-    pose[:2, 3] = near[:, :2].mean(axis=0)
-    pose[2, 3] = max(highest[2] - 0.02, 0.015)
-    return pose[None], np.array([gripper["opening"]]), np.array([1.0])
+    pose[:3, :3] = np.column_stack([closing, -across, [0, 0, -1]])  # the last one: the approach
+    pose[:3, 3] = point + (along[first] + along[last]) / 2 * closing
+    pose[2, 3] = tip + min(gripper["finger_width"], gripper["finger_length"]) / 2
+    return pose, width, (normals[strip[last]] - normals[strip[first]]) @ closing
 
 
 def encode(value):
@@ -61,8 +79,11 @@ def main():
         data = questions.read(struct.unpack(">I", head)[0])
         asked = msgpack.unpackb(data, object_hook=decode)
         rng = np.random.default_rng(asked["seed"])
-        poses, widths, scores = detect(asked["observation"], asked["gripper"], rng)
-        send({"poses": poses, "widths": widths, "scores": scores})
+        try:
+            poses, widths, scores = detect(asked["observation"], asked["gripper"], rng)
+            send({"poses": poses, "widths": widths, "scores": scores})
+        except Exception as error:
+            send({"error": f"{type(error).__name__}: {error}"})
 
 
 if __name__ == "__main__":

@@ -54,9 +54,9 @@ def main(given: argparse.Namespace) -> None:
     }
     sets = {
         "evolved": named_meshes(egad.load("evaluation-set")),
+        SIMPLE: [NamedMesh(*[f"s{n:02}"] * 2, partial(single, n)) for n in range(COUNT)],
         "ycb": ycb(Path(given.ycb)),
         "primitives": [NamedMesh(*[f"p{n:02}"] * 2, partial(joined, n)) for n in range(COUNT)],
-        SIMPLE: [NamedMesh(*[f"s{n:02}"] * 2, partial(single, n)) for n in range(COUNT)],
     }
     if given.picture:
         draw(sets)
@@ -91,12 +91,12 @@ def run(
     missing = [name for name in detectors if not (folder / f"{name}.parquet").exists()]
     if not missing:
         return
-    simple = folder.name == SIMPLE
-    settings = settings_of(("none", "stereo", "gamma") if simple else ("none", "stereo"))
-    rule, label_seed = ("none", None) if simple else ("paper", settings.seed)
-    objects = prepare_objects(targets, settings.gripper, rule, label_seed, jobs)
+    simple, seed = folder.name == SIMPLE, settings_of(("none",)).seed
+    rule, label_seed = ("none", None) if simple else ("paper", seed)
+    objects = prepare_objects(targets, GRIPPERS[GRIPPER], rule, label_seed, jobs)
     for name in missing:
         begin = cpu_time()
+        settings = settings_of(noise_of(name, simple=simple))
         found = clear_tables(detectors[name], objects, settings, jobs)
         parquet.write(found.table, CLUTTER, folder / f"{name}.parquet")
         minutes = (cpu_time() - begin) / 60
@@ -104,6 +104,13 @@ def run(
             f"{folder.name}, {name}: {minutes:.1f} CPU min, planning {found.planning_time:.3f} s",
             flush=True,
         )
+
+
+def noise_of(detector: str, *, simple: bool) -> tuple[NoiseName, ...]:
+    """Kinds of noise of a run; `labels` sees nothing."""
+    if detector == "labels":
+        return ("none",)
+    return ("none", "stereo", "gamma") if simple else ("none", "stereo")
 
 
 def settings_of(noise: tuple[NoiseName, ...]) -> ClutterParameters:
@@ -150,8 +157,11 @@ def print_tables(out: Path) -> None:
     for (name, detector), table in tables.items():
         if name == "evolved":
             thirds = by_difficulty(table, objects)
-            rates = 100 * thirds["successes"] / thirds["attempts"]
-            print(f"| `{detector}` | {' | '.join(f'{rate:.0f}' for rate in rates)} |")
+            rates = [
+                " / ".join(f"{100 * row.successes / of:.0f}" for of in (row.attempts, row.present))
+                for row in thirds.itertuples()
+            ]
+            print(f"| `{detector}` | {' | '.join(rates)} |")
 
 
 def lines(table: pd.DataFrame) -> Iterator[str]:

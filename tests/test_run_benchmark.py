@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
 import egad
 from egad.detectors import GraspPoses
 from egad.errors import UserError
 from egad.pipeline.config import GRIPPERS
-from egad.sim import Clutter, ClutterParameters, build, repeat_round, rounds_of
+from egad.sim import Clutter, ClutterParameters, repeat_round, rounds_of, scenes
 from egad.sim.rounds import read_grasp
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
@@ -51,6 +52,18 @@ def test_the_table_has_a_row_per_attempt(first, tmp_path):
     assert table["success"].any()
 
 
+def test_the_best_known_grasp_is_of_plain_arrays_too():
+    """A tuple of arrays will do, so that a detector need not import egad."""
+
+    def plain(cloud, gripper, rng):
+        return tuple(at_the_highest_point(cloud, gripper, rng))
+
+    few = {**FEW, "scenes": ["single"], "rounds": 1}
+    assert egad.run_benchmark(plain, OBJECTS, **few).table.equals(
+        egad.run_benchmark(at_the_highest_point, OBJECTS, **few).table
+    )
+
+
 def test_jobs_change_nothing(first):
     again = egad.run_benchmark(at_the_highest_point, OBJECTS, jobs=2, **FEW)
     assert first.table.equals(again.table)
@@ -69,13 +82,54 @@ def test_another_seed_is_another_scene(first):
     assert set(other["seed"]).isdisjoint(first.table["seed"])
 
 
-def test_a_round_is_repeated_from_its_rows(first):
-    clutter = Clutter(rounds=2, objects=3, noise=("none",), scale=(0.8, 1.0))
-    settings = ClutterParameters(seed=0, gripper=GRIPPERS["panda"], clutter=clutter)
-    models = {name: build(mesh, 400.0, egad.evalset.Bundle()) for name, mesh in OBJECTS.items()}
+def test_a_round_is_repeated_from_its_rows_and_its_objects_alone(first):
+    """Bit by bit, though the settings of the rounds are not known."""
+    settings = ClutterParameters(seed=9, gripper=GRIPPERS["panda"], clutter=Clutter())
     for _, rows in first.table.groupby(["scene", "round"]):
+        names = rows["objects"].iloc[0].split()
+        models = {name: first._scenes.models[name] for name in names}
         again = repeat_round(rows, models, settings)
         assert again.drop(columns="score").equals(rows.reset_index(drop=True).drop(columns="score"))
+
+
+def test_an_attempt_without_a_grasp_is_repeated_with_its_outcome():
+    def too_wide(_view, gripper, _rng):
+        return np.eye(4)[None], np.array([2 * gripper.opening]), np.ones(1)
+
+    found = egad.run_benchmark(too_wide, OBJECTS, **{**FEW, "scenes": ["single"], "rounds": 1})
+    assert found.table["outcome"].tolist() == ["too_wide"] * 2
+    assert repeat_round(found.table, *found._scenes)["outcome"].tolist() == ["too_wide"] * 2
+
+
+def test_labels_meet_the_same_scenes_though_an_object_has_no_grasp():
+    few = {**FEW, "scenes": ["packed"], "per_scene": 5}
+    objects = {**OBJECTS, "cube": trimesh.creation.box([0.1] * 3)}  # too wide for the hand
+    tables = [egad.run_benchmark(name, objects, **few).table for name in ("labels", "random")]
+    one, other = (table[table["attempt"] == 0].reset_index(drop=True) for table in tables)
+    for name in ("objects", "factors", "present"):
+        assert one[name].tolist() == other[name].tolist()
+    assert one["objects"].str.contains("cube").any()
+
+
+def test_scenes_without_objects_do_not_end_the_run(monkeypatch):
+    monkeypatch.setattr(scenes, "in_workspace", lambda _: False)
+    found = egad.run_benchmark("random", OBJECTS, **{**FEW, "scenes": ["single"]})
+    assert found.table["outcome"].tolist() == ["failed"] * FEW["rounds"]
+    assert found.rates() == []
+
+
+def test_a_round_is_filmed_and_compared(first, tmp_path):
+    first.film("packed", 1, tmp_path / "film.gif")
+    assert Image.open(tmp_path / "film.gif").n_frames > 20
+    with pytest.raises(UserError, match="there is none"):
+        first.film("packed", 2, tmp_path / "film.gif")
+    with pytest.raises(UserError, match="can be filmed"):
+        egad.Benchmark(first.table).film("packed", 1, tmp_path / "film.gif")
+    other = egad.run_benchmark(nothing, OBJECTS, **FEW)
+    for found, rates in zip(first.compare(other), first.rates(), strict=True):
+        assert (found.scene, found.rounds) == (rates.scene, rates.rounds)
+        assert found.cleared == pytest.approx(rates.cleared.value)  # the other clears nothing
+    assert 0 < first.planning_time < 60
 
 
 def test_grasps_are_kept_to_the_last_bit(first):

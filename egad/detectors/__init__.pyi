@@ -20,6 +20,7 @@ from .registry import IN_SCENES as IN_SCENES
 from .registry import QUICK as QUICK
 from .registry import fingerprint as fingerprint
 from .registry import with_checked_answers as with_checked_answers
+from .subprocess import STARTING_TIME as STARTING_TIME
 from .subprocess import Child as Child
 from .subprocess import opened as opened
 from .vgn import Vgn as Vgn

@@ -144,7 +144,9 @@ def _blocked(poses: Floats, widths: Floats, points: Floats, gripper: Gripper) ->
         fingers = (np.abs(x) >= inner) & (np.abs(x) <= outer) & (np.abs(y) <= side)
         fingers &= (z >= base - WAY) & (z <= tip)
         rest = (np.abs(x) <= palm[0]) & (np.abs(y) <= palm[1]) & (z >= back - WAY) & (z <= base)
-        lowest = _lowest(pose, [(outer, side, base, tip), (palm[0], palm[1], back, base)])
+        lowest = -max(pose[2, 2], 0.0) * WAY + _lowest(
+            pose, [(outer, side, base, tip), (palm[0], palm[1], back, base)]
+        )
         found[number] = lowest < TABLE_CLEARANCE or (fingers | rest).any()
     return found
 

@@ -114,7 +114,7 @@ class GGCNN(MapDetector):
         Raises:
             UserError: PyTorch is missing, or the weights are, or they are of another network.
         """
-        path = check_ggcnn(weights)
+        self._weights = path = check_ggcnn(weights)
         try:
             from egad.learning import networks  # noqa: PLC0415 (an extra)
             from egad.learning import weights as files  # noqa: PLC0415
@@ -124,6 +124,10 @@ class GGCNN(MapDetector):
             super().__init__(networks.inference(files.read(path)))
         except files.WeightsError as error:
             raise UserError(f"{error}; {GGCNN_WEIGHTS}") from error
+
+    def __reduce__(self) -> tuple[type["GGCNN"], tuple[str]]:
+        """For other processes, which load it again."""
+        return GGCNN, (str(self._weights),)
 
 
 def middle(depth: NDArray[np.float32]) -> Crop:

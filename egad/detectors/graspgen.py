@@ -11,7 +11,7 @@ from egad.errors import UserError
 from egad.grasps import Gripper
 from egad.perception import PointCloud
 
-GREETING_TIME = 10_000  # milliseconds
+GREETING_TIME = 60_000  # milliseconds; it may still be busy with an earlier question
 GRASPS = 200
 # From the base of its grippers to where their pads touch, along the approach, metres; from the
 # gripper descriptions of GraspGen.
@@ -44,7 +44,7 @@ class GraspGen:
         try:
             self._socket.connect(address)
             name = self._ask({"action": "metadata"}).get("gripper_name")
-        except zmq.ZMQError as error:
+        except (zmq.ZMQError, ValueError) as error:
             raise UserError(f"{WHERE}: no GraspGen server at {address}: {error}") from error
         if name not in DEPTHS:
             raise UserError(

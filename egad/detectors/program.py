@@ -144,6 +144,8 @@ class Program:
             ready.register(process.stdout, selectors.EVENT_READ)
             if rest:
                 if ready.select(0):
+                    if not os.read(process.stdout.fileno(), PIECE):
+                        raise EOFError
                     raise ValueError("it wrote without being asked. Does it print something?")
                 ready.register(process.stdin, selectors.EVENT_WRITE)
             while rest or not _is_complete(incoming):
@@ -174,10 +176,17 @@ class Program:
         status = None
         with contextlib.suppress(subprocess.TimeoutExpired):
             status = process.wait(patience)
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
+        self._signal(process, signal.SIGTERM)  # `docker run` and the like hand it on
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(ENDING_TIME)
+        self._signal(process, signal.SIGKILL)
         process.wait()
         return status
+
+    def _signal(self, process: subprocess.Popen[bytes], number: signal.Signals) -> None:
+        """Send a signal to the program and all that it started."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, number)
 
 
 def _wait(

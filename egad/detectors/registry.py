@@ -57,7 +57,11 @@ def with_checked_answers(detect: Callable[..., Any]) -> Detector:
         seen: object, gripper: Gripper, rng: np.random.Generator, /
     ) -> list[Grasp] | GraspPoses:
         answer = detect(seen, gripper, rng)
-        if isinstance(answer, tuple) and not any(hasattr(each, "center") for each in answer):
+        if (
+            isinstance(answer, tuple)
+            and answer
+            and not any(hasattr(each, "center") for each in answer)
+        ):
             return poses_of(answer)
         return [_plain(grasp) for grasp in answer]
 

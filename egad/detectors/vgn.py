@@ -46,6 +46,7 @@ class Vgn:
         if weights is None or not Path(weights).is_file():
             missing = "vgn needs `weights: FILE`" if weights is None else f"no such file: {weights}"
             raise UserError(f"{WHERE}: {missing}; {VGN_WEIGHTS}")
+        self._weights = weights
         try:
             from egad.learning import vgn  # noqa: PLC0415 (an extra)
             from egad.learning import weights as files  # noqa: PLC0415
@@ -55,6 +56,10 @@ class Vgn:
             self._infer = vgn.inference(files.read_vgn(weights))
         except files.WeightsError as error:
             raise UserError(f"{error}; {VGN_WEIGHTS}") from error
+
+    def __reduce__(self) -> tuple[type["Vgn"], tuple[str]]:
+        """For other processes, which load it again."""
+        return Vgn, (self._weights,)
 
     def __call__(self, tsdf: Tsdf, gripper: Gripper, _rng: np.random.Generator) -> GraspPoses:
         """Grasps at the voxels of the highest quality.

@@ -16,7 +16,7 @@ MATCHED = 7  # pixels; side of the windows that are matched (Keselman et al. 201
 MAX_INCIDENCE = 80.0  # degrees
 SPOT = 1.5  # pixels; how far lost pixels keep together
 STEREO = ImageNoise(disparity=0.1, holes=True)
-# Of VGN's experiments
+# Of the later code of VGN, after Dex-Net 2.0
 GAMMA_SHAPE, GAMMA_SIGMA, GAMMA_GRID = 1000.0, 0.005, 4  # metres; pixels
 
 
@@ -34,7 +34,7 @@ def add_noise(noise: NoiseName, view: View, rng: np.random.Generator) -> View:
 
 
 def add_gamma_noise(view: View, rng: np.random.Generator) -> View:
-    """A view with the noise of VGN's experiments (Breyer et al. 2020; Mahler et al. 2017).
+    """A view with the noise of Dex-Net 2.0 (Mahler et al. 2017), as in the later code of VGN.
 
     All depths are multiplied by one number with a gamma distribution, of mean 1 and standard
     deviation 0.03. Then normal noise of 5 mm is added, independent every 4 pixels and interpolated

@@ -8,6 +8,7 @@ import pandas as pd
 from egad.report.drawing import data_uri
 from egad.report.page import Section, section_of
 from egad.stats import Clearing, Rate, by_difficulty, clearing_rates
+from egad.tables import parquet
 
 
 @dataclass(frozen=True)
@@ -16,12 +17,13 @@ class ClutterView:
 
     Attributes:
         rates: Of each kind of scene and noise, by detector.
-        thirds: Success by axis (complexity, difficulty) and third of the objects, by detector.
+        thirds: Success of attempts, and share of objects that were cleared, by detector, axis
+            (complexity, difficulty) and third of the objects.
         pictures: Addresses of pictures of scenes at the beginning of a round, by kind.
     """
 
     rates: dict[str, list[Clearing]]
-    thirds: dict[str, dict[str, list[Rate]]]
+    thirds: dict[str, dict[str, list[tuple[Rate, Rate]]]]
     pictures: dict[str, list[str]]
 
 
@@ -54,9 +56,9 @@ def clutter_view(
     )
 
 
-def _thirds(table: pd.DataFrame, objects: pd.DataFrame) -> dict[str, list[Rate]]:
-    found = by_difficulty(table, objects)
-    return {
-        str(axis): [Rate(*counts) for counts in rows[["successes", "attempts"]].to_numpy().tolist()]
-        for axis, rows in found.groupby("axis", sort=False)
-    }
+def _thirds(table: pd.DataFrame, objects: pd.DataFrame) -> dict[str, list[tuple[Rate, Rate]]]:
+    found: dict[str, list[tuple[Rate, Rate]]] = {}
+    for row in parquet.records(by_difficulty(table, objects)):
+        rates = tuple(Rate(row["successes"], row[of]) for of in ("attempts", "present"))
+        found.setdefault(row["axis"], []).append((rates[0], rates[1]))
+    return found

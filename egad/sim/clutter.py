@@ -71,7 +71,7 @@ class ClutterRunner:
             settings: Cameras.
         """
         self.world = world
-        self._eyes = [DepthCamera(model.mesh) for model in world.models]
+        self._rendered = [DepthCamera(model.mesh) for model in world.models]
         self._cameras = cameras_around(LOOKING_AT, settings.views, CAMERA_DISTANCE, CAMERA_TILT)
 
     def clear(
@@ -79,8 +79,8 @@ class ClutterRunner:
     ) -> Iterator[ClutterAttempt]:
         """Grasp one object after the other, until none is left or nothing works any more.
 
-        A round ends after two failures in a row, or when nothing is proposed. All depends on the
-        arguments alone; the scene at the beginning on kind and seed.
+        A round ends after two failures in a row, when nothing is proposed, or when the simulation
+        goes wrong. All depends on the arguments alone; the scene at the beginning on kind and seed.
 
         Args:
             propose: What decides on the grasps.
@@ -101,7 +101,7 @@ class ClutterRunner:
             yield attempt
             failures = 0 if attempt.outcome == Outcome.SUCCESS else failures + 1
             number += 1
-            if attempt.outcome == Outcome.NO_GRASP:
+            if attempt.outcome in (Outcome.NO_GRASP, Outcome.FAILED):
                 return
 
     def begin(self, kind: SceneKind, seed: int) -> list[Placed]:
@@ -113,27 +113,27 @@ class ClutterRunner:
         return make_scene(self.world, kind, generator(seed, "scene", kind))
 
     def repeat(
-        self, grasps: Sequence[PoseGrasp | None], kind: SceneKind, seed: int
+        self, grasps: Sequence[PoseGrasp | Outcome], kind: SceneKind, seed: int
     ) -> Iterator[ClutterAttempt]:
-        """A round again without its detector: the same, bit by bit.
+        """A round that began, again without its detector: the same, bit by bit.
 
         Args:
-            grasps: What was tried in each attempt, if anything.
+            grasps: What was tried in each attempt, or why nothing was.
             kind: How the objects lie.
             seed: That of the round.
         """
         present = self.begin(kind, seed)
         for grasp in grasps:
-            attempt, present = self.carry_out(grasp or Outcome.NO_GRASP, present)
+            attempt, present = self.carry_out(grasp, present)
             yield attempt
 
     def observe(self, present: Sequence[Placed], noise: NoiseName, rng: Generator) -> Observation:
         """What the cameras see of objects at rest."""
-        eyes = [self._eyes[each.number] for each in present]
+        rendered = [self._rendered[each.number] for each in present]
         matrices = [each.pose.matrix for each in present]
 
         def seen(intrinsics: Intrinsics, pose: Floats) -> View:
-            return add_noise(noise, render_scene(eyes, matrices, intrinsics, pose), rng)
+            return add_noise(noise, render_scene(rendered, matrices, intrinsics, pose), rng)
 
         views = tuple(seen(CAMERA, pose) for pose in self._cameras)
         return Observation(seen(OVERHEAD, camera_above(OVERHEAD_HEIGHT)), views, WORKSPACE)
@@ -141,7 +141,10 @@ class ClutterRunner:
     def carry_out(
         self, grasp: PoseGrasp | Outcome, present: Sequence[Placed]
     ) -> tuple[ClutterAttempt, list[Placed]]:
-        """Try a grasp, if there is one; what came of it, and what is left when all lies still."""
+        """Try a grasp, if there is one; what came of it, and what is left when all lies still.
+
+        If the simulation goes wrong while things settle, nothing is left to go on with.
+        """
         if isinstance(grasp, Outcome):
             return ClutterAttempt(grasp, tuple(present)), list(present)
         put(self.world, present)
@@ -152,8 +155,7 @@ class ClutterRunner:
             moved = [Placed(number, self.world.pose(number)) for number in numbers]
             return attempt, settle_from(self.world, moved)
         except UnstableError:
-            failed = ClutterAttempt(Outcome.FAILED, tuple(present), grasp)
-            return failed, list(present)
+            return attempt, []
 
 
 def proposed_by(detect: Detector, gripper: Gripper) -> Propose:

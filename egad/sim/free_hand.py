@@ -13,13 +13,13 @@ from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 
 Floats = NDArray[np.float64]
 
-# As in VGN's experiments (Breyer et al. 2020).
+# As in VGN's repository (Breyer et al. 2020), unless it says "ours".
 STANDOFF = 0.05  # metres before the grasp, where the approach begins
 RETREAT = 0.1  # metres
 STEEP = np.radians(60)  # approaches that are nearer to level retreat upwards
 LEAST_OPENING = 0.1  # of the hand's opening: closed further, the fingers hold nothing
 UP = np.array([0.0, 0.0, 1.0])
-APPROACH_SPEED, RETREAT_SPEED = 0.25, 0.35  # mean, m/s
+APPROACH_SPEED, RETREAT_SPEED = 0.25, 0.35  # ours: mean, m/s
 
 
 class PoseExecution(NamedTuple):
@@ -74,8 +74,19 @@ class FreeHand(Fingers):
             self._joints = joints
             self.world.step()
             if yielding and self.is_stopped():
+                self._rest()
                 return length - way
         return 0.0
+
+    def _rest(self) -> None:
+        """Stay here, instead of pushing on."""
+        self._joints = self.world.arm_joints().copy()
+        self.world.drive(self._joints.tolist(), [0.0, 0.0, 0.0])
+
+    def touches(self) -> bool:
+        """Whether the hand touches anything."""
+        forces = self.world.forces()
+        return forces.hand + forces.blocked > 0
 
     def is_stopped(self) -> bool:
         """Whether something pushes against the hand so hard that a robot would stop."""
@@ -114,7 +125,7 @@ def _executed(world: World, pose: Floats, width: float) -> PoseExecution:
     start[:3, 3] -= STANDOFF * approach
     hand = FreeHand(world, start, width)
     world.step()
-    if hand.is_stopped():
+    if hand.touches():
         return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
     stopped = hand.move(STANDOFF * approach, APPROACH_SPEED, yielding=True)
     touched = hand.close()

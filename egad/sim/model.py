@@ -23,7 +23,8 @@ class Model:
     Attributes:
         mesh: The true surface, for depth images. Metres.
         parts: Convex meshes that stand for it in contacts. Metres.
-        mass: Kilograms.
+        mass: Kilograms, at least 50 g.
+        solid_mass: That of the solid, which may be less, kilograms.
         inertia: Principal moments about the center of mass, (3,), kg m2.
         volume_error: Volume of the parts / volume of the mesh - 1.
         to_principal: (4, 4) transform from the frame that the object was given in, with its scale.
@@ -32,6 +33,7 @@ class Model:
     mesh: trimesh.Trimesh
     parts: tuple[trimesh.Trimesh, ...]
     mass: float
+    solid_mass: float
     inertia: Floats
     volume_error: float
     to_principal: Floats
@@ -42,13 +44,15 @@ class Model:
         Args:
             factor: New size / size.
         """
-        mass = max(self.mass * factor**3, MIN_MASS)
+        solid_mass = self.solid_mass * factor**3
+        mass = max(solid_mass, MIN_MASS)
         to_principal = np.diag([factor, factor, factor, 1.0]) @ self.to_principal
         return replace(
             self,
             mesh=self.mesh.copy().apply_scale(factor),
             parts=tuple(part.copy().apply_scale(factor) for part in self.parts),
             mass=mass,
+            solid_mass=solid_mass,
             inertia=self.inertia * (mass / self.mass) * factor**2,
             to_principal=to_principal,
         )
@@ -81,6 +85,7 @@ def model_of(
         mesh=mesh.copy().apply_transform(to_principal),
         parts=tuple(part.copy().apply_transform(to_principal) for part in parts),
         mass=mass,
+        solid_mass=physics.mass,
         inertia=moments,
         volume_error=volume_error,
         to_principal=to_principal,

@@ -187,9 +187,10 @@ class MujocoWorld(World):
 
     def _advance(self) -> float:
         mujoco.mj_step(self.engine, self.data, SUBSTEPS)
-        for number, warning in enumerate(self.data.warning):
-            if warning.number:
-                raise UnstableError(mujoco.mju_warningText(number, warning.lastinfo))
+        warnings = self.data.warning
+        if warnings.number.any():
+            number = int(np.argmax(warnings.number > 0))
+            raise UnstableError(mujoco.mju_warningText(number, int(warnings.lastinfo[number])))
         speeds = [math.hypot(*self.data.qvel[speed : speed + 3]) for speed in self._speeds]
         return sum(speeds) if any(map(math.isnan, speeds)) else max(speeds)
 

@@ -24,6 +24,7 @@ FINGER_MASS = 0.1
 STROKE = 2.0  # metres, of the vertical axis, both ways
 TURN = 10.0  # radians, of the axis, both ways
 AXIS_STRENGTH = (500.0, 20.0)  # N and N m: much stronger than the fingers
+FREE_STRENGTH = 200.0  # newtons, along each axis of a hand without an arm
 QUARTER = np.pi / 2
 # Of a Panda: where each joint lies in the link before (metres), its turn about x, its limits, as in
 # Franka's documentation, its torque (N m), and the mass of its link (Gaz et al. 2019, table IV).
@@ -175,7 +176,7 @@ def free_hand(gripper: Gripper) -> Robot:
         gripper,
         (Link("stand"), Link("along_x"), Link("along_y"), *links),
         (*moving, *joints),
-        dict.fromkeys(names, AXIS_STRENGTH[0]),
+        dict.fromkeys(names, FREE_STRENGTH),
     )
 
 

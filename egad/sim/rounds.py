@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from egad.detectors import PoseGrasp
 from egad.errors import UserError
+from egad.geometry import nearest
 from egad.outcomes import Outcome
 from egad.perception import NoiseName
 from egad.random import entropy, generator
@@ -120,20 +121,15 @@ def repeat_round(
     """A round again, without its detector.
 
     Args:
-        rows: Columns of `tables.clutter.CLUTTER`, of one round.
-        models: All objects by their names.
-        settings: Those of the round.
+        rows: Columns of `tables.clutter.CLUTTER`, of one round that began.
+        models: Its objects by their names, at least.
+        settings: Gripper, cameras and engine of the round.
         watch: Called with the world before the round begins.
 
     Returns:
         The same rows, bit by bit, if all is as it was.
     """
-    ids = str(rows["objects"].iloc[0]).split()
-    known = {(each.scene, each.number): each for each in rounds_of(list(models), settings)}
-    first = rows.iloc[0]
-    this = known[first["scene"], first["round"]]._replace(noise=first["noise"])
-    if list(this.ids) != ids:
-        raise ValueError("the objects to choose from differ")
+    this = _read_round(rows.iloc[0])
     sized = _sized(this, models)
     with _world(this, sized, settings) as world:
         watch(world)
@@ -191,11 +187,24 @@ def picture_of(this: Round, models: Models, settings: ClutterParameters) -> Pixe
         return Film(world).frame()
 
 
-def read_grasp(row: Mapping[str, Any]) -> PoseGrasp | None:
-    """What was tried in an attempt of a table."""
+def _read_round(row: pd.Series) -> Round:
+    """The round of an attempt of a table."""
+    factors = tuple(float(text) for text in row["factors"].split())
+    return Round(
+        row["scene"],
+        row["noise"],
+        int(row["round"]),
+        int(row["seed"], 16),
+        tuple(row["objects"].split()),
+        factors,
+    )
+
+
+def read_grasp(row: Mapping[str, Any]) -> PoseGrasp | Outcome:
+    """What was tried in an attempt of a table, or why nothing was."""
     numbers = np.array([row[name] for name in GRASP_POSE], dtype=np.float64)
     if np.isnan(numbers).any():
-        return None
+        return Outcome(row["outcome"])
     pose = np.eye(4)
     pose[:3] = numbers.reshape(3, 4)
     return PoseGrasp(pose, float(row["width"]), float(row["score"]))
@@ -223,6 +232,7 @@ def _table(
         "round": this.number,
         "seed": f"{this.seed:032x}",
         "objects": " ".join(this.ids),
+        "factors": " ".join(map(repr, this.factors)),
         "n_objects": at_first,
         "engine": installed_engine(settings.clutter.engine),
     }
@@ -238,6 +248,7 @@ def _columns_of(attempt: ClutterAttempt, this: Round, models: Sequence[Model]) -
     numbers = np.full(12, np.nan) if grasp is None else grasp.pose[:3].ravel()
     return {
         "n_present": len(attempt.present),
+        "present": " ".join(this.ids[each.number] for each in attempt.present),
         "success": attempt.outcome == Outcome.SUCCESS,
         "outcome": attempt.outcome.value,
         "id": "" if grasp is None else this.ids[_target(attempt, grasp, models)],
@@ -249,12 +260,12 @@ def _columns_of(attempt: ClutterAttempt, this: Round, models: Sequence[Model]) -
 
 
 def _target(attempt: ClutterAttempt, grasp: PoseGrasp, models: Sequence[Model]) -> int:
-    """Number of the object that was held, or else that of which a vertex is nearest."""
+    """Number of the object that was held, or else of the one whose surface is nearest."""
     if attempt.held is not None:
         return attempt.held
     center = grasp.pose[:3, 3]
     distances = []
     for number, pose in attempt.present:
         local = Rotation.from_quat(pose.quaternion).inv().apply(center - pose.position)
-        distances.append(np.linalg.norm(models[number].mesh.vertices - local, axis=1).min())
+        distances.append(float(nearest(local[None], models[number].mesh)[0][0]))
     return attempt.present[int(np.argmin(distances))].number

@@ -9,23 +9,23 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from egad.geometry import StablePose
-from egad.geometry.stable_poses import stable_poses
+from egad.sim.model import Model
 from egad.sim.parameters import SceneKind
-from egad.sim.world import TIME_STEP, Pose, World
+from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 
 Floats = NDArray[np.float64]
 
-# As in VGN's experiments (Breyer et al. 2020), unless it says "ours".
+# As in VGN's repository (Breyer et al. 2020), unless it says "ours".
 WORKSPACE = 0.3  # metres, side of the cube; what leaves it is removed
 BOX = 0.26  # inner side of the box that a pile is dropped into
 DROP_AREA = 0.1  # side of the square above which objects are dropped
 DROP_HEIGHT = 0.02  # ours: of the lowest point above the objects that lie there
-PACKING_AREA = 0.2  # ours: side of the square in which packed objects have their centers
+PACKING_AREA = 0.2  # ours: side of the square in which packed objects have their origins
 PACKING_TRIALS = 50  # ours: positions of an object
 STAND = 0.002  # above the table, where packed objects are put
+SCENE_TRIES = 10  # ours: scenes without any object in the workspace are made anew
 SETTLING_TIME = 2.0  # seconds, at most
-REST_SPEED = 0.01  # m/s
+REST_SPEED = 0.01  # m/s and rad/s
 REST_TIME = 0.1  # ours: seconds that all objects must be slower than that
 
 
@@ -40,8 +40,8 @@ def make_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[
     """Put the objects of a world on the table, one after the other, until they lie still.
 
     single, pile: dropped in random orientations, a pile into a box that is then removed. packed:
-    put upright, as they are most likely to come to rest, with a random turn and without contact; an
-    object for which there is no space is left out.
+    put upright, with the z axis of its file up and a random turn, beside those that already lie
+    still; an object for which there is no space is left out.
 
     Args:
         world: With the objects, and for a pile with walls.
@@ -52,8 +52,16 @@ def make_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[
         The objects that lie in the workspace, in the order of their numbers.
 
     Raises:
-        UnstableError: The simulation went wrong.
+        UnstableError: The simulation went wrong, or no object stays in the workspace.
     """
+    for _ in range(SCENE_TRIES):
+        if present := _try_scene(world, kind, rng):
+            return present
+    raise UnstableError("no object stays in the workspace")
+
+
+def _try_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[Placed]:
+    """The objects that stay in the workspace, perhaps none."""
     world.reset()
     if kind == "packed":
         present = _pack(world, rng)
@@ -100,7 +108,7 @@ def settle(world: World) -> None:
     still, pause = 0, round(REST_TIME / TIME_STEP)
     for _ in range(round(SETTLING_TIME / TIME_STEP)):
         world.step()
-        still = still + 1 if world.speeds()[0] < REST_SPEED else 0
+        still = still + 1 if max(world.speeds()) < REST_SPEED else 0
         if still == pause:
             return
 
@@ -120,19 +128,19 @@ def _above(mesh: trimesh.Trimesh, top: float, rng: np.random.Generator) -> Pose:
 
 
 def _pack(world: World, rng: np.random.Generator) -> list[int]:
-    """Put objects upright, none above another one; the numbers of those that fit."""
+    """Put objects upright, none above or below another one; the numbers of those that fit."""
     present: list[int] = []
     taken: list[ConvexHull] = []
     for number, model in enumerate(world.models):
-        upright = stable_poses(model.mesh, np.zeros(3))[0]
         for _ in range(PACKING_TRIALS):
-            pose = _turned(upright, rng)
-            corners = model.mesh.vertices @ pose.matrix[:2, :3].T + pose.matrix[:2, 3]
-            footprint = ConvexHull(corners)
+            pose = _upright(model, rng)
+            matrix = pose.matrix
+            footprint = ConvexHull(model.mesh.vertices @ matrix[:2, :3].T + matrix[:2, 3])
             if all(_apart(footprint, other) for other in taken):
                 world.place(pose, number=number)
+                settle(world)
                 present.append(number)
-                taken.append(footprint)
+                taken = [ConvexHull(world.vertices(each)[:, :2]) for each in present]
                 break
     return present
 
@@ -145,9 +153,11 @@ def _apart(first: ConvexHull, second: ConvexHull) -> bool:
     )
 
 
-def _turned(upright: StablePose, rng: np.random.Generator) -> Pose:
+def _upright(model: Model, rng: np.random.Generator) -> Pose:
     """Standing just above the table, turned about the vertical and shifted at random."""
-    turn = Rotation.from_euler("z", rng.uniform(0, 2 * np.pi))
+    scaled = model.to_principal[:3, :3]
+    own = Rotation.from_matrix(scaled.T / np.cbrt(np.linalg.det(scaled)))
+    turn = Rotation.from_euler("z", rng.uniform(0, 2 * np.pi)) * own
     x, y = rng.uniform(-PACKING_AREA / 2, PACKING_AREA / 2, size=2)
-    quaternion = (turn * Rotation.from_matrix(upright.rotation)).as_quat()
-    return Pose(np.array([x, y, upright.height + STAND]), quaternion)
+    lowest = float(turn.apply(model.mesh.vertices)[:, 2].min())
+    return Pose(np.array([x, y, STAND - lowest]), turn.as_quat())

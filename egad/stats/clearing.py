@@ -7,14 +7,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad.outcomes import Outcome
+from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.stats.paired import NothingInCommonError, sign_flip
 from egad.stats.rates import Interval, Mean, bootstrap, mean_of
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-SCENE = ["round", "seed", "objects", "n_objects"]  # what a round begins with
+SCENE = ["round", "seed", "objects", "factors", "n_objects"]  # what a round begins with
+UNTRIED = (Outcome.NO_GRASP, *SIMULATION_FAILURES)
 
 
 class Clearing(NamedTuple):
@@ -38,8 +39,9 @@ class Clearing(NamedTuple):
 def clearing_rates(table: pd.DataFrame) -> list[Clearing]:
     """Rates of each kind of scene and noise, with intervals of 95 % for other rounds.
 
-    If no grasp is proposed, the round ends; that is no attempt. Rounds are drawn with replacement,
-    see `mean_of`.
+    If no grasp is proposed, the round ends; that is no attempt, and neither is what could not be
+    simulated. Rounds that never began do not count. The intervals draw rounds with replacement, see
+    `mean_of`.
 
     Args:
         table: Columns of `tables.clutter.CLUTTER`.
@@ -92,7 +94,10 @@ def compare_clearing(first: pd.DataFrame, second: pd.DataFrame) -> list[Clearing
 
 
 def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame, thirds: int = 3) -> pd.DataFrame:
-    """Successes and attempts by thirds of the objects by complexity and by difficulty.
+    """Successes, attempts and presences by thirds of the objects by complexity and by difficulty.
+
+    A detector may avoid objects that it cannot grasp. So look at `present`, too, in how many rounds
+    the objects were on the table: successes / present is the share that was cleared.
 
     Args:
         table: Columns of `tables.clutter.CLUTTER`.
@@ -101,25 +106,30 @@ def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame, thirds: int = 3) -
         thirds: How many bands.
     """
     tried = table[table["id"] != ""]
+    first = table[table["attempt"] == 0]
+    there = [name for names in first["present"] for name in names.split()]
     found = []
     for axis in ("complexity", "difficulty"):
         rank = objects.set_index("id")[axis].rank(pct=True, ascending=axis == "complexity")
         band = np.ceil(rank.reindex(tried["id"]).to_numpy() * thirds)
+        band_there = np.ceil(rank.reindex(there).to_numpy() * thirds)
         for number in range(1, thirds + 1):
             rows = tried[band == number]
-            found.append((axis, number, int(rows["success"].sum()), len(rows)))
-    return pd.DataFrame(found, columns=["axis", "band", "successes", "attempts"])
+            present = int((band_there == number).sum())
+            found.append((axis, number, int(rows["success"].sum()), len(rows), present))
+    return pd.DataFrame(found, columns=["axis", "band", "successes", "attempts", "present"])
 
 
 def _groups(table: pd.DataFrame) -> Iterator[tuple[tuple[str, str], pd.DataFrame]]:
     """The rows of each kind of scene and noise."""
-    for (scene, noise), rows in table.groupby(["scene", "noise"], sort=False):
+    began = table[table["n_objects"] > 0]
+    for (scene, noise), rows in began.groupby(["scene", "noise"], sort=False):
         yield (str(scene), str(noise)), rows
 
 
 def _rounds(rows: pd.DataFrame) -> pd.DataFrame:
     """Successes and attempts of each round, with the columns `SCENE`."""
-    tried = rows.assign(tried=rows["outcome"] != Outcome.NO_GRASP)
+    tried = rows.assign(tried=~rows["outcome"].isin(UNTRIED))
     return tried.groupby(SCENE, as_index=False)[["success", "tried"]].sum()
 
 

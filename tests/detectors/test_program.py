@@ -63,9 +63,11 @@ def test_the_example_answers_as_its_function_does(observation):
     exec(EXAMPLE.read_text(), space)  # noqa: S102
     cloud = {"points": observation.cloud.points, "normals": observation.cloud.normals}
     gripper = GRIPPERS["panda"]
-    expected = space["detect"]({"cloud": cloud}, gripper.model_dump(), None)
     with Program([sys.executable, str(EXAMPLE)], PATIENT, PATIENT) as detect:
         for _ in range(2):
+            rng = np.random.default_rng(int(np.random.default_rng(0).integers(2**63)))
+            expected = space["detect"]({"cloud": cloud}, gripper.model_dump(), rng)
+            assert len(expected[0]) > 10
             for found, values in zip(ask(detect, observation), expected, strict=True):
                 assert found.tobytes() == np.asarray(values).tobytes()
 
@@ -164,14 +166,17 @@ def test_a_program_that_never_reads_does_not_stop_everything(observation, progra
         assert time.monotonic() - begin < 30
 
 
-def test_an_answer_too_many_is_not_taken_for_the_next_one(observation, program):
+def test_an_answer_too_many_is_not_taken_for_the_next_one(observation, program, tmp_path):
+    """Only the first process gives one."""
+    mark = str(tmp_path / "mark")
     command = program(f"""
         send(HELLO)
-        ask()
-        answer([{DOWN}])
-        answer([])
-        ask()
-        answer([{DOWN}])
+        while True:
+            ask()
+            answer([{DOWN}])
+            if not os.path.exists({mark!r}):
+                open({mark!r}, "w").close()
+                answer([])
     """)
     with Program(command, PATIENT, PATIENT) as detect:
         with pytest.raises(DetectorError, match=r"without being asked|more than one message"):
@@ -179,6 +184,20 @@ def test_an_answer_too_many_is_not_taken_for_the_next_one(observation, program):
                 assert len(ask(detect, observation).poses) == 1
                 time.sleep(1)
         assert len(ask(detect, observation).poses) == 1  # of a new process
+
+
+def test_a_program_that_ends_between_two_questions_has_its_status_told(observation, program):
+    command = program(f"""
+        send(HELLO)
+        ask()
+        answer([{DOWN}])
+        sys.exit(7)
+    """)
+    with Program(command, PATIENT, PATIENT) as detect:
+        ask(detect, observation)
+        time.sleep(1)
+        with pytest.raises(DetectorError, match="ended with status 7"):
+            ask(detect, observation)
 
 
 def test_a_program_that_cannot_be_started_again_fails_its_attempts(observation, program):

@@ -37,6 +37,7 @@ def raises(view, gripper, rng): raise ValueError("no idea")
 def gives_text(view, gripper, rng): return ["grasp"]
 def gives_nothing(view, gripper, rng): return None
 def finds_nothing(view, gripper, rng): return []
+def finds_no_tuple(view, gripper, rng): return ()
 def leaves(view, gripper, rng): os._exit(7)
 def killed(view, gripper, rng): os.kill(os.getpid(), signal.SIGKILL)
 def greedy(view, gripper, rng): return np.ones(1 << 50)
@@ -76,7 +77,8 @@ def test_any_object_with_the_numbers_of_a_grasp_will_do(file, view):
 
 
 def test_a_function_or_a_package_will_do(file, view):
-    assert asked(make_detector(DetectorConfig(detector=f"{file}:finds_nothing")), view) == []
+    for name in ("finds_nothing", "finds_no_tuple"):
+        assert asked(make_detector(DetectorConfig(detector=f"{file}:{name}")), view) == []
     packaged = make_detector(DetectorConfig(detector="egad.detectors.antipodal:antipodal_depth"))
     assert asked(packaged, view) == asked(QUICK["antipodal-depth"], view)
 

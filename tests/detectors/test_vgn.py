@@ -1,10 +1,12 @@
 """VGN: its input, its answers; EGAD_VGN names the file of its published weights."""
 
 import os
+import pickle
 
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial.transform import Rotation
 
 from egad.detectors import Vgn, wanted_input
 from egad.detectors.vgn import encode
@@ -53,6 +55,27 @@ def test_weights_of_another_network_are_named(tmp_path):
         Vgn(str(path))
 
 
+def test_a_peak_of_the_quality_becomes_a_pose():
+    """VGN's origin lies 5 cm before the fingertips, ours between the pads; it closes along y."""
+    voxel, corner, where = 0.0075, np.array([-0.15, -0.15, -0.05]), (20, 10, 15)
+    answer = np.zeros((6, 40, 40, 40), np.float32)
+    answer[5] = 5  # a width that is allowed
+    answer[0][where] = 30  # so much that it is still above the threshold when smoothed
+    turn = Rotation.from_euler("xyz", [2.5, 0.3, 0.4])
+    answer[1:5] = turn.as_quat()[:, None, None, None]
+    distances = np.full((40, 40, 40), 0.5, np.float32)  # free space everywhere
+    detect = Vgn.__new__(Vgn)
+    detect._infer = lambda _: answer
+    grid = Tsdf(distances, np.ones_like(distances), corner, voxel, 4 * voxel)
+    (pose,), (width,), (score,) = detect(grid, HAND, np.random.default_rng(0))
+    x, y, z = turn.as_matrix().T
+    np.testing.assert_allclose(pose[:3, :3].T, [y, -x, z], atol=1e-6)
+    tip = corner + np.array(where) * voxel + 0.05 * z
+    np.testing.assert_allclose(pose[:3, 3] + finger_span(HAND)[1] * z, tip, atol=1e-6)
+    assert width == HAND.opening
+    assert score > 0.9
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(WEIGHTS is None, reason="EGAD_VGN names no file")
 @pytest.mark.parametrize("turn", [0.0, 0.6, 1.5])
@@ -61,14 +84,15 @@ def test_a_block_is_grasped_across(turn):
     pytest.importorskip("torch")
     block = trimesh.creation.box((0.03, 0.1, 0.06)).apply_translation((0, 0, 0.03))
     block.apply_transform(trimesh.transformations.rotation_matrix(turn, [0, 0, 1]))
-    detect = Vgn(WEIGHTS)
+    detect = pickle.loads(pickle.dumps(Vgn(WEIGHTS)))  # noqa: S301 (as other processes get it)
     assert wanted_input(detect) == "tsdf"
     grasps = detect(fused(block), HAND, np.random.default_rng(0))
     assert len(grasps.poses) > 0
     best = grasps.poses[0]
     np.testing.assert_allclose(best[:3, :3].T @ best[:3, :3], np.eye(3), atol=1e-5)
     across = [np.cos(turn), np.sin(turn), 0]
-    assert abs(best[:3, 0] @ across) > 0.9
+    # The network errs by up to 30 degrees; if our x were its y, it would be 90.
+    assert abs(best[:3, 0] @ across) > np.cos(np.pi / 4)
     assert abs(best[:3, 3] @ across) < 0.02
     assert best[2, 2] < -0.5
     tip = best[:3, 3] + finger_span(HAND)[1] * best[:3, 2]

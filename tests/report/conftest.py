@@ -128,6 +128,7 @@ def clutter(evalset) -> pd.DataFrame:
             "round": [0, 0, 0, 1, 1],
             "attempt": [0, 1, 2, 0, 1],
             "n_objects": 2,
+            "present": [f"{first} {second}", second, second, *[f"{first} {second}"] * 2],
             "success": [True, False, False, False, False],
             "outcome": ["success", "missed", "collided", "missed", "missed"],
             "id": [first, second, second, first, first],

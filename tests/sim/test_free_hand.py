@@ -114,3 +114,27 @@ def test_a_hand_that_begins_within_an_object_collides(engine: EngineName) -> Non
         stand(world, 0.2)
         result = execute_pose(world, grasp([0.03, 0, 0.05], [1, 0, 0], DOWN), 0.07)
         assert (result.outcome, result.stopped) == (Outcome.COLLIDED, STANDOFF)
+
+
+@EACH_ENGINE
+def test_a_hand_that_was_stopped_does_not_push_on(engine: EngineName) -> None:
+    """The palm is stopped by a tall block; while the fingers close, it stays where it is."""
+    with open_world(engine, [TALL], free_hand(HAND)) as world:
+        stand(world, 0.2)
+        begin = grasp([0, 0, 0.22], [1, 0, 0], DOWN)
+        hand = FreeHand(world, begin, HAND.opening)
+        stopped = hand.move(np.array([0, 0, -0.15]), 0.25, yielding=True)
+        assert 0.05 < stopped < 0.15
+        before = world.arm_joints().copy()
+        hand.close()
+        np.testing.assert_allclose(world.arm_joints(), before, atol=0.002)
+        assert world.forces().hand - world.forces().left - world.forces().right < 60
+
+
+def test_what_was_stopped_early_may_still_succeed() -> None:
+    """The palm is stopped by the top of a tall block, and the fingers hold it all the same."""
+    with open_world("mujoco", [TALL], free_hand(HAND)) as world:
+        stand(world, 0.2)
+        result = execute_pose(world, grasp([0, 0, 0.15], [1, 0, 0], DOWN), HAND.opening)
+        assert result.stopped > 0
+        assert result.outcome == Outcome.SUCCESS

@@ -69,3 +69,11 @@ def test_a_scaled_object_is_that_of_the_scaled_mesh() -> None:
 def test_a_scaled_object_is_not_lighter_than_the_least_mass() -> None:
     small = build(tilted_box(), 1000.0, BUNDLE).scaled(0.5)
     assert small.mass == MIN_MASS
+
+
+def test_a_light_object_that_grows_has_the_mass_of_the_larger_solid() -> None:
+    """It weighs 48 g, which counts as 50 g; twice as large, it weighs eight times 48 g."""
+    grown = build(tilted_box(), 400.0, BUNDLE).scaled(2.0)
+    assert grown.mass == pytest.approx(8 * 400 * SIDES.prod())
+    expected = build(tilted_box().apply_scale(2.0), 400.0, BUNDLE)
+    np.testing.assert_allclose(grown.inertia, expected.inertia, rtol=1e-9)

@@ -21,7 +21,8 @@ from egad.sim.world import Pose
 
 MESH = trimesh.creation.box((0.03, 0.05, 0.08))
 MODEL = build(MESH, 600.0, Bundle())
-GRASPS = dataset_grasps(MESH, "box", label_parameters(HAND, 100, 0))
+WANTED = label_parameters(HAND, 100, 0)
+GRASPS = dataset_grasps(MESH, "box", WANTED)
 
 
 def placed(number: int, x: float, y: float, z: float, turn: Rotation) -> Placed:
@@ -80,8 +81,14 @@ def test_the_table_blocks_what_is_below() -> None:
 
 
 def test_without_a_free_grasp_there_is_none() -> None:
-    """Half sunk into the table, the fingers cannot reach below the middle of any side."""
+    """A plate too wide for the hand: in the air it can be had, flat on the table it cannot."""
     assert propose([], [MODEL], [GRASPS]) == Outcome.NO_GRASP
+    mesh = trimesh.creation.box((0.12, 0.12, 0.02))
+    plate, grasps = build(mesh, 600.0, Bundle()), dataset_grasps(mesh, "plate", WANTED)
+    flat = Rotation.from_matrix(plate.to_principal[:3, :3].T).as_quat()
+    in_the_air, lying = ([Placed(0, Pose(np.array([0, 0, z]), flat))] for z in (0.3, 0.01))
+    assert isinstance(propose(in_the_air, [plate], [grasps]), PoseGrasp)
+    assert propose(lying, [plate], [grasps]) == Outcome.NO_GRASP
     blocked = GRASPS.assign(collision_free=False)
     upright = [placed(0, 0, 0, 0.04, Rotation.identity())]
     assert propose(upright, [MODEL], [blocked]) == Outcome.NO_GRASP

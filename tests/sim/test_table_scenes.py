@@ -8,14 +8,16 @@ from worlds import EACH_ENGINE
 
 from egad.pipeline.config import Bundle
 from egad.random import generator
+from egad.sim import scenes
 from egad.sim.model import build
 from egad.sim.parameters import SCENE_KINDS, EngineName, SceneKind
 from egad.sim.scenes import BOX, WORKSPACE, Placed, make_scene, put, settle_from
-from egad.sim.world import World, open_world
+from egad.sim.world import UnstableError, World, open_world
 
 BLOCK = build(trimesh.creation.box((0.03, 0.04, 0.08)), 600.0, Bundle())
 CAN = build(trimesh.creation.cylinder(0.02, 0.06, sections=24), 600.0, Bundle())
 PLATE = build(trimesh.creation.box((0.18, 0.18, 0.01)), 600.0, Bundle())
+BALL = build(trimesh.creation.icosphere(3, 0.02), 600.0, Bundle())
 MODELS = [BLOCK, CAN, BLOCK, CAN, BLOCK]
 
 
@@ -49,7 +51,8 @@ def test_scenes_are_at_rest_and_reproducible(engine: EngineName, kind: SceneKind
         assert not same(make_scene(world, kind, generator(2, "test", kind)), first)
 
 
-def test_packed_objects_stand_apart_and_as_they_are_most_stable() -> None:
+def test_packed_objects_stand_apart_and_upright() -> None:
+    """The block, which is highest along the z axis of its file, stands on its smallest face."""
     with open_world("mujoco", MODELS) as world:
         placed = make_scene(world, "packed", generator(0, "test"))
         assert len(placed) == len(MODELS)
@@ -60,9 +63,9 @@ def test_packed_objects_stand_apart_and_as_they_are_most_stable() -> None:
                 for one, two in ((hulls[number], other), (other, hulls[number])):
                     below = one.equations[:, :2] @ two.points.T + one.equations[:, 2:]
                     assert not (below < 0).all(axis=0).any()
-            if MODELS[each.number] is BLOCK:  # on its largest face
+            if MODELS[each.number] is BLOCK:
                 height = np.ptp(world.vertices(each.number)[:, 2])
-                assert height == pytest.approx(0.03, abs=0.001)
+                assert height == pytest.approx(0.08, abs=0.001)
 
 
 def test_packed_objects_without_space_are_left_out() -> None:
@@ -73,10 +76,42 @@ def test_packed_objects_without_space_are_left_out() -> None:
 
 
 def test_a_pile_is_dropped_into_a_box() -> None:
-    """Objects rest on each other, which they never do side by side."""
-    with open_world("mujoco", [PLATE] * 4, walls=BOX) as world:
-        placed = make_scene(world, "pile", generator(0, "test"))
-        assert max(each.pose.position[2] for each in placed) > 0.012
+    """Balls roll away, unless walls keep them together."""
+    furthest = []
+
+    def look(world: World) -> None:
+        sides = [np.abs(world.pose(each).position[:2]).max() for each in world.present()]
+        furthest.append(max(sides))
+
+    for walls in (0.14, None):
+        with (
+            open_world("mujoco", [BALL] * 6, walls=walls) as world,
+            pytest.MonkeyPatch.context() as patch,
+        ):
+            patch.setattr(type(world), "remove_walls", look)
+            make_scene(world, "pile", generator(0, "test"))
+    assert furthest[0] < 0.07 < furthest[-1]
+
+
+def test_a_scene_that_stays_empty_is_no_scene() -> None:
+    """It is tried again first."""
+    with open_world("mujoco", [BALL]) as world, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(scenes, "in_workspace", lambda _: False)
+        with pytest.raises(UnstableError, match="no object stays"):
+            make_scene(world, "single", generator(0, "test"))
+        answers = iter([False, False])
+        patch.setattr(scenes, "in_workspace", lambda _: next(answers, True))
+        assert len(make_scene(world, "single", generator(0, "test"))) == 1
+
+
+def test_an_object_that_still_turns_does_not_lie_still() -> None:
+    """A ball that spins on the spot has no speed."""
+    with open_world("mujoco", [BALL]) as world, pytest.MonkeyPatch.context() as patch:
+        steps: list[int] = []
+        patch.setattr(type(world), "speeds", lambda _: (0.0, 1.0 if len(steps) < 300 else 0.0))
+        patch.setattr(type(world), "step", lambda *_: steps.append(1))
+        scenes.settle(world)
+    assert len(steps) > 300
 
 
 def test_what_leaves_the_workspace_is_removed() -> None:

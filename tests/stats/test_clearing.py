@@ -14,8 +14,11 @@ def rows(scene, number, n_objects, outcomes, ids=None):
             "scene": scene,
             "noise": "none",
             "round": number,
+            "attempt": range(len(outcomes)),
+            "present": " ".join(ids or []),
             "seed": f"{number:032x}",
             "objects": " ".join(f"object{each}" for each in range(n_objects)),
+            "factors": "1.0 " * n_objects,
             "n_objects": n_objects,
             "success": [outcome == "success" for outcome in outcomes],
             "outcome": outcomes,
@@ -68,6 +71,7 @@ def test_thirds_by_difficulty_and_complexity():
     table = rows("pile", 0, 3, ["success", "missed", "success"], ["a", "b", "c"])
     found = by_difficulty(table, objects).set_index(["axis", "band"])["successes"]
     assert found.loc["complexity"].to_list() == [1, 0, 1]
+    assert by_difficulty(table, objects)["present"].to_list() == [1] * 6
     hardest = by_difficulty(rows("pile", 0, 1, ["success"], ["a"]), objects)
     assert hardest.set_index(["axis", "band"]).loc[("difficulty", 3), "attempts"] == 1
 
@@ -102,3 +106,17 @@ def test_rounds_with_other_objects_are_not_compared():
     table = rows("pile", 0, 3, ["success"])
     with pytest.raises(UserError, match="no round in common"):
         compare_clearing(table, table.assign(objects="cup bowl"))
+    with pytest.raises(UserError, match="no round in common"):
+        compare_clearing(table, table.assign(factors="0.8 0.9 1.0"))
+
+
+def test_what_the_engine_could_not_simulate_is_no_attempt():
+    only = clearing_rates(rows("pile", 0, 3, ["success", "failed"]))[0]
+    assert (only.success.successes, only.success.attempts) == (1, 1)
+    assert only.cleared.value == pytest.approx(1 / 3)
+
+
+def test_rounds_that_never_began_do_not_count():
+    began = rows("pile", 0, 3, ["success", "missed", "missed"])
+    broken = rows("pile", 1, 0, ["failed"])
+    assert clearing_rates(pd.concat([began, broken])) == clearing_rates(began)

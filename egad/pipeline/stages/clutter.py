@@ -1,7 +1,7 @@
 """clutter: rounds of clearing a table with a grasp detector, a shard of them."""
 
 import logging
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache, partial
 from pathlib import Path
@@ -13,7 +13,8 @@ from PIL import Image
 
 from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
-from egad.detectors import DetectorConfig, opened
+from egad.benchmark import LABELS, Cleared, open_table
+from egad.detectors import STARTING_TIME, DetectorConfig
 from egad.errors import UserError
 from egad.outcomes import Outcome
 from egad.pipeline.parameters import Input, Output, Shard, command
@@ -21,18 +22,12 @@ from egad.pipeline.stages.bundled import ENGINE_TIME, model_in, rows_by_id
 from egad.report.pictures import png_bytes
 from egad.sim import (
     ClutterParameters,
-    Model,
     Pixels,
-    Propose,
     Round,
-    SceneLabels,
     failed_round,
     film_round,
     picture_of,
-    proposed_by,
     rounds_of,
-    run_round,
-    timed,
     write_film,
 )
 from egad.sim.world import UnstableError
@@ -42,8 +37,6 @@ from egad.tables.grasping import GRASPS
 
 SHOWN = 4  # scenes of each kind
 log = logging.getLogger(__name__)
-Proposer = Callable[[Sequence[str], Sequence[Model]], Propose]
-Cleared = tuple[pd.DataFrame, list[float]]  # attempts, and planning times in seconds
 
 
 class ClearedTables(ClutterParameters):
@@ -80,8 +73,9 @@ def run(
     todo = rounds_of(list(rows_by_id(bundle)), settings)[number::shards]
     tables, seconds = [parquet.empty(CLUTTER)], []
     phase("starting the simulator")
-    limit = 2 * settings.clutter.objects * (settings.clutter.planning_time + ENGINE_TIME)
-    with Survivor(partial(open_table, settings, bundle, grasps), limit) as clear:
+    attempt = settings.clutter.planning_time + STARTING_TIME + ENGINE_TIME
+    limit = 2 * settings.clutter.objects * attempt
+    with Survivor(partial(open_bundle, settings, bundle, grasps), limit) as clear:
         for this in progress(todo, "clearing", len(todo)):
             done: Cleared | None = clear(this)
             if done is None:
@@ -96,48 +90,20 @@ def run(
 
 
 @contextmanager
-def open_table(
+def open_bundle(
     settings: ClearedTables, bundle: Path, grasps: Path | None
 ) -> Iterator[Callable[[Round], Cleared]]:
-    """A function that lets the detector clear one table."""
+    """A function that lets the detector clear one table of objects of a bundle."""
     known = rows_by_id(bundle)
-    model = cache(lambda name: model_in(bundle, known[name]))
-    with open_proposer(settings, grasps) as proposer:
-
-        def clear(this: Round) -> Cleared:
-            seconds: list[float] = []
-            models = {name: model(name) for name in this.ids}
-            table = run_round(
-                this, models, lambda *scene: timed(proposer(*scene), seconds), settings
-            )
-            return table, seconds
-
-        yield clear
-
-
-@contextmanager
-def open_proposer(settings: ClearedTables, grasps: Path | None) -> Iterator[Proposer]:
-    """A function from the objects of a scene to what proposes grasps, valid within the context.
-
-    Raises:
-        UserError: The detector cannot be found or created.
-    """
-    config = settings.detector
-    if config.detector == "labels":
-        yield _labels(settings, grasps)
-        return
-    with opened(config, settings.clutter.planning_time) as detect:
-        yield lambda *_: proposed_by(detect, settings.gripper)
-
-
-def _labels(settings: ClearedTables, grasps: Path | None) -> Proposer:
-    if grasps is None:
-        raise UserError("the detector labels needs --grasps, the table of labelled grasps")
-    by_id = dict(list(parquet.read(grasps, GRASPS).groupby("id")))
+    by_id = {} if grasps is None else dict(list(parquet.read(grasps, GRASPS).groupby("id")))
     none = parquet.empty(GRASPS)
-    return lambda ids, models: SceneLabels(
-        [by_id.get(name, none) for name in ids], models, settings.gripper
-    )
+    if settings.detector.detector == LABELS and grasps is None:
+        raise UserError("the detector labels needs --grasps, the table of labelled grasps")
+    model = cache(lambda name: model_in(bundle, known[name]))
+    with open_table(
+        settings.detector, model, lambda name: by_id.get(name, none), settings
+    ) as clear:
+        yield clear
 
 
 def film(

@@ -129,7 +129,7 @@ def test_what_a_detector_does_wrong_is_an_outcome_and_the_run_goes_on(
 
 def test_a_round_that_kills_the_engine_is_marked(made, monkeypatch, tmp_path):
     given = settings("random", rounds=1, scenes=["pile"])
-    monkeypatch.setattr(clutter, "open_table", deadly)
+    monkeypatch.setattr(clutter, "open_bundle", deadly)
     clutter.run(given, made, (0, 1), tmp_path / "out.parquet")
     found = parquet.read(tmp_path / "out.parquet", CLUTTER)
     assert found["outcome"].tolist() == ["crashed"]
