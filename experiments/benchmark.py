@@ -3,8 +3,9 @@
     python experiments/benchmark.py OUT --ycb FOLDER --vgn WEIGHTS --ggcnn WEIGHTS --jobs 2
 
 (and the same with --picture, which draws docs/benchmark.png)
-writes OUT/SET/DETECTOR.parquet, unless it is there, and prints the tables. `simple` is
-a set of single boxes, cylinders and balls, as VGN was trained with.
+writes OUT/SET/DETECTOR.parquet, unless it is there, and prints the tables. `simple` is a set of
+single boxes, cylinders and balls, as VGN was trained with; `simple-one-view` is the same, seen by
+one camera.
 """
 
 import argparse
@@ -39,7 +40,7 @@ ROUNDS = 100
 GRIPPER = "panda"
 COUNT = 49  # primitives and simple objects, as many as in the evaluation set
 LARGEST = 0.075  # side of a simple object, metres
-SIMPLE = "simple"
+SIMPLE, ONE_VIEW = "simple", "simple-one-view"
 SHOWN = 2  # scenes of each kind
 CROP = (slice(110, 370), slice(20, 332))
 DOCS = Path(__file__).parents[1] / "docs"
@@ -52,19 +53,22 @@ def main(given: argparse.Namespace) -> None:
         "ggcnn2": DetectorConfig(detector="ggcnn", weights=given.ggcnn),
         **{name: DetectorConfig(detector=name) for name in ("antipodal-cloud", "labels", "random")},
     }
+    simple = [NamedMesh(*[f"s{n:02}"] * 2, partial(single, n)) for n in range(COUNT)]
     sets = {
         "evolved": named_meshes(egad.load("evaluation-set")),
-        SIMPLE: [NamedMesh(*[f"s{n:02}"] * 2, partial(single, n)) for n in range(COUNT)],
         "ycb": ycb(Path(given.ycb)),
         "primitives": [NamedMesh(*[f"p{n:02}"] * 2, partial(joined, n)) for n in range(COUNT)],
+        SIMPLE: simple,
+        ONE_VIEW: simple,
     }
     if given.picture:
         draw(sets)
         return
     for name, targets in sets.items():
-        used = {"vgn": detectors["vgn"]} if name == SIMPLE else detectors
+        used = {"vgn": detectors["vgn"]} if name.startswith(SIMPLE) else detectors
         run(Path(given.out) / name, targets, used, given.jobs)
-    print_tables(Path(given.out))
+    print_rates(Path(given.out), list(sets))
+    print_thirds(Path(given.out) / "evolved")
 
 
 def ycb(folder: Path) -> list[NamedMesh]:
@@ -91,12 +95,13 @@ def run(
     missing = [name for name in detectors if not (folder / f"{name}.parquet").exists()]
     if not missing:
         return
-    simple, seed = folder.name == SIMPLE, settings_of(("none",)).seed
+    simple, seed = folder.name.startswith(SIMPLE), settings_of(("none",)).seed
     rule, label_seed = ("none", None) if simple else ("paper", seed)
+    views = {"views": 1} if folder.name == ONE_VIEW else {}
     objects = prepare_objects(targets, GRIPPERS[GRIPPER], rule, label_seed, jobs)
     for name in missing:
         begin = cpu_time()
-        settings = settings_of(noise_of(name, simple=simple))
+        settings = settings_of(noise_of(name, simple=simple), **views)
         found = clear_tables(detectors[name], objects, settings, jobs)
         parquet.write(found.table, CLUTTER, folder / f"{name}.parquet")
         minutes = (cpu_time() - begin) / 60
@@ -113,9 +118,9 @@ def noise_of(detector: str, *, simple: bool) -> tuple[NoiseName, ...]:
     return ("none", "stereo", "gamma") if simple else ("none", "stereo")
 
 
-def settings_of(noise: tuple[NoiseName, ...]) -> ClutterParameters:
-    """Those of all runs."""
-    clutter = Clutter(rounds=ROUNDS, noise=noise, scenes=("single", "packed", "pile"))
+def settings_of(noise: tuple[NoiseName, ...], **others: int) -> ClutterParameters:
+    """Those of all runs, and others."""
+    clutter = Clutter(rounds=ROUNDS, noise=noise, scenes=("single", "packed", "pile"), **others)
     return ClutterParameters(seed=0, gripper=GRIPPERS[GRIPPER], clutter=clutter)
 
 
@@ -123,7 +128,7 @@ def draw(sets: dict[str, list[NamedMesh]]) -> None:
     """Two packed scenes and two piles of each set; a row is a set."""
     settings, rows = settings_of(("none",)), []
     for name, targets in sets.items():
-        if name == SIMPLE:
+        if name.startswith(SIMPLE):
             continue
         objects = prepare_objects(targets, settings.gripper, "paper", jobs=2)
         models = {each.id: each.model for each in objects}
@@ -141,31 +146,19 @@ def cpu_time() -> float:
     return times.user + times.system + times.children_user + times.children_system
 
 
-def print_tables(out: Path) -> None:
-    """Print rates by set, detector, scenes and noise; and success by thirds of the objects."""
-    tables = {
-        (path.parent.name, path.stem): parquet.read(path, CLUTTER)
-        for path in sorted(out.glob("*/*.parquet"))
-    }
-    print("| objects | detector | noise | single | packed | packed cleared | pile | pile cleared |")
-    print("| --- " * 8 + "|")
-    for (name, detector), table in tables.items():
-        for line in lines(table):
-            print(f"| {name} | `{detector}` | {line} |")
-    print("\n| detector | simple | | complex | easy | | hard |\n" + "| --- " * 7 + "|")
-    objects = egad.load("evaluation-set").table
-    for (name, detector), table in tables.items():
-        if name == "evolved":
-            thirds = by_difficulty(table, objects)
-            rates = [
-                " / ".join(f"{100 * row.successes / of:.0f}" for of in (row.attempts, row.present))
-                for row in thirds.itertuples()
-            ]
-            print(f"| `{detector}` | {' | '.join(rates)} |")
+def print_rates(out: Path, sets: list[str]) -> None:
+    """Print a table for each kind of noise: rates by set, detector and scenes, in percent."""
+    found: dict[str, list[str]] = {}
+    for path in sorted(out.glob("*/*.parquet"), key=lambda path: sets.index(path.parent.name)):
+        for noise, rates in line_of_each_noise(parquet.read(path, CLUTTER)):
+            found.setdefault(noise, []).append(f"| {path.parent.name} | `{path.stem}` | {rates} |")
+    for noise, lines in found.items():
+        print(f"\n{noise}\n\n| objects | detector | single | packed | cleared | pile | cleared |")
+        print("| --- " * 7 + "|", *lines, sep="\n")
 
 
-def lines(table: pd.DataFrame) -> Iterator[str]:
-    """Noise and rates with intervals, in percent."""
+def line_of_each_noise(table: pd.DataFrame) -> Iterator[tuple[str, str]]:
+    """Success and share of cleared objects with intervals, percent."""
     rates: dict[str, dict[str, Clearing]] = {}
     for each in clearing_rates(table):
         rates.setdefault(each.noise, {})[each.scene] = each
@@ -174,9 +167,24 @@ def lines(table: pd.DataFrame) -> Iterator[str]:
         for scene in ("packed", "pile"):
             shown += [by_scene[scene].success, by_scene[scene].cleared]
         percents = [100 * np.array([rate.value, *rate.interval]) for rate in shown]
-        yield " | ".join(
-            [noise, *(f"{v:.0f} ({low:.0f} to {high:.0f})" for v, low, high in percents)]
-        )
+        yield noise, " | ".join(f"{v:.0f} ({low:.0f} to {high:.0f})" for v, low, high in percents)
+
+
+def print_thirds(folder: Path) -> None:
+    """Print success and share cleared by thirds of the objects, with noise; percent."""
+    print(
+        "\n| detector | simple | middle | complex | easy | middle | hard |\n" + "| --- " * 7 + "|"
+    )
+    objects = egad.load("evaluation-set").table
+    for path in sorted(folder.glob("*.parquet")):
+        table = parquet.read(path, CLUTTER)
+        noise = noise_of(path.stem, simple=False)[-1]
+        thirds = by_difficulty(table[table["noise"] == noise], objects)
+        rates = [
+            " / ".join(f"{100 * row.successes / of:.0f}" for of in (row.attempts, row.present))
+            for row in thirds.itertuples()
+        ]
+        print(f"| `{path.stem}` | {' | '.join(rates)} |")
 
 
 if __name__ == "__main__":
