@@ -19,8 +19,8 @@ from .geometry.repair import Repaired as Repaired
 from .geometry.repair import repair as repair
 from .geometry.stable_poses import StablePose as StablePose
 from .grasps.grasps import Grasps as Grasps
-from .grasps.grippers import gripper as gripper
-from .grasps.parameters import Gripper as Gripper
+from .grippers.parameters import Gripper as Gripper
+from .grippers.table import gripper as gripper
 from .map_elites.archive import Archive as Archive
 from .map_elites.evolver import Evolver as Evolver
 from .map_elites.evolver import evolve as evolve

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from egad._util.arguments import check_array, check_number
 from egad._util.parameters import MAX_SIDE_FRACTION, check_count, from_arguments
 from egad.evalset import Bundle
-from egad.exchange.palm_mesh import palm_mesh
+from egad.exchange.hand_body import hand_body
 from egad.geometry import (
     DEVIATION,
     MAX_PARTS,
@@ -30,12 +30,11 @@ from egad.grasps import (
     CONE,
     FRICTION,
     Grasps,
-    Gripper,
     LabelParameters,
-    as_gripper,
     label_grasps,
     label_parameters,
 )
+from egad.grippers import Gripper, as_gripper
 from egad.measures import (
     MAX_CANDIDATES,
     Cell,
@@ -222,7 +221,7 @@ def sample_grasps(
     )
     com = _center(mesh, center_of_mass)
     rng = generator(parameters.seed, "sample_grasps")
-    return Grasps(label_grasps(mesh, com, parameters, rng, palm_mesh(hand)))
+    return Grasps(label_grasps(mesh, com, parameters, rng, hand_body(hand)))
 
 
 def dataset_grasps(
@@ -242,8 +241,8 @@ def dataset_grasps(
         RejectedError: The mesh is open, or there is no grasp.
     """
     rng = generator(parameters.seed, "grasps", object_id)
-    palm = palm_mesh(parameters.gripper)
-    return label_grasps(mesh, center_of_mass(mesh), parameters, rng, palm)
+    body = hand_body(parameters.gripper)
+    return label_grasps(mesh, center_of_mass(mesh), parameters, rng, body)
 
 
 def convex_parts(

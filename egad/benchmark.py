@@ -21,7 +21,8 @@ from egad.errors import RejectedError, UserError, check_name
 from egad.evalset import Bundle
 from egad.exchange import check_ending
 from egad.geometry import Material
-from egad.grasps import GraspLabel, Gripper, as_gripper, label_parameters
+from egad.grasps import GraspLabel, label_parameters
+from egad.grippers import Gripper, as_gripper
 from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
 from egad.perception import NOISES, NoiseName
 from egad.sim import (

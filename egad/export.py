@@ -27,14 +27,8 @@ from egad.exchange import (
     write_stl_mm,
 )
 from egad.geometry import Material, mass_properties
-from egad.grasps import (
-    FRICTION,
-    Gripper,
-    LabelParameters,
-    as_gripper,
-    finger_span,
-    label_parameters,
-)
+from egad.grasps import FRICTION, LabelParameters, label_parameters
+from egad.grippers import Gripper, as_gripper, finger_span
 from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
 from egad.sim import (
     EngineChoice,

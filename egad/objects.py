@@ -18,7 +18,7 @@ from egad.errors import RejectedError, UserError, check_name
 from egad.exchange import read_mesh
 from egad.geometry import SIDE_FRACTION, check_units, rescale, wind_outwards
 from egad.geometry.repair import repair
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.map_elites import Archive
 from egad.measures import labels
 from egad.tables import parquet

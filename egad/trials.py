@@ -22,7 +22,8 @@ from egad.detectors import (
 from egad.errors import RejectedError, UserError, check_name
 from egad.evalset import Bundle
 from egad.geometry import Material
-from egad.grasps import GraspLabel, Gripper, as_gripper, label_parameters
+from egad.grasps import GraspLabel, label_parameters
+from egad.grippers import Gripper, as_gripper
 from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
 from egad.outcomes import Outcome
 from egad.sim import (

@@ -20,7 +20,7 @@ import egad
 from egad._util.files import write_text
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.grasps import gripper
+from egad.grippers import gripper
 from egad.measures import Space, coverage, default_measures, difficulty_cells
 from egad.measures.difficulty import difficulty
 from egad.random import generator

@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
-from egad.grasps import PANDA_REACH, finger_span, parts
+from egad.grasps import PANDA_REACH
+from egad.grippers import BoxBody, finger_span
 from egad.pipeline.config import GRIPPERS
 
 OUT = Path(__file__).parents[1] / "docs/exchange.svg"
@@ -18,7 +19,7 @@ MM = 1000.0
 
 def draw_hand(axes: Axes) -> None:
     """The panda hand of the table of grippers, seen along y, around a ball."""
-    for low, high in (part.box for part in parts(GRIPPERS["panda"])):
+    for low, high in (part.box for part in BoxBody(GRIPPERS["panda"]).parts()):
         (left, bottom), (width, height) = MM * low[[0, 2]], MM * (high - low)[[0, 2]]
         colors = {"facecolor": "#d9d9d9", "edgecolor": "#555"}
         axes.add_patch(Rectangle((left, bottom), width, height, **colors))

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
 
 from egad._util.files import atomic_output
-from egad.grasps import finger_span, parts
+from egad.grippers import BoxBody, finger_span
 from egad.pipeline.config import GRIPPERS
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -32,7 +32,7 @@ def main() -> None:
 
 def draw_hand(axes: Axes, across: int) -> None:
     """The boxes of the hand, millimetres, `across` to the right and the approach downwards."""
-    for part, color in zip(parts(HAND), (FINGER, FINGER, PALM), strict=True):
+    for part, color in zip(BoxBody(HAND).parts(), (FINGER, FINGER, PALM), strict=True):
         low, high = 1000 * part.box[:, [across, 2]]
         corner = (low[0], -high[1])
         axes.add_patch(Rectangle(corner, *(high - low), facecolor=color, edgecolor="black", lw=0.8))

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from egad.detectors.base import Grasp, rank_grasps
-from egad.grasps import TABLE_CLEARANCE, Gripper, roomy
+from egad.grasps import TABLE_CLEARANCE, roomy
+from egad.grippers import Gripper
 from egad.perception import (
     Heightmap,
     View,

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from egad.detectors.base import DetectorTimeoutError, Grasp, best_grasp
 from egad.detectors.poses import GraspPoses, PoseGrasp, best_pose, pose_of
 from egad.errors import UserError, check_name
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.outcomes import Outcome
 from egad.perception import Observation, PointCloud, Tsdf, View
 

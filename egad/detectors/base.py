@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.outcomes import Outcome
 
 Floats = NDArray[np.float64]

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.detectors.poses import GraspPoses, best_poses
-from egad.grasps import TABLE_CLEARANCE, Gripper, finger_span, hand_poses, roomy
+from egad.grasps import TABLE_CLEARANCE, hand_poses, roomy
+from egad.grippers import Gripper, finger_span
 from egad.perception import PointCloud
 
 Floats = NDArray[np.float64]

@@ -15,7 +15,8 @@ from scipy import ndimage
 
 from egad.detectors.base import WHERE, Grasp
 from egad.errors import UserError
-from egad.grasps import TABLE_CLEARANCE, Gripper
+from egad.grasps import TABLE_CLEARANCE
+from egad.grippers import Gripper
 from egad.learning import SIZE, peaks, prepare_input, read_maps
 from egad.perception import View, fill_missing
 

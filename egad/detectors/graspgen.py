@@ -8,7 +8,7 @@ from egad.detectors.base import WHERE
 from egad.detectors.messages import packed, unpacked
 from egad.detectors.poses import GraspPoses, poses_of
 from egad.errors import UserError
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.perception import PointCloud
 
 GREETING_TIME = 60_000  # milliseconds; it may still be busy with an earlier question

@@ -9,7 +9,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad.detectors.base import Grasp, rank_grasps
-from egad.grasps import LEAST_BITE, Gripper, finger_span, roomy
+from egad.grasps import LEAST_BITE, roomy
+from egad.grippers import Gripper, finger_span
 from egad.perception import View, heightmap_of, min_fingertip_height, restore
 
 Floats = NDArray[np.float64]

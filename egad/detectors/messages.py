@@ -10,7 +10,7 @@ import numpy as np
 
 from egad.detectors.base import Grasp
 from egad.detectors.poses import GraspPoses, poses_of
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.perception import Intrinsics, Observation, PointCloud, Tsdf, View
 
 PROTOCOL = 1

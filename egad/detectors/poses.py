@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.detectors.base import MOST_GRASPS, Grasp
-from egad.grasps import Gripper, finger_span, hand_poses
+from egad.grasps import hand_poses
+from egad.grippers import Gripper, finger_span
 from egad.outcomes import Outcome
 
 Floats = NDArray[np.float64]

@@ -21,7 +21,7 @@ from egad.detectors.base import WHERE, DetectorError, DetectorTimeoutError, Gras
 from egad.detectors.messages import PROTOCOL, answered, packed, question, unpacked
 from egad.detectors.poses import GraspPoses
 from egad.errors import UserError
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.perception import Observation, View
 
 LENGTH = struct.Struct(">I")

@@ -3,7 +3,8 @@
 import numpy as np
 
 from egad.detectors.base import Grasp
-from egad.grasps import TABLE_CLEARANCE, Gripper
+from egad.grasps import TABLE_CLEARANCE
+from egad.grippers import Gripper
 from egad.perception import View, restore
 
 

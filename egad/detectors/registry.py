@@ -18,7 +18,7 @@ from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.vgn import Vgn
 from egad.errors import UserError
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 
 QUICK: dict[str, Detector] = {"antipodal-depth": antipodal_depth, "random": random_grasp}
 """Detectors that need nothing but the image, and no process of their own to be stopped."""

@@ -15,7 +15,7 @@ from egad.detectors.poses import Detector, GraspPoses
 from egad.detectors.program import Program
 from egad.detectors.registry import IN_SCENES, make_detector
 from egad.errors import UserError
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.perception import Observation, View
 
 STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from egad.detectors.base import WHERE
 from egad.detectors.poses import GraspPoses, best_poses
 from egad.errors import UserError
-from egad.grasps import Gripper, finger_span
+from egad.grippers import Gripper, finger_span
 from egad.perception import Tsdf
 
 Singles = NDArray[np.float32]

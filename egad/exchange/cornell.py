@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from egad.errors import UserError
 from egad.exchange.pictures import corners, write_depth
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.perception import ImageGrasps, Picture, table_depth
 
 WIDTH, HEIGHT = 640, 480  # pixels of the images, which readers count on

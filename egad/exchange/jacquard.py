@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from egad.errors import UserError
 from egad.exchange.pictures import write_depth, write_mask
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.perception import Picture
 
 Kind = TypeVar("Kind", np.float32, np.bool_)

@@ -6,12 +6,6 @@ from .collision import blocked_turns as blocked_turns
 from .collision import roomy as roomy
 from .grasps import Grasps as Grasps
 from .grasps import vectors as vectors
-from .grippers import GRIPPERS as GRIPPERS
-from .grippers import as_gripper as as_gripper
-from .grippers import gripper as gripper
-from .hand import Part as Part
-from .hand import finger_span as finger_span
-from .hand import parts as parts
 from .labels import label_grasps as label_grasps
 from .labels import label_parameters as label_parameters
 from .labels import rate_grasps as rate_grasps
@@ -23,7 +17,6 @@ from .parameters import APPROACH_ANGLES as APPROACH_ANGLES
 from .parameters import CONE as CONE
 from .parameters import FRICTION as FRICTION
 from .parameters import GraspLabel as GraspLabel
-from .parameters import Gripper as Gripper
 from .parameters import LabelParameters as LabelParameters
 from .parameters import Quality as Quality
 from .parameters import Robust as Robust

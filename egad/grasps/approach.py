@@ -1,20 +1,19 @@
 """From where the body of a hand reaches a grasp without touching the object (ours).
 
 The fingers are open as far as they go: a hand comes in like that, and it is what the sampler and
-the robust quality close from. `egad.grasps.hand` says what the hand looks like.
+the robust quality close from. `egad.grippers.hand` says what the hand looks like.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from egad.geometry import RayCaster
 from egad.grasps.collision import blocked_turns
-from egad.grasps.hand import Part, parts
-from egad.grasps.parameters import Gripper
 from egad.grasps.sampler import ContactPairs
+from egad.grippers import Body, Part
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -42,8 +41,7 @@ class Approaches(NamedTuple):
 def best_approaches(
     caster: RayCaster,
     grasps: ContactPairs,
-    gripper: Gripper,
-    palm: trimesh.Trimesh | None = None,
+    body: Body,
     *,
     angles: int = 16,
     way: float = 0.1,
@@ -59,8 +57,7 @@ def best_approaches(
     Args:
         caster: Of the object, closed, metres.
         grasps: The grasps.
-        gripper: The hand.
-        palm: A mesh in the place of its palm box, see `egad.grasps.hand.parts`.
+        body: The hand.
         angles: Approaches to try.
         way: Length of the straight way in, metres.
     """
@@ -68,11 +65,13 @@ def best_approaches(
     first = first_approaches(grasps.axes)
     frames = np.stack([grasps.axes, np.cross(first, grasps.axes), first], axis=1)
     turns = 2 * np.pi * np.arange(angles) / angles
-    hand = parts(gripper, palm)
-    there = blocked_turns(triangles, hand, grasps.centers, frames, turns)
-    there |= swallowed(caster, hand, grasps.centers, frames, turns)
-    swept = parts(gripper, palm, way)
-    coming = blocked_turns(triangles, swept, grasps.centers, frames, turns, known=there)
+    hand, swept = body.parts(), body.parts(way)
+    behind = body.reach(grasps.widths) - body.reach(np.array([body.gripper.opening]))
+    there = blocked_turns(triangles, hand, grasps.centers, frames, turns, behind=behind)
+    there |= swallowed(caster, hand, grasps.centers, frames, turns, behind)
+    coming = blocked_turns(
+        triangles, swept, grasps.centers, frames, turns, known=there, behind=behind
+    )
     fits, free = ~there.all(axis=1), ~coming.all(axis=1)
     best = np.where(free, _roomiest(coming), _roomiest(there))
     turn = turns[best][:, None]
@@ -91,17 +90,24 @@ def first_approaches(axes: Floats) -> Floats:
 
 
 def swallowed(
-    caster: RayCaster, hand: list[Part], origins: Floats, frames: Floats, turns: Floats
+    caster: RayCaster,
+    hand: Sequence[Part],
+    origins: Floats,
+    frames: Floats,
+    turns: Floats,
+    behind: Floats | None = None,
 ) -> Flags:
     """In which poses a part of the hand has its middle in the object: (n, k).
 
-    A part that touches no surface lies all inside or all outside, as any point of it.
+    A part that touches no surface lies all inside or all outside, as any point of it. Arguments
+    are those of `blocked_turns`.
     """
     result = np.zeros((len(origins), len(turns)), dtype=bool)
+    back = np.zeros((len(origins), 1)) if behind is None else behind[:, None]
     for x, y, z in (part.middle for part in hand):
-        across = np.cos(turns) * y - np.sin(turns) * z
-        along = np.sin(turns) * y + np.cos(turns) * z
-        turned = np.stack([np.full_like(turns, x), across, along], axis=1)
+        across = np.cos(turns) * y - np.sin(turns) * (z - back)
+        along = np.sin(turns) * y + np.cos(turns) * (z - back)
+        turned = np.stack([np.full_like(across, x), across, along], axis=2)
         points = (origins[:, None] + turned @ frames).reshape(-1, 3)
         result |= caster.contains(points).reshape(result.shape)
     return result

@@ -6,8 +6,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.grasps.hand import Part
-from egad.grasps.parameters import Gripper
+from egad.grippers import Gripper, Part
 
 Floats = NDArray[np.float64]
 
@@ -31,6 +30,7 @@ def blocked_turns(
     frames: Floats,
     turns: Floats,
     known: Flags | None = None,
+    behind: Floats | None = None,
 ) -> Flags:
     """In which poses a body touches a surface.
 
@@ -41,14 +41,18 @@ def blocked_turns(
         frames: (n, 3, 3) its unit vectors x, y, z in rows.
         turns: (k,) angles that the body turns about x, taking z towards -y, radians.
         known: (n, k) poses that need no test, as they are known to touch.
+        behind: (n,) how far the body lies behind its frame, along -z, metres; 0 if None.
 
     Returns:
         (n, k): whether any part touches any triangle.
     """
     centers, radii = spheres(triangles)
     boxes = np.stack([part.box for part in parts])
+    behind = np.zeros(len(origins)) if behind is None else behind
     # nearest that a box comes to the axis: no turn brings it nearer
-    gaps = np.linalg.norm(np.maximum(np.maximum(boxes[:, 0], -boxes[:, 1]), 0)[:, 1:], axis=1)
+    ends = boxes.copy()
+    ends[:, :, 2] -= behind.max(initial=0.0), behind.min(initial=0.0)
+    gaps = np.linalg.norm(np.maximum(np.maximum(ends[:, 0], -ends[:, 1]), 0)[:, 1:], axis=1)
     shape = (len(origins), len(turns))
     result = np.zeros(shape, dtype=bool) if known is None else known.copy()
     _block_turns(
@@ -63,6 +67,7 @@ def blocked_turns(
         np.ascontiguousarray(frames),
         np.cos(turns),
         np.sin(turns),
+        behind,
         result,
     )
     return result
@@ -88,6 +93,7 @@ def _block_turns(
     frames: Floats,
     cosines: Floats,
     sines: Floats,
+    behind: Floats,
     result: Flags,
 ) -> None:
     turned = np.empty((3, 3))
@@ -103,14 +109,14 @@ def _block_turns(
                     turned_y = cosines[k] * y + sines[k] * z
                     if result[n, k] or apart(turned_y, radius, boxes[b], 1):
                         continue
-                    turned_z = cosines[k] * z - sines[k] * y
+                    turned_z = cosines[k] * z - sines[k] * y + behind[n]
                     if apart(turned_z, radius, boxes[b], 2):
                         continue
                     for i in range(3):
                         p, q, r = local(triangles[m], i, origins, frames, n)
                         turned[i, 0] = p
                         turned[i, 1] = cosines[k] * q + sines[k] * r
-                        turned[i, 2] = cosines[k] * r - sines[k] * q
+                        turned[i, 2] = cosines[k] * r - sines[k] * q + behind[n]
                     if _touches(turned, boxes[b], planes, bounds[b], bounds[b + 1]):
                         result[n, k] = True
                         left -= 1
@@ -121,7 +127,14 @@ def _touches(triangle: Floats, box: Floats, planes: Floats, first: int, end: int
     """Whether a triangle meets the part with this box and these of the planes, if any."""
     if not box_meets_triangle(triangle, box):
         return False
-    return bool(first == end or clipped(triangle, planes[first:end])[1] > 0)
+    if first == end:
+        return True
+    for i in range(first, end):
+        plane = planes[i]
+        low = min(_height(plane, triangle[0]), _height(plane, triangle[1]))
+        if min(low, _height(plane, triangle[2])) > 0:
+            return False
+    return bool(clipped(triangle, planes[first:end])[1] > 0)
 
 
 @numba.njit(cache=True)

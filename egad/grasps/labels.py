@@ -17,7 +17,6 @@ from egad.grasps.parameters import (
     CONE,
     FRICTION,
     GraspLabel,
-    Gripper,
     LabelParameters,
     Quality,
     Robust,
@@ -26,6 +25,7 @@ from egad.grasps.parameters import (
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
 from egad.grasps.sampler import ContactPairs, SamplingStatistics, sample_contacts
+from egad.grippers import Body, Gripper
 
 Floats = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ def label_grasps(
     com: Floats,
     settings: LabelParameters,
     rng: np.random.Generator,
-    palm: trimesh.Trimesh | None = None,
+    body: Body,
 ) -> pd.DataFrame:
     """Sample grasps of an object and rate them.
 
@@ -69,7 +69,7 @@ def label_grasps(
         com: (3,) center of mass, metres.
         settings: The gripper, how many grasps, and how to rate them.
         rng: Where chance comes from.
-        palm: A mesh in the place of the gripper's palm box, see `egad.grasps.hand.parts`.
+        body: Of the gripper's hand.
 
     Returns:
         One row per grasp, in the frame of the mesh, with the columns of `tables.grasping.GRASPS`
@@ -85,7 +85,7 @@ def label_grasps(
     grasps, tally = sample_for_labels(caster, settings, rng)
     if len(grasps) == 0:
         raise RejectedError(f"no grasp ({tally})")
-    return rate_grasps(caster, com, grasps, settings, rng, palm)
+    return rate_grasps(caster, com, grasps, settings, rng, body)
 
 
 def sample_for_labels(
@@ -107,7 +107,7 @@ def rate_grasps(
     grasps: ContactPairs,
     settings: LabelParameters,
     rng: np.random.Generator,
-    palm: trimesh.Trimesh | None = None,
+    body: Body,
 ) -> pd.DataFrame:
     """Rate grasps: arguments and result are those of `label_grasps`, with a caster of the mesh."""
     gripper, wanted = settings.gripper, settings.grasp_label
@@ -124,9 +124,9 @@ def rate_grasps(
         rng=rng,
     )
     approach = best_approaches(
-        caster, grasps, gripper, palm, angles=wanted.approach_angles, way=wanted.approach_way
+        caster, grasps, body, angles=wanted.approach_angles, way=wanted.approach_way
     )
-    needed = needed_openings(caster, grasps, approach.directions, gripper)
+    needed = needed_openings(caster, grasps, approach.directions, body)
     return pd.DataFrame(
         {
             "grasp": np.arange(len(grasps)),

@@ -6,10 +6,10 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.geometry import RayCaster, spread
+from egad.grasps.closing import needed_openings_of_model
 from egad.grasps.collision import apart, clipped, local, spheres
-from egad.grasps.hand import finger_span
-from egad.grasps.parameters import Gripper
 from egad.grasps.sampler import ContactPairs
+from egad.grippers import Body, ModelBody, finger_span
 
 Floats = NDArray[np.float64]
 SPACING = 0.05  # of the longest side of the mesh: between the points, at most
@@ -17,7 +17,7 @@ SKIN = 1e-6  # of it: how far below the surface rays start
 
 
 def needed_openings(
-    caster: RayCaster, grasps: ContactPairs, approaches: Floats, gripper: Gripper
+    caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: Body
 ) -> Floats:
     """The smallest opening at which both fingers stand beside the object at each of n grasps.
 
@@ -30,11 +30,15 @@ def needed_openings(
         caster: Of the object, closed, metres.
         grasps: The grasps.
         approaches: (n, 3) unit vectors along which the hand points, at right angles to the axes.
-        gripper: Sizes of the fingers; its own opening does not matter.
+        body: The hand. The opening of boxes does not matter; of a maker's model, see
+            `needed_openings_of_model`.
 
     Returns:
         (n,) metres, between the inner faces of the fingers; may be more than the gripper has.
     """
+    if isinstance(body, ModelBody):
+        return needed_openings_of_model(caster, grasps, approaches, body)
+    gripper = body.gripper
     triangles = caster.triangles
     around = spheres(triangles)
     frames = np.stack([grasps.axes, np.cross(approaches, grasps.axes), approaches], axis=1)

@@ -1,83 +1,13 @@
 """Parameters of the sampling, rating and labelling of grasps."""
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from pydantic import Field
 
-from pydantic import BeforeValidator, Field
-
-from egad._util.parameters import Length, ParameterGroup, Parameters, Seed, Sigma, UserParameters
-
-
-class Pad(NamedTuple):
-    """Finger pads on printed plastic (our own typical values).
-
-    Attributes:
-        friction: Sliding friction.
-        radius: Radius of the contact patch on a round object, metres; it resists twisting.
-    """
-
-    friction: float
-    radius: float
-
+from egad._util.parameters import Length, ParameterGroup, Parameters, Seed, Sigma
+from egad.grippers import Gripper
 
 FRICTION = 0.5  # of the contacts that grasps are rated for
 CONE = 0.75  # tangent of the widest angle between the axis of a grasp and its normals
 APPROACH_ANGLES = 16  # around the closing axis
-PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}
-
-
-def _as_text(path: object) -> object:
-    return str(path) if isinstance(path, Path) else path
-
-
-if TYPE_CHECKING:  # what may be given; it is kept as a text
-    FilePath = str | Path
-else:
-    FilePath = Annotated[str, BeforeValidator(_as_text)]
-
-
-class Gripper(UserParameters):
-    """A parallel-jaw gripper."""
-
-    opening: Length = Field(description="widest opening, metres")
-    finger_length: Length = Field(
-        default=0.04, description="length of a finger from palm to fingertip, metres"
-    )
-    finger_width: Length = Field(
-        default=0.02,
-        description="width of a finger, across the closing axis and the approach, metres",
-    )
-    finger_thickness: Length = Field(
-        default=0.01, description="thickness of a finger along the closing axis, metres"
-    )
-    palm: tuple[Length, Length, Length] = Field(
-        default=(0.1, 0.06, 0.05),
-        description="palm box, metres: along the closing axis, across it, along the approach",
-    )
-    mesh: FilePath | None = Field(
-        default=None,
-        description="mesh file, in metres, that replaces the palm box where grasps are checked for "
-        "collisions; x is the closing axis, z the approach, and the origin lies midway between the "
-        "fingers, where they begin",
-    )
-    force: float = Field(default=40.0, gt=0, description="closing force, newtons")
-    pads: Literal["silicone", "bare"] = Field(
-        default="silicone",
-        description="finger pads in simulation: silicone, friction 0.8; or bare plastic or metal, "
-        "friction 0.4",
-    )
-    friction: float | None = Field(
-        default=None,
-        gt=0,
-        le=2,
-        description="friction of the pads in simulation; nothing: that of their material",
-    )
-
-    @property
-    def pad(self) -> Pad:
-        """The pads with the friction that applies."""
-        pad = PADS[self.pads]
-        return pad if self.friction is None else pad._replace(friction=self.friction)
 
 
 class Quality(Parameters):

@@ -1,6 +1,6 @@
 """Poses of the hand at a grasp, in the frames of different programs.
 
-A grasp has a center, a closing axis and an approach (see `egad.grasps.hand`). All poses map
+A grasp has a center, a closing axis and an approach (see `egad.grippers.hand`). All poses map
 from the frame of the hand to that of the object.
 """
 

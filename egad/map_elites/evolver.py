@@ -14,7 +14,7 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry, packed_surface
 from egad.errors import RejectedError, UserError
-from egad.grasps import gripper
+from egad.grippers import gripper
 from egad.map_elites.archive import Archive
 from egad.map_elites.evaluation import Measured, Solid
 from egad.map_elites.island import Candidate, Island

@@ -20,7 +20,8 @@ from egad._util.parameters import (
     from_arguments,
 )
 from egad.geometry import SIDE_FRACTION
-from egad.grasps import Gripper, Quality, Robust, Sampling
+from egad.grasps import Quality, Robust, Sampling
+from egad.grippers import Gripper
 from egad.reeb import Similarity
 
 MAX_CANDIDATES = 32768  # of the final estimate of difficulty

@@ -33,7 +33,6 @@ from .parameters import NoiseName as NoiseName
 from .parameters import Render as Render
 from .parameters import RenderParameters as RenderParameters
 from .reachability import GraspCandidates as GraspCandidates
-from .reachability import Hand as Hand
 from .rectangles import ImageGrasps as ImageGrasps
 from .rectangles import Rectangles as Rectangles
 from .rectangles import agrees as agrees

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from egad.grasps import TABLE_CLEARANCE, Gripper
+from egad.grasps import TABLE_CLEARANCE
+from egad.grippers import Gripper
 from egad.perception.camera import View, Window
 
 Floats = NDArray[np.float64]

@@ -16,7 +16,8 @@ from egad._util.parameters import (
     Range,
     check_ascending,
 )
-from egad.grasps import GraspLabel, Gripper
+from egad.grasps import GraspLabel
+from egad.grippers import Gripper
 
 NoiseName = Literal["none", "stereo", "gamma"]
 NOISES: tuple[NoiseName, ...] = get_args(NoiseName)

@@ -7,22 +7,18 @@ Dex-Net (Mahler et al. 2017).
 from typing import NamedTuple
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from egad.geometry import RayCaster
 from egad.grasps import (
     LEAST_BITE,
     TABLE_CLEARANCE,
-    Gripper,
-    Part,
     blocked_turns,
-    finger_span,
     first_approaches,
-    parts,
     roomy,
     swallowed,
 )
+from egad.grippers import Body, finger_span
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -52,22 +48,14 @@ class GraspCandidates(NamedTuple):
         return GraspCandidates(*(values[which] for values in self))  # type: ignore[arg-type]
 
 
-class Hand(NamedTuple):
-    """What comes to the object.
-
-    Attributes:
-        gripper: Sizes.
-        palm: A mesh in the place of its palm box, see `egad.grasps.hand.parts`.
-        way: Length of its straight way in, metres.
-    """
-
-    gripper: Gripper
-    palm: trimesh.Trimesh | None
-    way: float
-
-
 def reachable(
-    caster: RayCaster, grasps: GraspCandidates, resting: Floats, hand: Hand, tilt: float
+    caster: RayCaster,
+    grasps: GraspCandidates,
+    resting: Floats,
+    body: Body,
+    *,
+    tilt: float,
+    way: float,
 ) -> tuple[GraspCandidates, Flags]:
     """The grasps that can be approached from above, and which of them are free.
 
@@ -80,8 +68,9 @@ def reachable(
         caster: Of the object, closed, metres.
         grasps: All its grasps.
         resting: (4, 4) from the frame of the mesh to that of the table, whose z is up.
-        hand: The hand.
+        body: The hand.
         tilt: Largest angle between approach and vertical, radians.
+        way: Length of the straight way in, metres.
 
     Returns:
         The k reachable grasps, and (k,) whether each is free.
@@ -91,47 +80,40 @@ def reachable(
     near = approaches @ -rotation[2] >= np.cos(tilt)
     chosen, approaches = grasps.chosen(near), approaches[near]
     frames = np.stack([chosen.axes, np.cross(approaches, chosen.axes), approaches], axis=1)
-    openings = roomy(chosen.widths, hand.gripper)
-    lowest = _lowest(hand, chosen.centers, frames, openings, rotation[2]) + height
+    openings = roomy(chosen.widths, body.gripper)
+    behind = body.reach(chosen.widths) - body.reach(openings)
+    there = chosen.centers - behind[:, None] * approaches
+    lowest = _lowest(body, there, frames, openings, rotation[2]) + height
     lift = np.maximum(TABLE_CLEARANCE - lowest, 0) / (approaches @ -rotation[2])
-    bite = finger_span(hand.gripper)[1] - lift
-    origins = chosen.centers - lift[:, None] * approaches
-    return chosen, (bite >= LEAST_BITE) & ~_touching(caster, hand, origins, frames, openings)
+    bite = finger_span(body.gripper)[1] - lift
+    origins = there - lift[:, None] * approaches
+    return chosen, (bite >= LEAST_BITE) & ~_touching(caster, body, origins, frames, openings, way)
 
 
-def _bodies(hand: Hand, openings: Floats, way: float = 0.0) -> list[tuple[list[Part], Floats]]:
-    """Both fingers and the palm, and how far each is shifted along the axis, (n,).
-
-    Fingers that are open less than the gripper can are those of the open hand, shifted.
-    """
-    first, second, *palm = parts(hand.gripper, hand.palm, way)
-    closed = (hand.gripper.opening - openings) / 2
-    return [([first], closed), ([second], -closed), (palm, np.zeros_like(closed))]
-
-
-def _lowest(hand: Hand, origins: Floats, frames: Floats, openings: Floats, up: Floats) -> Floats:
+def _lowest(body: Body, origins: Floats, frames: Floats, openings: Floats, up: Floats) -> Floats:
     """The height of the lowest corner of a hand's boxes over the origin of the mesh, (n,)."""
-    found = []
-    for body, shifts in _bodies(hand, openings):
-        placed = origins @ up + shifts * (frames[:, 0] @ up)
-        for part in body:
+    lowest = np.full(len(origins), np.inf)
+    for rows, parts, shifts in body.pieces(openings):
+        slopes = frames[rows] @ up
+        placed = origins[rows] @ up + np.sum(shifts * slopes, axis=1)
+        for part in parts:
             # of a box, along each of its axes the lower face
-            slopes = frames @ up
             corner = np.minimum(slopes * part.box[0], slopes * part.box[1]).sum(axis=1)
-            found.append(placed + corner)
-    return np.asarray(np.min(found, axis=0))
+            lowest[rows] = np.minimum(lowest[rows], placed + corner)
+    return lowest
 
 
 def _touching(
-    caster: RayCaster, hand: Hand, origins: Floats, frames: Floats, openings: Floats
+    caster: RayCaster, body: Body, origins: Floats, frames: Floats, openings: Floats, way: float
 ) -> Flags:
     """Whether a hand touches the object at its place or on its way there, (n,)."""
-    triangles = caster.triangles
     result = np.zeros((len(origins), 1), dtype=bool)
-    if len(result) == 0:
-        return result[:, 0]
-    for body, shifts in _bodies(hand, openings, hand.way):
-        moved = origins + shifts[:, None] * frames[:, 0]
-        result |= swallowed(caster, body, moved, frames, STRAIGHT)
-        result = blocked_turns(triangles, body, moved, frames, STRAIGHT, known=result)
+    for rows, parts, shifts in body.pieces(openings, way):
+        if not len(rows):
+            continue
+        moved = origins[rows] + np.einsum("ni,nij->nj", shifts, frames[rows])
+        known = result[rows] | swallowed(caster, parts, moved, frames[rows], STRAIGHT)
+        result[rows] = blocked_turns(
+            caster.triangles, parts, moved, frames[rows], STRAIGHT, known=known
+        )
     return result[:, 0]

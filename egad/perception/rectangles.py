@@ -11,7 +11,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.grasps import Gripper, roomy
+from egad.grasps import roomy
+from egad.grippers import Gripper
 from egad.perception.reachability import GraspCandidates
 from egad.perception.scenes import Scene
 

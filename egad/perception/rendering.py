@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from egad.geometry import RayCaster, mass_properties
 from egad.geometry.stable_poses import stable_poses
+from egad.grippers import Body
 from egad.perception.camera import DepthCamera, View, object_mask
 from egad.perception.noise import add_sensor_noise
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import GraspCandidates, Hand, reachable
+from egad.perception.reachability import GraspCandidates, reachable
 from egad.perception.rectangles import ImageGrasps, project_grasps
 from egad.perception.scenes import sample_object_poses, sample_scene
 from egad.perception.splits import Share
@@ -58,7 +59,7 @@ def pictures(
     mesh: trimesh.Trimesh,
     grasps: GraspCandidates,
     share: Share,
-    hand: Hand,
+    body: Body,
     settings: RenderParameters,
 ) -> Iterator[Picture]:
     """All images of an object, in the order of their numbers: by pose, then by view.
@@ -69,7 +70,7 @@ def pictures(
         mesh: The object as it is grasped, closed, metres.
         grasps: Its labelled grasps; there may be none.
         share: Its names and how many images it gets.
-        hand: What is to grasp it.
+        body: The hand that is to grasp it.
         settings: Camera, noise, which grasps are reachable.
 
     Raises:
@@ -80,12 +81,13 @@ def pictures(
         com = mass_properties(mesh, 1.0).com
     poses = stable_poses(mesh, com)
     eye, caster = DepthCamera(mesh), RayCaster(mesh)
+    way = settings.grasp_label.approach_way
     numbers = sample_object_poses(poses, share.images, generator(seed, "render poses", name))
     image = share.first
     for pose, count in zip(*np.unique(numbers, return_counts=True), strict=True):
         resting = poses[pose].matrix
         tilt = float(np.radians(settings.render.tilt))
-        found, free = reachable(caster, grasps, resting, hand, tilt)
+        found, free = reachable(caster, grasps, resting, body, tilt=tilt, way=way)
         for view in range(count):
             rng = generator(seed, "render", name, int(pose), view)
             scene = sample_scene(resting, com, settings.camera, rng)

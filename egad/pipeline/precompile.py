@@ -14,6 +14,7 @@ from egad._util.kernel_cache import compiled_marker
 from egad.cppn.surface import surface
 from egad.geometry.repair import repair
 from egad.grasps import LabelParameters, label_grasps
+from egad.grippers import BoxBody
 from egad.measures import MeasureParameters, rough_difficulty
 from egad.measures.complexity import complexity
 from egad.perception import Intrinsics, View, camera_above, fuse
@@ -26,7 +27,8 @@ from egad.reeb import Forest, diversities, extract, similarities
 def compile_grasps() -> None:
     """Sampling, quality and collisions of grasps, difficulty; triangles that cross."""
     mesh, rng = repair(_example()).mesh, generator(0, "precompile")
-    label_grasps(mesh, mesh.center_mass, select(Settings(), LabelParameters), rng)
+    labels = select(Settings(), LabelParameters)
+    label_grasps(mesh, mesh.center_mass, labels, rng, BoxBody(labels.gripper))
     rough_difficulty(mesh, select(Settings(), MeasureParameters), rng)
 
 

@@ -12,7 +12,7 @@ import trimesh
 from matplotlib.figure import Figure
 
 from egad.evalset import label_at
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.report.axes import AxisPair
 from egad.report.colors import INK, SOFT
 from egad.report.drawing import STYLE, data_uri

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from egad._util.files import as_path, write_text
 from egad.errors import UserError
 from egad.geometry import check_mesh
-from egad.grasps import Grasps, Gripper, as_gripper, finger_span
+from egad.grasps import Grasps
+from egad.grippers import Gripper, as_gripper, finger_span
 from egad.report.page import render_template
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
@@ -44,6 +45,7 @@ class Scene:
         grasps: Columns contact0, contact1, approach (each with x, y and z), quality,
             robust_quality and collision_free of `tables.grasping.GRASPS`, in the frame of the mesh.
         note: What to know, such as why it has no grasps.
+        paint: Number of a color in `viewer.js` for each face; all are gray if None.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Scene:
     mesh: trimesh.Trimesh
     grasps: pd.DataFrame
     note: str = ""
+    paint: NDArray[np.uint8] | None = None
 
 
 def viewer_data(scenes: Sequence[Scene], gripper: Gripper) -> dict[str, Any]:
@@ -78,8 +81,8 @@ def pack(scene: Scene) -> dict[str, Any]:
         `name`, `title`, `note`; `counts` of vertices, faces and grasps; `origin` and `step`, by
         which coordinates become metres; and `data`: the following little-endian arrays, one after
         the other, compressed by zlib, as base64. Faces and vertices (see `_zigzag`), each metric
-        (32-bit float), contacts (16 bit), approaches (signed 16 bit, in 1 / 32767) and whether
-        the grasp is free of collision (8 bit).
+        (32-bit float), contacts (16 bit), approaches (signed 16 bit, in 1 / 32767), whether
+        the grasp is free of collision (8 bit), and colors of faces (8 bit), if it is `painted`.
     """
     vertices, faces = np.asarray(scene.mesh.vertices), np.asarray(scene.mesh.faces)
     origin = vertices.min(axis=0)
@@ -93,6 +96,7 @@ def pack(scene: Scene) -> dict[str, Any]:
         _steps(contacts, origin, step),
         np.round(approach * UNIT).astype("<i2"),
         scene.grasps["collision_free"].to_numpy().astype("u1"),
+        *([] if scene.paint is None else [scene.paint]),
     ]
     compressed = zlib.compress(b"".join(block.tobytes() for block in blocks), 9)
     return {
@@ -100,6 +104,7 @@ def pack(scene: Scene) -> dict[str, Any]:
         "title": scene.title,
         "note": scene.note,
         "counts": [len(vertices), len(faces), len(scene.grasps)],
+        "painted": scene.paint is not None,
         "origin": origin.tolist(),
         "step": step,
         "data": base64.b64encode(compressed).decode(),

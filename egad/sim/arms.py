@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
-from egad.grasps import Gripper
-from egad.sim.robot import Robot, on_axis, on_panda
+from egad.grippers import Gripper
+from egad.sim.robot import Robot
+from egad.sim.robots import on_axis, on_panda
 from egad.sim.world import Pose
 
 Floats = NDArray[np.float64]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.detectors import Detector, PoseGrasp, choose, seen_by, try_to_plan
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.outcomes import Outcome
 from egad.perception import (
     DepthCamera,

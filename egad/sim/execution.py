@@ -41,7 +41,13 @@ class Execution(NamedTuple):
 
 
 def execute(
-    world: World, arm: Arm, lifting: Lifting, grasp: Grasp, *, afloat: bool = False
+    world: World,
+    arm: Arm,
+    lifting: Lifting,
+    grasp: Grasp,
+    *,
+    afloat: bool = False,
+    contact: float | None = None,
 ) -> Execution:
     """Approach from above, close, lift and hold.
 
@@ -54,21 +60,28 @@ def execute(
         grasp: One that the hand can do (`Grasp.flaw`).
         afloat: Whether the object floats in the air: held there until the hand has come, free but
             without weight until the fingers have closed.
+        contact: Distance of the pads at which they will meet the object, metres, if it is known;
+            the hand is then as high as it must be for pads that move on arcs.
     """
     try:
         before = world.pose().position[2]
-        outcome, end = _outcome(world, arm, lifting, grasp, afloat)
+        outcome, end = _outcome(world, arm, lifting, grasp, afloat, contact)
     except UnstableError:
         return Execution(Outcome.FAILED, 0.0, None)
     return Execution(outcome, float(end.position[2] - before), end)
 
 
 def _outcome(
-    world: World, arm: Arm, lifting: Lifting, grasp: Grasp, afloat: bool
+    world: World,
+    arm: Arm,
+    lifting: Lifting,
+    grasp: Grasp,
+    afloat: bool,
+    contact: float | None,
 ) -> tuple[Outcome, Pose]:
     start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
     try:
-        hand = place_hand_above(world, arm, grasp, start)
+        hand = place_hand_above(world, arm, grasp, start, contact)
     except UnreachableError:
         return Outcome.COLLIDED, world.pose()
     world.set_gravity(WEIGHTLESS if afloat else DOWN)
@@ -101,14 +114,16 @@ def lift_and_hold(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
     return outcome, Pose(pose.position + np.array([0.0, 0.0, rise]), pose.quaternion)
 
 
-def place_hand_above(world: World, arm: Arm, grasp: Grasp, height: float) -> Hand:
-    """The open hand, its fingertips at some height above a grasp.
+def place_hand_above(
+    world: World, arm: Arm, grasp: Grasp, height: float, contact: float | None = None
+) -> Hand:
+    """The open hand, its fingertips at some height above a grasp; see `execute`.
 
     Raises:
         UnreachableError: The arm cannot bring it there.
     """
     stance = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
-    return Hand(world, arm, stance, grasp.width)
+    return Hand(world, arm, stance, grasp.width, contact)
 
 
 class _Held(NamedTuple):

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from egad._util.files import atomic_output
 from egad.errors import UserError
 from egad.geometry import TriangleScene
+from egad.sim.robot import shape_mesh
 from egad.sim.world import TIME_STEP, World
 
 Floats = NDArray[np.float64]
@@ -51,7 +52,7 @@ class Film:
         self._world, self._steps = world, 0
         self._looking_at = np.array([0.0, 0.0, LOWEST[2]])
         self._objects = [trimesh.util.concatenate(list(model.parts)) for model in world.models]
-        self._links = [] if world.robot is None else [link.box for link in world.robot.links]
+        self._links = [] if world.robot is None else [link.shapes for link in world.robot.links]
         world.watch = self._look
 
     def _look(self, _: World) -> None:
@@ -72,9 +73,9 @@ class Film:
                 way = np.maximum(pose.position, LOWEST) - self._looking_at
                 self._looking_at += FOLLOWING * way
         places = world.link_poses()
-        for box, place in zip(self._links if places else [], places, strict=True):
-            if box is not None:
-                mesh = trimesh.creation.box(box.size).apply_translation(box.center)
+        for shapes, place in zip(self._links if places else [], places, strict=True):
+            for shape in shapes:
+                mesh = shape_mesh(shape)
                 bodies.append((mesh.apply_transform(place.matrix), ROBOT_COLOR))
         return draw(bodies, self._looking_at, camera)
 

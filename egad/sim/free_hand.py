@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.grasps import finger_span
+from egad.grippers import finger_span
 from egad.outcomes import Outcome
 from egad.sim.gripper import COLLISION_FORCE, Fingers, minimum_jerk
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
@@ -51,7 +51,10 @@ class FreeHand(Fingers):
         super().__init__(world)
         self._rotation = pose[:3, :3]
         self._joints = np.zeros(3)
-        tip = pose[:3, 3] + finger_span(self.gripper)[1] * pose[:3, 2]
+        ahead = finger_span(self.gripper)[1]
+        if world.robot is not None:
+            ahead -= world.robot.reach(width)
+        tip = pose[:3, 3] + ahead * pose[:3, 2]
         turn = Rotation.from_matrix(self._rotation).as_quat()
         world.put_robot(Pose(tip, turn), self._joints.tolist(), width)
 

@@ -71,7 +71,14 @@ class Hand(Fingers):
         path_left: Heights that `lift` left out.
     """
 
-    def __init__(self, world: World, arm: Arm, stance: HandPose, width: float) -> None:
+    def __init__(
+        self,
+        world: World,
+        arm: Arm,
+        stance: HandPose,
+        width: float,
+        contact: float | None = None,
+    ) -> None:
         """Open a hand that hangs in a world.
 
         Args:
@@ -79,6 +86,8 @@ class Hand(Fingers):
             arm: What carries it.
             stance: Where it is.
             width: Distance of the finger pads, metres.
+            contact: That at which they will meet the object: the fingertips are where the stance
+                says when they are there; `width` if None.
 
         Raises:
             UnreachableError: The arm cannot bring it there.
@@ -87,12 +96,13 @@ class Hand(Fingers):
         self.arm = arm
         self.path_left: list[float] = []
         self._stance = stance
-        self._target = arm.joints(stance)
+        self._raised = -arm.robot.reach(width if contact is None else contact)
+        self._target = arm.joints(self._tip(stance))
         world.put_robot(arm.base(stance), self._target.tolist(), width)
 
     def steer(self, stance: HandPose) -> None:
         """Steer the hand to a place above its base, to be there after the next step."""
-        joints = self.arm.joints(stance, self._target)
+        joints = self.arm.joints(self._tip(stance), self._target)
         self.world.drive(joints.tolist(), ((joints - self._target) / TIME_STEP).tolist())
         self._target, self._stance = joints, stance
 
@@ -150,7 +160,11 @@ class Hand(Fingers):
 
     def height(self) -> float:
         """Of the fingertips above the table, metres."""
-        return self.arm.height(self.world.arm_joints())
+        return self.arm.height(self.world.arm_joints()) + self._raised
+
+    def _tip(self, stance: HandPose) -> HandPose:
+        """Where the fingertips of the closed hand would be."""
+        return stance._replace(height=stance.height - self._raised) if self._raised else stance
 
     def _raise_to(self, height: float) -> None:
         self.steer(self._stance._replace(height=height))

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from egad.detectors import Grasp
-from egad.grasps import Gripper, finger_span, hand_poses
+from egad.grasps import hand_poses
+from egad.grippers import Gripper, finger_span
 from egad.outcomes import Outcome
 from egad.random import generator
 from egad.sim.arms import ARMS
@@ -81,7 +82,8 @@ def execute_labelled_grasps(
             pose, grasp = floating_pose(model, row, gripper)
             world.reset()
             world.place(pose)
-            found.append(execute(world, arm, settings.trials, grasp, afloat=True))
+            contact = float(row["width"])
+            found.append(execute(world, arm, settings.trials, grasp, afloat=True, contact=contact))
     return _table(label, object_id, sample, found, settings)
 
 

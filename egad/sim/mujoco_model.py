@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from egad.sim.model import Model
-from egad.sim.robot import LEFT, RIGHT, Robot, to_urdf
+from egad.sim.robot import LEFT, RIGHT, Hull, Link, Robot, to_urdf
 from egad.sim.world import (
     CLOSING_SPEED,
     OBJECT_FRICTION,
@@ -14,6 +16,8 @@ from egad.sim.world import (
     TIME_STEP,
     wall_boxes,
 )
+
+Floats = NDArray[np.float64]
 
 SUBSTEPS = 2  # of a time step
 # Contacts are soft: the stiffest that the step allows, and close to rigid.
@@ -26,6 +30,7 @@ DAMPING_TIME = 0.02  # seconds
 FINGER_SLACK = 0.002  # metres
 LEAST_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
 ARMATURE = 0.004  # s2/m or s2: inertia of what drives a joint, by its strength
+FOLLOWER_ARMATURE = 1e-5  # kg or kg m2
 PARKED = (0.0, 0.0, 100.0)  # where a robot waits that takes no part
 ROBOT = "robot-"  # before the names of its links and joints
 HOLD, CLOSE, ARM = range(3)  # groups of actuators: of the fingers, and of the arm
@@ -122,7 +127,7 @@ def _add_object(spec: mujoco.MjSpec, model: Model, order: int) -> None:
 
 def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
     base = spec.worldbody.add_body(name="base", mocap=True, pos=PARKED)
-    described = mujoco.MjSpec.from_string(to_urdf(robot))
+    described = mujoco.MjSpec.from_string(to_urdf(robot, hulls=False))
     described.compiler.fusestatic = False
     described.compiler.boundmass = described.compiler.boundinertia = LEAST_INERTIA
     spec.attach(described, frame=base.add_frame(), prefix=ROBOT)
@@ -130,12 +135,16 @@ def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
     for link in robot.links:
         body = spec.body(ROBOT + link.name)
         body.gravcomp = 1  # as the controllers of robots do
+        _add_hulls(spec, body, link)
         for shape in body.geoms:
             shape.friction = [friction, torsion, 0.0]
             shape.priority = 1
             shape.contype, shape.conaffinity = 0, OBJECT_BIT | TABLE_BIT
             shape.condim = PAD_DIMENSIONS
             shape.solref[:2], shape.solimp = _CONTACT["solref"], _CONTACT["solimp"]
+    for follower in robot.followers:
+        spec.joint(ROBOT + follower.joint).armature = FOLLOWER_ARMATURE
+        _couple(spec, follower.joint, follower.side, follower.polynomial())
     for name, strength in robot.strength.items():
         spec.joint(ROBOT + name).armature = ARMATURE * strength
         _add_servo(spec, name, strength, strength / SLACK, DAMPING_TIME * strength / SLACK, ARM)
@@ -149,15 +158,35 @@ def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
     # As that of a motor, the force of a closing finger falls with its speed, to zero at full speed.
     for name in (LEFT, RIGHT):
         _add_servo(spec, name, force, 0.0, force / CLOSING_SPEED, CLOSE)
-    mirror = spec.add_equality(
+    _couple(spec, LEFT, RIGHT, [0.0, 1.0])
+
+
+def _add_hulls(spec: mujoco.MjSpec, body: mujoco.MjsBody, link: Link) -> None:
+    """The shapes of a link that are no boxes."""
+    for number, shape in enumerate(link.shapes):
+        if isinstance(shape, Hull):
+            name = f"{link.name}-{number}"
+            spec.add_mesh(
+                name=name,
+                uservert=shape.points.ravel(),
+                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
+            )
+            body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, mass=0)
+
+
+def _couple(
+    spec: mujoco.MjSpec, joint: str, leader: str, coefficients: Sequence[float] | Floats
+) -> None:
+    """Let a joint of the robot be a polynomial of another one, the constant first."""
+    gear = spec.add_equality(
         type=mujoco.mjtEq.mjEQ_JOINT,
         objtype=mujoco.mjtObj.mjOBJ_JOINT,
-        name1=ROBOT + LEFT,
-        name2=ROBOT + RIGHT,
+        name1=ROBOT + joint,
+        name2=ROBOT + leader,
     )
-    mirror.data[:2] = [0, 1]  # left = 0 + 1 * right
-    mirror.solref[:] = [CONTACT_TIME, 1.0]
-    mirror.solimp[:] = IMPEDANCE
+    gear.data[: len(coefficients)] = coefficients
+    gear.solref[:] = [CONTACT_TIME, 1.0]
+    gear.solimp[:] = IMPEDANCE
 
 
 def _add_servo(

@@ -2,7 +2,7 @@
 
 import logging
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Self
 
 import mujoco
@@ -50,7 +50,8 @@ class MujocoWorld(World):
         self.data = mujoco.MjData(self.engine)
         engine = self.engine
         numbers = range(len(self.models))
-        self._owners = np.array([_owner(engine, shape) for shape in range(engine.ngeom)])
+        sides = {} if robot is None else robot.sides
+        self._owners = np.array([_owner(engine, shape, sides) for shape in range(engine.ngeom)])
         self._pins = [engine.body(f"pin{number}").mocapid[0] for number in numbers]
         joints = [engine.body(f"{OBJECT}{number}").jntadr[0] for number in numbers]
         self._positions = engine.jnt_qposadr[joints]
@@ -60,6 +61,7 @@ class MujocoWorld(World):
             self._links = np.array([engine.body(ROBOT + link.name).id for link in robot.links])
             self._arm = _Joints(engine, robot.arm)
             self._fingers = _Joints(engine, (LEFT, RIGHT))
+            self._followers = _Joints(engine, [each.joint for each in robot.followers])
             count = len(robot.arm)
             self._arm_control = slice(0, count)
             self._hold_control = slice(count, count + 2)
@@ -121,6 +123,9 @@ class MujocoWorld(World):
         self.data.qvel[self._arm.speeds] = 0
         self.data.qpos[self._fingers.positions] = opening / 2
         self.data.qvel[self._fingers.speeds] = 0
+        followers = self.robot.followers if self.robot else ()
+        self.data.qpos[self._followers.positions] = [each.at(opening / 2) for each in followers]
+        self.data.qvel[self._followers.speeds] = 0
         self.data.qacc_warmstart[:] = 0
         self.drive(joints, [0.0] * len(joints))
         self.data.ctrl[self._hold_control] = opening / 2
@@ -208,8 +213,8 @@ class _Joints:
 
     def __init__(self, engine: mujoco.MjModel, names: Sequence[str]) -> None:
         joints = [engine.joint(ROBOT + name) for name in names]
-        self.positions = np.array([joint.qposadr[0] for joint in joints])
-        self.speeds = np.array([joint.dofadr[0] for joint in joints])
+        self.positions = np.array([joint.qposadr[0] for joint in joints], dtype=int)
+        self.speeds = np.array([joint.dofadr[0] for joint in joints], dtype=int)
         self.middles = np.array([joint.range.mean() for joint in joints])
 
 
@@ -217,10 +222,11 @@ def _scalar_first(quaternion: Floats) -> Floats:
     return np.roll(quaternion, 1)
 
 
-def _owner(engine: mujoco.MjModel, shape: int) -> int:
+def _owner(engine: mujoco.MjModel, shape: int, sides: Mapping[str, str]) -> int:
     body = engine.body(engine.geom_bodyid[shape]).name
     if body.startswith(OBJECT):
         return FIRST_OBJECT + int(body.removeprefix(OBJECT))
     if body == "world":
         return WALLS if engine.geom(shape).name.startswith(WALL) else TABLE
-    return {ROBOT + LEFT: LEFT_FINGER, ROBOT + RIGHT: RIGHT_FINGER}.get(body, OTHERS)
+    side = sides.get(body.removeprefix(ROBOT))
+    return {LEFT: LEFT_FINGER, RIGHT: RIGHT_FINGER}.get(side or "", OTHERS)

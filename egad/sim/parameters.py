@@ -7,7 +7,8 @@ from pydantic import Field, model_validator
 
 from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels, Seed
 from egad.errors import UserError, check_name
-from egad.grasps import Gripper, Quality
+from egad.grasps import Quality
+from egad.grippers import Gripper
 from egad.perception import NOISES, NoiseName
 
 EngineName = Literal["pybullet", "mujoco"]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from egad.sim.model import Model
-from egad.sim.robot import LEFT, RIGHT, Box, Robot, to_urdf
+from egad.sim.robot import LEFT, RIGHT, Box, Robot, hull_files, to_urdf
 from egad.sim.world import (
     CLOSING_SPEED,
     DOWN,
@@ -33,10 +33,12 @@ Floats = NDArray[np.float64]
 SOLVER_ITERATIONS = 150
 # The engine's 1 mm is added all around convex parts: a 40 mm cube would be 42 mm.
 COLLISION_MARGIN = 1e-4
+URDF_MARGIN = 1e-3  # metres, that it adds around meshes in URDF, too
 PIN_STRENGTH = 1000.0  # newtons, and newton metres
 POSITION_GAIN = 0.3  # of an error is made good in one step
 # The gear must be stronger than the fingers, or an object off the middle holds one of them up.
 GEAR_STRENGTH = 10
+LINKAGE_GAIN, LINKAGE_STRENGTH = 0.9, 1e5  # newtons or newton metres
 FREE = (-1, -1, -1)
 NORMAL_FORCE, LINK = 9, 3  # positions in what the engine tells of a contact
 
@@ -68,6 +70,8 @@ class PyBulletWorld(World):
         self._description = Path(self._folder.name) / "robot.urdf"
         if self.robot is not None:
             self._description.write_text(to_urdf(self.robot), encoding="utf-8")
+            for name, text in hull_files(self.robot, URDF_MARGIN).items():
+                (self._description.parent / name).write_text(text, encoding="ascii")
         self.client = Client()
         self.reset()
         return self
@@ -129,11 +133,17 @@ class PyBulletWorld(World):
         names = [self.client.getJointInfo(self._robot, joint)[1].decode() for joint in range(count)]
         self._arm = [names.index(name) for name in robot.arm]
         self._fingers = (names.index(LEFT), names.index(RIGHT))
+        self._sides = {names.index(link): side for link, side in robot.sides.items()}
+        self._gears = {
+            names.index(each.joint): (each, self._fingers[each.side == RIGHT])
+            for each in robot.followers
+        }
         for joint, position in zip(self._arm, joints, strict=True):
             self.client.resetJointState(self._robot, joint, position, 0)
         self.drive(joints, [0.0] * len(self._arm))
         self._set_friction(count)
         self._hold_fingers(opening)
+        self._couple_followers(opening)
 
     @override
     def drive(self, joints: Sequence[float], speeds: Sequence[float]) -> None:
@@ -180,10 +190,16 @@ class PyBulletWorld(World):
             for contact in self.client.getContactPoints(self._robot, body)
         ]
         left, right = (
-            float(sum(contact[NORMAL_FORCE] for contact in contacts if contact[LINK] == finger))
-            for finger in self._fingers
+            float(
+                sum(
+                    contact[NORMAL_FORCE]
+                    for contact in contacts
+                    if self._sides.get(contact[LINK]) == side
+                )
+            )
+            for side in (LEFT, RIGHT)
         )
-        others = [contact for contact in contacts if contact[LINK] not in self._fingers]
+        others = [contact for contact in contacts if contact[LINK] not in self._sides]
         rest = float(sum(contact[NORMAL_FORCE] for contact in others))
         return Forces(left, right, rest, support, self._force(self.table, self._robot))
 
@@ -208,6 +224,8 @@ class PyBulletWorld(World):
         return position, quaternion
 
     def _advance(self) -> float:
+        if self._robot is not None:
+            self._turn_gears()
         self.client.stepSimulation()
         return self.speeds()[0]
 
@@ -261,18 +279,46 @@ class PyBulletWorld(World):
             self.client.setJointMotorControl2(
                 self._robot, finger, pybullet.POSITION_CONTROL, opening / 2, force=force
             )
-        left, right = self._fingers
-        gear = self.client.createConstraint(
+        gear = self._gear(*self._fingers)
+        self.client.changeConstraint(gear, gearRatio=-1, maxForce=GEAR_STRENGTH * force)
+
+    def _couple_followers(self, opening: float) -> None:
+        """Put the joints of a linkage where they belong, and couple each to its finger."""
+        self._constrained = []
+        for joint, (follower, finger) in self._gears.items():
+            self.client.resetJointState(self._robot, joint, follower.at(opening / 2), 0)
+            self.client.setJointMotorControl2(
+                self._robot, joint, pybullet.VELOCITY_CONTROL, force=0
+            )
+            self._constrained.append((self._gear(joint, finger), follower, finger))
+        self._turn_gears()
+
+    def _turn_gears(self) -> None:
+        """Gears are linear: let each have the slope that its curve has here."""
+        for gear, follower, finger in self._constrained:
+            distance = self.client.getJointState(self._robot, finger)[0]
+            slope = follower.slope(distance)
+            self.client.changeConstraint(
+                gear,
+                gearRatio=-slope,
+                relativePositionTarget=follower.at(distance) - slope * distance,
+                erp=LINKAGE_GAIN,
+                maxForce=LINKAGE_STRENGTH,
+            )
+
+    def _gear(self, first: int, second: int) -> int:
+        """A constraint between two joints of the robot."""
+        gear: int = self.client.createConstraint(
             self._robot,
-            left,
+            first,
             self._robot,
-            right,
+            second,
             pybullet.JOINT_GEAR,
             (1, 0, 0),
             (0, 0, 0),
             (0, 0, 0),
         )
-        self.client.changeConstraint(gear, gearRatio=-1, maxForce=GEAR_STRENGTH * force)
+        return gear
 
     def _add_table(self) -> int:
         plane = self.client.createCollisionShape(pybullet.GEOM_PLANE)

@@ -1,4 +1,4 @@
-"""The parallel-jaw hand of the gripper table as links and joints: on an arm, or free."""
+"""A parallel-jaw hand as links and joints, and as URDF."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -9,36 +9,20 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, HalfspaceIntersection
 from scipy.spatial.transform import Rotation
+from trimesh.exchange.obj import export_obj
 
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 
 Floats = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Motion = Callable[[float], Floats]
 
 PALM, LEFT, RIGHT, TIP = "palm", "left", "right", "tip"
-PALM_MASS = 0.6
-FINGER_MASS = 0.1
-STROKE = 2.0  # metres, of the vertical axis, both ways
-TURN = 10.0  # radians, of the axis, both ways
-AXIS_STRENGTH = (500.0, 20.0)  # N and N m: much stronger than the fingers
-FREE_STRENGTH = 200.0  # newtons, along each axis of a hand without an arm
-QUARTER = np.pi / 2
-# Of a Panda: where each joint lies in the link before (metres), its turn about x, its limits, as in
-# Franka's documentation, its torque (N m), and the mass of its link (Gaz et al. 2019, table IV).
-PANDA_JOINTS: tuple[tuple[Vector, float, tuple[float, float], float, float], ...] = (
-    ((0.0, 0.0, 0.333), 0.0, (-2.8973, 2.8973), 87.0, 4.971),
-    ((0.0, 0.0, 0.0), -QUARTER, (-1.7628, 1.7628), 87.0, 0.647),
-    ((0.0, -0.316, 0.0), QUARTER, (-2.8973, 2.8973), 87.0, 3.229),
-    ((0.0825, 0.0, 0.0), QUARTER, (-3.0718, -0.0698), 87.0, 3.588),
-    ((-0.0825, 0.384, 0.0), -QUARTER, (-2.8973, 2.8973), 12.0, 1.226),
-    ((0.0, 0.0, 0.0), QUARTER, (-0.0175, 3.7525), 12.0, 1.667),
-    ((0.088, 0.0, 0.0), QUARTER, (-2.8973, 2.8973), 12.0, 0.736),
-)
-PANDA_FLANGE = (0.0, 0.0, 0.107)  # in the last link
-PANDA_THICKNESS = 0.1  # metres, of the boxes that stand for its links
+DEGREE = 4  # of polynomials between joints, which MuJoCo has
 
 
 @dataclass(frozen=True)
@@ -54,13 +38,34 @@ class Box:
     center: Vector
 
 
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """The convex hull of points.
+
+    Attributes:
+        points: (n, 3) in the frame of the link, metres.
+    """
+
+    points: Floats
+
+
 @dataclass(frozen=True)
 class Link:
-    """A rigid body of a robot, of uniform density within its box; without mass if it has none."""
+    """A rigid body of a robot; for its inertia, its mass fills the box around its shapes."""
 
     name: str
     mass: float = 0.0
-    box: Box | None = None
+    shapes: tuple[Box | Hull, ...] = ()
+
+    @property
+    def box(self) -> Box:
+        """The box around its shapes; without size if there are none."""
+        if len(self.shapes) == 1 and isinstance(self.shapes[0], Box):
+            return self.shapes[0]
+        corners = [_corners(shape) for shape in self.shapes] or [np.zeros((1, 3))]
+        low = np.min([each.min(axis=0) for each in corners], axis=0)
+        high = np.max([each.max(axis=0) for each in corners], axis=0)
+        return Box(_vector(high - low), _vector((low + high) / 2))
 
 
 @dataclass(frozen=True)
@@ -86,21 +91,69 @@ class Joint:
     limits: tuple[float, float] = (0.0, 0.0)
 
 
+@dataclass(frozen=True, eq=False)
+class Follower:
+    """A joint of a linkage, whose position follows from that of a finger.
+
+    Attributes:
+        joint: Its name.
+        side: The finger.
+        distances: (k,) distances of that finger's pad from the middle, ascending, metres.
+        positions: (k,) positions of the joint, metres or radians.
+    """
+
+    joint: str
+    side: str
+    distances: Floats
+    positions: Floats
+
+    def at(self, distance: float) -> float:
+        """Its position when the pad is that far from the middle."""
+        return float(np.interp(distance, self.distances, self.positions))
+
+    def slope(self, distance: float) -> float:
+        """How fast it moves with the pad."""
+        step = float(np.diff(self.distances).mean())
+        return (self.at(distance + step) - self.at(distance - step)) / (
+            min(distance + step, float(self.distances[-1]))
+            - max(distance - step, float(self.distances[0]))
+        )
+
+    def polynomial(self) -> Floats:
+        """Coefficients of its position as a polynomial of the distance, the constant first."""
+        fitted = np.polynomial.Polynomial.fit(self.distances, self.positions, DEGREE).convert()
+        return np.pad(fitted.coef, (0, DEGREE + 1 - len(fitted.coef)))
+
+
 @dataclass(frozen=True)
 class Robot:
     """An arm, and at its end a palm with two fingers that move as mirror images.
+
+    The joints LEFT and RIGHT have the distance of a pad from the middle. They move the fingers
+    themselves, or carriages without a body that the joints of a linkage follow.
 
     Attributes:
         gripper: Force and pads of the fingers.
         links: The root first.
         joints: One for each link but the root, in the same order.
         strength: Force or torque of each joint of the arm, by its name, N or N m.
+        sides: LEFT or RIGHT for each link of a finger, by its name.
+        followers: Joints that follow those of the fingers.
+        path: Openings, ascending, and places of the pads along the approach, metres; the fingertips
+            are at TIP when they are at 0.
     """
 
     gripper: Gripper
     links: tuple[Link, ...]
     joints: tuple[Joint, ...]
     strength: dict[str, float] = field(hash=False)
+    sides: dict[str, str] = field(hash=False)
+    followers: tuple[Follower, ...] = field(default=(), compare=False)
+    path: tuple[Floats, Floats] | None = field(default=None, compare=False)
+
+    def reach(self, opening: float) -> float:
+        """How far beyond TIP the fingertips are at an opening, along the approach, metres."""
+        return 0.0 if self.path is None else float(np.interp(opening, *self.path))
 
     @property
     def pad_friction(self) -> tuple[float, float]:
@@ -137,73 +190,23 @@ class Robot:
     @cached_property
     def _chain(self) -> list[tuple[bool, Motion]]:
         """The joints from the root to the tip: whether the arm moves them, and how."""
-        carried = [joint for joint in self.joints if joint.child not in (LEFT, RIGHT)]
-        return [(joint.child in self.strength, _motion(joint)) for joint in carried]
+        by_child = {joint.child: joint for joint in self.joints}
+        chain = [by_child[TIP]]
+        while chain[0].parent in by_child:
+            chain.insert(0, by_child[chain[0].parent])
+        return [(joint.child in self.strength, _motion(joint)) for joint in chain]
 
 
-def on_axis(gripper: Gripper) -> Robot:
-    """The hand on a vertical axis that turns: at 0 the fingertips stand on the ground."""
-    top = (0.0, 0.0, gripper.palm[2] + gripper.finger_length)
-    links, joints = _hand(gripper)
-    return Robot(
-        gripper,
-        (Link("stand"), Link("height"), *links),
-        (
-            # Turned over, so that the hand points down
-            Joint(
-                "height", "stand", "prismatic", top, (np.pi, 0, 0), (0, 0, -1), (-STROKE, STROKE)
-            ),
-            Joint(PALM, "height", "revolute", axis=(0, 0, -1), limits=(-TURN, TURN)),
-            *joints,
-        ),
-        dict(zip(("height", PALM), AXIS_STRENGTH, strict=True)),
-    )
+def to_urdf(robot: Robot, *, hulls: bool = True) -> str:
+    """The robot as URDF.
 
-
-def free_hand(gripper: Gripper) -> Robot:
-    """The hand by itself, moved along its own axes: at 0 the fingertips are at the origin."""
-    root = (0.0, 0.0, -gripper.palm[2] - gripper.finger_length)
-    links, joints = _hand(gripper)
-    names = ("along_x", "along_y", PALM)
-    axes: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    moving = [
-        Joint(name, parent, "prismatic", origin, axis=axis, limits=(-STROKE, STROKE))
-        for name, parent, origin, axis in zip(
-            names, ("stand", *names), (root, (0.0,) * 3, (0.0,) * 3), axes, strict=False
-        )
-    ]
-    return Robot(
-        gripper,
-        (Link("stand"), Link("along_x"), Link("along_y"), *links),
-        (*moving, *joints),
-        dict.fromkeys(names, FREE_STRENGTH),
-    )
-
-
-def on_panda(gripper: Gripper) -> Robot:
-    """The hand at the flange of a Franka Panda arm, in the place of Franka's own."""
-    links, joints, strength = [Link("panda0", 0.0)], [], {}
-    ends = [joint[0] for joint in PANDA_JOINTS[1:]] + [PANDA_FLANGE]
-    for number, ((origin, turn, limits, torque, mass), end) in enumerate(
-        zip(PANDA_JOINTS, ends, strict=True), 1
-    ):
-        name = f"panda{number}"
-        links.append(Link(name, mass, _around(end)))
-        joints.append(
-            Joint(name, f"panda{number - 1}", "revolute", origin, (turn, 0, 0), limits=limits)
-        )
-        strength[name] = torque
-    own_links, own_joints = _hand(gripper)
-    # The fingers close along x of the palm, and along y of the flange.
-    flange = Joint(PALM, f"panda{len(PANDA_JOINTS)}", origin=PANDA_FLANGE, turn=(0, 0, QUARTER))
-    return Robot(gripper, (*links, *own_links), (*joints, flange, *own_joints), strength)
-
-
-def to_urdf(robot: Robot) -> str:
-    """The robot as URDF."""
+    Args:
+        robot: The robot.
+        hulls: Whether with hulls, as meshes in the files of `hull_files`.
+    """
     root = Element("robot", name="robot")
     for link in robot.links:
-        _write_link(root, link)
+        _write_link(root, link, hulls)
     for joint in robot.joints:
         element = SubElement(root, "joint", name=joint.child, type=joint.kind)
         _write_origin(element, joint.origin, joint.turn)
@@ -213,31 +216,8 @@ def to_urdf(robot: Robot) -> str:
             SubElement(element, "axis", xyz=_text(joint.axis))
             low, high = map(repr, joint.limits)
             SubElement(element, "limit", lower=low, upper=high, effort="1000", velocity="10")
+    ElementTree.indent(root)  # PyBullet cuts lines of more than 8192 characters
     return ElementTree.tostring(root, encoding="unicode")
-
-
-def _hand(gripper: Gripper) -> tuple[list[Link], list[Joint]]:
-    """Palm and fingers as boxes: x closes, z is the approach, the palm begins at its origin.
-
-    The joint of the palm is left to the arm.
-    """
-    length, palm = gripper.finger_length, gripper.palm
-    finger = (gripper.finger_thickness, gripper.finger_width, length)
-    links = [Link(PALM, PALM_MASS, Box(palm, (0.0, 0.0, palm[2] / 2)))]
-    joints = []
-    for name, side in ((LEFT, 1.0), (RIGHT, -1.0)):
-        box = Box(finger, (side * finger[0] / 2, 0.0, length / 2))
-        links.append(Link(name, FINGER_MASS, box))
-        limits = (0.0, gripper.opening / 2)
-        place = (0.0, 0.0, palm[2])
-        joints.append(Joint(name, PALM, "prismatic", place, axis=(side, 0, 0), limits=limits))
-    return [*links, Link(TIP)], [*joints, Joint(TIP, PALM, origin=(0, 0, palm[2] + length))]
-
-
-def _around(end: Vector) -> Box:
-    """A box around the line from the origin of a link of the Panda to the end of the link."""
-    x, y, z = (abs(value) + PANDA_THICKNESS for value in end)
-    return Box((x, y, z), (end[0] / 2, end[1] / 2, end[2] / 2))
 
 
 def _motion(joint: Joint) -> Motion:
@@ -256,9 +236,47 @@ def _motion(joint: Joint) -> Motion:
     return lambda value: fixed + math.sin(value) * first + (1 - math.cos(value)) * second
 
 
-def _write_link(root: Element, link: Link) -> None:
+def shape_mesh(shape: Box | Hull) -> trimesh.Trimesh:
+    """A shape in the frame of its link, metres."""
+    if isinstance(shape, Hull):
+        hull: trimesh.Trimesh = trimesh.convex.convex_hull(shape.points)
+        return hull
+    mesh: trimesh.Trimesh = trimesh.creation.box(shape.size)
+    mesh.apply_translation(shape.center)
+    return mesh
+
+
+def hull_files(robot: Robot, margin: float = 0.0) -> dict[str, str]:
+    """The hulls of a robot as OBJ files, by the name that its URDF gives them.
+
+    Args:
+        robot: The robot.
+        margin: Metres by which each is smaller on all sides, if it is thick enough.
+    """
+    files = {}
+    for link in robot.links:
+        for number, shape in enumerate(link.shapes):
+            if isinstance(shape, Hull):
+                hull = Hull(_shrunk(shape.points, margin))
+                files[_hull_file(link, number)] = str(export_obj(shape_mesh(hull)))
+    return files
+
+
+def _shrunk(points: Floats, margin: float) -> Floats:
+    planes, middle = ConvexHull(points).equations, points.mean(axis=0)
+    planes[:, 3] += margin
+    if (planes @ [*middle, 1] > -margin).any():
+        return points
+    return np.asarray(HalfspaceIntersection(planes, middle).intersections)
+
+
+def _hull_file(link: Link, number: int) -> str:
+    return f"{link.name}-{number}.obj"
+
+
+def _write_link(root: Element, link: Link, hulls: bool) -> None:
     element = SubElement(root, "link", name=link.name)
-    box = link.box or Box((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    box = link.box
     inertial = SubElement(element, "inertial")
     _write_origin(inertial, box.center)
     SubElement(inertial, "mass", value=repr(link.mass))
@@ -266,10 +284,26 @@ def _write_link(root: Element, link: Link) -> None:
     moments = [repr(link.mass / 12 * (sum(squares) - square)) for square in squares]
     values = dict(zip(("ixx", "iyy", "izz"), moments, strict=True))
     SubElement(inertial, "inertia", {**values, "ixy": "0", "ixz": "0", "iyz": "0"})
-    if link.box is not None:
-        part = SubElement(element, "collision")
-        _write_origin(part, box.center)
-        SubElement(SubElement(part, "geometry"), "box", size=_text(box.size))
+    for number, shape in enumerate(link.shapes):
+        if isinstance(shape, Box):
+            part = SubElement(element, "collision")
+            _write_origin(part, shape.center)
+            SubElement(SubElement(part, "geometry"), "box", size=_text(shape.size))
+        elif hulls:
+            part = SubElement(SubElement(element, "collision"), "geometry")
+            SubElement(part, "mesh", filename=_hull_file(link, number))
+
+
+def _corners(shape: Box | Hull) -> Floats:
+    if isinstance(shape, Hull):
+        return shape.points
+    half = np.array(shape.size) / 2
+    return np.array([shape.center - half, shape.center + half])
+
+
+def _vector(values: Floats) -> Vector:
+    x, y, z = map(float, values)
+    return x, y, z
 
 
 def _write_origin(element: Element, origin: Vector, turn: Vector = (0.0, 0.0, 0.0)) -> None:

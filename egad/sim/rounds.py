@@ -17,7 +17,7 @@ from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose
 from egad.sim.film import Film, Pixels
 from egad.sim.model import Model
 from egad.sim.parameters import ClutterParameters, SceneKind, installed_engine
-from egad.sim.robot import free_hand
+from egad.sim.robots import free_hand
 from egad.sim.scenes import BOX
 from egad.sim.world import World, open_world
 from egad.tables import parquet

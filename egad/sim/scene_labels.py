@@ -7,7 +7,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad.detectors import PoseGrasp
-from egad.grasps import Gripper, blocked_turns, hand_poses, parts, vectors
+from egad.grasps import blocked_turns, hand_poses, vectors
+from egad.grippers import Gripper, body_of
 from egad.outcomes import Outcome
 from egad.perception import Observation
 from egad.sim.free_hand import STANDOFF
@@ -41,7 +42,8 @@ class SceneLabels:
         self._grasps = [table[table["collision_free"]] for table in grasps]
         self._models = models
         self._gripper = gripper
-        self._hand = parts(gripper, retreat=STANDOFF)
+        self._body = body_of(gripper)
+        self._hand = self._body.parts(STANDOFF)
 
     def __call__(
         self, observation: Observation, present: Sequence[Placed], rng: np.random.Generator
@@ -52,32 +54,38 @@ class SceneLabels:
         those without a collision that points down most.
         """
         del observation, rng
-        frames, quality = self._candidates(present)
+        frames, widths, quality = self._candidates(present)
+        opening = self._gripper.opening
+        behind = self._body.reach(widths) - self._body.reach(np.array([opening]))
         scene = np.concatenate([TABLE, *(self._triangles(each) for each in present)])
         best = np.argsort(-quality, kind="stable")[:MOST]
         for first in range(0, len(best), CHUNK):
-            chosen = frames[best[first : first + CHUNK]]
+            numbers = best[first : first + CHUNK]
+            chosen, back = frames[numbers], behind[numbers]
             rows = np.ascontiguousarray(chosen[:, :3, :3].transpose(0, 2, 1))
-            blocked = blocked_turns(scene, self._hand, chosen[:, :3, 3], rows, TURNS)
+            blocked = blocked_turns(scene, self._hand, chosen[:, :3, 3], rows, TURNS, behind=back)
             possible = np.flatnonzero(~blocked.all(axis=1))
             if len(possible):
                 number = int(possible[0])
                 pose = _turned(chosen[number], blocked[number])
-                return PoseGrasp(pose, self._gripper.opening, float(quality[best[first + number]]))
+                pose[:3, 3] -= back[number] * pose[:3, 2]  # where the open hand is
+                return PoseGrasp(pose, opening, float(quality[numbers[number]]))
         return Outcome.NO_GRASP
 
-    def _candidates(self, present: Sequence[Placed]) -> tuple[Floats, Floats]:
-        """Poses of the hand at all grasps, (n, 4, 4), in the world, and their robust qualities."""
-        poses, quality = [np.empty((0, 4, 4))], [np.empty(0)]
+    def _candidates(self, present: Sequence[Placed]) -> tuple[Floats, Floats, Floats]:
+        """All grasps: poses of the hand in the world, (n, 4, 4), widths and robust qualities."""
+        poses, widths, quality = [np.empty((0, 4, 4))], [np.empty(0)], [np.empty(0)]
         for number, pose in present:
             table = self._grasps[number]
             matrix = pose.matrix @ self._models[number].to_principal
-            rotation = matrix[:3, :3] / np.cbrt(np.linalg.det(matrix[:3, :3]))
+            scale = np.cbrt(np.linalg.det(matrix[:3, :3]))
+            rotation = matrix[:3, :3] / scale
             centers = vectors(table, "center") @ matrix[:3, :3].T + matrix[:3, 3]
             axis, approach = (vectors(table, name) @ rotation.T for name in ("axis", "approach"))
             poses.append(hand_poses(centers, axis, approach))
+            widths.append(table["width"].to_numpy(np.float64) * scale)
             quality.append(table["robust_quality"].to_numpy(np.float64))
-        return np.concatenate(poses), np.concatenate(quality)
+        return np.concatenate(poses), np.concatenate(widths), np.concatenate(quality)
 
     def _triangles(self, placed: Placed) -> Floats:
         matrix = placed.pose.matrix

@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.sim.arms import Arm, Axis, HandPose
 from egad.sim.execution import lift_and_hold
@@ -74,7 +74,9 @@ def simulate_labels(
     arm, chosen = Axis(gripper), chosen_grasps(grasps, settings)
     with open_world(settings.trials.engine, [model], arm.robot) as world:
         found = [
-            simulate_grasp(world, arm, *_floating(model, row, gripper), settings.trials)
+            simulate_grasp(
+                world, arm, *_floating(model, row, gripper), float(row["width"]), settings.trials
+            )
             for row in parquet.records(grasps.iloc[chosen])
         ]
     return with_simulated_labels(grasps, chosen, found, settings)
@@ -107,7 +109,7 @@ def with_simulated_labels(
 
 
 def simulate_grasp(
-    world: World, arm: Arm, start: Pose, stance: HandPose, lifting: Lifting
+    world: World, arm: Arm, start: Pose, stance: HandPose, contact: float, lifting: Lifting
 ) -> SimulatedGrasp:
     """Close the open hand on a floating object, shake it and lift it; nothing before matters.
 
@@ -116,12 +118,13 @@ def simulate_grasp(
         arm: What carries the hand; it can turn.
         start: Where the object floats.
         stance: Where the hand is.
+        contact: Distance of the contacts, metres.
         lifting: Lift and hold.
     """
     world.reset()
     world.place(start)
     world.set_gravity(WEIGHTLESS)
-    hand = Hand(world, arm, stance, arm.robot.gripper.opening)
+    hand = Hand(world, arm, stance, arm.robot.gripper.opening, contact)
     try:
         return _simulated(hand, stance, lifting)
     except UnstableError:

@@ -20,6 +20,7 @@ from egad.geometry.convex_parts import convex_parts, union_of_parts
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.grasps.quality import ferrari_canny, wrenches
+from egad.grippers import BoxBody
 from egad.map_elites.archive import Archive
 from egad.map_elites.evaluation import Solid, express, measure
 from egad.map_elites.island import evolve
@@ -214,7 +215,9 @@ def test_labels(meshes):
 def labelled(mesh, settings):
     """The labelled grasps of a mesh, none if it has none."""
     try:
-        return label_grasps(mesh, mesh.center_mass, settings, np.random.default_rng(0))
+        return label_grasps(
+            mesh, mesh.center_mass, settings, np.random.default_rng(0), BoxBody(settings.gripper)
+        )
     except RejectedError:
         return []
 

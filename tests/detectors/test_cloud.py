@@ -8,7 +8,8 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from egad.detectors.cloud import LEAST_CLEARANCE, TORQUE_SCALING, _blocked, antipodal_cloud
-from egad.grasps import TABLE_CLEARANCE, parts
+from egad.grasps import TABLE_CLEARANCE
+from egad.grippers import BoxBody
 from egad.perception import PointCloud
 from egad.pipeline.config import GRIPPERS
 
@@ -59,7 +60,7 @@ def test_the_hand_touches_neither_object_nor_table_on_its_way():
     for pose, width in zip(grasps.poses[:10], grasps.widths, strict=False):
         hand = HAND.model_copy(update={"opening": float(width)})
         local = (scene - pose[:3, 3]) @ pose[:3, :3]
-        for part in parts(hand, retreat=0.05):
+        for part in BoxBody(hand).parts(0.05):
             inside = ((local > part.box[0] + 0.001) & (local < part.box[1] - 0.001)).all(axis=1)
             assert not inside.any()
 
@@ -91,7 +92,7 @@ def test_the_hand_does_not_begin_its_way_inside_the_table():
         pose[2, 3] = height
         corners = [
             point @ pose[:3, :3].T + pose[:3, 3]
-            for part in parts(HAND, retreat=0.05)
+            for part in BoxBody(HAND).parts(0.05)
             for point in itertools.product(*part.box.T)
         ]
         lowest = min(corner[2] for corner in corners)

@@ -6,7 +6,7 @@ import pytest
 from egad.detectors import GraspPoses, PoseGrasp
 from egad.detectors.base import Grasp
 from egad.detectors.poses import best_pose, best_poses, infeasibility, pose_of, poses_of
-from egad.grasps import finger_span
+from egad.grippers import finger_span
 from egad.outcomes import Outcome
 from egad.pipeline.config import GRIPPERS
 

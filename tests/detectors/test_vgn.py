@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from egad.detectors import Vgn, wanted_input
 from egad.detectors.vgn import encode
 from egad.errors import UserError
-from egad.grasps import finger_span
+from egad.grippers import finger_span
 from egad.perception import DepthCamera, Intrinsics, Tsdf, cameras_around, fuse
 from egad.pipeline.config import GRIPPERS
 

@@ -18,6 +18,7 @@ from egad.geometry.scaling import box_sides, rescale
 from egad.geometry.stable_poses import stable_poses
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
+from egad.grippers import BoxBody
 from egad.measures.complexity import complexity
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import MeasureParameters
@@ -26,6 +27,7 @@ from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
 
 SETTINGS = Settings()
+LABELS = select(SETTINGS, LabelParameters)
 BOX = trimesh.creation.box((0.02, 0.03, 0.05))
 FLATTEN = np.eye(3) - np.outer([1, 2, 2], [1, 2, 2]) / 9  # along an oblique direction
 
@@ -58,7 +60,7 @@ FUNCTIONS = {
     "complexity": complexity,
     "graded": lambda mesh: measure_repeatably(mesh, select(SETTINGS, MeasureParameters), 10),
     "label": lambda mesh: label_grasps(
-        mesh, np.zeros(3), select(SETTINGS, LabelParameters), np.random.default_rng(0)
+        mesh, np.zeros(3), LABELS, np.random.default_rng(0), BoxBody(LABELS.gripper)
     ),
     "extract": lambda mesh: reeb.extract(mesh, SETTINGS.similarity),
 }

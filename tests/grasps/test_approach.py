@@ -6,8 +6,8 @@ from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches, first_approaches
 from egad.grasps.collision import blocked_turns, box_meets_triangle
-from egad.grasps.hand import Part, parts
 from egad.grasps.sampler import ContactPairs
+from egad.grippers import BoxBody, Part
 from egad.pipeline.config import Gripper
 
 HAND = Gripper(
@@ -38,12 +38,12 @@ def slow_overlap(triangle, low, high):
 
 
 def collision_free(mesh, grasps, gripper=HAND, palm=None, retreat=0.1):
-    found = best_approaches(RayCaster(mesh), grasps, gripper, palm, way=retreat)
+    found = best_approaches(RayCaster(mesh), grasps, BoxBody(gripper, palm), way=retreat)
     return found.directions, found.free
 
 
 def boxes(gripper, retreat=0.0):
-    return np.stack([part.box for part in parts(gripper, None, retreat)])
+    return np.stack([part.box for part in BoxBody(gripper).parts(retreat)])
 
 
 def across_x(*centers):
@@ -103,14 +103,14 @@ def test_hand_is_built_around_the_contacts():
 
 def test_a_small_object_is_free_from_above():
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.02)
-    approach, free = collision_free(ball, across_x([0, 0, 0]), HAND)
+    approach, free = collision_free(ball, across_x([0, 0, 0]))
     assert free.all()
     np.testing.assert_allclose(approach, [[0, 0, -1]], atol=1e-12)
 
 
 def test_a_finger_that_stands_in_the_object_is_not_free():
     slab = trimesh.creation.box([0.08, 0.3, 0.3])
-    _, free = collision_free(slab, across_x([0, 0, 0]), HAND)
+    _, free = collision_free(slab, across_x([0, 0, 0]))
     assert not free.any()
 
 
@@ -119,7 +119,7 @@ def test_a_palm_that_the_fingers_cannot_clear_is_not_free():
     for reach, expected in ((0.035, True), (0.045, False)):
         bar = trimesh.creation.cylinder(reach, 0.04, sections=64)
         bar.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [0, 1, 0]))
-        _, free = collision_free(bar, across_x([0, 0, 0]), HAND)
+        _, free = collision_free(bar, across_x([0, 0, 0]))
         assert free[0] == expected
 
 
@@ -137,7 +137,7 @@ def test_the_approach_keeps_away_from_a_wall():
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.015)
     wall = trimesh.creation.box([0.5, 0.5, 0.01]).apply_translation([0, 0, 0.05])
     both = trimesh.util.concatenate([ball, wall])
-    approach, free = collision_free(both, across_x([0, 0, 0]), HAND)
+    approach, free = collision_free(both, across_x([0, 0, 0]))
     assert free[0]
     # from below, away from the wall, not past it
     np.testing.assert_allclose(approach, [[0, 0, 1]], atol=1e-12)
@@ -149,8 +149,8 @@ def test_an_obstacle_on_the_way_in_counts():
     hollow = trimesh.creation.icosphere(subdivisions=3, radius=0.15)
     hollow.invert()
     both = trimesh.util.concatenate([ball, shell, hollow])
-    assert collision_free(both, across_x([0, 0, 0]), HAND, retreat=0.0)[1][0]
-    found = best_approaches(RayCaster(both), across_x([0, 0, 0]), HAND, way=0.1)
+    assert collision_free(both, across_x([0, 0, 0]), retreat=0.0)[1][0]
+    found = best_approaches(RayCaster(both), across_x([0, 0, 0]), BoxBody(HAND), way=0.1)
     assert found.fits[0]
     assert not found.free[0]
     assert (found.angles_fit[0], found.angles_collision_free[0]) == (16, 0)
@@ -181,7 +181,7 @@ def test_a_grasp_as_wide_as_the_opening_does_not_collide_with_itself():
 def test_a_hand_all_inside_the_object_is_not_free():
     """No part of it touches the surface."""
     block = trimesh.creation.box([2, 2, 2])
-    found = best_approaches(RayCaster(block), across_x([0, 0, 0]), HAND)
+    found = best_approaches(RayCaster(block), across_x([0, 0, 0]), BoxBody(HAND))
     assert not found.fits[0]
     assert (found.angles_fit[0], found.angles_collision_free[0]) == (0, 0)
 
@@ -199,8 +199,8 @@ def test_a_box_as_a_mesh_is_the_palm_box():
         for place in rng.normal(0, 0.05, (6, 3))
     ]
     mesh = trimesh.util.concatenate(parts_of)
-    expected = best_approaches(RayCaster(mesh), grasps, HAND)
-    found = best_approaches(RayCaster(mesh), grasps, HAND, palm)
+    expected = best_approaches(RayCaster(mesh), grasps, BoxBody(HAND))
+    found = best_approaches(RayCaster(mesh), grasps, BoxBody(HAND, palm))
     for ours, theirs in zip(found, expected, strict=True):
         np.testing.assert_array_equal(ours, theirs)
     assert 0.1 < expected.fits.mean() < 0.95
@@ -221,4 +221,4 @@ def test_the_pieces_of_a_mesh_count_with_their_hulls():
 def test_a_flat_palm_is_rejected():
     flat = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     with pytest.raises(RejectedError, match="flat"):
-        parts(HAND, flat)
+        BoxBody(HAND, flat)

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from egad.geometry.rays import RayCaster
 from egad.grasps.labels import rate_grasps, sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters
+from egad.grippers import BoxBody
 from egad.pipeline.config import GraspLabel, Settings
 from egad.pipeline.config.stage_settings import select
 
@@ -41,7 +42,7 @@ def labelled(request):
     rng = np.random.default_rng(7)
     grasps, tally = sample_for_labels(caster, SETTINGS, rng)
     state = rng.bit_generator.state
-    frame = rate_grasps(caster, mesh.center_mass, grasps, SETTINGS, rng)
+    frame = rate_grasps(caster, mesh.center_mass, grasps, SETTINGS, rng, BoxBody(SETTINGS.gripper))
     again = np.random.default_rng()
     again.bit_generator.state = state
     return mesh, frame, tally, again

@@ -7,6 +7,7 @@ from egad.geometry.rays import RayCaster
 from egad.grasps.labels import label_grasps, sample_for_labels
 from egad.grasps.parameters import LabelParameters
 from egad.grasps.sampler import sample_contacts
+from egad.grippers import BoxBody
 from egad.pipeline.config import GraspLabel, Settings
 from egad.pipeline.config.stage_settings import select
 from egad.tables import parquet
@@ -19,7 +20,9 @@ MESH = trimesh.creation.cylinder(0.02, 0.08, sections=48)
 
 
 def labels(mesh=MESH, seed=0):
-    return label_grasps(mesh, mesh.center_mass, SETTINGS, np.random.default_rng(seed))
+    return label_grasps(
+        mesh, mesh.center_mass, SETTINGS, np.random.default_rng(seed), BoxBody(SETTINGS.gripper)
+    )
 
 
 def vectors(frame, name):

@@ -4,9 +4,9 @@ import trimesh
 
 from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches
-from egad.grasps.hand import finger_span
 from egad.grasps.opening import graspable_fraction, graspable_widths, needed_openings
 from egad.grasps.sampler import ContactPairs, sample_contacts
+from egad.grippers import BoxBody, finger_span
 from egad.pipeline.config import Gripper, Sampling
 
 HAND = Gripper(opening=0.06, finger_length=0.05, finger_width=0.02, finger_thickness=0.01)
@@ -20,7 +20,7 @@ def across_x(width):
 
 
 def needed(mesh, width, hand=HAND):
-    return needed_openings(RayCaster(mesh), across_x(width), DOWN, hand)[0]
+    return needed_openings(RayCaster(mesh), across_x(width), DOWN, BoxBody(hand))[0]
 
 
 def box(sides, place=(0, 0, 0)):
@@ -68,8 +68,8 @@ def test_openings_equal_trying_one_after_another():
     mesh = trimesh.creation.torus(0.03, 0.012, major_sections=48, minor_sections=24)
     rng = np.random.default_rng(0)
     grasps, _ = sample_contacts(RayCaster(mesh), HAND.opening, 25, Sampling(), rng)
-    best = best_approaches(RayCaster(mesh), grasps, HAND)
-    found = needed_openings(RayCaster(mesh), grasps, best.directions, HAND)
+    best = best_approaches(RayCaster(mesh), grasps, BoxBody(HAND))
+    found = needed_openings(RayCaster(mesh), grasps, best.directions, BoxBody(HAND))
     points = trimesh.sample.sample_surface(mesh, 400_000, seed=1)[0]
     base, tip = finger_span(HAND)
     for i, approach in enumerate(best.directions):

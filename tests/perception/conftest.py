@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.grippers import BoxBody
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import GraspCandidates, Hand
+from egad.perception.reachability import GraspCandidates
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 
@@ -37,4 +38,4 @@ def rendering():
 
 @pytest.fixture(scope="session")
 def hand(rendering):
-    return Hand(rendering().gripper, None, 0.1)
+    return BoxBody(rendering().gripper)

@@ -6,9 +6,10 @@ import trimesh
 
 from egad.geometry.rays import RayCaster
 from egad.grasps.collision import LEAST_BITE, TABLE_CLEARANCE
+from egad.grippers import BoxBody
 from egad.perception.reachability import GraspCandidates, reachable
 
-TILT = np.radians(15)
+TILT, WAY = np.radians(15), 0.1
 
 
 def lying(mesh, turn=None):
@@ -30,11 +31,11 @@ def slim(hand):
     """A hand whose palm is a stick: what is over a finger meets that finger alone."""
     palm = trimesh.creation.box((0.01, 0.01, 0.06))
     palm.apply_translation((0, 0, -0.03))
-    return hand._replace(palm=palm)
+    return BoxBody(hand.gripper, palm)
 
 
 def test_axes_near_level_are_reachable(block, grasped, hand):
-    found, free = reachable(RayCaster(block), grasped, lying(block), hand, TILT)
+    found, free = reachable(RayCaster(block), grasped, lying(block), hand, tilt=TILT, way=WAY)
     assert found.indices.tolist() == [4, 9]
     assert free.all()
 
@@ -44,13 +45,13 @@ def test_the_limit_is_the_angle_between_approach_and_vertical(
     block, grasped, hand, degrees, numbers
 ):
     turn = trimesh.transformations.rotation_matrix(np.radians(degrees), (0, 1, 0))
-    found, _ = reachable(RayCaster(block), grasped, lying(block, turn), hand, TILT)
+    found, _ = reachable(RayCaster(block), grasped, lying(block, turn), hand, tilt=TILT, way=WAY)
     assert sorted(set(found.indices.tolist()) & {4, 9}) == numbers
 
 
 def test_on_its_side_the_other_grasp_is_reachable(block, grasped, hand):
     turn = trimesh.transformations.rotation_matrix(np.pi / 2, (0, 1, 0))
-    found, free = reachable(RayCaster(block), grasped, lying(block, turn), hand, TILT)
+    found, free = reachable(RayCaster(block), grasped, lying(block, turn), hand, tilt=TILT, way=WAY)
     assert found.indices.tolist() == [7]
     assert free.all()
 
@@ -62,7 +63,7 @@ def test_a_neighbor_within_the_room_of_a_finger_is_in_the_way(block, grasped, ha
         wall = trimesh.creation.box((0.01, 0.06, 0.04))
         wall.apply_translation((outer + gap + 0.005, 0, 0))
         both = trimesh.util.concatenate([block, wall])
-        _, free = reachable(RayCaster(both), grasped, lying(block), hand, TILT)
+        _, free = reachable(RayCaster(both), grasped, lying(block), hand, tilt=TILT, way=WAY)
         assert free.tolist() == [expected] * 2
 
 
@@ -73,7 +74,7 @@ def test_the_palm_meets_what_is_higher_than_the_fingers_are_long(block, hand):
         tower = trimesh.creation.box((0.01, 0.01, 0.01))
         tower.apply_translation((0, 0.025, top - 0.005))
         both = trimesh.util.concatenate([block, tower])
-        _, free = reachable(RayCaster(both), across(0.03), lying(block), hand, TILT)
+        _, free = reachable(RayCaster(both), across(0.03), lying(block), hand, tilt=TILT, way=WAY)
         assert free.tolist() == [expected]
 
 
@@ -83,9 +84,9 @@ def test_what_hangs_over_a_finger_or_the_palm_blocks_its_way_in(block, slim, x, 
     top = slim.gripper.finger_length - slim.gripper.finger_width / 2 + height
     for gap, expected in ((-0.001, False), (0.001, True)):
         roof = trimesh.creation.box((0.004, 0.06, 0.01))
-        roof.apply_translation((x, 0, top + slim.way + gap + 0.005))
+        roof.apply_translation((x, 0, top + WAY + gap + 0.005))
         both = trimesh.util.concatenate([block, roof])
-        _, free = reachable(RayCaster(both), across(0.03), lying(block), slim, TILT)
+        _, free = reachable(RayCaster(both), across(0.03), lying(block), slim, tilt=TILT, way=WAY)
         assert free.tolist() == [expected]
 
 
@@ -96,7 +97,7 @@ def test_a_finger_inside_a_thick_block_collides_though_it_meets_no_surface(block
         tower = trimesh.creation.box((0.1, 0.1, 0.6))
         tower.apply_translation((side * (near + 0.05), 0, 0.28))
         both = trimesh.util.concatenate([block, tower])
-        _, free = reachable(RayCaster(both), across(0.03), lying(block), slim, TILT)
+        _, free = reachable(RayCaster(both), across(0.03), lying(block), slim, tilt=TILT, way=WAY)
         assert free.tolist() == [expected]
 
 
@@ -104,7 +105,7 @@ def test_a_plate_is_grasped_as_low_as_the_table_allows(hand):
     """The contacts are at half its height; the tips stay above the table and bite below them."""
     for height in (TABLE_CLEARANCE + LEAST_BITE - 5e-4, TABLE_CLEARANCE + LEAST_BITE + 5e-4):
         plate = trimesh.creation.box((0.03, 0.06, 2 * height))
-        _, free = reachable(RayCaster(plate), across(0.03), lying(plate), hand, TILT)
+        _, free = reachable(RayCaster(plate), across(0.03), lying(plate), hand, tilt=TILT, way=WAY)
         assert free.tolist() == [height > TABLE_CLEARANCE + LEAST_BITE]
 
 
@@ -118,7 +119,9 @@ def test_a_tilted_hand_goes_back_along_its_approach_until_it_clears_the_table(ha
     for more, expected in ((-2e-4, False), (2e-4, True)):
         place = trimesh.transformations.rotation_matrix(angle, (0, 1, 0))
         place[2, 3] = least + more
-        _, free = reachable(RayCaster(bead), across(0.002), place, hand, np.radians(45))
+        _, free = reachable(
+            RayCaster(bead), across(0.002), place, hand, tilt=np.radians(45), way=WAY
+        )
         assert free.tolist() == [expected]
 
 
@@ -126,11 +129,11 @@ def test_hands_open_as_far_as_they_can_and_no_further(hand):
     """A block as wide as the hand opens is free; its walls are a hair inside the fingers."""
     wide = trimesh.creation.box((hand.gripper.opening, 0.03, 0.04))
     grasp = across(hand.gripper.opening)
-    _, free = reachable(RayCaster(wide), grasp, lying(wide), hand, TILT)
+    _, free = reachable(RayCaster(wide), grasp, lying(wide), hand, tilt=TILT, way=WAY)
     assert free.tolist() == [True]
 
 
 def test_an_object_without_grasps_has_none_to_reach(block, grasped, hand):
     none = grasped.chosen(np.zeros(4, dtype=bool))
-    found, free = reachable(RayCaster(block), none, lying(block), hand, TILT)
+    found, free = reachable(RayCaster(block), none, lying(block), hand, tilt=TILT, way=WAY)
     assert len(found.indices) == len(free) == 0

@@ -10,9 +10,9 @@ import trimesh
 
 import egad
 from egad.errors import UserError
-from egad.grasps.hand import parts
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
+from egad.grippers import BoxBody
 from egad.pipeline.config import GRIPPERS, GraspLabel, Settings
 from egad.pipeline.config.stage_settings import select
 from egad.report import viewer
@@ -55,7 +55,9 @@ def unpack(item: dict) -> dict[str, np.ndarray]:
 
 @pytest.fixture(scope="module")
 def grasps() -> pd.DataFrame:
-    return label_grasps(MESH, MESH.center_mass, SETTINGS, np.random.default_rng(0))
+    return label_grasps(
+        MESH, MESH.center_mass, SETTINGS, np.random.default_rng(0), BoxBody(SETTINGS.gripper)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +114,7 @@ def test_colors_mean_the_same_for_all_objects(grasps):
 def test_the_jaws_reach_back_to_the_palm_mesh_the_gripper(name):
     gripper = GRIPPERS[name]
     data = viewer.viewer_data([Scene("ring", "", MESH, parquet.empty(GRASPS))], gripper)
-    assert data["finger"] == pytest.approx(-parts(gripper)[2].box[1, 2])
+    assert data["finger"] == pytest.approx(-BoxBody(gripper).parts()[2].box[1, 2])
 
 
 def test_the_page_needs_nothing_else(html):

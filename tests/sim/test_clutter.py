@@ -16,7 +16,7 @@ from egad.pipeline.config import Bundle
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose, proposed_by
 from egad.sim.model import build
 from egad.sim.parameters import Clutter, EngineName
-from egad.sim.robot import free_hand
+from egad.sim.robots import free_hand
 from egad.sim.scenes import Placed
 from egad.sim.world import open_world
 

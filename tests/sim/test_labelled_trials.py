@@ -6,8 +6,8 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, start
 
-from egad.grasps.hand import finger_span
 from egad.grasps.poses import hand_poses
+from egad.grippers import finger_span
 from egad.outcomes import Outcome
 from egad.pipeline.config import Bundle, Settings
 from egad.pipeline.config.stage_settings import select
@@ -42,6 +42,7 @@ def grasp(center, axis, approach, turn=PLACE, **known):
     """A row of the table of grasps, given in the frame of an upright object."""
     row = {
         "grasp": 0,
+        "width": 0.03,
         "quality": 0.0,
         "robust_quality": 0.5,
         "robust_success_rate": 0.1,

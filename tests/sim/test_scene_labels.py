@@ -9,7 +9,8 @@ from worlds import HAND
 
 from egad.api import dataset_grasps
 from egad.detectors import PoseGrasp
-from egad.grasps import label_parameters, parts
+from egad.grasps import label_parameters
+from egad.grippers import BoxBody
 from egad.outcomes import Outcome
 from egad.perception import Observation
 from egad.pipeline.config import Bundle
@@ -47,7 +48,7 @@ def touched(pose: np.ndarray, present: list[Placed], models: list[Model]) -> boo
     local = (np.concatenate(clouds) - pose[:3, 3]) @ pose[:3, :3]
     return any(
         bool(((local > part.box[0] + 5e-4) & (local < part.box[1] - 5e-4)).all(axis=1).any())
-        for part in parts(HAND, retreat=STANDOFF)
+        for part in BoxBody(HAND).parts(STANDOFF)
     )
 
 

@@ -33,7 +33,7 @@ def parameters(engine="mujoco", grasps=10, force=20.0, friction=0.5):
 
 
 def grasp(center=(0, 0, 0), axis=ACROSS, approach=DOWN, free=True):
-    row = {"collision_free": free, "robust_quality": 0.0}
+    row = {"collision_free": free, "robust_quality": 0.0, "width": SIDE}
     for name, vector in (("center", center), ("axis", axis), ("approach", approach)):
         row |= dict(zip(vector_names(name), vector, strict=True))
     return row

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from egad.grasps import Gripper
+from egad.grippers import Gripper
 from egad.pipeline.config import GRIPPERS
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.gripper import Hand

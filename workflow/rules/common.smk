@@ -162,10 +162,10 @@ def held_out(wildcards):
     return [file] if SETTINGS.render.hold_out else []
 
 
-def gripper_mesh(wildcards):
-    """The mesh file of a gripper, if it has one."""
-    mesh = SETTINGS.grippers[wildcards.gripper].mesh
-    return [mesh] if mesh else []
+def gripper_files(wildcards):
+    """The files that describe a gripper, if there are any."""
+    gripper = SETTINGS.grippers[wildcards.gripper]
+    return [file for file in (gripper.file, gripper.mesh) if file]
 
 
 def contents_of(files):

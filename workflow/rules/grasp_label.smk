@@ -18,7 +18,7 @@ rule grasp_label:
     input:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
-        mesh=gripper_mesh,
+        hand=gripper_files,
     output:
         grasps=ensure("results/{dataset}/parts/grasps-{gripper}-{shard}.parquet", non_empty=True),
         sampling=ensure(
@@ -41,7 +41,7 @@ rule grasp_label:
         settings=settings_of("grasp_label"),
         meshes=subpath(input.scales, parent=True),
         shards=len(SHARDS),
-        contents=contents_of(gripper_mesh),
+        contents=contents_of(gripper_files),
         code=code_of("grasp_label"),
     message:
         "Labelling grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"

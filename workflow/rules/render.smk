@@ -19,7 +19,7 @@ rule render:
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
         grasps="results/{dataset}/grasps/{gripper}.parquet",
         evaluation=held_out,
-        mesh=gripper_mesh,
+        hand=gripper_files,
     output:
         images=ensure("results/{dataset}/images/{gripper}/images-{shard}.parquet", non_empty=True),
         rejected=ensure(

@@ -48,10 +48,10 @@ def held_out_of_set(wildcards):
     return [of_set("eval49.parquet")(wildcards)] if held else []
 
 
-def mesh_of_the_gripper(wildcards):
-    """The mesh file of the gripper that training sets are for."""
-    mesh = SETTINGS.grippers[GRIPPER].mesh
-    return [mesh] if mesh else []
+def files_of_the_gripper(wildcards):
+    """The files that describe the gripper that training sets are for."""
+    gripper = SETTINGS.grippers[GRIPPER]
+    return [file for file in (gripper.file, gripper.mesh) if file]
 
 
 def compared(wildcards):

@@ -19,7 +19,7 @@ use rule render as render_set with:
         scales=of_set(f"rescaled/{GRIPPER}/scales.parquet"),
         grasps=of_set(f"grasps/{GRIPPER}.parquet"),
         evaluation=held_out_of_set,
-        mesh=mesh_of_the_gripper,
+        hand=files_of_the_gripper,
     output:
         images=ensure(
             "results/training_study/images/{training_set}/images-{shard}.parquet", non_empty=True

@@ -11,7 +11,8 @@ from egad.detectors import DETECTORS, DetectorConfig
 from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange import Acronym, DexNet
 from egad.geometry import Material
-from egad.grasps import GRIPPERS, GraspLabel, Gripper, Quality, Robust, Sampling
+from egad.grasps import GraspLabel, Quality, Robust, Sampling
+from egad.grippers import GRIPPERS, Gripper
 from egad.learning import Training
 from egad.map_elites import Evolution
 from egad.measures import Complexity, CustomMeasures, Difficulty, SizeEffect, Space

@@ -19,7 +19,7 @@ from egad.exchange import (
     is_simulated,
     write_acronym,
 )
-from egad.grasps import finger_span
+from egad.grippers import finger_span
 from egad.pipeline.config import Acronym, Gripper, Quality
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Output

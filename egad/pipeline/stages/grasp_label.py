@@ -9,7 +9,7 @@ import pandas as pd
 from egad._util.progress import progress
 from egad.errors import RejectedError
 from egad.exchange import read_mesh
-from egad.exchange.palm_mesh import palm_mesh
+from egad.exchange.hand_body import hand_body
 from egad.geometry import RayCaster
 from egad.grasps import LabelParameters, rate_grasps, sample_for_labels, statistics_row
 from egad.measures import center_of_mass
@@ -49,7 +49,7 @@ def run(
     """
     frame = parquet.read(objects, OBJECTS)
     frame = rows_in_shard(frame, *shard)
-    palm = palm_mesh(settings.gripper)
+    body = hand_body(settings.gripper)
     labelled, tallies, left_out = [], [], []
     names = zip(frame["id"], frame["label"], strict=True)
     for object_id, object_label in progress(names, "labelling grasps", len(frame)):
@@ -63,7 +63,7 @@ def run(
         caster = RayCaster(mesh)
         grasps, counts = sample_for_labels(caster, settings, rng)
         if len(grasps):
-            rows = rate_grasps(caster, center_of_mass(mesh), grasps, settings, rng, palm)
+            rows = rate_grasps(caster, center_of_mass(mesh), grasps, settings, rng, body)
             labelled.append(rows.assign(**named))
         else:
             rows = parquet.empty(GRASPS)

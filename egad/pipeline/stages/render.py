@@ -11,11 +11,10 @@ import typer
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError
 from egad.exchange import read_mesh
-from egad.exchange.palm_mesh import palm_mesh
+from egad.exchange.hand_body import hand_body
 from egad.grasps import vectors
 from egad.perception import (
     GraspCandidates,
-    Hand,
     RenderParameters,
     Share,
     encoded,
@@ -74,12 +73,12 @@ def run(
         if share.images and share.first * total // settings.render.images == number
     ]
     labelled = _labelled(grasps, {share.id for share in chosen})
-    hand = Hand(settings.gripper, palm_mesh(settings.gripper), settings.grasp_label.approach_way)
+    body = hand_body(settings.gripper)
     rows, left_out = [], []
     for share in progress(chosen, "rendering", len(chosen)):
         try:
             mesh = read_mesh(meshes / f"{share.label}.obj", "m")
-            found = pictures(mesh, labelled[share.id], share, hand, settings)
+            found = pictures(mesh, labelled[share.id], share, body, settings)
             rows += [encoded(picture) for picture in found]
         except RejectedError as reason:
             left_out.append(rejection(share.id, "render", reason))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange import check_opening, read_mesh
-from egad.exchange.palm_mesh import palm_mesh
+from egad.exchange.hand_body import hand_body
 from egad.geometry import rescale
 from egad.geometry.repair import repair
 from egad.grasps import label_grasps
@@ -68,7 +68,7 @@ def from_mesh(path: Path, units: str, settings: ViewMesh) -> Scene:
     title = f"{path.name}, scaled by {row['factor']:.3g}"
     rng = generator(settings.seed, "grasps", path.stem)
     try:
-        rows = label_grasps(mesh, center_of_mass(mesh), settings, rng, palm_mesh(settings.gripper))
+        rows = label_grasps(mesh, center_of_mass(mesh), settings, rng, hand_body(settings.gripper))
         return Scene(path.stem, title, mesh, rows)
     except RejectedError as reason:
         return Scene(path.stem, title, mesh, parquet.empty(GRASPS), str(reason))

@@ -8,6 +8,7 @@ const RAMPS = {
   "blue to yellow (color-blind safe)": [[0.0, 0.14, 0.42], [0.47, 0.46, 0.47], [1.0, 0.90, 0.20]],
 };
 const MESH = [0.78, 0.80, 0.83];
+const PAINTS = [MESH, [0.36, 0.56, 0.80], [0.95, 0.62, 0.29], [0.16, 0.63, 0.35], [0.80, 0.15, 0.15]];
 const STEM = 0.15, THICK = 0.006; // of the longest side of the object
 const AMBIENT = { mesh: 0.5, jaws: 0.75 }; // ambient part of the light
 const CREASE = Math.cos(40 * Math.PI / 180);
@@ -55,6 +56,7 @@ async function unpack(item, finger) {
   object.contacts = metres(take(Uint16Array, 6 * grasps));
   object.approaches = Float32Array.from(take(Int16Array, 3 * grasps), (value) => value / 32767);
   object.free = take(Uint8Array, grasps);
+  object.paint = item.painted ? take(Uint8Array, faces) : null;
   return measure(object);
 }
 
@@ -92,7 +94,7 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 const unit = (a) => { const length = Math.hypot(...a) || 1; return a.map((value) => value / length); };
 
 // Smooth over gentle edges and flat at sharp ones.
-function surface({ vertices, faces }) {
+function surface({ vertices, faces, paint }) {
   const corner = (at) => vertices.subarray(3 * faces[at], 3 * faces[at] + 3);
   const flat = [], around = Array.from({ length: vertices.length / 3 }, () => []);
   for (let face = 0; face < faces.length / 3; face++) {
@@ -103,12 +105,12 @@ function surface({ vertices, faces }) {
   }
   const rows = new Float32Array(9 * faces.length);
   faces.forEach((vertex, at) => {
-    const own = flat[Math.floor(at / 3)][0];
+    const face = Math.floor(at / 3), own = flat[face][0];
     let normal = [0, 0, 0];
-    for (const face of around[vertex]) {
-      if (dot(flat[face][0], own) > CREASE) normal = plus(normal, flat[face][1]);
+    for (const other of around[vertex]) {
+      if (dot(flat[other][0], own) > CREASE) normal = plus(normal, flat[other][1]);
     }
-    rows.set([...corner(at), ...unit(normal), ...MESH], 9 * at);
+    rows.set([...corner(at), ...unit(normal), ...(paint ? PAINTS[paint[face]] : MESH)], 9 * at);
   });
   return rows;
 }
@@ -312,8 +314,8 @@ function start(root) {
     object = found;
     const free = object.free.reduce((sum, value) => sum + value, 0);
     part("about").textContent = `${object.title}${object.title ? ": " : ""}`
-      + `${object.sides.map((side) => side.toFixed(0)).join(" × ")} mm, `
-      + `${free} of ${object.grasps} grasps collision-free`;
+      + `${object.sides.map((side) => side.toFixed(0)).join(" × ")} mm`
+      + (object.grasps ? `, ${free} of ${object.grasps} grasps collision-free` : "");
     part("note").textContent = object.note;
     paint.layer("mesh", surface(object));
     update();
@@ -323,6 +325,9 @@ function start(root) {
   data.metrics.forEach(([, name], index) => part("metric").append(new Option(name, index)));
   Object.keys(RAMPS).forEach((name) => part("colors").append(new Option(name)));
   root.querySelector(".choice").hidden = data.objects.length === 1;
+  for (const element of root.querySelectorAll(".status, .of-grasps")) {
+    element.hidden = data.objects.every((item) => item.counts[2] === 0);
+  }
   part("object").addEventListener("change", () => show(Number(part("object").value)));
   part("controls").addEventListener("input", (event) => { if (event.target.name !== "object") update(); });
   for (const [name, step] of [["before", -1], ["after", 1]]) {

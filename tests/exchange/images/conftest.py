@@ -5,8 +5,9 @@ import pytest
 import trimesh
 
 from egad.grasps.collision import SIDE_CLEARANCE
+from egad.grippers import BoxBody
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import GraspCandidates, Hand
+from egad.perception.reachability import GraspCandidates
 from egad.perception.rendering import pictures
 from egad.perception.splits import Share
 from egad.pipeline.config import CAMERAS, GRIPPERS, Settings
@@ -25,7 +26,7 @@ def sets():
     """
     block = trimesh.creation.box(SIDES)
     grasps = GraspCandidates(np.arange(4), np.zeros((4, 3)), AXES, WIDTHS, np.full(4, 0.003))
-    hand = Hand(GRIPPERS["egad_75mm"], None, 0.1)
+    hand = BoxBody(GRIPPERS["egad_75mm"])
 
     def made(camera, **noise):
         changed = {"render": {"camera": camera}, "image_noise": noise}

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 import trimesh
 from commands import egad
+from described_hands import box_urdf
 
 from egad.pipeline.cli.common import parse, settings_in
 from egad.pipeline.config import Gripper, Settings
@@ -349,3 +350,19 @@ def test_view_writes_a_page_of_a_mesh(tmp_path):
     assert result.returncode == 0, result.stderr
     assert "cube: 3 grasps" in result.stdout
     assert "<title>Grasps of cube</title>" in out.read_text()
+
+
+def test_the_file_of_a_hand_is_inspected(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    box_urdf(tmp_path / "My Hand.urdf")
+    found = egad("gripper", "inspect", "My Hand.urdf")
+    assert found.returncode == 0
+    assert "0.2 to 80.2 mm" in found.stdout
+    entry = "grippers:" + found.stdout.split("grippers:")[1].split("\nsee ")[0]
+    (tmp_path / "hand.yaml").write_text(entry)
+    page = (tmp_path / "my_hand.html").read_bytes()
+    named = egad("gripper", "inspect", "my_hand", "--config", "hand.yaml", "--out", "again.html")
+    assert named.returncode == 0
+    assert (tmp_path / "again.html").read_bytes() == page
+    assert "no `file`" in egad("gripper", "inspect", "panda").stderr
+    assert "gripper or file 'nothing'" in egad("gripper", "inspect", "nothing").stderr

@@ -1,5 +1,6 @@
 """Labels of grasps by the stage and by the library; the palm mesh of a gripper."""
 
+import numpy as np
 import pandas as pd
 import pytest
 import trimesh
@@ -7,8 +8,8 @@ import trimesh
 import egad
 from egad.api import dataset_grasps
 from egad.errors import UserError
+from egad.exchange.hand_body import hand_body
 from egad.exchange.meshes import write_obj
-from egad.exchange.palm_mesh import palm_mesh
 from egad.grasps.labels import label_parameters
 from egad.grasps.parameters import LabelParameters
 from egad.objects import named_meshes, scaled_solid
@@ -53,15 +54,11 @@ def test_the_library_samples_the_grasps_of_the_stage(tmp_path, gripper):
     pd.testing.assert_frame_equal(found, expected, check_exact=True, check_dtype=False)
 
 
-def test_a_gripper_without_mesh_has_none():
-    assert palm_mesh(Gripper(opening=0.05)) is None
-
-
 def test_the_mesh_of_a_gripper_is_read_in_metres(tmp_path):
     path = tmp_path / "palm.stl"
     trimesh.creation.box([0.1, 0.06, 0.05]).export(path)
-    palm = palm_mesh(Gripper(opening=0.05, mesh=str(path)))
-    assert palm.extents == pytest.approx([0.1, 0.06, 0.05])
+    *_, palm = hand_body(Gripper(opening=0.05, mesh=str(path))).parts()
+    assert np.ptp(palm.box, axis=0) == pytest.approx([0.1, 0.06, 0.05])
 
 
 @pytest.mark.parametrize("content", [None, "solid nothing\n", "flat"])
@@ -72,4 +69,4 @@ def test_a_mesh_that_cannot_be_used_is_named(tmp_path, content):
     elif content:
         path.write_text(content)
     with pytest.raises(UserError, match=r"the mesh .*palm\.obj of a gripper cannot be used: "):
-        palm_mesh(Gripper(opening=0.05, mesh=str(path)))
+        hand_body(Gripper(opening=0.05, mesh=str(path)))

@@ -5,9 +5,10 @@ import pandas as pd
 import pytest
 import trimesh
 
+from egad.grippers import BoxBody
 from egad.perception.image_rows import encoded
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import GraspCandidates, Hand
+from egad.perception.reachability import GraspCandidates
 from egad.perception.rendering import pictures
 from egad.perception.splits import SPLITS, Share
 from egad.pipeline.cli import main
@@ -23,7 +24,7 @@ def dataset(tmp_path_factory):
     """A block in each split, two images each, in two shards."""
     folder = tmp_path_factory.mktemp("results") / "mine"
     settings = select(Settings(), RenderParameters, "egad_75mm")
-    block, hand = trimesh.creation.box((0.03, 0.03, 0.03)), Hand(settings.gripper, None, 0.1)
+    block, hand = trimesh.creation.box((0.03, 0.03, 0.03)), BoxBody(settings.gripper)
     same = np.full(3, 0.03), np.full(3, 0.002)
     grasps = GraspCandidates(np.arange(3), np.zeros((3, 3)), np.eye(3), *same)
     rows = [

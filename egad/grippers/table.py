@@ -1,7 +1,7 @@
 """The parallel-jaw grippers that egad knows by name."""
 
 from egad.errors import UserError, check_name
-from egad.grasps.parameters import Gripper
+from egad.grippers.parameters import Gripper
 
 _PANDA_PALM = (0.2, 0.063, 0.06)
 GRIPPERS = {

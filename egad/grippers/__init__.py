@@ -1,0 +1,5 @@
+"""Parallel-jaw grippers: those known by name, and the shape of their hands."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,218 @@
+"""The body of a parallel-jaw hand: convex parts of boxes, of a palm mesh, or of a maker's model.
+
+The frame of the hand has its origin midway between the pads. x is the closing axis, from the first
+contact to the second; z is the approach, along which the hand moves towards the object;
+y = z cross x. Fingers that are boxes have the contacts in the middle of square pads at their ends,
+so the fingertips reach half a finger's width beyond the origin. The palm begins where they end.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
+from typing_extensions import override
+
+from egad.errors import RejectedError
+from egad.grippers.model import PALM_BODY, GripperModel
+from egad.grippers.parameters import Gripper
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+CLEARANCE = 1e-4  # metres between a contact as wide as the opening and the finger
+
+
+class Part(NamedTuple):
+    """A convex part of a hand.
+
+    Attributes:
+        box: (2, 3) low and high corner of its bounding box, metres.
+        planes: (k, 4) outward unit normals and offsets: the part is where normal . point + offset
+            is nowhere positive. Without any it fills its box.
+        middle: (3,) a point in it, metres.
+    """
+
+    box: Floats
+    planes: Floats
+    middle: Floats
+
+
+class Pieces(NamedTuple):
+    """Parts of n hands that are alike but for a shift.
+
+    Attributes:
+        rows: (m,) which of the hands.
+        parts: Their parts.
+        shifts: (m, 3) by which each is shifted, in the frame of the hand, metres.
+    """
+
+    rows: Indices
+    parts: list[Part]
+    shifts: Floats
+
+
+class Body(ABC):
+    """The body of a hand at any opening.
+
+    Attributes:
+        gripper: Its settings.
+    """
+
+    gripper: Gripper
+
+    @abstractmethod
+    def parts(self, retreat: float = 0.0) -> list[Part]:
+        """The open hand, swept back by the length of the straight way that it came, metres."""
+
+    @abstractmethod
+    def pieces(self, openings: Floats, retreat: float = 0.0) -> Iterator[Pieces]:
+        """Hands that are open by `openings`, (n,) metres, swept back by `retreat`."""
+
+    @abstractmethod
+    def reach(self, openings: Floats) -> Floats:
+        """Place of the pads along the approach, as they come together, (n,) metres.
+
+        Of linkages the pads move on an arc. Only differences between openings matter.
+        """
+
+
+class BoxBody(Body):
+    """Two finger boxes, and a palm that is a box or a mesh."""
+
+    def __init__(self, gripper: Gripper, palm: trimesh.Trimesh | None = None) -> None:
+        """Make a body.
+
+        Args:
+            gripper: Sizes of the boxes.
+            palm: A mesh in the place of the palm box. Its origin is the middle of the palm's face,
+                where the fingers begin, its axes are those of the hand, its unit is the metre. Each
+                of its bodies counts with its convex hull.
+
+        Raises:
+            RejectedError: A body of the mesh is flat.
+        """
+        self.gripper, self._palm = gripper, palm
+        self.parts()
+
+    @override
+    def parts(self, retreat: float = 0.0) -> list[Part]:
+        """First finger (at negative x), second finger, palm; swept back by `retreat`, metres."""
+        gripper = self.gripper
+        inner = gripper.opening / 2 + CLEARANCE
+        outer = inner + gripper.finger_thickness
+        base, tip = finger_span(gripper)
+        side = gripper.finger_width / 2
+        fingers = [
+            _box([-outer, -side, base - retreat], [-inner, side, tip]),
+            _box([inner, -side, base - retreat], [outer, side, tip]),
+        ]
+        if self._palm is None:
+            half, back = np.array(gripper.palm) / 2, base - gripper.palm[2] - retreat
+            return [*fingers, _box([-half[0], -half[1], back], [half[0], half[1], base])]
+        shift = np.array([0, 0, base])
+        pieces = self._palm.split(only_watertight=False)
+        return [*fingers, *(_hull(np.asarray(each.vertices) + shift, retreat) for each in pieces)]
+
+    @override
+    def pieces(self, openings: Floats, retreat: float = 0.0) -> Iterator[Pieces]:
+        first, second, *palm = self.parts(retreat)
+        rows, shifts = np.arange(len(openings)), np.zeros((len(openings), 3))
+        shifts[:, 0] = (self.gripper.opening - openings) / 2
+        yield Pieces(rows, [first], shifts)
+        yield Pieces(rows, [second], -shifts)
+        yield Pieces(rows, palm, np.zeros_like(shifts))
+
+    @override
+    def reach(self, openings: Floats) -> Floats:
+        return np.zeros_like(openings)
+
+
+class ModelBody(Body):
+    """The links of a maker's model. Openings are rounded up to those that it tabulates.
+
+    Attributes:
+        model: Shape and joints.
+    """
+
+    def __init__(self, gripper: Gripper, model: GripperModel) -> None:
+        """Of a model; the gripper has the widest opening that is used."""
+        self.gripper, self.model = gripper, model
+
+    @override
+    def parts(self, retreat: float = 0.0) -> list[Part]:
+        opening = self.gripper.opening
+        shift = np.array([0, 0, float(self.reach(np.array([opening]))[0])])
+        shapes = [points for link in self.model.points(opening) for points in link]
+        return [_hull(points - shift, retreat) for points in shapes]
+
+    @override
+    def pieces(self, openings: Floats, retreat: float = 0.0) -> Iterator[Pieces]:
+        levels = self._levels(openings)
+        for level in np.unique(levels):
+            rows = np.flatnonzero(levels == level)
+            shifts = np.zeros((len(rows), 3))
+            there = self.model.openings[[level]]
+            shifts[:, 2] = self.reach(there) - self.reach(openings[rows])
+            yield Pieces(rows, self.at(int(level), retreat), shifts)
+
+    @override
+    def reach(self, openings: Floats) -> Floats:
+        return self.model.reach_at(openings)
+
+    @lru_cache(maxsize=256)  # noqa: B019 (one body lives as long as its stage)
+    def at(self, level: int, retreat: float = 0.0, *, fingers_only: bool = False) -> list[Part]:
+        """The hand at one of the openings that are tabulated, with its pads at the origin."""
+        opening = float(self.model.openings[level])
+        shift = np.array([0, 0, float(self.model.reach[level])])
+        return [
+            _hull(points - shift, retreat)
+            for link, shapes in zip(self.model.links, self.model.points(opening), strict=True)
+            for points in shapes
+            if link.body != PALM_BODY or not fingers_only
+        ]
+
+    def _levels(self, openings: Floats) -> Indices:
+        """Numbers of the smallest tabulated openings that are at least as wide, (n,)."""
+        found = np.searchsorted(self.model.openings, openings - CLEARANCE)
+        return np.minimum(found, len(self.model.openings) - 1)
+
+
+def body_of(gripper: Gripper) -> BoxBody | ModelBody:
+    """The body of a hand: that of its file, or boxes. A palm mesh is left out.
+
+    Raises:
+        UserError: Its file cannot be used.
+    """
+    if gripper.file is None:
+        return BoxBody(gripper)
+    from egad.grippers.reading import model_of  # noqa: PLC0415 (loads an engine)
+
+    return ModelBody(gripper, model_of(gripper))
+
+
+def finger_span(gripper: Gripper) -> tuple[float, float]:
+    """Where the fingers begin and end along the approach, metres from the contacts."""
+    tip = gripper.fingertip
+    if tip is None:
+        tip = min(gripper.finger_width, gripper.finger_length) / 2
+    return tip - gripper.finger_length, tip
+
+
+def _box(low: list[float], high: list[float]) -> Part:
+    box = np.array([low, high])
+    return Part(box, np.empty((0, 4)), box.mean(axis=0))
+
+
+def _hull(points: Floats, retreat: float) -> Part:
+    """The convex hull of points, swept along -z."""
+    swept = np.vstack([points, points - [0, 0, retreat]])
+    try:
+        corners = points[ConvexHull(points).vertices]
+        planes = np.unique(np.round(ConvexHull(swept).equations, 12), axis=0)
+    except QhullError as error:
+        raise RejectedError("one of its bodies is flat") from error
+    return Part(np.stack([swept.min(axis=0), swept.max(axis=0)]), planes, corners.mean(axis=0))

@@ -1,0 +1,112 @@
+"""A parallel-jaw hand as its maker describes it: its shape and joints at every opening."""
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+PALM_BODY, FIRST_FINGER, SECOND_FINGER = 0, -1, 1  # what a link belongs to
+
+
+class LinkJoint(NamedTuple):
+    """How a link moves on the one that carries it.
+
+    Attributes:
+        name: In the description.
+        kind: prismatic or revolute.
+        axis: Unit vector that it moves along or about, in the frame of the link.
+        anchor: A point of the axis, in the frame of the link, metres.
+        zero: Its position when the link is at its `place`.
+    """
+
+    name: str
+    kind: Literal["prismatic", "revolute"]
+    axis: Floats
+    anchor: Floats
+    zero: float
+
+
+class HandLink(NamedTuple):
+    """A rigid part of a hand.
+
+    Attributes:
+        name: In the description.
+        body: PALM_BODY, FIRST_FINGER (the finger at negative x) or SECOND_FINGER.
+        shapes: (n, 3) arrays of corners of its convex parts, in its own frame, metres.
+        mass: Kilograms.
+        carrier: Number of the link that carries it; -1 for those that carry the palm, and for it.
+        place: (4, 4) pose in the frame of the carrier when its joint is at `zero`.
+        joint: How it moves there; None if it does not.
+    """
+
+    name: str
+    body: int
+    shapes: tuple[Floats, ...]
+    mass: float
+    carrier: int
+    place: Floats
+    joint: LinkJoint | None
+
+
+@dataclass(frozen=True, eq=False)
+class GripperModel:
+    """Shape and joints of a hand at every opening.
+
+    The frame of the hand has its origin midway between the pads of the closed hand; x is the
+    closing axis, z the approach. It does not move when the fingers do.
+
+    Attributes:
+        links: All links; the first one is the palm.
+        openings: (k,) distances of the middles of the pads, from closed to open, metres.
+        reach: (k,) height of the middle between the pads along z; 0 when closed, metres.
+        turns: (k, l, 3, 3) rotations of the links in the frame of the hand.
+        places: (k, l, 3) positions of the links in the frame of the hand, metres.
+        joints: Names of the joints that move; the first one is driven.
+        positions: (k, j) their positions, metres or radians.
+        palm_to_hand: (4, 4) pose of the frame of the hand in that of the palm.
+        pad: Low and high corner of both pads, when closed, in the frame of the hand, (2, 3).
+    """
+
+    links: tuple[HandLink, ...]
+    openings: Floats
+    reach: Floats
+    turns: Floats
+    places: Floats
+    joints: tuple[str, ...]
+    positions: Floats
+    palm_to_hand: Floats
+    pad: Floats
+
+    def joint_positions(self, opening: float) -> dict[str, float]:
+        """Positions of the joints at an opening, metres or radians."""
+        found = [np.interp(opening, self.openings, column) for column in self.positions.T]
+        return dict(zip(self.joints, map(float, found), strict=True))
+
+    def opening_at(self, position: float) -> float:
+        """The opening at a position of the driven joint."""
+        driven = self.positions[:, 0]
+        order = slice(None, None, 1 if driven[-1] > driven[0] else -1)
+        return float(np.interp(position, driven[order], self.openings[order]))
+
+    def reach_at(self, openings: Floats) -> Floats:
+        """Height of the middle between the pads at openings, metres."""
+        return np.asarray(np.interp(openings, self.openings, self.reach))
+
+    def points(self, opening: float) -> list[list[Floats]]:
+        """Corners of the convex parts of each link at an opening, in the frame of the hand."""
+        turns, places = self.poses(opening)
+        return [
+            [shape @ turn.T + place for shape in link.shapes]
+            for link, turn, place in zip(self.links, turns, places, strict=True)
+        ]
+
+    def poses(self, opening: float) -> tuple[Floats, Floats]:
+        """Rotations (l, 3, 3) and positions (l, 3) of the links, in the frame of the hand."""
+        level = np.interp(opening, self.openings, np.arange(len(self.openings)))
+        low = min(int(level), len(self.openings) - 2)
+        part = level - low
+        turns = (1 - part) * self.turns[low] + part * self.turns[low + 1]
+        return turns, (1 - part) * self.places[low] + part * self.places[low + 1]

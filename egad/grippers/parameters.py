@@ -1,0 +1,158 @@
+"""What is set of a parallel-jaw gripper."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from egad._util.parameters import Length, UserParameters
+
+
+class Pad(NamedTuple):
+    """Finger pads on printed plastic (our own typical values).
+
+    Attributes:
+        friction: Sliding friction.
+        radius: Radius of the contact patch on a round object, metres; it resists twisting.
+    """
+
+    friction: float
+    radius: float
+
+
+PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}
+
+
+def _as_text(path: object) -> object:
+    return str(path) if isinstance(path, Path) else path
+
+
+if TYPE_CHECKING:  # what may be given; it is kept as a text
+    FilePath = str | Path
+else:
+    FilePath = Annotated[str, BeforeValidator(_as_text)]
+
+
+Place = tuple[float, float, float]
+# what a file describes
+SIZES = {"opening", "finger_length", "finger_width", "finger_thickness", "fingertip", "palm"}
+
+
+class Gripper(UserParameters):
+    """A parallel-jaw gripper."""
+
+    file: FilePath | None = Field(
+        default=None,
+        description="URDF or MJCF file of the hand; opening, sizes and collision shapes come from "
+        "it; `egad gripper inspect FILE` shows what is found",
+    )
+    joint: str | None = Field(
+        default=None,
+        description="name of the joint in the file that closes the hand; found if null",
+    )
+    finger_links: tuple[str, str] | None = Field(
+        default=None, description="names of a link of each finger in the file; found if null"
+    )
+    pad_links: tuple[str, str] | None = Field(
+        default=None, description="names of the links in the file with the pads; found if null"
+    )
+    tcp: Place | None = Field(
+        default=None,
+        description="middle of the closed pads in the frame of the palm's link in the file, "
+        "metres; found if null",
+    )
+    closing_axis: Place | None = Field(
+        default=None,
+        description="closing axis in the frame of the palm's link in the file; found if null",
+    )
+    approach_axis: Place | None = Field(
+        default=None,
+        description="approach axis in the frame of the palm's link in the file; found if null",
+    )
+    opening: Length = Field(description="widest opening, metres; with a file, that of the hand")
+    finger_length: Length = Field(
+        default=0.04, description="length of a finger from palm to fingertip, metres"
+    )
+    finger_width: Length = Field(
+        default=0.02,
+        description="width of a finger, across the closing axis and the approach, metres",
+    )
+    finger_thickness: Length = Field(
+        default=0.01, description="thickness of a finger along the closing axis, metres"
+    )
+    fingertip: Length | None = Field(
+        default=None,
+        description="from the middle of the pads to the fingertips, metres; half the width of a "
+        "finger if null",
+    )
+    palm: tuple[Length, Length, Length] = Field(
+        default=(0.1, 0.06, 0.05),
+        description="palm box, metres: along the closing axis, across it, along the approach",
+    )
+    mesh: FilePath | None = Field(
+        default=None,
+        description="mesh file, in metres, that replaces the palm box where grasps are checked for "
+        "collisions; x is the closing axis, z the approach, and the origin lies midway between the "
+        "fingers, where they begin",
+    )
+    force: float = Field(default=40.0, gt=0, description="closing force, newtons")
+    pads: Literal["silicone", "bare"] = Field(
+        default="silicone",
+        description="finger pads in simulation: silicone, friction 0.8; or bare plastic or metal, "
+        "friction 0.4",
+    )
+    friction: float | None = Field(
+        default=None,
+        gt=0,
+        le=2,
+        description="friction of the pads in simulation; nothing: that of their material",
+    )
+
+    @classmethod
+    def from_file(cls, file: str | Path, **settings: Any) -> Self:  # noqa: ANN401 (fields)
+        """A gripper from the URDF or MJCF file that its maker publishes.
+
+        The actuated joint, mimic joints and linkages, the fingers and their pads, the closing and
+        approach axes and the opening are found in the file. Give what is found wrongly.
+
+        Args:
+            file: The file. Its meshes are looked for where it says, and packages in the folders
+                above it.
+            settings: Other fields of a gripper, such as `force` or `joint`.
+
+        Raises:
+            UserError: The file cannot be used, or it is no parallel-jaw hand; the text names the
+                link or joint.
+        """
+        return cls(file=file, **settings)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _sizes_from_the_file(cls, values: Any) -> Any:  # noqa: ANN401 (whatever was given)
+        if not isinstance(values, dict):
+            return values
+        # what a strict reading of JSON takes for a tuple, it does not behind a validator
+        values = {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}
+        if not isinstance(values.get("file"), str | Path):
+            return values
+        if values.get("mesh") is not None:
+            raise ValueError("a gripper has a file, or a mesh for its palm, but not both")
+        missing = SIZES - {name for name, value in values.items() if value is not None}
+        if not missing:
+            return values
+        from egad.grippers.reading import choices_of, read_model  # noqa: PLC0415 (loads an engine)
+        from egad.grippers.sizes import sizes_of  # noqa: PLC0415
+
+        found = sizes_of(read_model(Path(values["file"]), choices_of(values)))
+        if isinstance(opening := values.get("opening"), int | float) and opening > found["opening"]:
+            raise ValueError(
+                f"opening is {opening:g}; the hand of {values['file']} opens "
+                f"{found['opening']:.4g} m"
+            )
+        return values | {name: found[name] for name in missing}
+
+    @property
+    def pad(self) -> Pad:
+        """The pads with the friction that applies."""
+        pad = PADS[self.pads]
+        return pad if self.friction is None else pad._replace(friction=self.friction)

@@ -1,0 +1,65 @@
+"""The boxes that stand for a described hand where boxes will do."""
+
+from typing import Any
+
+import manifold3d
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.grippers.model import PALM_BODY, SECOND_FINGER, GripperModel
+
+Floats = NDArray[np.float64]
+
+LEAST = 1e-3  # metres, of a box
+
+
+def sizes_of(model: GripperModel) -> dict[str, Any]:
+    """Opening, and sizes of boxes for the fingers and the palm, as in `Gripper`.
+
+    A finger is measured where its pad is. It begins where the links end that do not move.
+
+    Args:
+        model: The hand.
+    """
+    opening = float(model.openings[-1])
+    closed = model.points(float(model.openings[0]))
+    fixed = [
+        points
+        for link, shapes in zip(model.links, closed, strict=True)
+        for points in shapes
+        if link.body == PALM_BODY
+    ]
+    finger = [
+        points
+        for link, shapes in zip(model.links, closed, strict=True)
+        for points in shapes
+        if link.body == SECOND_FINGER
+    ]
+    tip = float(max(points[:, 2].max() for points in finger))
+    low, high = _around_the_pad(finger, float(model.pad[0, 2]))
+    behind = np.concatenate(fixed) if fixed else np.array([[0.0, 0.0, low[2] - LEAST]])
+    face = min(float(behind[:, 2].max()), float(model.pad[0, 2]))
+    palm = np.ptp(behind, axis=0)
+    return {
+        "opening": opening,
+        "finger_length": _positive(tip - face),
+        "finger_width": _positive(high[1] - low[1]),
+        "finger_thickness": _positive(high[0]),
+        "fingertip": _positive(tip),
+        "palm": tuple(_positive(size) for size in palm),
+    }
+
+
+def _around_the_pad(finger: list[Floats], lowest: float) -> tuple[Floats, Floats]:
+    """Corners of the box around those parts of a finger that are beyond the pad's lower edge."""
+    corners = []
+    for points in finger:
+        beyond = manifold3d.Manifold.hull_points(points).trim_by_plane((0.0, 0.0, 1.0), lowest)
+        if not beyond.is_empty():
+            corners.append(np.reshape(beyond.bounding_box(), (2, 3)))
+    both = np.array(corners)
+    return both[:, 0].min(axis=0), both[:, 1].max(axis=0)
+
+
+def _positive(size: float) -> float:
+    return max(round(float(size), 5), LEAST)

@@ -1,0 +1,94 @@
+"""Descriptions of hands, small enough to know the answers."""
+
+from pathlib import Path
+
+import numpy as np
+
+PANDA = {"finger": (0.01, 0.021, 0.0445), "palm": (0.2, 0.063, 0.06), "opening": 0.08}
+BAR = 0.06  # metres, of the linkage
+SWING = (0.1, 0.8)  # radians, of its bars, between open and closed
+PAD = 0.004  # thickness of its pads
+INSET = BAR * np.sin(SWING[1]) + 0.002  # of its hinges; so the pads are closed at 4 mm
+
+
+def box_urdf(
+    path: Path, *, mimic: bool = True, limits: bool = True, changes: dict[str, str] | None = None
+) -> Path:
+    """The boxes of the named Panda as URDF: x closes, z is the approach."""
+    thick, wide, long = PANDA["finger"]
+    inner = 1e-4  # as egad's boxes, which are this much further apart than the opening
+    limit = f'<limit lower="0" upper="{PANDA["opening"] / 2}" effort="10" velocity="1"/>'
+    side = {
+        name: f"""
+  <link name="{name}"><collision>
+    <origin xyz="{way * (thick / 2 + inner)} 0 {long / 2}"/>
+    <geometry><box size="{thick} {wide} {long}"/></geometry>
+  </collision></link>
+  <joint name="{name}_joint" type="prismatic">
+    <parent link="hand"/><child link="{name}"/>
+    <axis xyz="{way} 0 0"/>{limit if limits else ""}
+    {'<mimic joint="left_joint"/>' if mimic and name == "right" else ""}
+  </joint>"""
+        for name, way in (("left", -1), ("right", 1))
+    }
+    sizes = " ".join(map(str, PANDA["palm"]))
+    text = f"""<robot name="boxes">
+  <link name="hand"><collision>
+    <origin xyz="0 0 {-PANDA["palm"][2] / 2}"/><geometry><box size="{sizes}"/></geometry>
+  </collision></link>{side["left"]}{side["right"]}
+</robot>"""
+    for old, new in (changes or {}).items():
+        assert old in text, old
+        text = text.replace(old, new)
+    path.write_text(text)
+    return path
+
+
+def linkage_mjcf(path: Path) -> Path:
+    """Two parallelograms of equal bars: the fingers move on arcs and never turn."""
+    low, high = SWING
+
+    def side(name: str, way: int) -> str:
+        # The bars hang upwards along z and turn about y; at 0 they stand upright.
+        start = way * INSET
+        return f"""
+      <body name="{name}_outer" pos="{start + way * 0.01} 0 0.05">
+        <joint name="{name}_outer" axis="0 {-way} 0" range="{low} {high}"/>
+        <geom type="box" size="0.003 0.005 {BAR / 2}" pos="0 0 {BAR / 2}" mass="0.01"/>
+        <body name="{name}_finger" pos="0 0 {BAR}">
+          <joint name="{name}_finger" axis="0 {way} 0" range="-2 2"/>
+          <geom name="{name}_pad" type="box" size="{PAD / 2} 0.01 0.02"
+            pos="{-way * (0.01 + PAD / 2)} 0 0.03" mass="0.01"/>
+        </body>
+      </body>
+      <body name="{name}_inner" pos="{start} 0 0.05">
+        <joint name="{name}_inner" axis="0 {-way} 0" range="-2 2"/>
+        <geom type="box" size="0.003 0.005 {BAR / 2}" pos="0 0 {BAR / 2}" mass="0.01"/>
+      </body>"""
+
+    def loop(name: str) -> str:
+        anchor = f'anchor="0 0 {BAR}"'
+        return f'<connect body1="{name}_inner" body2="{name}_finger" {anchor} solref="0.004 1"/>'
+
+    path.write_text(f"""<mujoco>
+  <compiler angle="radian"/>
+  <option timestep="0.001" gravity="0 0 0" integrator="implicitfast"/>
+  <default><joint armature="0.001" damping="0.02"/></default>
+  <worldbody>
+    <body name="base">
+      <geom type="box" size="0.06 0.03 0.025" pos="0 0 0.02"/>{side("left", -1)}{side("right", 1)}
+    </body>
+  </worldbody>
+  <equality>
+    {loop("left")}{loop("right")}
+    <joint joint1="right_outer" joint2="left_outer" solref="0.004 1"/>
+  </equality>
+  <contact>
+    <exclude body1="left_outer" body2="left_inner"/>
+    <exclude body1="right_outer" body2="right_inner"/>
+  </contact>
+  <actuator>
+    <position name="close" joint="left_outer" kp="20" kv="2" ctrlrange="{low} {high}"/>
+  </actuator>
+</mujoco>""")
+    return path

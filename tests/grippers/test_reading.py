@@ -1,0 +1,220 @@
+"""Hands read from URDF and MJCF, against closed forms and MuJoCo's own simulation."""
+
+import mujoco
+import numpy as np
+import pytest
+from described_hands import BAR, INSET, PAD, PANDA, box_urdf, linkage_mjcf
+
+from egad.errors import UserError
+from egad.grippers.reading import Choices, read_model
+
+THICK, WIDE, LONG = PANDA["finger"]
+
+
+@pytest.fixture(scope="module")
+def boxes(tmp_path_factory):
+    return read_model(box_urdf(tmp_path_factory.mktemp("hand") / "boxes.urdf"))
+
+
+@pytest.fixture(scope="module")
+def linkage_file(tmp_path_factory):
+    return linkage_mjcf(tmp_path_factory.mktemp("hand") / "linkage.xml")
+
+
+@pytest.fixture(scope="module")
+def linkage(linkage_file):
+    return read_model(linkage_file)
+
+
+def test_boxes_on_sliding_joints_are_found(boxes):
+    assert boxes.links[0].name == "hand"
+    assert [(link.name, link.body) for link in boxes.links[1:]] == [("left", -1), ("right", 1)]
+    assert boxes.joints == ("left_joint", "right_joint")
+    assert boxes.openings[[0, -1]] == pytest.approx([2e-4, PANDA["opening"] + 2e-4], abs=1e-8)
+    np.testing.assert_allclose(boxes.palm_to_hand[:3, :3], np.eye(3), atol=1e-9)
+    np.testing.assert_allclose(boxes.palm_to_hand[:3, 3], [0, 0, LONG / 2], atol=1e-8)
+    np.testing.assert_allclose(np.ptp(boxes.pad, axis=0), [2e-4, WIDE, LONG], atol=1e-8)
+
+
+def test_joints_and_openings_are_functions_of_each_other(linkage):
+    for opening in np.linspace(linkage.openings[0], linkage.openings[-1], 23):
+        positions = linkage.joint_positions(opening)
+        assert linkage.opening_at(positions["left_outer"]) == pytest.approx(opening, abs=1e-6)
+        assert positions["left_inner"] == pytest.approx(positions["right_outer"], abs=1e-6)
+        assert positions["left_finger"] == pytest.approx(positions["left_outer"], abs=1e-6)
+
+
+def test_the_fingers_of_a_parallelogram_move_on_arcs(linkage):
+    """Its hinges are 2 * INSET apart, and each bar of length BAR leans inwards by the angle."""
+    angle = linkage.positions[:, linkage.joints.index("left_outer")]
+    np.testing.assert_allclose(linkage.openings, 2 * (INSET - BAR * np.sin(angle) - PAD), atol=1e-8)
+    height = BAR * (np.cos(angle) - np.cos(angle[0]))
+    np.testing.assert_allclose(linkage.reach, height, atol=1e-8)
+    assert linkage.openings[0] == pytest.approx(0, abs=1e-8)
+    fingers = [n for n, link in enumerate(linkage.links) if "finger" in link.name]
+    np.testing.assert_allclose(np.ptp(linkage.turns[:, fingers], axis=0), 0, atol=1e-9)
+
+
+def test_between_tabulated_openings_links_are_where_joints_put_them(linkage, linkage_file):
+    """Against forward kinematics with the joints of the model."""
+    description = mujoco.MjModel.from_xml_path(str(linkage_file))
+    data = mujoco.MjData(description)
+    for opening in np.random.default_rng(0).uniform(*linkage.openings[[0, -1]], 20):
+        for name, position in linkage.joint_positions(opening).items():
+            data.joint(name).qpos = position
+        mujoco.mj_kinematics(description, data)
+        _, places = linkage.poses(opening)
+        for link, place in zip(linkage.links, places, strict=True):
+            expected = linkage.palm_to_hand[:3, :3].T @ (
+                data.body(link.name).xpos - data.body("base").xpos - linkage.palm_to_hand[:3, 3]
+            )
+            np.testing.assert_allclose(place, expected, atol=2e-6)
+
+
+def test_the_path_of_the_fingertips_is_that_of_a_simulation(linkage, linkage_file):
+    """The engine closes the hand by its motor, with its own soft constraints: within 0.5 mm."""
+    description = mujoco.MjModel.from_xml_path(str(linkage_file))
+    description.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    data = mujoco.MjData(description)
+    pads = [description.geom(f"{side}_pad").id for side in ("left", "right")]
+    seen = []
+    for target in np.linspace(0.12, 0.74, 25):
+        data.ctrl[0] = target
+        mujoco.mj_step(description, data, 1500)
+        left, right = data.geom_xpos[pads]
+        seen.append((right[0] - left[0] - PAD, (left + right)[2] / 2))
+    openings, heights = np.array(seen).T
+    assert np.ptp(openings) > 0.06
+    reach = linkage.reach_at(openings)
+    difference = (heights - heights[-1]) - (reach - reach[-1])
+    assert np.abs(difference).max() < 5e-4
+    angle = linkage.positions[:, 0]
+    inside = np.interp(np.linspace(0.12, 0.74, 25), angle[::-1], linkage.openings[::-1])
+    assert np.abs(inside - openings).max() < 5e-4
+
+
+def test_independent_fingers_close_together(tmp_path, boxes):
+    """Two joints that no constraint couples are driven as one."""
+    free = read_model(box_urdf(tmp_path / "free.urdf", mimic=False))
+    np.testing.assert_allclose(free.openings, boxes.openings, atol=1e-9)
+    np.testing.assert_allclose(free.places, boxes.places, atol=1e-9)
+
+
+def test_an_arm_before_the_hand_stays_where_it_is(tmp_path, boxes):
+    arm = """<robot name="arm"><link name="base"/>
+  <joint name="turn" type="revolute"><parent link="base"/><child link="wrist"/>
+    <origin xyz="0.1 0.2 0.3" rpy="0.3 0.2 0.1"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="2" effort="1" velocity="1"/></joint>
+  <link name="wrist"/>
+  <joint name="flange" type="fixed"><parent link="wrist"/><child link="hand"/>
+    <origin rpy="0 0 1"/></joint>"""
+    path = box_urdf(tmp_path / "arm.urdf", changes={'<robot name="boxes">': arm})
+    found = read_model(path)
+    assert [link.name for link in found.links] == ["hand", "left", "right", "wrist"]
+    np.testing.assert_allclose(found.openings, boxes.openings, atol=1e-9)
+    np.testing.assert_allclose(found.places[:, :3], boxes.places, atol=1e-9)
+
+
+def test_choices_come_before_what_is_found(tmp_path):
+    path = box_urdf(tmp_path / "boxes.urdf")
+    found = read_model(
+        path, Choices("right_joint", ("left", "right"), ("left", "right"), (0.0, 0.0, 0.03))
+    )
+    np.testing.assert_allclose(found.palm_to_hand[:3, 3], [0, 0, 0.03])
+    turned = read_model(path, Choices(closing=(-1.0, 0.0, 0.0), approach=(0.0, 1.0, 0.0)))
+    np.testing.assert_allclose(turned.palm_to_hand[:3, 0], [-1, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(turned.palm_to_hand[:3, 2], [0, 1, 0], atol=1e-12)
+    assert [link.body for link in turned.links] == [0, 1, -1]
+
+
+def test_meshes_of_a_package_are_found_above_the_file(tmp_path, boxes):
+    """A finger as a mesh in `package://maker/meshes` has the corners of its box."""
+    package = tmp_path / "maker"
+    (package / "urdf").mkdir(parents=True)
+    (package / "meshes").mkdir()
+    half = np.array([THICK, WIDE, LONG]) / 2
+    corners = half * [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    quads = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {quad}" for quad in quads]
+    (package / "meshes/finger.obj").write_text("\n".join(lines))
+    old = f'<box size="{THICK} {WIDE} {LONG}"/>'
+    mesh = '<mesh filename="package://maker/meshes/finger.obj"/>'
+    found = read_model(box_urdf(package / "urdf/hand.urdf", changes={old: mesh}))
+    np.testing.assert_allclose(found.openings, boxes.openings, atol=1e-7)
+    for shapes, expected in zip(found.points(0.05), boxes.points(0.05), strict=True):
+        for points, corners in zip(shapes, expected, strict=True):
+            order = [np.lexsort(np.round(each, 5).T) for each in (points, corners)]
+            np.testing.assert_allclose(points[order[0]], corners[order[1]], atol=1e-6)
+
+
+LEFT = '<parent link="hand"/><child link="left"/>'
+BAD = {
+    "no joint": ({'type="prismatic"': 'type="fixed"'}, "none of its joints moves"),
+    "one finger": (
+        {'name="left_joint" type="prismatic"': 'name="left_joint" type="fixed"'},
+        "only one finger moves, with the link right",
+    ),
+    "no opening": ({'upper="0.04"': 'upper="0.0001"'}, "its pads are at most .* mm apart"),
+    "missing mesh": (
+        {f'<box size="{THICK} {WIDE} {LONG}"/>': '<mesh filename="package://maker/no.stl"/>'},
+        "a mesh of the link left is missing: package://maker/no.stl",
+    ),
+    "millimetres": (
+        {f'<box size="{THICK} {WIDE} {LONG}"/>': '<box size="10 21 44.5"/>'},
+        "the link left is 44.5 m wide.*millimetres",
+    ),
+    "parallel": ({'<axis xyz="1 0 0"/>': '<axis xyz="-1 0 0"/>'}, "left, right do not move as"),
+    "not XML": ({"<robot": "robot"}, "no URDF or MJCF"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_hand_that_cannot_be_used_is_refused_with_the_link_or_joint(tmp_path, case):
+    changes, words = BAD[case]
+    path = box_urdf(tmp_path / "bad.urdf", changes=changes)
+    with pytest.raises(UserError, match=words) as refused:
+        read_model(path)
+    assert str(path) in str(refused.value)
+
+
+def test_a_hand_without_collision_shapes_is_refused(tmp_path):
+    path = box_urdf(tmp_path / "bare.urdf", changes={"collision>": "visual>"})
+    with pytest.raises(UserError, match="no collision shapes"):
+        read_model(path)
+
+
+def test_a_joint_without_limits_is_named(tmp_path):
+    path = box_urdf(tmp_path / "loose.urdf", limits=False)
+    path.write_text(path.read_text().replace("prismatic", "continuous"))
+    with pytest.raises(UserError, match="the joint left_joint has no limits"):
+        read_model(path)
+
+
+def test_three_fingers_are_refused(tmp_path):
+    third = """<link name="third"><collision><origin xyz="0 -0.02 0.02"/>
+    <geometry><box size="0.01 0.01 0.04"/></geometry></collision></link>
+  <joint name="third_joint" type="prismatic"><parent link="hand"/><child link="third"/>
+    <axis xyz="0 -1 0"/><limit lower="0" upper="0.04" effort="1" velocity="1"/>
+    <mimic joint="left_joint"/></joint></robot>"""
+    path = box_urdf(tmp_path / "three.urdf", changes={"</robot>": third})
+    with pytest.raises(UserError, match="left, right, third do not move as two fingers"):
+        read_model(path)
+
+
+@pytest.mark.parametrize(
+    ("choices", "words"),
+    [
+        (Choices(joint="no"), "joint is 'no'; the hand has left_joint, right_joint"),
+        (Choices(fingers=("left", "no")), "no link 'no'; it has hand, left, right"),
+        (Choices(pads=("left", "no")), "no link 'no'"),
+        (Choices(approach=(1.0, 0.0, 0.0)), "approach is along its closing axis"),
+    ],
+)
+def test_wrong_choices_are_named(tmp_path, choices, words):
+    with pytest.raises(UserError, match=words):
+        read_model(box_urdf(tmp_path / "boxes.urdf"), choices)
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(UserError, match=r"none\.urdf: there is no such file"):
+        read_model(tmp_path / "none.urdf")

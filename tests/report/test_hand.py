@@ -1,0 +1,53 @@
+"""The page about a described hand, and what is printed of it."""
+
+import base64
+import zlib
+
+import numpy as np
+import pytest
+import yaml
+from described_hands import PANDA, box_urdf, linkage_mjcf
+
+from egad.grippers import Gripper, model_of
+from egad.report.hand import hand_entry, hand_facts, hand_page, hand_scene
+from egad.report.viewer import viewer_data
+
+
+@pytest.fixture(scope="module")
+def boxes(tmp_path_factory):
+    file = box_urdf(tmp_path_factory.mktemp("hand") / "boxes.urdf")
+    return Gripper.from_file(file, joint="left_joint", force=70)
+
+
+def test_the_entry_gives_the_same_gripper(boxes):
+    ((name, entry),) = yaml.safe_load(hand_entry("mine", boxes))["grippers"].items()
+    assert name == "mine"
+    assert sorted(entry) == ["file", "force", "joint"]
+    assert Gripper(**entry) == boxes
+
+
+def test_facts_are_in_millimetres(boxes, tmp_path):
+    facts = hand_facts(boxes, model_of(boxes))
+    assert facts["opening"] == "0.2 to 80.2 mm"
+    assert facts["fingers"] == "left; right"
+    assert facts["closing axis"] == "1, 0, 0"
+    assert facts["way of the pads along the approach"] == "none"
+    linkage = Gripper.from_file(linkage_mjcf(tmp_path / "linkage.xml"))
+    assert hand_facts(linkage, model_of(linkage))["way of the pads along the approach"] == "15.9 mm"
+
+
+def test_the_page_has_the_hand_at_three_openings(boxes):
+    page = hand_page("mine", boxes, model_of(boxes))
+    for word in ("open", "half open", "closed", "left_joint", "mine"):
+        assert word in page
+
+
+def test_colors_of_faces_are_packed_last(boxes):
+    scene = hand_scene(model_of(boxes), "open", 0.08)
+    (packed,) = viewer_data([scene], boxes)["objects"]
+    data = zlib.decompress(base64.b64decode(packed["data"]))
+    colors = np.frombuffer(data[-len(scene.mesh.faces) :], np.uint8)
+    # palm, two fingers, two pads: 12 triangles each; and the bar
+    assert np.bincount(colors).tolist()[:4] == [12, 12, 12, 24]
+    palm = scene.mesh.vertices[scene.mesh.faces[colors == 0]].reshape(-1, 3)
+    assert np.ptp(palm, axis=0) == pytest.approx(PANDA["palm"])
