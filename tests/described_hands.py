@@ -44,13 +44,19 @@ def box_urdf(
     return path
 
 
-def linkage_mjcf(path: Path) -> Path:
-    """Two parallelograms of equal bars: the fingers move on arcs and never turn."""
-    low, high = SWING
+def linkage_mjcf(path: Path, swing: tuple[float, float] = SWING) -> Path:
+    """Two parallelograms of equal bars: the fingers move on arcs and never turn.
+
+    Args:
+        path: File to write.
+        swing: Lean of the bars inwards when the hand is open and when it is closed, radians.
+    """
+    low, high = swing
+    inset = BAR * np.sin(high) + 0.002
 
     def side(name: str, way: int) -> str:
         # The bars hang upwards along z and turn about y; at 0 they stand upright.
-        start = way * INSET
+        start = way * inset
         return f"""
       <body name="{name}_outer" pos="{start + way * 0.01} 0 0.05">
         <joint name="{name}_outer" axis="0 {-way} 0" range="{low} {high}"/>

@@ -16,7 +16,8 @@ LEAST = 1e-3  # metres, of a box
 def sizes_of(model: GripperModel) -> dict[str, Any]:
     """Opening, and sizes of boxes for the fingers and the palm, as in `Gripper`.
 
-    A finger is measured where its pad is. It begins where the links end that do not move.
+    A finger is measured where its pad is. It begins where the links end that do not move, when the
+    pads are nearest to these: those of a linkage come forward while they close.
 
     Args:
         model: The hand.
@@ -42,7 +43,7 @@ def sizes_of(model: GripperModel) -> dict[str, Any]:
     palm = np.ptp(behind, axis=0)
     return {
         "opening": opening,
-        "finger_length": _positive(tip - face),
+        "finger_length": _positive(tip + float(model.reach.min()) - face),
         "finger_width": _positive(high[1] - low[1]),
         "finger_thickness": _positive(high[0]),
         "fingertip": _positive(tip),

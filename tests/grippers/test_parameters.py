@@ -3,12 +3,13 @@
 import json
 import os
 
+import numpy as np
 import pytest
 from described_hands import BAR, PAD, PANDA, box_urdf, linkage_mjcf
 
 import egad
 from egad.errors import UserError
-from egad.grippers import Gripper, body_of
+from egad.grippers import Gripper, body_of, model_of
 from egad.pipeline.config import Settings
 from egad.pipeline.config.check import check
 
@@ -36,6 +37,22 @@ def test_a_linkage_is_no_thicker_than_its_pad_is(tmp_path):
     assert found.finger_thickness == pytest.approx(PAD, abs=1e-5)
     assert found.fingertip == pytest.approx(0.02, abs=1e-5)
     assert found.finger_length > BAR * 0.6
+
+
+def test_fingers_are_as_long_as_they_are_when_the_hand_is_open(tmp_path):
+    """Bars that lean outwards when open: then the pads are higher, and nearer to the palm."""
+    outwards = Gripper.from_file(linkage_mjcf(tmp_path / "hand.xml", (-0.7, 0.0)))
+    model = model_of(outwards)
+    closed = model.positions[0, 0]
+    assert model.reach[-1] == pytest.approx(BAR * (np.cos(0.7) - np.cos(closed)), abs=1e-6)
+    lowest = max(points[:, 2].max() for points in model.points(model.openings[-1])[0])
+    tips = max(
+        points[:, 2].max()
+        for link, shapes in zip(model.links, model.points(model.openings[-1]), strict=True)
+        for points in shapes
+        if link.body
+    )
+    assert outwards.finger_length == pytest.approx(tips - lowest, abs=1e-5)
 
 
 def test_what_is_given_is_not_replaced(boxes_file):
