@@ -42,8 +42,8 @@ def test_every_rule_asks_for_its_own_needs():
 
 def test_needs_grow_with_threads_and_attempts():
     needs = RESOURCES["needs"](mb=1000, mb_per_thread=600, minutes=60)
-    assert needs["mem_mb"](None, threads=1, attempt=1) == 1600
-    assert needs["mem_mb"](None, threads=8, attempt=3) == 3 * (1000 + 8 * 600)
+    assert needs["mem_mb"](None, threads=1, attempt=1) == 2300
+    assert needs["mem_mb"](None, threads=8, attempt=3) == 3 * (1000 + 8 * 600 + 700)
     assert needs["runtime"](None, attempt=2) == 120
 
 
@@ -65,6 +65,6 @@ def test_a_scheduler_makes_the_same_bytes(copy, finished):
 
 
 def test_a_job_that_fails_is_submitted_again_with_more(clean):
-    enough = "[ {resources.mem_mb} -ge 1400 ] && touch {output}"
+    enough = "[ {resources.mem_mb} -ge 2800 ] && touch {output}"
     clean.feed(*LOCAL_TEST, needs=(600, 2, 100), command=enough)
-    assert submitted(clean) == [("hungry", "1", "700", "2"), ("hungry", "1", "1400", "4")]
+    assert submitted(clean) == [("hungry", "1", "1400", "2"), ("hungry", "1", "2800", "4")]
