@@ -1,6 +1,8 @@
 """Reading the model of a hand that its maker publishes: URDF or MJCF, by MuJoCo."""
 
+import logging
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import mujoco
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 
 from egad.errors import UserError
 
+log = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
 
 MOVING = {int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)}
@@ -33,6 +36,25 @@ def read_description(path: Path) -> mujoco.MjModel:
     """
     if not path.is_file():
         raise UserError(f"{path}: there is no such file")
+    with _logged_warnings(path):
+        model = _compiled(path)
+    _check_shapes(model, path)
+    return model
+
+
+@contextmanager
+def _logged_warnings(path: Path) -> Iterator[None]:
+    """Log what MuJoCo warns of. Otherwise it writes a file into the current folder."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda text: log.warning("%s: %s", path, text))
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
+
+
+def _compiled(path: Path) -> mujoco.MjModel:
+    """The model that a file describes, with shapes that collide only."""
     try:
         spec = mujoco.MjSpec.from_file(str(path.resolve()))
     except ValueError as error:
@@ -43,11 +65,9 @@ def read_description(path: Path) -> mujoco.MjModel:
     compiler.discardvisual = True
     compiler.boundmass = compiler.boundinertia = LEAST_INERTIA
     try:
-        model = spec.compile()
+        return spec.compile()
     except ValueError as error:
         raise UserError(f"{path}: MuJoCo refuses it: {_line(error)}") from error
-    _check_shapes(model, path)
-    return model
 
 
 def body_name(model: mujoco.MjModel, body: int) -> str:

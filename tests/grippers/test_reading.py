@@ -177,6 +177,16 @@ def test_a_hand_that_cannot_be_used_is_refused_with_the_link_or_joint(tmp_path, 
     assert str(path) in str(refused.value)
 
 
+def test_warnings_of_mujoco_are_logged_with_the_file(tmp_path, monkeypatch, caplog):
+    """By itself, MuJoCo writes them into a file in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    path = box_urdf(tmp_path / "boxes.urdf", changes=BAD["one finger"][0])
+    with pytest.raises(UserError):
+        read_model(path)
+    assert list(tmp_path.iterdir()) == [path]
+    assert any(str(path) in text and "<mimic>" in text for text in caplog.messages)
+
+
 def test_a_hand_without_collision_shapes_is_refused(tmp_path):
     path = box_urdf(tmp_path / "bare.urdf", changes={"collision>": "visual>"})
     with pytest.raises(UserError, match="no collision shapes"):
