@@ -21,6 +21,7 @@ from .geometry.stable_poses import StablePose as StablePose
 from .grasps.grasps import Grasps as Grasps
 from .grippers.parameters import Gripper as Gripper
 from .grippers.table import gripper as gripper
+from .map_elites.ancestry import Lineage as Lineage
 from .map_elites.archive import Archive as Archive
 from .map_elites.evolver import Evolver as Evolver
 from .map_elites.evolver import evolve as evolve
