@@ -13,6 +13,9 @@ from .parameters import PADS as PADS
 from .parameters import Gripper as Gripper
 from .parameters import Pad as Pad
 from .reading import model_of as model_of
+from .robot import base_link as base_link
+from .robot import base_pose as base_pose
+from .robot import joint_values as joint_values
 from .table import GRIPPERS as GRIPPERS
 from .table import as_gripper as as_gripper
 from .table import gripper as gripper

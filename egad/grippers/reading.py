@@ -181,6 +181,7 @@ def _tabulated(
         turns=np.array([axes @ each.turns[bodies] for each in places]),
         places=np.array([(each.places[bodies] - origin) @ axes.T for each in places]),
         joints=tuple(joint_name(description, joint) for joint in order),
+        n_driven=len(mechanism.driven),
         positions=np.array(stroke)[:, description.jnt_qposadr[order]],
         palm_to_hand=to_hand,
         pad=np.stack([at.min(axis=0), at.max(axis=0)]),

@@ -29,8 +29,8 @@ def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
         model: Its model.
     """
     names = {side: _links(model, side) for side in LINK_COLORS}
-    driven, *followers = model.joints
-    ends = model.positions[[0, -1], 0]
+    driven, followers = model.joints[: model.n_driven], model.joints[model.n_driven :]
+    ends = model.positions[[0, -1]].T
     bow = 1000 * float(np.ptp(model.reach))
     pad = 1000 * np.ptp(model.pad, axis=0)
     frame = model.palm_to_hand
@@ -38,7 +38,10 @@ def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
     return {
         "palm": names[0],
         "fingers": f"{names[-1]}; {names[1]}",
-        "driven joint": f"{driven}, {ends[0]:.4g} closed, {ends[1]:.4g} open",
+        "driven joint": "; ".join(
+            f"{name}, {closed:.4g} closed, {wide:.4g} open"
+            for name, (closed, wide) in zip(driven, ends, strict=False)
+        ),
         "joints that follow": ", ".join(followers) or "none",
         "opening": f"{_mm(model.openings[[0, -1]], ' to ')} mm",
         "pads": f"{_mm(pad[1:] / 1000, ' x ')} mm, {1000 * (gripper.fingertip or 0):.1f} mm from "
