@@ -31,13 +31,7 @@ def read_description(path: Path) -> mujoco.MjModel:
     Raises:
         UserError: The file or one of its meshes cannot be used.
     """
-    if not path.is_file():
-        raise UserError(f"{path}: there is no such file")
-    try:
-        spec = mujoco.MjSpec.from_file(str(path.resolve()))
-    except ValueError as error:
-        raise UserError(f"{path} is no URDF or MJCF that MuJoCo reads: {_line(error)}") from error
-    _find_meshes(spec, path)
+    spec = _parse(path)
     compiler = spec.compiler
     compiler.fusestatic = False
     compiler.discardvisual = True
@@ -48,6 +42,30 @@ def read_description(path: Path) -> mujoco.MjModel:
         raise UserError(f"{path}: MuJoCo refuses it: {_line(error)}") from error
     _check_shapes(model, path)
     return model
+
+
+def description_files(path: Path) -> list[Path]:
+    """A URDF or MJCF file and the meshes that it names.
+
+    Args:
+        path: The file.
+
+    Raises:
+        UserError: The file or one of its meshes cannot be used.
+    """
+    return [path, *(Path(mesh.file) for mesh in _parse(path).meshes if mesh.file)]
+
+
+def _parse(path: Path) -> mujoco.MjSpec:
+    """The description with its meshes found; raises as `read_description`."""
+    if not path.is_file():
+        raise UserError(f"{path}: there is no such file")
+    try:
+        spec = mujoco.MjSpec.from_file(str(path.resolve()))
+    except ValueError as error:
+        raise UserError(f"{path} is no URDF or MJCF that MuJoCo reads: {_line(error)}") from error
+    _find_meshes(spec, path)
+    return spec
 
 
 def body_name(model: mujoco.MjModel, body: int) -> str:

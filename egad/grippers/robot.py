@@ -1,4 +1,6 @@
-"""Joints and base link of a gripper, for programs that load its description themselves."""
+"""Files, joints and base link of a gripper, for programs that load its description themselves."""
+
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,6 +9,19 @@ from egad.grippers.model import GripperModel
 from egad.grippers.parameters import Gripper
 
 Floats = NDArray[np.float64]
+
+
+def files_of(gripper: Gripper) -> list[Path]:
+    """The files that a gripper is read from: its description with all meshes, or its palm mesh.
+
+    Raises:
+        UserError: The description or one of its meshes cannot be used.
+    """
+    if gripper.file is None:
+        return [Path(gripper.mesh)] if gripper.mesh else []
+    from egad.grippers.description import description_files  # noqa: PLC0415 (loads an engine)
+
+    return description_files(Path(gripper.file))
 
 
 def joint_values(gripper: Gripper, opening: float) -> dict[str, float]:
