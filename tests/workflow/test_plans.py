@@ -222,6 +222,7 @@ def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean, hand_in):
         ["config/test.yaml", own],
         {
             "rescaled/mine/scales.parquet": "rescale",
+            "difficulty/mine.parquet": "difficulty",
             "grasps/mine.parquet": "grasp_label",
             "grasps/mine.sampling.parquet": "grasp_label",
             "print/mine/manifest.parquet": "print_export",
