@@ -16,7 +16,6 @@ LEAST_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
 LARGEST_LINK = 1.0  # metres
 ROUND = 32  # corners of a circle
 BOX_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
-_TOO_FEW = "its links have no collision shapes; a hand without them touches nothing"
 
 
 def read_description(path: Path) -> mujoco.MjModel:
@@ -150,7 +149,8 @@ def _check_shapes(model: mujoco.MjModel, path: Path) -> None:
                     'is in millimetres, give it scale="0.001 0.001 0.001"'
                 )
     if not found:
-        raise UserError(f"{path}: {_TOO_FEW}")
+        names = ", ".join(body_name(model, body) for body in range(1, model.nbody))
+        raise UserError(f"{path}: none of its links has collision shapes: {names}")
 
 
 def _find_meshes(spec: mujoco.MjSpec, path: Path) -> None:
