@@ -6,6 +6,7 @@ import yaml
 from numpy.typing import ArrayLike, NDArray
 
 from egad.grippers import Gripper, GripperModel
+from egad.report.hand_shape import LINK_COLORS, link_shapes, painted
 from egad.report.page import render_template
 from egad.report.viewer import Scene, viewer_data
 from egad.tables.grasping import GRASPS
@@ -13,9 +14,7 @@ from egad.tables.parquet import empty
 
 Floats = NDArray[np.float64]
 
-# Numbers of the colors in viewer.js; those of links by what they belong to
-LINK_COLORS = {0: 0, -1: 1, 1: 2}
-PAD_COLOR, APPROACH_COLOR = 3, 4
+PAD_COLOR, APPROACH_COLOR = 3, 4  # numbers of the colors in viewer.js
 PAD_THICKNESS = 4e-4  # metres, of what shows a pad
 ARROW = (0.03, 0.001)  # metres: length and radius of what shows the approach
 CHOICES = ("joint", "finger_links", "pad_links", "tcp", "closing_axis", "approach_axis")
@@ -91,19 +90,10 @@ def hand_scene(model: GripperModel, word: str, opening: float) -> Scene:
         word: What to call it.
         opening: Metres.
     """
-    meshes, colors = [], []
-    for link, shapes in zip(model.links, model.points(opening), strict=True):
-        meshes += [trimesh.convex.convex_hull(points) for points in shapes]
-        colors += [LINK_COLORS[link.body]] * len(shapes)
-    reach = float(model.reach_at(np.array([opening]))[0])
-    meshes += [*_pads(model, opening, reach), _arrow(reach)]
-    colors += [PAD_COLOR, PAD_COLOR, APPROACH_COLOR]
-    vertices, faces = trimesh.util.append_faces(
-        [each.vertices for each in meshes], [each.faces for each in meshes]
-    )
-    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    reach = float(model.reach_at(np.array(opening)))
+    pads = [(pad, PAD_COLOR) for pad in _pads(model, opening, reach)]
+    mesh, paint = painted([*link_shapes(model, opening), *pads, (_arrow(reach), APPROACH_COLOR)])
     mesh.apply_transform(trimesh.transformations.rotation_matrix(np.pi, (1, 0, 0)))
-    paint = np.repeat(colors, [len(each.faces) for each in meshes]).astype(np.uint8)
     title = f"{1000 * opening:.1f} mm between the pads"
     return Scene(word, title, mesh, empty(GRASPS), paint=paint)
 
