@@ -21,6 +21,7 @@ from egad.data import released
 from egad.pipeline.display import start_display
 from egad.errors import UserError
 from egad.exchange import checksum
+from egad.grippers import files_of
 from egad._util.kernel_cache import compile_kernels
 from egad.measures import source_hash
 from egad.detectors import fingerprint
@@ -164,8 +165,13 @@ def held_out(wildcards):
 
 def gripper_files(wildcards):
     """The files that describe a gripper, if there are any."""
-    gripper = SETTINGS.grippers[wildcards.gripper]
-    return [file for file in (gripper.file, gripper.mesh) if file]
+    return files_of_gripper(wildcards.gripper)
+
+
+@cache
+def files_of_gripper(name):
+    """The same, by its name."""
+    return [str(path) for path in files_of(SETTINGS.grippers[name])]
 
 
 def contents_of(files):

@@ -142,6 +142,9 @@ class Targets(Parameters):
         description="exports for other programs, of labelled grasps or of rendered images with "
         "grasps",
     )
+    difficulty: bool = Field(
+        False, description="whether to measure the difficulty of all objects for each gripper"
+    )
     agreement: bool = Field(
         False, description="whether to execute a sample of the labelled grasps in simulation"
     )
