@@ -13,6 +13,9 @@ from .folders import EVERY_FILE as EVERY_FILE
 from .folders import mesh_files as mesh_files
 from .folders import object_names as object_names
 from .folders import objects_in as objects_in
+from .formats import MESH_WRITERS as MESH_WRITERS
+from .formats import PHYSICS_WRITERS as PHYSICS_WRITERS
+from .formats import check_installed as check_installed
 from .frames import check_ending as check_ending
 from .frames import write_frame as write_frame
 from .frames import write_matrix as write_matrix
@@ -33,7 +36,9 @@ from .meshes import write_obj as write_obj
 from .meshes import write_stl_mm as write_stl_mm
 from .parameters import Acronym as Acronym
 from .parameters import DexNet as DexNet
-from .simulators import VISUAL as VISUAL
+from .parameters import MeshFormat as MeshFormat
+from .parameters import PhysicsFormat as PhysicsFormat
+from .simulators import read_simulation_object as read_simulation_object
 from .simulators import write_simulation_object as write_simulation_object
 from .sums import ENDING as ENDING
 from .sums import NAME as NAME

@@ -15,7 +15,7 @@ from egad._util.parameters import (
 )
 from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
 from egad.measures import MAX_CANDIDATES
-from egad.pipeline.exports import Format
+from egad.pipeline.exports import EVALUATION_SET, Format, ObjectSet
 
 
 class Schedule(Parameters):
@@ -139,8 +139,11 @@ class Targets(Parameters):
     )
     exports: list[Format] = Field(
         [],
-        description="exports for other programs, of labelled grasps or of rendered images with "
-        "grasps",
+        description="exports for other programs, of objects, of labelled grasps or of rendered "
+        "images with grasps",
+    )
+    export_objects: ObjectSet = Field(
+        EVALUATION_SET, description="objects that exports in formats of objects have"
     )
     difficulty: bool = Field(
         False, description="whether to measure the difficulty of all objects for each gripper"
