@@ -27,15 +27,15 @@ def export(
     settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
     part: Parts = [],  # noqa: B006 (typer copies it)
 ) -> None:
-    """Export labelled grasps for Dex-Net or ACRONYM, or rendered images in other layouts."""
+    """Export labelled grasps, or rendered images with grasps, in the format of another program."""
     from egad.exchange import check_opening, grasp_table
     from egad.pipeline.parameters import declared, settings_type
     from egad.pipeline.provenance.record import run_recorded
 
     run = export_function(ending)
     reads = {name: dataset / file for name, file in sources(ending, gripper).items()}
-    if "grasps" in reads:
-        reads["grasps"] = grasp_table(dataset, gripper)
+    for name in reads.keys() & {"grasps", "simulated_grasps"}:
+        reads[name] = grasp_table(dataset, gripper)
     parsed: Any = _chosen(settings_type(run), settings, config, gripper)
     check_opening(dataset, gripper, parsed.gripper.opening)
     known = {"settings": parsed, "dataset": dataset, "gripper": gripper, "out": out, **reads}
