@@ -53,8 +53,10 @@ NETWORKS = {network.name: network for network in training_study.networks_of(SETT
 # The images of training sets, and the trials of the networks, are for the first target.
 GRIPPER = SETTINGS.targets.grippers[0]
 ISLANDS = range(SETTINGS.schedule.islands)
-# ACRONYM files need them: they say whether a grasp succeeded.
-SIMULATES_LABELS = SETTINGS.targets.simulated_labels or "acronym" in SETTINGS.targets.exports
+# Some formats need them, e.g. ACRONYM: they say whether a grasp succeeded.
+SIMULATES_LABELS = SETTINGS.targets.simulated_labels or any(
+    "simulated_grasps" in sources(name, GRIPPER) for name in SETTINGS.targets.exports
+)
 LAST_EPOCH = SETTINGS.schedule.epochs - 1
 EVOLVED = [name for name, dataset in SETTINGS.datasets.items() if dataset.source == "evolved"]
 GIVEN = {

@@ -153,8 +153,8 @@ class Targets(Parameters):
     )
     simulated_labels: bool = Field(
         False,
-        description="whether to simulate labelled grasps of all objects; for ACRONYM files it is "
-        "done in any case",
+        description="whether to simulate labelled grasps of all objects; it is done in any case if "
+        "`exports` has acronym, graspgen, graspnet or isaac_grasp",
     )
     render: bool = Field(
         False, description="whether to render depth images with grasps for training"
