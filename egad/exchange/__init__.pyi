@@ -25,6 +25,9 @@ from .folders import EVERY_FILE as EVERY_FILE
 from .folders import mesh_files as mesh_files
 from .folders import object_names as object_names
 from .folders import objects_in as objects_in
+from .formats import MESH_WRITERS as MESH_WRITERS
+from .formats import PHYSICS_WRITERS as PHYSICS_WRITERS
+from .formats import check_installed as check_installed
 from .frames import check_ending as check_ending
 from .frames import write_frame as write_frame
 from .frames import write_matrix as write_matrix
@@ -46,6 +49,8 @@ from .meshes import write_obj as write_obj
 from .meshes import write_stl_mm as write_stl_mm
 from .parameters import Acronym as Acronym
 from .parameters import DexNet as DexNet
+from .parameters import MeshFormat as MeshFormat
+from .parameters import PhysicsFormat as PhysicsFormat
 from .release_contents import ABSTRACT as ABSTRACT
 from .release_contents import OTHER_FILES as OTHER_FILES
 from .release_contents import TABLES as TABLES
@@ -54,7 +59,7 @@ from .release_tables import released_grasps as released_grasps
 from .release_tables import released_objects as released_objects
 from .release_tables import simulated_grasps as simulated_grasps
 from .release_tables import with_files as with_files
-from .simulators import VISUAL as VISUAL
+from .simulators import read_simulation_object as read_simulation_object
 from .simulators import write_simulation_object as write_simulation_object
 from .sums import ENDING as ENDING
 from .sums import NAME as NAME

@@ -41,7 +41,8 @@ OTHER_FILES = (
     Files("previews", "picture of each object", "previews/*.png", "image/png"),
     Files(
         "archives",
-        "objects for simulators, scaled to the gripper, with convex parts, mass and friction",
+        "objects for simulators, scaled to the gripper: a folder each with description, convex "
+        "parts, mass, friction, poses at rest",
         "archives/*.zip",
         "application/zip",
     ),

@@ -475,7 +475,8 @@ def test_images_are_rendered_if_that_is_asked_for(copy):
     assert "# Depth images of egad for egad_75mm" in (folder / "card.md").read_text()
 
 
-RELEASE = {"release_tables", "release_meshes", "release_previews", "release_card", "release"}
+RELEASE = {"release_tables", "release_meshes", "release_previews", "release_archive"}
+RELEASE |= {"release_card", "release"}
 
 
 def test_a_release_simulates_the_grasps_of_its_gripper_only(clean):
@@ -486,6 +487,7 @@ def test_a_release_simulates_the_grasps_of_its_gripper_only(clean):
 
 
 def test_a_release_of_given_objects_has_their_ancestors_only_if_they_are_known(clean):
+    no_extra = clean.overlay("no_extra.yaml", {"release": {"archives": ["urdf", "mjcf"]}})
     released = clean.planned("release", configs=["config/released.yaml"])
     assert set(released) >= RELEASE
     assert not {"evolve", "ancestry"} & set(released)

@@ -1,10 +1,11 @@
 """Release: a dataset that anyone can host, made by the target `release`.
 
 Inputs: results/D/objects.parquet, results/D/eval49.parquet, results/D/ancestry.parquet,
-results/D/meshes, results/D/rescaled/G and the simulated grasps of all shards, for the dataset and
-the gripper of the section `release`.
-Outputs: results/release, a folder with tables, meshes and pictures, a dataset card and checksums.
-Steps: tables, meshes and pictures; then what explains them.
+results/D/meshes, results/D/rescaled/G, results/D/convex_parts/G.parquet and the simulated grasps of
+all shards, for the dataset and the gripper of the section `release`.
+Outputs: results/release, a folder with tables, meshes, pictures, archives for simulators, a dataset
+card and checksums.
+Steps: tables, meshes, pictures and archives; then what explains them.
 """
 
 RELEASED = {"dataset": SETTINGS.release.dataset, "gripper": SETTINGS.release.gripper}
@@ -33,6 +34,16 @@ def ancestry_of_release(wildcards):
     if name in EVOLVED:
         return [f"results/{name}/ancestry.parquet"]
     return [str(released_ancestry())] if GIVEN.get(name) == str(released()) else []
+
+
+def archives_of_release(wildcards):
+    """The archives for simulators, if what writes them is installed."""
+    try:
+        for name in SETTINGS.release.archives:
+            check_installed(name)
+    except UserError as error:
+        raise WorkflowError(f"release.archives: {error}")
+    return expand("results/release/archives/{format}.zip", format=SETTINGS.release.archives)
 
 
 localrules:
@@ -124,12 +135,43 @@ rule release_previews:
         " --out {output:q} --jobs {threads} > {log:q} 2>&1"
 
 
+rule release_archive:
+    """Write the objects of the release for simulators, in one format."""
+    input:
+        scales=of_release("results/{dataset}/rescaled/{gripper}/scales.parquet"),
+        convex_parts=of_release("results/{dataset}/convex_parts/{gripper}.parquet"),
+    output:
+        ensure("results/release/archives/{format}.zip", non_empty=True),
+    log:
+        "logs/release/release_archive/{format}.log",
+    benchmark:
+        "benchmarks/release/release_archive/{format}.tsv"
+    wildcard_constraints:
+        format="|".join(SETTINGS.release.archives) or "(?!)",
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        **needs(mb=1500, minutes=60),
+    params:
+        settings=settings_of("release_archive"),
+        meshes=subpath(input.scales, parent=True),
+        code=code_of("release_archive"),
+    message:
+        "Writing the objects of the release as {wildcards.format}"
+    shell:
+        "egad release-archive --settings {params.settings:q} --format {wildcards.format}"
+        " --meshes {params.meshes:q} --convex-parts {input.convex_parts:q} --out {output:q}"
+        " > {log:q} 2>&1"
+
+
 rule release_card:
     """Write the dataset card, licence, citation, provenance and checksums of the release."""
     input:
         "results/release/data",
         "results/release/meshes",
         "results/release/previews",
+        archives_of_release,
     output:
         card=ensure("results/release/README.md", non_empty=True),
         croissant=ensure("results/release/croissant.json", non_empty=True),

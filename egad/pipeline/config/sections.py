@@ -14,9 +14,10 @@ from egad._util.parameters import (
     ScaleRule,
     check_ascending,
 )
+from egad.exchange import PhysicsFormat
 from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
 from egad.measures import MAX_CANDIDATES
-from egad.pipeline.exports import Format
+from egad.pipeline.exports import EVALUATION_SET, Format, ObjectSet
 
 
 class Schedule(Parameters):
@@ -140,8 +141,11 @@ class Targets(Parameters):
     )
     exports: list[Format] = Field(
         [],
-        description="exports for other programs, of labelled grasps or of rendered images with "
-        "grasps",
+        description="exports for other programs, of objects, of labelled grasps or of rendered "
+        "images with grasps",
+    )
+    export_objects: ObjectSet = Field(
+        EVALUATION_SET, description="objects that exports in formats of objects have"
     )
     agreement: bool = Field(
         False, description="whether to execute a sample of the labelled grasps in simulation"
@@ -233,6 +237,11 @@ class Release(Parameters):
         lt=1,
         description="largest fraction of the objects outside the test split that are for "
         "validation; whole families are",
+    )
+    archives: list[PhysicsFormat] = Field(
+        ["urdf", "mjcf"],
+        description="formats of the archives of objects for simulators; usd is installed with "
+        "`pip install 'egad[usd]'`",
     )
     title: str = Field(
         "EGAD: evolved objects for robot grasping", description="name of the dataset for people"
