@@ -17,10 +17,10 @@ from egad.pipeline.config.check import check, with_engine
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.exports import OF_OBJECTS, export_function, export_module, formats, last_files
 from egad.pipeline.parameters import settings_type
-from egad.data import released
+from egad.data import released, released_ancestry
 from egad.pipeline.display import start_display
 from egad.errors import UserError
-from egad.exchange import checksum
+from egad.exchange import check_installed, checksum
 from egad.grippers import files_of
 from egad._util.kernel_cache import compile_kernels
 from egad.measures import source_hash
