@@ -13,7 +13,7 @@ from egad.tables.parquet import empty
 
 Floats = NDArray[np.float64]
 
-# Numbers of the colors in viewer.js; those of links by what they belong to
+# Numbers of the colors in scene3d.js; those of links by what they belong to
 LINK_COLORS = {0: 0, -1: 1, 1: 2}
 PAD_COLOR, APPROACH_COLOR = 3, 4
 PAD_THICKNESS = 4e-4  # metres, of what shows a pad

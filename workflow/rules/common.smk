@@ -17,7 +17,7 @@ from egad.pipeline.config.check import check, with_engine
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.exports import export_function, formats, sources
 from egad.pipeline.parameters import settings_type
-from egad.data import released
+from egad.data import released, released_ancestry
 from egad.pipeline.display import start_display
 from egad.errors import UserError
 from egad.exchange import checksum

@@ -1,0 +1,41 @@
+"""The page of the gallery, without the data."""
+
+from collections.abc import Sequence
+
+from egad.report.axes import AxisPair
+from egad.report.gallery.dataset import GalleryData
+from egad.report.gallery.details import Link
+from egad.report.gallery.files import FOLDER
+from egad.report.gallery.sheets import COLUMNS, PER_SHEET
+from egad.report.page import render_template
+
+
+def gallery_page(data: GalleryData, axes: AxisPair, links: Sequence[Link]) -> str:
+    """The HTML page that shows the data in the folder beside it.
+
+    Args:
+        data: The dataset.
+        axes: What the axes of the map are called.
+        links: Files of the whole dataset to download.
+    """
+    evolved = len(data.genomes) > 0
+    return render_template(
+        "gallery",
+        title=f"{'Evolved objects' if evolved else 'Objects'} for robot grasping",
+        facts=_facts(data),
+        axes=axes,
+        gripper=data.gripper,
+        links=links,
+        folder=FOLDER,
+        ancestor_columns=COLUMNS,
+        ancestors_per_sheet=PER_SHEET,
+    )
+
+
+def _facts(data: GalleryData) -> list[str]:
+    """What the dataset is, in a few words each."""
+    facts = [f"{len(data.objects)} objects"]
+    if data.grasps is not None:
+        note = "" if "simulated_success" in data.grasps else ", not simulated"
+        facts.append(f"{len(data.grasps)} grasps of {data.gripper}{note}")
+    return facts
