@@ -165,8 +165,8 @@ def _links(pieces: list[Path]) -> tuple[list[Link], dict[str, list[Link]]]:
     own: dict[str, list[Link]] = defaultdict(list)
     whole = [Link("Dataset card", "README.md")] if pieces else []
     for folder in pieces:
-        for path in sorted(folder.glob("*.zip")):
-            whole.append(Link(path.name, file_link(folder.name, path.name)))
+        archives = sorted(folder.glob("*.zip"))
+        whole.extend(Link(path.name, file_link(folder.name, path.name)) for path in archives)
         for path in sorted(folder.glob("*.glb")):
             own[path.stem].append(Link("Mesh (GLB)", file_link(folder.name, path.name)))
         for path in sorted(folder.glob("grasps/*.parquet")):

@@ -50,7 +50,7 @@ def sheet(pictures: Mapping[Place, Pixels], columns: int, rows: int) -> bytes:
         top, left = row * TILE, column * TILE
         canvas[top : top + TILE, left : left + TILE] = picture
     buffer = io.BytesIO()
-    Image.fromarray(canvas, "RGBA").save(buffer, "webp", quality=QUALITY, method=6)
+    Image.fromarray(canvas, "RGBA").save(buffer, "webp", quality=QUALITY, method=4)
     return buffer.getvalue()
 
 

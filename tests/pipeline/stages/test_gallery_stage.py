@@ -2,8 +2,10 @@
 
 import json
 import re
+import shutil
+import subprocess
 from pathlib import Path
-from urllib.parse import unquote
+from urllib.parse import quote, unquote
 
 import pandas as pd
 import pyarrow as pa
@@ -123,6 +125,30 @@ def test_nothing_is_written_outside_the_folder(site):
     files = {path.relative_to(site).parts[0] for path in site.rglob("*")}
     assert files == {"README.md", "archives", "data", "gallery", "index.html", "meshes"}
     assert not list(site.parent.glob("x*"))
+
+
+@pytest.mark.skipif(not shutil.which("chromium"), reason="chromium is not installed")
+def test_a_browser_shows_what_the_address_names(site, tmp_path):
+    def shown(fragment: str) -> str:
+        """The page from disk after its scripts have run."""
+        options = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+        profile = f"--user-data-dir={tmp_path / 'profile'}"
+        address = f"{(site / 'index.html').as_uri()}#{fragment}"
+        command = ["chromium", *options, profile, "--virtual-time-budget=5000", "--dump-dom"]
+        return subprocess.run(
+            [*command, address], capture_output=True, check=True, text=True, timeout=60
+        ).stdout
+
+    html = shown(quote(HOSTILE))
+    assert "<b>&#39;" not in html
+    heading = re.search(r'<h2 id="name"[^>]*>(.*?)</h2>', html)[1]
+    assert heading == HOSTILE.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    assert re.search(r'<p id="trouble"[^>]*hidden', html)
+    html = shown(f"text={quote('M01')}")
+    assert re.search(r'<h2 id="count"[^>]*>1 object</h2>', html)
+    assert 'href="#M01_0"' in html
+    html = shown("ancestor=0")
+    assert read(site / "gallery", "ancestors/0")["id"][:8] in html
 
 
 def test_the_same_tables_give_the_same_bytes(site, dataset, tmp_path):
