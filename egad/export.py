@@ -17,14 +17,15 @@ from egad.api import dataset_grasps
 from egad.errors import RejectedError, check_name
 from egad.evalset import Bundle, make_simulation_object
 from egad.exchange import (
+    MESH_WRITERS,
+    PHYSICS_WRITERS,
     Acronym,
     Body,
     Jaws,
+    check_installed,
     check_key,
     write_acronym,
     write_obj,
-    write_simulation_object,
-    write_stl_mm,
 )
 from egad.geometry import Material, mass_properties
 from egad.grasps import FRICTION, LabelParameters, label_parameters
@@ -65,8 +66,11 @@ def export(
     Args:
         objects: A dataset, or meshes in metres by name.
         format: `acronym`: `LABEL.h5` with sampled and simulated grasps, and `meshes/LABEL.obj`.
-            `simulation`: for each object a folder with URDF, MJCF, convex parts and stable poses.
-            `obj`: meshes in metres. `stl`: meshes in millimetres, to print.
+            `usd`, `sdf`, `urdf`, `mjcf`, `robosuite`: for each object a folder with its surface,
+            convex parts, mass, friction and stable poses. `simulation`: URDF and MJCF in one
+            folder. `vgn`: URDF files side by side, for the simulator of VGN. `glb`: surfaces with
+            a material, for browsers and Blender. `obj`: surfaces in metres. `stl`: surfaces in
+            millimetres, to print. See `docs/exchange.md`.
         gripper: The gripper, or its name.
         out: A new or empty folder.
         grasps: Most grasps of an object, for `acronym` only; 100 as in a dataset of the pipeline.
@@ -82,12 +86,13 @@ def export(
 
     Raises:
         UserError: There is no such format, gripper or rule, there are no objects, a name or number
-            is not allowed, the folder is not empty, or a mesh file of the dataset is missing.
+            is not allowed, the folder is not empty, a mesh file of the dataset is missing, or the
+            format needs a package that is not installed.
 
     Warns:
         UnitsWarning: The size of a mesh suggests another unit than the metre.
     """
-    write = WRITERS[check_name("format", format, WRITERS)]
+    write = _writer(check_name("format", format, FORMATS))
     check_name("rule", rule, RULES)
     hand = as_gripper(gripper)
     labels = label_parameters(hand, check_count("grasps", grasps), seed)
@@ -137,26 +142,22 @@ def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) ->
     )
 
 
-def _simulation(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
-    del job
-    made = make_simulation_object(mesh, Material().density, Bundle())
-    write_simulation_object(folder / item.label, item.label, made, Bundle().friction)
+def _writer(name: str) -> "Writer":
+    """What writes an object in a format, alike for all formats."""
+    if name in GRASP_WRITERS:
+        return GRASP_WRITERS[name]
+    check_installed(name)
 
+    def write(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, _job: _Job) -> None:
+        if name in MESH_WRITERS:
+            MESH_WRITERS[name](folder, item.label, mesh)
+        else:
+            made = make_simulation_object(mesh, Material().density, Bundle())
+            PHYSICS_WRITERS[name](folder, item.label, made, Bundle().friction)
 
-def _obj(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
-    del job
-    write_obj(mesh, folder / f"{item.label}.obj")
-
-
-def _stl(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
-    del job
-    write_stl_mm(mesh, folder / f"{item.label}.stl")
+    return write
 
 
 Writer = Callable[[Path, NamedMesh, trimesh.Trimesh, _Job], None]
-WRITERS: dict[str, Writer] = {
-    "acronym": _acronym,
-    "simulation": _simulation,
-    "obj": _obj,
-    "stl": _stl,
-}
+GRASP_WRITERS: dict[str, Writer] = {"acronym": _acronym}
+FORMATS = (*GRASP_WRITERS, *MESH_WRITERS, *PHYSICS_WRITERS)

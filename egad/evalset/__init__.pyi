@@ -1,10 +1,15 @@
 from .bundle import SimulationObject as SimulationObject
 from .bundle import make_simulation_object as make_simulation_object
+from .bundle import part_rows as part_rows
+from .bundle import simulation_object as simulation_object
 from .datasheet import ATTEMPTS as ATTEMPTS
 from .datasheet import ForGripper as ForGripper
 from .engraving import Patch as Patch
 from .engraving import cut_text as cut_text
 from .engraving import engrave as engrave
+from .family_splits import families as families
+from .family_splits import family_splits as family_splits
+from .family_splits import with_parents_and_children as with_parents_and_children
 from .parameters import Bundle as Bundle
 from .parameters import Engraving as Engraving
 from .parameters import PrintCheck as PrintCheck

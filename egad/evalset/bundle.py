@@ -88,16 +88,69 @@ def make_simulation_object(
     physics = mass_properties(solid, density)
     together = union_of_parts(parts)
     beyond = together - to_solid(solid.vertices, solid.faces)  # parts meet inside, with fine cracks
-    poses = group_poses(stable_poses(solid, physics.com), SAME_POSE)
     return SimulationObject(
         mesh=solid,
         parts=tuple(parts),
         physics=physics,
-        poses=tuple(pose for pose in poses if pose.probability >= LEAST_PROBABILITY),
+        poses=_resting_poses(solid, physics),
         volume_error=float(together.volume()) / physics.volume - 1,
         deviation=0.0 if beyond.is_empty() else largest_deviation(to_mesh(beyond), solid),
         buried=buried_share(solid, parts, settings.deviation),
     )
+
+
+def part_rows(made: SimulationObject) -> pd.DataFrame:
+    """The convex parts of an object, one row each.
+
+    Returns:
+        Columns of `tables.evaluation.CONVEX_PARTS`, without `label` and `id`.
+    """
+    return pd.DataFrame(
+        {
+            "part": range(len(made.parts)),
+            "vertices": [part.vertices.ravel() for part in made.parts],
+            "faces": [part.faces.ravel() for part in made.parts],
+            "volume_error": made.volume_error,
+            "deviation": made.deviation,
+            "buried": made.buried,
+        }
+    )
+
+
+def simulation_object(
+    mesh: trimesh.Trimesh, density: float, rows: pd.DataFrame
+) -> SimulationObject:
+    """An object whose convex parts were made before.
+
+    Args:
+        mesh: The closed surface that they were made of, in metres.
+        density: kg/m3.
+        rows: Columns of `tables.evaluation.CONVEX_PARTS`, of this object.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid.
+    """
+    solid = wind_outwards(mesh)
+    physics = mass_properties(solid, density)
+    corners = [np.reshape(vertices, (-1, 3)) for vertices in rows["vertices"]]
+    faces = [np.reshape(each, (-1, 3)) for each in rows["faces"]]
+    first = rows.iloc[0]
+    return SimulationObject(
+        mesh=solid,
+        parts=tuple(
+            trimesh.Trimesh(*part, process=False) for part in zip(corners, faces, strict=True)
+        ),
+        physics=physics,
+        poses=_resting_poses(solid, physics),
+        volume_error=float(first["volume_error"]),
+        deviation=float(first["deviation"]),
+        buried=float(first["buried"]),
+    )
+
+
+def _resting_poses(solid: trimesh.Trimesh, physics: MassProperties) -> tuple[StablePose, ...]:
+    poses = group_poses(stable_poses(solid, physics.com), SAME_POSE)
+    return tuple(pose for pose in poses if pose.probability >= LEAST_PROBABILITY)
 
 
 PAGE = """# Objects for simulators

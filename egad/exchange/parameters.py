@@ -1,10 +1,15 @@
 """Settings of exports for other programs."""
 
-from typing import Self
+from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Fraction, Parameters
+
+MeshFormat = Literal["glb", "obj", "stl"]  # formats of a surface
+PhysicsFormat = Literal[  # formats of objects with convex parts, mass and friction
+    "mjcf", "robosuite", "sdf", "simulation", "urdf", "usd", "vgn"
+]
 
 
 class DexNet(Parameters):

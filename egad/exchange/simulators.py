@@ -1,25 +1,19 @@
-"""Objects for simulators: meshes, URDF, MJCF and stable poses."""
+"""Objects of a simulation bundle: URDF, MJCF and stable poses around the same meshes."""
 
-import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad.errors import RejectedError, UserError
 from egad.evalset import SimulationObject
-from egad.exchange.meshes import write_obj
+from egad.exchange.meshes import read_mesh
+from egad.exchange.mjcf import mjcf_text
+from egad.exchange.object_meshes import PARTS, VISUAL, write_object_meshes
+from egad.exchange.poses import read_poses, write_poses
+from egad.exchange.urdf import urdf_text
 from egad.geometry import MassProperties
-
-Floats = NDArray[np.float64]
-
-VISUAL = "visual.obj"
-GREY = "0.72 0.74 0.78 1"
-VISUAL_GROUP, COLLISION_GROUP = "2", "3"  # MuJoCo's usual groups: 3 is not drawn
-# MuJoCo's own values, in metres: only the first, sliding, is a setting here.
-TORSION, ROLLING = 0.005, 0.0001
 
 
 def write_simulation_object(
@@ -33,108 +27,50 @@ def write_simulation_object(
         made: What is written.
         friction: Sliding friction.
     """
-    (folder / "parts").mkdir(parents=True)
-    write_obj(made.mesh, folder / VISUAL)
-    parts = [f"parts/part-{number:03d}.obj" for number in range(len(made.parts))]
-    for part, file in zip(made.parts, parts, strict=True):
-        write_obj(part, folder / file)
-    for ending, describe in (("urdf", urdf), ("xml", mjcf)):
-        text = describe(name, VISUAL, parts, made.physics, friction)
+    files = write_object_meshes(folder, made)
+    for ending, describe in (("urdf", urdf_text), ("xml", mjcf_text)):
+        text = describe(name, files, made.physics, friction)
         (folder / f"{name}.{ending}").write_text(text, encoding="utf-8")
-    text = json.dumps(_poses(made), indent=1) + "\n"
-    (folder / "poses.json").write_text(text, encoding="utf-8")
+    write_poses(folder, made)
 
 
-def _poses(made: SimulationObject) -> list[dict[str, Any]]:
-    return [
-        {
-            "probability": pose.probability,
-            "transform": pose.matrix.tolist(),
-            "face_normal": pose.normal.tolist(),
-            "height": pose.height,
-            "margin": float(np.degrees(pose.margin)),
-        }
-        for pose in made.poses
-    ]
-
-
-def urdf(
-    name: str, visual: str, parts: Sequence[str], physics: MassProperties, friction: float
-) -> str:
-    """One link with the frame of the mesh (URDF, with Bullet's extension for friction).
+def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationObject:
+    """An object of a simulation bundle.
 
     Args:
-        name: Of the robot and its only link.
-        visual: File of the visual mesh, relative to the description; metres.
-        parts: Files of the convex parts.
-        physics: Mass, center of mass and inertia about it.
-        friction: Sliding friction.
+        bundle: The folder of the bundle.
+        row: Columns of `tables.evaluation.BUNDLE` of the object.
+
+    Raises:
+        UserError: A file of the object is missing or damaged.
     """
-    robot = ElementTree.Element("robot", name=name)
-    link = ElementTree.SubElement(robot, "link", name=name)
-    contact = ElementTree.SubElement(link, "contact")
-    ElementTree.SubElement(contact, "lateral_friction", value=_text(friction))
-    inertial = ElementTree.SubElement(link, "inertial")
-    ElementTree.SubElement(inertial, "origin", xyz=_text(*physics.com), rpy="0 0 0")
-    ElementTree.SubElement(inertial, "mass", value=_text(physics.mass))
-    names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-    moments = dict(zip(names, map(_text, _moments(physics)), strict=True))
-    ElementTree.SubElement(inertial, "inertia", moments)
-    look = _mesh(ElementTree.SubElement(link, "visual"), visual)
-    material = ElementTree.SubElement(look, "material", name="grey")
-    ElementTree.SubElement(material, "color", rgba=GREY)
-    for part in parts:
-        _mesh(ElementTree.SubElement(link, "collision"), part)
-    return _document(robot)
-
-
-def mjcf(
-    name: str, visual: str, parts: Sequence[str], physics: MassProperties, friction: float
-) -> str:
-    """One free body with the frame of the mesh (MJCF); arguments as for `urdf`."""
-    model = ElementTree.Element("mujoco", model=name)
-    ElementTree.SubElement(model, "compiler", angle="radian", inertiafromgeom="false")
-    assets = ElementTree.SubElement(model, "asset")
-    body = ElementTree.SubElement(ElementTree.SubElement(model, "worldbody"), "body", name=name)
-    ElementTree.SubElement(body, "freejoint")
-    inertial = ElementTree.SubElement(body, "inertial", pos=_text(*physics.com))
-    inertial.set("mass", _text(physics.mass))
-    inertial.set("fullinertia", _text(*_moments(physics)))
-    look = {"contype": "0", "conaffinity": "0", "group": VISUAL_GROUP, "rgba": GREY}
-    _geom(assets, body, f"{name}-visual", visual, look)
-    sticks = {"group": COLLISION_GROUP, "friction": _text(friction, TORSION, ROLLING)}
-    for part in parts:
-        _geom(assets, body, f"{name}-{Path(part).stem}", part, sticks)
-    return _document(model)
-
-
-def _mesh(parent: ElementTree.Element, file: str) -> ElementTree.Element:
-    geometry = ElementTree.SubElement(parent, "geometry")
-    ElementTree.SubElement(geometry, "mesh", filename=file)
-    return parent
-
-
-def _geom(
-    assets: ElementTree.Element,
-    body: ElementTree.Element,
-    name: str,
-    file: str,
-    attributes: dict[str, str],
-) -> None:
-    # As a shell a mesh may be ever so thin; its inertia is not used.
-    ElementTree.SubElement(assets, "mesh", name=name, file=file, inertia="shell")
-    ElementTree.SubElement(body, "geom", {"type": "mesh", "mesh": name, **attributes})
-
-
-def _moments(physics: MassProperties) -> Iterable[float]:
-    tensor = physics.inertia
-    return (*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2])
-
-
-def _text(*values: float) -> str:
-    return " ".join(repr(float(value)) for value in values)
-
-
-def _document(root: ElementTree.Element) -> str:
-    ElementTree.indent(root)
-    return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+    folder = bundle / row["label"]
+    paths = sorted((folder / PARTS).glob("*.obj"), key=lambda path: (len(path.name), path.name))
+    if len(paths) != row["parts"]:
+        raise UserError(
+            f"{folder / PARTS}: {len(paths)} convex parts, but {bundle / 'bundle.parquet'} lists "
+            f"{row['parts']}; make the bundle again"
+        )
+    try:
+        mesh, *parts = (read_mesh(path, "m") for path in (folder / VISUAL, *paths))
+    except RejectedError as reason:
+        raise UserError(f"{folder}: {reason}; make the bundle again") from reason
+    xx, yy, zz, xy, xz, yz = (
+        row[f"inertia_{axes}"] for axes in ("xx", "yy", "zz", "xy", "xz", "yz")
+    )
+    physics = MassProperties(
+        volume=row["volume"],
+        area=float(mesh.area),
+        com=np.array([row["com_x"], row["com_y"], row["com_z"]]),
+        mass=row["mass"],
+        inertia=np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
+    )
+    return SimulationObject(
+        mesh=mesh,
+        parts=tuple(parts),
+        physics=physics,
+        poses=read_poses(folder, mesh, physics.com),
+        volume_error=row["volume_error"],
+        deviation=row["deviation"],
+        buried=row["buried"],
+    )

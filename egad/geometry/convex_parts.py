@@ -9,6 +9,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.workers import one_thread
 from egad.errors import RejectedError
 from egad.geometry.checks import ROUNDING, check_mesh
 from egad.geometry.cuts import best_plane, middle_plane
@@ -88,7 +89,13 @@ def convex_parts(
         RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
         UserError: It is not a mesh.
     """
-    exact = _solid(mesh)
+    with one_thread():  # several take twice the CPU time for matrices as small as these
+        return _convex_parts(_solid(mesh), max_parts, volume_error, deviation, max_vertices)
+
+
+def _convex_parts(
+    exact: Solid, max_parts: int, volume_error: float, deviation: float, max_vertices: int
+) -> list[trimesh.Trimesh]:
     whole = _simplified(exact, deviation)
     volume = exact.volume()
     gained = whole.volume() - volume

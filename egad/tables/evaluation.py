@@ -11,6 +11,7 @@ from egad.tables.columns import (
     FLOAT,
     ID,
     INT,
+    LABEL,
     QUALITY,
     ROBUST_QUALITY,
     ROBUST_SUCCESS_RATE,
@@ -20,6 +21,16 @@ from egad.tables.columns import (
     vector,
 )
 
+VOLUME_ERROR = column("volume_error", FLOAT, "total volume of the parts / volume of the object - 1")
+DEVIATION = column(
+    "deviation", FLOAT, "largest distance of a part beyond the surface of the object", "m"
+)
+BURIED = column(
+    "buried",
+    FLOAT,
+    "share of the surface that fingers can touch that lies deeper in a part than the deviation in "
+    "the settings",
+)
 PLACE = column("label", STRING, "name in the evaluation set")
 ENGINE = column("engine", STRING, "physics engine")
 SUCCESS = column("success", BOOL, "whether the object was still held at the end")
@@ -70,16 +81,9 @@ BUNDLE = pa.schema(
         ID,
         column("method", STRING, "how the convex parts were made: cut or coacd"),
         column("parts", INT, "number of convex parts"),
-        column("volume_error", FLOAT, "total volume of the parts / volume of the object - 1"),
-        column(
-            "deviation", FLOAT, "largest distance of a part beyond the surface of the object", "m"
-        ),
-        column(
-            "buried",
-            FLOAT,
-            "share of the surface that fingers can touch that lies deeper in a part than the "
-            "deviation in the settings",
-        ),
+        VOLUME_ERROR,
+        DEVIATION,
+        BURIED,
         column(
             "within",
             BOOL,
@@ -98,6 +102,19 @@ BUNDLE = pa.schema(
             "kg m2",
             ("xx", "yy", "zz", "xy", "xz", "yz"),
         ),
+    ]
+)
+
+CONVEX_PARTS = pa.schema(
+    [
+        LABEL,
+        ID,
+        column("part", INT, "number of the part of its object"),
+        column("vertices", pa.list_(FLOAT), "vertex coordinates, flat", "m"),
+        column("faces", pa.list_(INT), "vertex indices of the triangles, flat"),
+        VOLUME_ERROR,
+        DEVIATION,
+        BURIED,
     ]
 )
 

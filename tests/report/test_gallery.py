@@ -207,11 +207,11 @@ def test_names_from_tables_are_escaped(data, objects):
     assert script.isascii()
     assert read(script) == ("objects/" + HOSTILE, {"id": HOSTILE + "\u2028'\\"})
     links = [details.Link(HOSTILE, "x.md")]
-    html = gallery_page(GalleryData(objects, HOSTILE, grasps=data.grasps), USUAL, links)
+    html = gallery_page(HOSTILE, GalleryData(objects, HOSTILE, grasps=data.grasps), USUAL, links)
     assert "<script>alert" not in html
     assert file_link("meshes", "a#b?c%.glb") == "meshes/a%23b%3Fc%25.glb"
 
 
 def test_the_page_loads_nothing_from_elsewhere(data):
-    html = gallery_page(data, USUAL, [])
+    html = gallery_page("EGAD", data, USUAL, [])
     assert not re.search(r"https?:|//cdn|@import|\bfetch\(|\bimport ", html)

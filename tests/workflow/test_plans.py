@@ -473,3 +473,35 @@ def test_images_are_rendered_if_that_is_asked_for(copy):
     assert set(chosen) <= set(tested)
     assert not set(trained) & set(chosen)
     assert "# Depth images of egad for egad_75mm" in (folder / "card.md").read_text()
+
+
+RELEASE = {"release_tables", "release_meshes", "release_previews", "release_archive"}
+RELEASE |= {"release_card", "release"}
+
+
+def test_a_release_simulates_the_grasps_of_its_gripper_only(clean):
+    planned = clean.planned("release", configs=())
+    assert set(planned) >= RELEASE
+    assert planned["simulated_label"] == planned["grasp_label"] == Settings().shards
+    assert not {"report", "simulated_trial", "bundle", "join_grasps"} & set(planned)
+
+
+def test_a_release_of_given_objects_has_their_ancestors_only_if_they_are_known(clean):
+    no_extra = clean.overlay("no_extra.yaml", {"release": {"archives": ["urdf", "mjcf"]}})
+    released = clean.planned("release", configs=["config/released.yaml"])
+    assert set(released) >= RELEASE
+    assert not {"evolve", "ancestry"} & set(released)
+    primitives = {
+        "datasets": {"shapes": {"source": "primitives", "objects": 20}},
+        "release": {"dataset": "shapes", "gripper": "egad_75mm"},
+    }
+    planned = clean.planned("release", configs=[clean.overlay("shapes.yaml", primitives)])
+    assert set(planned) >= RELEASE
+    assert not {"evolve", "ancestry"} & set(planned)
+
+
+def test_a_release_of_an_unknown_gripper_is_refused(clean):
+    wrong = clean.overlay("wrong.yaml", {"release": {"gripper": "claw"}})
+    status, said = clean.snakemake("--dry-run", "release", configs=[wrong])
+    assert status != 0
+    assert "release.gripper: 'claw' is not defined" in said

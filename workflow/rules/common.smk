@@ -15,12 +15,12 @@ from egad.pipeline.config import training_study
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config.check import check, with_engine
 from egad.pipeline.config.stage_settings import select
-from egad.pipeline.exports import export_function, formats, sources
+from egad.pipeline.exports import OF_OBJECTS, export_function, export_module, formats, last_files
 from egad.pipeline.parameters import settings_type
 from egad.data import released, released_ancestry
 from egad.pipeline.display import start_display
 from egad.errors import UserError
-from egad.exchange import checksum
+from egad.exchange import check_installed, checksum
 from egad._util.kernel_cache import compile_kernels
 from egad.measures import source_hash
 from egad.detectors import fingerprint
@@ -89,7 +89,8 @@ def settings_of(stage):
 
 def settings_of_export(name=None):
     """The same for the given format of an export; default: the one in the file name."""
-    return lambda wildcards: _chosen(export_function(name or wildcards.format), wildcards)
+    objects = SETTINGS.targets.export_objects
+    return lambda wildcards: _chosen(export_function(name or wildcards.format, objects), wildcards)
 
 
 def _chosen(function, wildcards):
@@ -104,17 +105,19 @@ def code_of(stage):
 
 def code_of_export(wildcards):
     """The same for the format in the file name."""
-    return code_version(f"egad.pipeline.exports.{wildcards.format}")
+    return code_version(export_module(wildcards.format))
+
+
+def exported_objects(wildcards):
+    """The option that says which objects are written, for formats of objects."""
+    given = ["--objects", SETTINGS.targets.export_objects]
+    return given if wildcards.format in OF_OBJECTS else []
 
 
 def exported_from(wildcards):
     """The inputs of the format in the file name; for a folder, the file that is written last."""
-    last = {"meshes": "scales.parquet", "images": "card.md"}
-    folder = Path("results", wildcards.dataset)
-    return [
-        str(folder / path / last.get(name, ""))
-        for name, path in sources(wildcards.format, wildcards.gripper).items()
-    ]
+    files = last_files(wildcards.format, wildcards.gripper, SETTINGS.targets.export_objects)
+    return [f"results/{wildcards.dataset}/{file}" for file in files]
 
 
 def _as_json(part):

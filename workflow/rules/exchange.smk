@@ -1,7 +1,8 @@
-"""Exchange: labelled grasps in the formats of other programs, if `targets.exports` names any.
+"""Exchange: objects, grasps and images in the formats that `targets.exports` names.
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet.
-For images results/D/images/G; card.md is its last file.
+For images results/D/images/G; card.md is its last file. For objects of the evaluation set
+results/D/bundle/G, for all objects results/D/rescaled/G and results/D/convex_parts/G.parquet.
 Outputs: results/D/exchange/G.hdf5 (Dex-Net), results/D/exchange/G-FORMAT (the others).
 Steps: for Dex-Net, distance fields and poses of shards of objects; then one file for all of them.
 """
@@ -67,7 +68,7 @@ rule dexnet:
 
 
 rule export:
-    """Write the grasps or images of a gripper in the format of another program."""
+    """Write the objects, grasps or images of a gripper in the format of another program."""
     input:
         exported_from,
     output:
@@ -85,10 +86,12 @@ rule export:
         **needs(mb=1500, minutes=30),
     params:
         settings=settings_of_export(),
+        objects=exported_objects,
         dataset="results/{dataset}",
         code=code_of_export,
     message:
         "Writing {wildcards.dataset} for {wildcards.gripper} as {wildcards.format}"
     shell:
         "egad export --format {wildcards.format} --settings {params.settings:q}"
-        " --gripper {wildcards.gripper:q} --out {output:q} {params.dataset:q} > {log:q} 2>&1"
+        " {params.objects} --gripper {wildcards.gripper:q} --out {output:q}"
+        " {params.dataset:q} > {log:q} 2>&1"

@@ -1,55 +1,53 @@
-"""Gallery: a page with a map of all objects of a dataset, and a view of each of them.
+"""Gallery: a page of the release with a map of all objects and a view of each of them.
 
-Inputs: results/D/objects.parquet, results/D/meshes, results/D/rescaled/G, results/D/grasps/G.parquet,
-results/D/eval49.parquet and its trials, for the first target dataset and the first target gripper;
-of an archive also results/D/archive.parquet and results/D/ancestry.parquet.
+Inputs: results/D/objects.parquet, results/D/meshes, results/D/rescaled/G, the simulated grasps of all
+shards and results/D/eval49.parquet, for the dataset and the gripper of the section `release`; trials
+of the targets with its evaluation set; results/D/archive.parquet and results/D/ancestry.parquet, if
+the objects have genomes; other files of results/release, to link to them.
 Outputs: results/release/index.html, and its data in results/release/gallery.
 """
 
-SHOWN = {"dataset": SETTINGS.targets.datasets[0], "gripper": GRIPPER}
 
-
-def of_gallery(pattern, **more):
-    """The files of the dataset and the gripper of the gallery."""
-    return expand(pattern, **SHOWN, **more)
-
-
-def archive_of_gallery(wildcards):
+def archive_of_release(wildcards):
     """The archive of the objects, if they come from one."""
-    return (
-        of_gallery("results/{dataset}/archive.parquet")
-        if SHOWN["dataset"] in [*EVOLVED, *GIVEN]
-        else []
-    )
+    name = RELEASED["dataset"]
+    return [f"results/{name}/archive.parquet"] if name in [*EVOLVED, *GIVEN] else []
 
 
-def ancestry_of_gallery(wildcards):
-    """The ancestors of the objects, if they are known."""
-    if SHOWN["dataset"] in EVOLVED:
-        return of_gallery("results/{dataset}/ancestry.parquet")
-    return [str(released_ancestry())] if GIVEN.get(SHOWN["dataset"]) == str(released()) else []
+def trials_of_release(wildcards):
+    """The trials of the targets with the evaluation set of the release, by detector and gripper."""
+    targets, name = SETTINGS.targets, RELEASED["dataset"]
+    if name not in targets.datasets:
+        return {}
+    return {
+        f"{detector} with {gripper}": f"results/{name}/trials/{gripper}/{detector}.parquet"
+        for gripper in targets.grippers
+        for detector in targets.detectors
+    }
 
 
 def settings_of_gallery(wildcards):
-    """The settings that the stage reads, with the gripper of the gallery."""
-    return _as_json(select(SETTINGS, settings_type(stage_function("gallery")), GRIPPER))
+    """The settings that the stage reads, with the gripper of the release."""
+    kind = settings_type(stage_function("gallery"))
+    return _as_json(select(SETTINGS, kind, RELEASED["gripper"]))
 
 
 rule gallery:
-    """Write the gallery of a dataset."""
+    """Write the gallery of the release."""
     input:
-        objects=of_gallery("results/{dataset}/objects.parquet"),
-        meshes=of_gallery("results/{dataset}/meshes"),
-        scales=of_gallery("results/{dataset}/rescaled/{gripper}/scales.parquet"),
-        grasps=of_gallery("results/{dataset}/grasps/{gripper}.parquet"),
-        evaluation=of_gallery("results/{dataset}/eval49.parquet"),
-        trials=of_gallery(
-            "results/{dataset}/trials/{gripper}/{detector}.parquet",
-            detector=SETTINGS.targets.detectors,
+        objects=of_release("results/{dataset}/objects.parquet"),
+        meshes=of_release("results/{dataset}/meshes"),
+        scales=of_release("results/{dataset}/rescaled/{gripper}/scales.parquet"),
+        grasps=of_release(
+            "results/{dataset}/parts/simulated-{gripper}-{shard}.parquet", shard=SHARDS
         ),
-        archive=archive_of_gallery,
-        ancestry=ancestry_of_gallery,
+        evaluation=of_release("results/{dataset}/eval49.parquet"),
+        trials=lambda wildcards: list(trials_of_release(wildcards).values()),
+        archive=archive_of_release,
+        ancestry=ancestry_of_release,
         regions=region_meshes,
+        pieces=["results/release/data", "results/release/meshes"],
+        archives=archives_of_release,
     output:
         page=ensure("results/release/index.html", non_empty=True),
         data=directory("results/release/gallery"),
@@ -64,17 +62,20 @@ rule gallery:
         **needs(mb=2000, mb_per_thread=500, minutes=60),
     params:
         settings=settings_of_gallery,
-        gripper=GRIPPER,
+        gripper=RELEASED["gripper"],
+        grasps=each("--grasps", "grasps"),
         archive=each("--archive", "archive"),
         ancestry=each("--ancestry", "ancestry"),
-        trials=lambda wildcards, input: [f"{Path(file).stem}={file}" for file in input.trials],
+        pieces=each("--pieces", "pieces"),
+        archives=each("--pieces", "archives"),
+        trials=lambda wildcards: [f"{k}={v}" for k, v in trials_of_release(wildcards).items()],
         contents=contents_of(region_meshes),
         code=code_of("gallery"),
     message:
-        "Writing the gallery"
+        "Writing the gallery of the release"
     shell:
         "egad gallery --settings {params.settings:q} --objects {input.objects:q}"
         " --meshes {input.meshes:q} --gripper {params.gripper:q} --scales {input.scales:q}"
-        " --grasps {input.grasps:q} --eval {input.evaluation:q} {params.archive:q}"
-        " {params.ancestry:q} --out {output.data:q} --page {output.page:q} --jobs {threads}"
-        " {params.trials:q} > {log:q} 2>&1"
+        " {params.grasps:q} --eval {input.evaluation:q} {params.archive:q} {params.ancestry:q}"
+        " {params.pieces:q} {params.archives:q} --out {output.data:q} --page {output.page:q}"
+        " --jobs {threads} {params.trials:q} > {log:q} 2>&1"

@@ -56,6 +56,7 @@ rule simulated_label:
     """Simulate the labelled grasps of the objects of a shard."""
     input:
         grasps="results/{dataset}/parts/grasps-{gripper}-{shard}.parquet",
+        convex_parts="results/{dataset}/parts/convex_parts-{gripper}-{shard}.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
     output:
         ensure("results/{dataset}/parts/simulated-{gripper}-{shard}.parquet", non_empty=True),
@@ -76,7 +77,7 @@ rule simulated_label:
         "Simulating grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
         "egad simulated-label --settings {params.settings:q} --grasps {input.grasps:q}"
-        " --meshes {params.meshes:q} --out {output:q} > {log:q} 2>&1"
+        " --convex-parts {input.convex_parts:q} --meshes {params.meshes:q} --out {output:q} > {log:q} 2>&1"
 
 
 use rule join as join_grasps with:

@@ -1,6 +1,6 @@
-"""Exports of labelled grasps and of images with grasps in the formats of other programs."""
+"""Exports of objects, labelled grasps and images in the formats of other programs."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,7 +9,15 @@ import typer
 
 from egad.errors import UserError
 from egad.pipeline.cli.common import TOOL, Config, Out, app, parse, settings_in
-from egad.pipeline.exports import Format, export_function, sources
+from egad.pipeline.exports import (
+    EVALUATION_SET,
+    OF_OBJECTS,
+    Format,
+    ObjectSet,
+    export_function,
+    last_files,
+    sources,
+)
 
 Dataset = Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")]
 Parts = Annotated[
@@ -25,26 +33,43 @@ def export(
     ending: Annotated[Format, typer.Option("--format", help="format to write")],
     config: Config = None,
     settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
+    objects: Annotated[
+        ObjectSet, typer.Option(help="which objects to write (formats of objects)")
+    ] = EVALUATION_SET,
     part: Parts = [],  # noqa: B006 (typer copies it)
 ) -> None:
-    """Export labelled grasps for Dex-Net or ACRONYM, or rendered images in other layouts."""
+    """Export objects for simulators and browsers, labelled grasps, or rendered images."""
     from egad.exchange import check_opening, grasp_table
     from egad.pipeline.parameters import declared, settings_type
     from egad.pipeline.provenance.record import run_recorded
 
-    run = export_function(ending)
-    reads = {name: dataset / file for name, file in sources(ending, gripper).items()}
+    run = export_function(ending, objects)
+    reads = {name: dataset / file for name, file in sources(ending, gripper, objects).items()}
+    if ending in OF_OBJECTS:
+        _check_made(dataset / file for file in last_files(ending, gripper, objects))
     if "grasps" in reads:
         reads["grasps"] = grasp_table(dataset, gripper)
     parsed: Any = _chosen(settings_type(run), settings, config, gripper)
     check_opening(dataset, gripper, parsed.gripper.opening)
     known = {"settings": parsed, "dataset": dataset, "gripper": gripper, "out": out, **reads}
+    known |= {"style": ending, "convex_parts": reads.get("convex_parts")}
     given = {each.name: known[each.name] for each in declared(run) if each.name in known}
     if ending == "dexnet":
         with _dexnet_parts(given, part, config) as parts:
             run_recorded(run, **given, parts=parts)
     else:
         run_recorded(run, **given)
+
+
+def _check_made(files: Iterable[Path]) -> None:
+    """Check that files of a run exist.
+
+    Raises:
+        UserError: One does not.
+    """
+    for file in files:
+        if not file.exists():
+            raise UserError(f"{file} is missing; make it first: snakemake --cores 2 {file}")
 
 
 @contextmanager

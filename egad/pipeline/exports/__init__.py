@@ -1,15 +1,23 @@
-"""Exports in the formats of other programs: each module is a format with the same name.
+"""Exports in the formats of other programs.
 
-Its function `run` reads what its parameters name (`SOURCES`) and writes the folder `out`. `egad
-export`, `targets.exports` and the rule `export` then know the format.
+Formats of grasps and images are modules: each is a format with the same name. Its function `run`
+reads what its parameters name (`SOURCES`) and writes the folder `out`. Formats of objects are those
+of `egad.exchange`, and `_objects.py` writes them all. `egad export`, `targets.exports` and the rule
+`export` know every format.
 """
 
 import importlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
+from egad.exchange import MeshFormat, PhysicsFormat
 from egad.pipeline.parameters import declared
+
+ObjectSet = Literal["evaluation-set", "all"]
+EVALUATION_SET, ALL = get_args(ObjectSet)
+OF_SURFACES = get_args(MeshFormat)
+OF_OBJECTS = (*OF_SURFACES, *get_args(PhysicsFormat))
 
 # what a format can read, by the name of its parameter: files of the folder of a dataset
 SOURCES = {
@@ -18,12 +26,16 @@ SOURCES = {
     "scales": "rescaled/{gripper}/scales.parquet",
     "grasps": "grasps/{gripper}.parquet",
     "images": "images/{gripper}",
+    "bundle": "bundle/{gripper}",
+    "convex_parts": "convex_parts/{gripper}.parquet",
 }
+# of folders, the file that is written last
+LAST = {"meshes": "scales.parquet", "images": "card.md", "bundle": "bundle.parquet"}
 
 
 def formats() -> list[str]:
     """The names of all formats; none of their modules is imported."""
-    return sorted(path.stem for path in Path(__file__).parent.glob("[!_]*.py"))
+    return sorted([*OF_OBJECTS, *(path.stem for path in Path(__file__).parent.glob("[!_]*.py"))])
 
 
 if TYPE_CHECKING:
@@ -32,13 +44,44 @@ else:
     Format = Literal[tuple(formats())]
 
 
-def export_function(name: str) -> Callable[..., Any]:
-    """The function that writes a format."""
-    found: Callable[..., Any] = importlib.import_module(f"egad.pipeline.exports.{name}").run
+def export_module(name: str) -> str:
+    """The module that writes a format."""
+    return f"{__name__}.{'_objects' if name in OF_OBJECTS else name}"
+
+
+def export_function(name: str, objects: ObjectSet = EVALUATION_SET) -> Callable[..., Any]:
+    """The function that writes a format.
+
+    Args:
+        name: The format.
+        objects: Which objects are written, for a format of objects.
+    """
+    module = importlib.import_module(export_module(name))
+    if name in OF_OBJECTS:
+        found: Callable[..., Any] = module.run_all if objects == ALL else module.run_evaluation_set
+    else:
+        found = module.run
     return found
 
 
-def sources(name: str, gripper: str) -> dict[str, str]:
-    """The files in the folder of a dataset that a format reads, by parameter."""
-    names = [each.name for each in declared(export_function(name))]
-    return {each: SOURCES[each].format(gripper=gripper) for each in names if each in SOURCES}
+def sources(name: str, gripper: str, objects: ObjectSet = EVALUATION_SET) -> dict[str, str]:
+    """The files in the folder of a dataset that a format reads, by parameter.
+
+    Args:
+        name: The format.
+        gripper: The name of the gripper.
+        objects: Which objects are written, for a format of objects.
+    """
+    names = [each.name for each in declared(export_function(name, objects))]
+    unused = {"convex_parts"} if name in OF_SURFACES else set()
+    return {
+        each: SOURCES[each].format(gripper=gripper)
+        for each in names
+        if each in SOURCES.keys() - unused
+    }
+
+
+def last_files(name: str, gripper: str, objects: ObjectSet = EVALUATION_SET) -> list[str]:
+    """The same as paths; for a folder, the file that is written last."""
+    found = sources(name, gripper, objects)
+    return [str(Path(path, LAST.get(each, ""))) for each, path in found.items()]

@@ -5,13 +5,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
 import pandas as pd
 
-from egad.exchange import VISUAL, read_mesh
-from egad.geometry import MassProperties
+from egad.exchange import read_simulation_object
 from egad.outcomes import Outcome
-from egad.pipeline.stages.bundle import MOMENTS
 from egad.sim import Model, model_of
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE
@@ -36,18 +33,8 @@ def model_in(bundle: Path, row: Row) -> Model:
         bundle: Its folder.
         row: Columns of `tables.evaluation.BUNDLE`.
     """
-    folder = bundle / row["label"]
-    xx, yy, zz, xy, xz, yz = (row[name] for name in MOMENTS)
-    mesh = read_mesh(folder / VISUAL, "m")
-    physics = MassProperties(
-        volume=row["volume"],
-        area=float(mesh.area),
-        com=np.array([row["com_x"], row["com_y"], row["com_z"]]),
-        mass=row["mass"],
-        inertia=np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
-    )
-    parts = [read_mesh(path, "m") for path in sorted((folder / "parts").iterdir())]
-    return model_of(mesh, parts, physics, row["volume_error"])
+    made = read_simulation_object(bundle, row)
+    return model_of(made.mesh, made.parts, made.physics, made.volume_error)
 
 
 def outlived(

@@ -22,6 +22,7 @@ from egad.exchange import is_simulated, read_mesh
 from egad.geometry.repair import repair
 from egad.map_elites import EvolutionParameters, Lineage
 from egad.map_elites.evaluation import express
+from egad.pipeline.config import Release
 from egad.pipeline.parameters import Input, Jobs, Output, command
 from egad.pipeline.stages.evolve import rules_of
 from egad.report.axes import AxisPair, axis_pair
@@ -47,7 +48,9 @@ SIMULATED = ["simulated_outcome", "simulated_success", "simulated_engine"]
 
 
 class Gallery(EvolutionParameters):
-    """The gallery: how genomes become shapes, the space, and the gripper of the grasps."""
+    """The gallery: how genomes become shapes, the space, and the gripper of the release."""
+
+    release: Release
 
 
 class Item(NamedTuple):
@@ -82,7 +85,7 @@ def run(
     trials: Annotated[dict[str, Path] | None, typer.Argument(), Input(names="trials")] = None,
     gripper: str = "",
     scales: Annotated[Path | None, Input()] = None,
-    grasps: Annotated[Path | None, Input()] = None,
+    grasps: Annotated[list[Path] | None, Input()] = None,
     evaluation: Annotated[Path | None, typer.Option("--eval"), Input()] = None,
     archive: Annotated[Path | None, Input()] = None,
     ancestry: Annotated[Path | None, Input()] = None,
@@ -101,19 +104,19 @@ def run(
         trials: Trials with the evaluation set as DETECTOR=trials.parquet.
         gripper: Name of the gripper of the grasps.
         scales: Scales of the objects for the gripper, in the folder of the scaled meshes.
-        grasps: Labelled grasps of the gripper.
+        grasps: Labelled grasps of the gripper, in one file or one for each shard.
         evaluation: Evaluation set.
         archive: Archive that the objects come from, with their genomes.
         ancestry: The objects of the archive and their ancestors.
-        pieces: Folders of the release beside the page, whose files it links to: `data`, `meshes`
-            and `archives`.
+        pieces: What the page links to beside itself: the folders `data` and `meshes` of the
+            release, and its archives.
         jobs: Processes; the result does not depend on it.
     """
     data = GalleryData(
         objects=parquet.read(objects, OBJECTS),
         gripper=gripper,
         factors=_factors(scales),
-        grasps=_grasps(grasps),
+        grasps=pd.concat(map(_grasps, grasps), ignore_index=True) if grasps else None,
         evaluation=parquet.read(evaluation, EVAL49) if evaluation else parquet.empty(EVAL49),
         trials={name: parquet.read(path, TRIALS) for name, path in (trials or {}).items()},
         lineage=Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None,
@@ -135,7 +138,7 @@ def run(
         _write_ancestors(data, settings, axes, folder, mapper)
         index = index_data(data.objects, settings.space, axes, data.member, settings.gripper)
         _write(folder, INDEX, data_script(INDEX, index))
-    write_text(page, gallery_page(data, axes, whole))
+    write_text(page, gallery_page(settings.release.title, data, axes, whole))
 
 
 def _factors(scales: Path | None) -> dict[str, float]:
@@ -146,10 +149,8 @@ def _factors(scales: Path | None) -> dict[str, float]:
     return dict(zip(table["label"], table["factor"], strict=True))
 
 
-def _grasps(path: Path | None) -> pd.DataFrame | None:
+def _grasps(path: Path) -> pd.DataFrame:
     """What the gallery shows of a table of grasps."""
-    if path is None:
-        return None
     names = [*VIEWED, *(SIMULATED if is_simulated(path) else [])]
     return parquet.read(path, pa.schema([SIMULATED_GRASPS.field(name) for name in names]))
 
@@ -164,13 +165,13 @@ def _links(pieces: list[Path]) -> tuple[list[Link], dict[str, list[Link]]]:
     """Links to files of the release: of the whole dataset, and of each object by its label."""
     own: dict[str, list[Link]] = defaultdict(list)
     whole = [Link("Dataset card", "README.md")] if pieces else []
-    for folder in pieces:
-        archives = sorted(folder.glob("*.zip"))
-        whole.extend(Link(path.name, file_link(folder.name, path.name)) for path in archives)
-        for path in sorted(folder.glob("*.glb")):
-            own[path.stem].append(Link("Mesh (GLB)", file_link(folder.name, path.name)))
-        for path in sorted(folder.glob("grasps/*.parquet")):
-            link = Link(f"Grasps, {path.name}", file_link(folder.name, "grasps", path.name))
+    for piece in pieces:
+        if piece.suffix == ".zip":
+            whole.append(Link(piece.name, file_link(piece.parent.name, piece.name)))
+        for path in sorted(piece.glob("*.glb")):
+            own[path.stem].append(Link("Mesh (GLB)", file_link(piece.name, path.name)))
+        for path in sorted(piece.glob("grasps/*.parquet")):
+            link = Link(f"Grasps, in {path.name}", file_link(piece.name, "grasps", path.name))
             for label in parquet.read(path, pa.schema([LABEL]))["label"].unique():
                 own[label].append(link)
     return whole, own

@@ -13,20 +13,22 @@ import trimesh
 from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
 from egad.errors import RejectedError, UserError
+from egad.evalset import simulation_object
 from egad.exchange import read_mesh
 from egad.outcomes import Outcome
-from egad.pipeline.config import Bundle, Material
+from egad.pipeline.config import Material
 from egad.pipeline.parameters import Input, Output, command
 from egad.pipeline.stages.bundled import ENGINE_TIME
 from egad.sim import (
     SimulatedGrasp,
     SimulatedLabelParameters,
-    build,
     chosen_grasps,
+    model_of,
     simulate_labels,
     with_simulated_labels,
 )
 from egad.tables import parquet
+from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS, SIMULATED_GRASPS
 
 log = logging.getLogger(__name__)
@@ -36,13 +38,13 @@ class SimulatedLabels(SimulatedLabelParameters):
     """Simulated labels of the grasps of a gripper."""
 
     material: Material
-    bundle: Bundle
 
 
 @command()
 def run(
     settings: SimulatedLabels,
     grasps: Annotated[Path, Input()],
+    convex_parts: Annotated[Path, Input()],
     meshes: Annotated[Path, Input()],
     out: Annotated[Path, Output()],
 ) -> None:
@@ -54,6 +56,7 @@ def run(
     Args:
         settings: Settings of this stage.
         grasps: Labelled grasps of the shard.
+        convex_parts: Convex parts of its objects.
         meshes: Folder of the scaled meshes.
         out: The same grasps with the columns of `tables.grasping.SIMULATED_GRASPS`.
     """
@@ -62,7 +65,7 @@ def run(
     phase("starting the simulator")
     limit = ENGINE_TIME * settings.simulated_label.grasps
     objects = labelled.groupby("label")
-    with Survivor(partial(simulator, settings, meshes), limit) as simulate:
+    with Survivor(partial(simulator, settings, convex_parts, meshes), limit) as simulate:
         for _, rows in progress(objects, "simulating grasps", objects.ngroups):
             labels = simulate(rows)
             found.append(_failed(rows, settings, Outcome.CRASHED) if labels is None else labels)
@@ -74,18 +77,19 @@ def run(
 
 @contextmanager
 def simulator(
-    settings: SimulatedLabels, meshes: Path
+    settings: SimulatedLabels, convex_parts: Path, meshes: Path
 ) -> Iterator[Callable[[pd.DataFrame], pd.DataFrame]]:
     """A function that adds simulated labels to the grasps of an object."""
+    parts = dict(iter(parquet.read(convex_parts, CONVEX_PARTS).groupby("label")))
 
     def simulate(rows: pd.DataFrame) -> pd.DataFrame:
         label = rows["label"].iloc[0]
         mesh = _read(meshes / f"{label}.obj")
-        try:
-            model = build(mesh, settings.material.density, settings.bundle)
-        except RejectedError as reason:
-            log.warning("%s cannot be simulated: %s", label, reason)
+        if label not in parts:
+            log.warning("%s cannot be simulated: it has no convex parts", label)
             return _failed(rows, settings, Outcome.FAILED)
+        made = simulation_object(mesh, settings.material.density, parts[label])
+        model = model_of(made.mesh, made.parts, made.physics, made.volume_error)
         return simulate_labels(model, rows, settings)
 
     yield simulate

@@ -10,18 +10,18 @@ from egad.report.gallery.sheets import COLUMNS, PER_SHEET
 from egad.report.page import render_template
 
 
-def gallery_page(data: GalleryData, axes: AxisPair, links: Sequence[Link]) -> str:
+def gallery_page(title: str, data: GalleryData, axes: AxisPair, links: Sequence[Link]) -> str:
     """The HTML page that shows the data in the folder beside it.
 
     Args:
+        title: Heading of the page.
         data: The dataset.
         axes: What the axes of the map are called.
         links: Files of the whole dataset to download.
     """
-    evolved = len(data.genomes) > 0
     return render_template(
         "gallery",
-        title=f"{'Evolved objects' if evolved else 'Objects'} for robot grasping",
+        title=title,
         facts=_facts(data),
         axes=axes,
         gripper=data.gripper,
@@ -35,7 +35,9 @@ def gallery_page(data: GalleryData, axes: AxisPair, links: Sequence[Link]) -> st
 def _facts(data: GalleryData) -> list[str]:
     """What the dataset is, in a few words each."""
     facts = [f"{len(data.objects)} objects"]
-    if data.grasps is not None:
-        note = "" if "simulated_success" in data.grasps else ", not simulated"
-        facts.append(f"{len(data.grasps)} grasps of {data.gripper}{note}")
+    if data.grasps is not None and "simulated_success" in data.grasps:
+        simulated = int(data.grasps["simulated_success"].notna().sum())
+        facts.append(f"{simulated} simulated grasps of {data.gripper}")
+    elif data.grasps is not None:
+        facts.append(f"{len(data.grasps)} grasps of {data.gripper}, not simulated")
     return facts

@@ -14,7 +14,7 @@ import trimesh
 
 import egad
 from egad.data import released
-from egad.pipeline.config import Settings
+from egad.pipeline.config import Settings, Space
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import gallery
 from egad.report.viewer import STEPS
@@ -24,7 +24,7 @@ from egad.tables.evolution import ARCHIVE, LINEAGE
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS
 
-SETTINGS = select(Settings(), gallery.Gallery, "egad_75mm")
+SETTINGS = select(Settings(space=Space(cells=5)), gallery.Gallery, "egad_75mm")
 HOSTILE = "a#b?c%41 & <b>'\"é"
 
 
@@ -85,7 +85,7 @@ def site(dataset, tmp_path_factory) -> Path:
     (site / "archives" / "usd.zip").touch()
     table = filled(pa.schema([LABEL]), label=[HOSTILE, HOSTILE])
     parquet.write(table, pa.schema([LABEL]), site / "data" / "grasps" / "train.parquet")
-    pieces = [site / name for name in ("data", "meshes", "archives")]
+    pieces = [site / name for name in ("data", "meshes", "archives/usd.zip")]
     return make(dataset, site, pieces=pieces, **lineage(dataset))
 
 

@@ -8,12 +8,14 @@ import pytest
 import trimesh
 
 from egad.errors import UserError
+from egad.evalset import Bundle, make_simulation_object, part_rows
 from egad.exchange.meshes import write_obj
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import simulated_label
 from egad.pipeline.stages.simulated_label import SimulatedLabels
 from egad.tables import parquet
+from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS, SIMULATED_GRASPS
 
 SETTINGS = select(
@@ -27,7 +29,7 @@ OPEN = trimesh.Trimesh(BOX.vertices, BOX.faces[1:], process=False)
 
 @pytest.fixture
 def shard(tmp_path):
-    """Grasps of a box, and of a surface that is no solid."""
+    """Grasps of a box, and of a surface that is no solid and has no convex parts."""
     rows = []
     for label in ("A00_0", "B00_0"):
         for number in range(3):
@@ -38,13 +40,17 @@ def shard(tmp_path):
                 | {"fits": True, "collision_free": number > 0}
             )
     parquet.write(pd.DataFrame(rows), GRASPS, tmp_path / "grasps.parquet")
+    parts = part_rows(make_simulation_object(BOX, 400, Bundle()))
+    table = parts.assign(label="A00_0", id="id-A00_0")
+    parquet.write(table, CONVEX_PARTS, tmp_path / "convex_parts.parquet")
     write_obj(BOX, tmp_path / "meshes/A00_0.obj")
     write_obj(OPEN, tmp_path / "meshes/B00_0.obj")
     return tmp_path
 
 
 def labels(shard):
-    simulated_label.run(SETTINGS, shard / "grasps.parquet", shard / "meshes", shard / "out.parquet")
+    files = (shard / name for name in ("grasps.parquet", "convex_parts.parquet", "meshes"))
+    simulated_label.run(SETTINGS, *files, shard / "out.parquet")
     return parquet.read(shard / "out.parquet", SIMULATED_GRASPS)
 
 

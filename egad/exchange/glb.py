@@ -1,0 +1,46 @@
+"""Objects as GLB (binary glTF 2.0), for browsers and Blender: the surface with a material.
+
+glTF is Y up. The z axis of the mesh points up in the file, so that a program that is Z up, such as
+Blender, shows the object in the frame of its mesh.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from egad._util.files import atomic_output
+from egad.exchange.object_meshes import GREY_LINEAR
+
+# (x, y, z) of the mesh becomes (x, z, -y) of the file.
+TO_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+ROUGHNESS = 0.7
+
+
+def write_glb(folder: Path, name: str, mesh: trimesh.Trimesh) -> None:
+    """Write `NAME.glb`, in metres, with a matt grey material.
+
+    It has no normals, which by glTF means that faces are flat.
+
+    Args:
+        folder: An existing folder.
+        name: Of the object.
+        mesh: Its surface, metres.
+    """
+    material = trimesh.visual.material.PBRMaterial(
+        name="grey",
+        baseColorFactor=(*GREY_LINEAR, 1.0),
+        metallicFactor=0.0,
+        roughnessFactor=ROUGHNESS,
+    )
+    turned = trimesh.Trimesh(
+        np.asarray(mesh.vertices) @ TO_Y_UP.T,
+        mesh.faces,
+        process=False,
+        visual=trimesh.visual.TextureVisuals(material=material),
+    )
+    scene = trimesh.Scene()
+    scene.add_geometry(turned, node_name=name, geom_name=name)
+    data = scene.export(file_type="glb")
+    with atomic_output(folder / f"{name}.glb") as temporary:
+        temporary.write_bytes(data)

@@ -1,0 +1,47 @@
+"""Mesh files of an object for simulators, which several formats refer to."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+from egad.evalset import SimulationObject
+from egad.exchange.meshes import write_obj
+
+VISUAL, PARTS = "visual.obj", "parts"
+GREY = (0.72, 0.74, 0.78)  # sRGB
+GREY_LINEAR = (0.48, 0.51, 0.57)  # the same color in linear RGB
+
+
+class MeshFiles(NamedTuple):
+    """Mesh files as a description names them.
+
+    Attributes:
+        visual: The true surface.
+        parts: Convex parts, which stand for it in contacts.
+    """
+
+    visual: str
+    parts: tuple[str, ...]
+
+    def within(self, folder: str) -> "MeshFiles":
+        """The same files, seen from the folder that holds this folder."""
+        return MeshFiles(
+            f"{folder}/{self.visual}", tuple(f"{folder}/{part}" for part in self.parts)
+        )
+
+
+def write_object_meshes(folder: Path, made: SimulationObject) -> MeshFiles:
+    """Write `visual.obj` and `parts/part-NNN.obj`, in metres.
+
+    Args:
+        folder: A new folder.
+        made: The object.
+
+    Returns:
+        The files, relative to the folder.
+    """
+    (folder / PARTS).mkdir(parents=True)
+    write_obj(made.mesh, folder / VISUAL)
+    parts = tuple(f"{PARTS}/part-{number:03d}.obj" for number in range(len(made.parts)))
+    for part, file in zip(made.parts, parts, strict=True):
+        write_obj(part, folder / file)
+    return MeshFiles(VISUAL, parts)

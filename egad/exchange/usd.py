@@ -1,0 +1,145 @@
+"""Objects as OpenUSD, for Isaac Sim, Isaac Lab and Newton: one rigid body in the frame of the mesh.
+
+    /NAME                    RigidBodyAPI, MassAPI
+    /NAME/visuals            instance of /Meshes/visuals: the true surface
+    /NAME/collisions         instance of /Meshes/collisions: a convex hull for each part
+    /NAME/PhysicsMaterial    friction, bound to the collisions
+
+Units are metres and kilograms, and Z is up. Copies of an object share its meshes, because the
+visuals and the collisions are instances. This module needs `usd-core`.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
+from scipy.spatial.transform import Rotation
+
+from egad.evalset import SimulationObject
+from egad.exchange.object_meshes import GREY_LINEAR
+from egad.exchange.poses import write_poses
+from egad.geometry import MassProperties
+
+Floats = NDArray[np.float64]
+MESHES = Sdf.Path("/Meshes")  # abstract: not part of the scene
+ROUGHNESS = 0.7
+
+
+def write_usd(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
+    """Write the folder `NAME` with `NAME.usd` (binary) and `poses.json`.
+
+    Args:
+        folder: Where the folder is made.
+        name: Of the object. Characters that a path of USD cannot have become `_` within the file.
+        made: The object.
+        friction: Static and dynamic friction.
+    """
+    (folder / name).mkdir(parents=True)
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    stage = Usd.Stage.Open(layer)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
+    body = UsdGeom.Xform.Define(stage, Sdf.Path("/" + Tf.MakeValidIdentifier(name)))
+    stage.SetDefaultPrim(body.GetPrim())
+    Usd.ModelAPI(body).SetKind(Kind.Tokens.component)
+    UsdPhysics.RigidBodyAPI.Apply(body.GetPrim())
+    _add_mass(body, made.physics)
+    _define_meshes(stage, made)
+    _add_instance(stage, body, "visuals")
+    collisions = _add_instance(stage, body, "collisions")
+    _bind_friction(stage, body.GetPath().AppendChild("PhysicsMaterial"), collisions, friction)
+    layer.Export(str(folder / name / f"{name}.usd"), args={"format": "usdc"})
+    write_poses(folder / name, made)
+
+
+def principal_axes(inertia: Floats) -> tuple[Floats, Floats]:
+    """The principal moments of inertia and the rotation to their axes.
+
+    Args:
+        inertia: About the center of mass, (3, 3), kg m2.
+
+    Returns:
+        The moments (3,), ascending, and a quaternion (w, x, y, z) with w >= 0. The rotation maps
+        from the principal axes to the frame of the inertia.
+    """
+    values, axes = np.linalg.eigh(inertia)
+    largest = axes[np.abs(axes).argmax(axis=0), range(3)]
+    axes = axes * np.sign(largest)  # LAPACK leaves the signs open
+    axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])  # right-handed
+    x, y, z, w = Rotation.from_matrix(axes).as_quat(canonical=True)
+    return values, np.array([w, x, y, z])
+
+
+def _add_mass(body: UsdGeom.Xform, physics: MassProperties) -> None:
+    values, (w, x, y, z) = principal_axes(physics.inertia)
+    mass = UsdPhysics.MassAPI.Apply(body.GetPrim())
+    mass.CreateMassAttr(physics.mass)
+    mass.CreateCenterOfMassAttr(Gf.Vec3f(*physics.com.tolist()))
+    mass.CreateDiagonalInertiaAttr(Gf.Vec3f(*values.tolist()))
+    mass.CreatePrincipalAxesAttr(Gf.Quatf(w, x, y, z))
+
+
+def _define_meshes(stage: Usd.Stage, made: SimulationObject) -> None:
+    """The meshes that the instances refer to."""
+    stage.CreateClassPrim(MESHES)
+    visuals = UsdGeom.Xform.Define(stage, MESHES.AppendChild("visuals"))
+    surface = _define_mesh(stage, visuals.GetPath().AppendChild("surface"), made.mesh)
+    grey = _define_grey(stage, visuals.GetPath().AppendChild("grey"))
+    UsdShade.MaterialBindingAPI.Apply(surface.GetPrim()).Bind(grey)
+    collisions = UsdGeom.Xform.Define(stage, MESHES.AppendChild("collisions"))
+    collisions.CreatePurposeAttr(UsdGeom.Tokens.guide)
+    for number, part in enumerate(made.parts):
+        path = collisions.GetPath().AppendChild(f"part_{number:03d}")
+        prim = _define_mesh(stage, path, part).GetPrim()
+        UsdPhysics.CollisionAPI.Apply(prim)
+        hull = UsdPhysics.MeshCollisionAPI.Apply(prim)
+        hull.CreateApproximationAttr(UsdPhysics.Tokens.convexHull)
+
+
+def _define_mesh(stage: Usd.Stage, path: Sdf.Path, mesh: trimesh.Trimesh) -> UsdGeom.Mesh:
+    """A triangle mesh with flat faces."""
+    prim = UsdGeom.Mesh.Define(stage, path)
+    points = Vt.Vec3fArray.FromNumpy(np.asarray(mesh.vertices, dtype=np.float32))
+    corners = np.asarray(mesh.faces, dtype=np.int32)
+    prim.CreatePointsAttr(points)
+    prim.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(corners), 3, np.int32)))
+    prim.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners.ravel()))
+    normals = np.repeat(np.asarray(mesh.face_normals, dtype=np.float32), 3, axis=0)
+    prim.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals))
+    prim.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
+    prim.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    prim.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(points))
+    return prim
+
+
+def _define_grey(stage: Usd.Stage, path: Sdf.Path) -> UsdShade.Material:
+    material = UsdShade.Material.Define(stage, path)
+    shader = UsdShade.Shader.Define(stage, path.AppendChild("preview"))
+    shader.CreateIdAttr("UsdPreviewSurface")
+    color = shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
+    color.Set(Gf.Vec3f(*GREY_LINEAR))
+    shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(ROUGHNESS)
+    surface = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+    material.CreateSurfaceOutput().ConnectToSource(surface)
+    return material
+
+
+def _add_instance(stage: Usd.Stage, body: UsdGeom.Xform, name: str) -> Usd.Prim:
+    """A child of the body that is an instance of the meshes of that name."""
+    prim = UsdGeom.Xform.Define(stage, body.GetPath().AppendChild(name)).GetPrim()
+    prim.GetReferences().AddInternalReference(MESHES.AppendChild(name))
+    prim.SetInstanceable(True)
+    return prim
+
+
+def _bind_friction(stage: Usd.Stage, path: Sdf.Path, prim: Usd.Prim, friction: float) -> None:
+    material = UsdShade.Material.Define(stage, path)
+    physics = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
+    physics.CreateStaticFrictionAttr(friction)
+    physics.CreateDynamicFrictionAttr(friction)
+    physics.CreateRestitutionAttr(0.0)
+    binding = UsdShade.MaterialBindingAPI.Apply(prim)
+    binding.Bind(material, UsdShade.Tokens.weakerThanDescendants, "physics")

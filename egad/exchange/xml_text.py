@@ -1,0 +1,31 @@
+"""Text of XML descriptions: numbers, inertia and the document."""
+
+from xml.etree import ElementTree
+
+import numpy as np
+
+from egad.geometry import MassProperties
+
+MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+
+
+def number_text(*values: float) -> str:
+    """Numbers separated by spaces, with enough digits to read them back."""
+    return " ".join(repr(float(value)) for value in values)
+
+
+def moments(physics: MassProperties) -> dict[str, float]:
+    """The moments of inertia about the center of mass, kg m2, by their names in URDF and SDFormat.
+
+    Args:
+        physics: Mass properties in the frame of the mesh.
+    """
+    tensor = physics.inertia
+    values = (*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2])
+    return {name: float(value) for name, value in zip(MOMENTS, values, strict=True)}
+
+
+def xml_document(root: ElementTree.Element) -> str:
+    """The document as indented text."""
+    ElementTree.indent(root)
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"

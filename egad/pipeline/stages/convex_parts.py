@@ -1,0 +1,63 @@
+"""convex-parts: the convex parts of the objects of a shard, scaled to a gripper."""
+
+import logging
+from pathlib import Path
+from typing import Annotated
+
+import pandas as pd
+
+from egad._util.progress import progress
+from egad.errors import RejectedError
+from egad.evalset import make_simulation_object, part_rows
+from egad.exchange import read_mesh
+from egad.pipeline.config import Bundle, Material
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.parameters import Input, Output, Shard, command
+from egad.pipeline.stages.shards import rows_in_shard
+from egad.tables import parquet
+from egad.tables.evaluation import CONVEX_PARTS
+from egad.tables.objects import OBJECTS
+
+log = logging.getLogger(__name__)
+
+
+class ConvexParts(StageSettings):
+    """Convex parts of objects."""
+
+    material: Material
+    bundle: Bundle
+
+
+@command()
+def run(
+    settings: ConvexParts,
+    objects: Annotated[Path, Input()],
+    meshes: Annotated[Path, Input()],
+    shard: Shard,
+    out: Annotated[Path, Output("D/convex_parts/G.parquet", CONVEX_PARTS)],
+) -> None:
+    """Make the convex parts of the objects of a shard, which stand for them in simulators.
+
+    Args:
+        settings: Material, and how the parts are made.
+        objects: Objects of the dataset.
+        meshes: Folder of the scaled meshes.
+        shard: Number of this shard, and number of shards.
+        out: Convex parts of all objects, one row each, in the frame of
+            `D/rescaled/G/LABEL.obj`. An object that has none is missing, and the log says why. Made
+            if `targets.simulated_labels` is true, or ACRONYM files are asked for.
+    """
+    frame = rows_in_shard(parquet.read(objects, OBJECTS), *shard)
+    made = []
+    names = zip(frame["id"], frame["label"], strict=True)
+    for object_id, label in progress(names, "making convex parts", len(frame)):
+        try:
+            mesh = read_mesh(meshes / f"{label}.obj", "m")
+            found = make_simulation_object(mesh, settings.material.density, settings.bundle)
+        except RejectedError as reason:
+            log.warning("%s has no convex parts: %s", label, reason)
+        else:
+            made.append(part_rows(found).assign(label=label, id=object_id))
+    table = pd.concat(made) if made else parquet.empty(CONVEX_PARTS)
+    parquet.write(table, CONVEX_PARTS, out)
+    log.info("%d parts of %d objects", len(table), len(made))

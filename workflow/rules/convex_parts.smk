@@ -1,0 +1,54 @@
+"""Convex parts: what stands for each object in simulators.
+
+Inputs: results/D/objects.parquet, results/D/rescaled/G.
+Outputs: results/D/convex_parts/G.parquet, one row per part.
+Steps: shards of objects are decomposed, then the tables of the shards are joined. Simulated labels need
+the parts of a shard.
+"""
+
+
+rule convex_parts:
+    """Make the convex parts of the objects of a shard."""
+    input:
+        objects="results/{dataset}/objects.parquet",
+        scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
+    output:
+        ensure("results/{dataset}/parts/convex_parts-{gripper}-{shard}.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/convex_parts/{gripper}-{shard}.log",
+    benchmark:
+        "benchmarks/{dataset}/convex_parts/{gripper}-{shard}.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        **needs(mb=1500, minutes=60),
+    params:
+        settings=settings_of("convex_parts"),
+        meshes=subpath(input.scales, parent=True),
+        shards=len(SHARDS),
+        code=code_of("convex_parts"),
+    message:
+        "Making convex parts of {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
+    shell:
+        "egad convex-parts --settings {params.settings:q}"
+        " --shard {wildcards.shard} --shards {params.shards} --objects {input.objects:q}"
+        " --meshes {params.meshes:q} --out {output:q} > {log:q} 2>&1"
+
+
+use rule join as join_convex_parts with:
+    input:
+        parts("results/{dataset}/parts/convex_parts-{gripper}-{shard}.parquet"),
+    output:
+        ensure("results/{dataset}/convex_parts/{gripper}.parquet", non_empty=True),
+    log:
+        "logs/{dataset}/join_convex_parts/{gripper}.log",
+    benchmark:
+        "benchmarks/{dataset}/join_convex_parts/{gripper}.tsv"
+    resources:
+        **needs(mb=2000, minutes=10),
+    params:
+        by=["--by", "label", "--by", "part"],
+        code=code_of("join"),
+    message:
+        "Joining the convex parts of {wildcards.dataset} for {wildcards.gripper}"
