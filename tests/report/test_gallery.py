@@ -21,6 +21,7 @@ from egad.report.gallery.page import gallery_page
 from egad.report.viewer import LABELS, label_codes
 
 HOSTILE = "</script><script>alert(1)</script>"
+NETWORK = details.GenomeText("<svg/>", "output = x")
 MESH = trimesh.creation.box([0.03, 0.04, 0.05])
 
 
@@ -73,7 +74,7 @@ def data(objects, simulated, evalset, trials, lineage) -> GalleryData:
 
 
 def page_of(data: GalleryData, number: int) -> dict:
-    return details.object_data(data.page(data.objects.iloc[number]), MESH, USUAL)
+    return details.object_data(data.page(data.objects.iloc[number]), MESH, None, USUAL)
 
 
 def fact(page: dict, name: str) -> list:
@@ -155,7 +156,7 @@ def test_sizes_are_those_of_the_scaled_object(objects, data):
     row = objects.iloc[5].copy()
     row[["extents_x", "extents_y", "extents_z"]] = 0.1, 0.05, 0.02
     row[["mass", "volume", "area"]] = 0.4, 1e-4, 0.01
-    page = details.object_data(data.page(row), MESH, USUAL)
+    page = details.object_data(data.page(row), MESH, None, USUAL)
     assert fact(page, "size")[0] == "50 \N{MULTIPLICATION SIGN} 25 \N{MULTIPLICATION SIGN} 10"
     assert fact(page, "mass")[0] == pytest.approx(50)
     assert fact(page, "volume")[0] == pytest.approx(12.5)
@@ -172,7 +173,7 @@ def test_the_way_back_to_the_first_generation_needs_nothing_but_links(data, obje
             assert page["id"] == ids[first]
         else:
             row = data.ancestors.iloc[first[1]]
-            page = details.ancestor_data(row, None, data.relatives(row["id"]), USUAL)
+            page = details.ancestor_data(row, None, NETWORK, data.relatives(row["id"]), USUAL)
             assert page["id"] == row["id"] == first[0]
         steps += 1
     assert (page["id"], steps) == ("lost", 4)
@@ -188,7 +189,7 @@ def test_what_is_missing_is_left_out(objects, settings):
     _, page = read(data_script("x", page_of(data, 0)))
     assert fact(page, "quality")[1] is None
     assert "mass" not in {name for name, *_ in page["facts"]}
-    assert page["labels"] is page["relatives"] is None
+    assert page["labels"] is page["relatives"] is page["genome"] is None
     assert page["trials"] == page["links"] == []
     assert page["scene"]["counts"][2] == 0
 

@@ -16,7 +16,7 @@ import typer
 from egad._util.files import atomic_output, write_text
 from egad._util.progress import progress
 from egad._util.workers import Mapper, workers
-from egad.cppn import Rules, packed_surface
+from egad.cppn import Row, Rules, genome_text, packed_surface
 from egad.errors import RejectedError
 from egad.exchange import is_simulated, read_mesh
 from egad.geometry.repair import repair
@@ -27,11 +27,12 @@ from egad.pipeline.parameters import Input, Jobs, Output, command
 from egad.pipeline.stages.evolve import rules_of
 from egad.report.axes import AxisPair, axis_pair
 from egad.report.gallery.dataset import GalleryData
-from egad.report.gallery.details import Link, ObjectPage, ancestor_data, object_data
+from egad.report.gallery.details import GenomeText, Link, ObjectPage, ancestor_data, object_data
 from egad.report.gallery.files import ANCESTORS, INDEX, PAGES, SHEETS, data_script, file_link
 from egad.report.gallery.index import index_data
 from egad.report.gallery.page import gallery_page
 from egad.report.gallery.sheets import TILE, Place, ancestor_sheets, cell_ranks, sheet
+from egad.report.genome_drawing import genome_svg
 from egad.report.pictures import Pixels, render
 from egad.tables import parquet
 from egad.tables.columns import ID, LABEL
@@ -134,7 +135,7 @@ def run(
     with workers(jobs) as mapper, atomic_output(out) as folder:
         for name in (SHEETS, PAGES, ANCESTORS):
             (folder / name).mkdir(parents=True)
-        _write_objects(items, settings.space.cells, axes, folder, mapper)
+        _write_objects(items, settings, axes, folder, mapper)
         _write_ancestors(data, settings, axes, folder, mapper)
         index = index_data(data.objects, settings.space, axes, data.member, settings.gripper)
         _write(folder, INDEX, data_script(INDEX, index))
@@ -182,12 +183,15 @@ def _write(folder: Path, name: str, script: str) -> None:
 
 
 def _write_objects(
-    items: list[Item], cells: int, axes: AxisPair, folder: Path, mapper: Mapper
+    items: list[Item], settings: Gallery, axes: AxisPair, folder: Path, mapper: Mapper
 ) -> None:
     """Write the pages of the objects, and the sheets of their pictures."""
+    cells = settings.space.cells
     rows = pd.DataFrame([item.page.row for item in items], columns=OBJECTS.names)
     sheets: dict[int, dict[Place, Pixels]] = defaultdict(dict)
-    made = progress(mapper(partial(_object, axes=axes), items), "objects", len(items))
+    made = progress(
+        mapper(partial(_object, settings=settings, axes=axes), items), "objects", len(items)
+    )
     for item, rank, (script, picture) in zip(items, cell_ranks(rows), made, strict=True):
         row = item.page.row
         _write(folder / PAGES, row["label"], script)
@@ -197,10 +201,17 @@ def _write_objects(
         (folder / SHEETS / f"{rank}.webp").write_bytes(sheet(pictures, cells, cells))
 
 
-def _object(item: Item, axes: AxisPair) -> Made:
+def _object(item: Item, settings: Gallery, axes: AxisPair) -> Made:
     mesh = read_mesh(item.mesh, "m")
-    name = f"{PAGES}/{item.page.row['label']}"
-    return Made(data_script(name, object_data(item.page, mesh, axes)), render(mesh, TILE))
+    genome = None if item.page.genome is None else _genome(item.page.genome, settings)
+    content = object_data(item.page, mesh, genome, axes)
+    return Made(data_script(f"{PAGES}/{item.page.row['label']}", content), render(mesh, TILE))
+
+
+def _genome(row: Row, settings: Gallery) -> GenomeText:
+    regions = {name: getattr(settings, name) for name in ("envelope", "keep_solid", "hole")}
+    text = genome_text(row, shape=settings.shape, symmetry=settings.symmetry, regions=regions)
+    return GenomeText(genome_svg(row), text)
 
 
 def _write_ancestors(
@@ -222,7 +233,8 @@ def _write_ancestors(
 
 def _ancestor(item: Ancestor, settings: Gallery, rules: Rules, axes: AxisPair) -> Made:
     mesh = _grown(item.row, settings, rules)
-    content = ancestor_data(item.row, mesh, item.relatives, axes)
+    genome = _genome(item.row, settings)
+    content = ancestor_data(item.row, mesh, genome, item.relatives, axes)
     script = data_script(f"{ANCESTORS}/{item.number}", content)
     return Made(script, None if mesh is None else render(mesh, TILE))
 

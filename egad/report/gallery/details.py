@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import pandas as pd
@@ -71,6 +71,19 @@ class Relatives:
 
 
 @dataclass(frozen=True)
+class GenomeText:
+    """A genome for people to read.
+
+    Attributes:
+        drawing: The network, as an SVG file.
+        text: The network, as expressions.
+    """
+
+    drawing: str
+    text: str
+
+
+@dataclass(frozen=True)
 class ObjectPage:
     """What is known of an object.
 
@@ -96,18 +109,21 @@ class ObjectPage:
     links: Sequence[Link] = ()
 
 
-def object_data(page: ObjectPage, mesh: trimesh.Trimesh, axes: AxisPair) -> dict[str, Any]:
+def object_data(
+    page: ObjectPage, mesh: trimesh.Trimesh, genome: GenomeText | None, axes: AxisPair
+) -> dict[str, Any]:
     """The data of an object, ready for JSON.
 
     Args:
         page: What is known of it.
         mesh: At the size at which it is shown, metres.
+        genome: Its network; None if it has none.
         axes: What its measures are called.
 
     Returns:
         `id`; `facts`: name, value, standard error, unit and decimals of each measure; `scene` for
         the viewer; `labels`: number of grasps by label in simulation; `note`; `relatives`;
-        `trials`: detector, successes, attempts, ends of the 95 % interval; and `links`.
+        `genome`; `trials`: detector, successes, attempts, ends of the 95 % interval; and `links`.
     """
     grasps = page.grasps if page.grasps is not None else empty(GRASPS)
     counts = None if page.grasps is None else _label_counts(grasps)
@@ -120,6 +136,7 @@ def object_data(page: ObjectPage, mesh: trimesh.Trimesh, axes: AxisPair) -> dict
         "labels": counts,
         "note": page.note,
         "relatives": page.relatives,
+        "genome": genome and asdict(genome),
         "trials": [_trial(name, table) for name, table in sorted(page.trials.items())],
         "links": [[link.text, link.address] for link in page.links],
     }
@@ -128,6 +145,7 @@ def object_data(page: ObjectPage, mesh: trimesh.Trimesh, axes: AxisPair) -> dict
 def ancestor_data(
     row: Row,
     mesh: trimesh.Trimesh | None,
+    genome: GenomeText,
     relatives: Mapping[str, Any] | None,
     axes: AxisPair,
 ) -> dict[str, Any]:
@@ -136,6 +154,7 @@ def ancestor_data(
     Args:
         row: Columns of `tables.evolution.LINEAGE`.
         mesh: Its surface, metres; None if it could not be made from its genome.
+        genome: Its network.
         relatives: Of `Relatives.data`.
         axes: What its measures are called.
     """
@@ -151,6 +170,7 @@ def ancestor_data(
         "labels": None,
         "note": "" if mesh else "Its shape cannot be made again from its genome.",
         "relatives": relatives,
+        "genome": asdict(genome),
         "trials": [],
         "links": [],
     }

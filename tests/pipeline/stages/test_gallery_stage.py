@@ -102,6 +102,8 @@ def test_all_that_the_page_can_load_is_there(site):
         page = read(site / "gallery", f"ancestors/{number}")
         assert page["id"] == name
         assert page["scene"]["counts"][0] > 0  # its genome still gives the shape with this id
+        assert page["genome"]["drawing"].startswith("<svg")
+        assert "output = " in page["genome"]["text"]
     assert (site / "gallery" / "sheets" / "ancestors-0.webp").is_file()
 
 
