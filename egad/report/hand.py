@@ -14,7 +14,7 @@ from egad.tables.parquet import empty
 
 Floats = NDArray[np.float64]
 
-PAD_COLOR, APPROACH_COLOR = 3, 4  # numbers of the colors in viewer.js
+PAD_COLOR, APPROACH_COLOR = 3, 4  # numbers of the colors in scene3d.js
 PAD_THICKNESS = 4e-4  # metres, of what shows a pad
 ARROW = (0.03, 0.001)  # metres: length and radius of what shows the approach
 CHOICES = ("joint", "finger_links", "pad_links", "tcp", "closing_axis", "approach_axis")

@@ -15,7 +15,14 @@ from egad.pipeline.config import training_study
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config.check import check, with_engine
 from egad.pipeline.config.stage_settings import select
-from egad.pipeline.exports import OF_OBJECTS, export_function, export_module, formats, last_files
+from egad.pipeline.exports import (
+    OF_OBJECTS,
+    export_function,
+    export_module,
+    formats,
+    last_files,
+    sources,
+)
 from egad.pipeline.parameters import settings_type
 from egad.data import released, released_ancestry
 from egad.pipeline.display import start_display

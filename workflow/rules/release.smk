@@ -3,9 +3,9 @@
 Inputs: results/D/objects.parquet, results/D/eval49.parquet, results/D/ancestry.parquet,
 results/D/meshes, results/D/rescaled/G, results/D/convex_parts/G.parquet and the simulated grasps of
 all shards, for the dataset and the gripper of the section `release`.
-Outputs: results/release, a folder with tables, meshes, pictures, archives for simulators, a dataset
-card and checksums.
-Steps: tables, meshes, pictures and archives; then what explains them.
+Outputs: results/release, a folder with tables, meshes, pictures, archives for simulators, a gallery,
+a dataset card and checksums.
+Steps: tables, meshes, pictures and archives; the gallery (gallery.smk); then what explains them.
 """
 
 RELEASED = {"dataset": SETTINGS.release.dataset, "gripper": SETTINGS.release.gripper}
@@ -172,6 +172,8 @@ rule release_card:
         "results/release/meshes",
         "results/release/previews",
         archives_of_release,
+        "results/release/index.html",
+        "results/release/gallery",
     output:
         card=ensure("results/release/README.md", non_empty=True),
         croissant=ensure("results/release/croissant.json", non_empty=True),
