@@ -12,17 +12,25 @@ from numpy.typing import NDArray
 
 from egad._util.files import as_path
 from egad._util.parameters import ScaleRule
-from egad.cppn import Row, Shape, packed_surface, unpack
-from egad.data import evaluation_set, released, released_simulated
+from egad.cppn import (
+    Row,
+    Shape,
+    check_regrown,
+    check_resolution,
+    genome_mesh,
+    packed_surface,
+    unpack,
+)
+from egad.data import evaluation_set, released, released_ancestry, released_simulated
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange import read_mesh
 from egad.geometry import SIDE_FRACTION, check_units, rescale, wind_outwards
 from egad.geometry.repair import repair
 from egad.grippers import Gripper
-from egad.map_elites import Archive
+from egad.map_elites import Archive, Lineage
 from egad.measures import labels
 from egad.tables import parquet
-from egad.tables.evolution import ARCHIVE, GENOME
+from egad.tables.evolution import ARCHIVE, GENOME, LINEAGE
 from egad.tables.grasping import SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
 
@@ -38,6 +46,7 @@ class EvolvedObject:
         id: Hash of its voxels, or the name of its mesh file.
         label: Its name in the dataset: `M14_3` is the fourth object of cell (14, M).
         row: Its row of the table of the dataset.
+        shape: How its genome became voxels, and these a mesh.
     """
 
     def __init__(
@@ -45,7 +54,7 @@ class EvolvedObject:
     ) -> None:
         """Made by `Dataset`."""
         self.id, self.label, self.row = str(row["id"]), str(row["label"]), row
-        self._meshes, self._elite, self._shape = meshes, elite, shape
+        self._meshes, self._elite, self.shape = meshes, elite, shape
 
     def __repr__(self) -> str:
         return f"EvolvedObject({self.label!r})"
@@ -59,7 +68,30 @@ class EvolvedObject:
         """
         if self._meshes is not None:
             return _dataset_mesh(self._meshes / f"{self.label}.obj")
-        return repair(packed_surface(self._evolved["voxels"], self._shape)).mesh
+        return repair(packed_surface(self._evolved["voxels"], self.shape)).mesh
+
+    def mesh_at(self, resolution: int) -> trimesh.Trimesh:
+        """The closed surface at another resolution of its voxels, in metres.
+
+        At the resolution of the archive it is made from the voxels there, as `mesh` is. At others,
+        the genome is evaluated anew; see `egad.genome_mesh`.
+
+        Args:
+            resolution: Voxels along each side of the cube, 8 to 200.
+
+        Raises:
+            UserError: The object comes from a mesh, or was evolved within constraints, or the
+                resolution is out of range.
+            RejectedError: Nothing is left of it at this resolution.
+        """
+        check_resolution(resolution)
+        if resolution == self.shape.resolution:
+            return repair(packed_surface(self._evolved["voxels"], self.shape)).mesh
+        try:
+            check_regrown(self.genome, self.voxels, self.shape.threshold)
+        except UserError as error:
+            raise UserError(f"{self.label}: {error}") from error
+        return repair(genome_mesh(self.genome, resolution, shape=self.shape)).mesh
 
     @cached_property
     def voxels(self) -> NDArray[np.bool_]:
@@ -68,7 +100,7 @@ class EvolvedObject:
         Raises:
             UserError: The object comes from a mesh.
         """
-        return unpack(self._evolved["voxels"], self._shape.resolution)
+        return unpack(self._evolved["voxels"], self.shape.resolution)
 
     @cached_property
     def genome(self) -> Row:
@@ -99,15 +131,21 @@ class Dataset:
 
     Attributes:
         table: One row per object, sorted by label unless `select` gave them another order.
+        shape: How genomes became voxels, and these meshes.
     """
 
     def __init__(
-        self, table: pd.DataFrame, archive: pd.DataFrame | None, shape: Shape, meshes: Path | None
+        self,
+        table: pd.DataFrame,
+        archive: pd.DataFrame | None,
+        shape: Shape,
+        meshes: Path | None,
+        ancestry: Path | None,
     ) -> None:
         """Made by `load`."""
         self.table = table
         self._archive = None if archive is None else archive.set_index("id", drop=False)
-        self._shape, self._meshes = shape, meshes
+        self.shape, self._meshes, self._ancestry = shape, meshes, ancestry
         self._place = {str(name): i for key in ("id", "label") for i, name in enumerate(table[key])}
 
     def __len__(self) -> int:
@@ -144,7 +182,21 @@ class Dataset:
         wanted = names if isinstance(names, Iterable) and not isinstance(names, str) else [names]
         positions = list(dict.fromkeys(map(self._position, wanted)))
         table = self.table.iloc[positions].reset_index(drop=True)
-        return Dataset(table, self._archive, self._shape, self._meshes)
+        return Dataset(table, self._archive, self.shape, self._meshes, self._ancestry)
+
+    @cached_property
+    def lineage(self) -> Lineage:
+        """Parents, children and families of the objects, by their ids.
+
+        It also holds the ancestors, which need not be objects of the dataset. Objects that come
+        from the released archive have the lineage that egad ships.
+
+        Raises:
+            UserError: The dataset is an archive that is no file.
+        """
+        if self._ancestry is None:
+            raise UserError("an archive that `egad.evolve` returned has no lineage; a run has one")
+        return Lineage(parquet.read(self._ancestry, LINEAGE))
 
     def _position(self, name: object) -> int:
         """The row of an object in the table."""
@@ -162,7 +214,7 @@ class Dataset:
         elite = None
         if self._archive is not None and row["id"] in self._archive.index:
             elite = self._archive.loc[row["id"]]
-        return EvolvedObject(row, self._meshes, elite, self._shape)
+        return EvolvedObject(row, self._meshes, elite, self.shape)
 
 
 def load(source: str | Path | Archive = RELEASED) -> Dataset:
@@ -184,7 +236,7 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
         TableError: A table is damaged or of another version.
     """
     if isinstance(source, Archive):
-        return _from_archive(source.to_frame(), Shape())
+        return _from_archive(source.to_frame(), Shape(), None)
     if source == EVALUATION_SET:
         return _evaluation_set()
     path = released() if source == RELEASED else as_path("source", source)
@@ -192,15 +244,14 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
         archive = path / "archive.parquet"
         elites = parquet.read(archive, ARCHIVE) if archive.is_file() else None
         shape = _shape(archive) if elites is not None else Shape()
-        return Dataset(
-            parquet.read(path / "objects.parquet", OBJECTS), elites, shape, path / "meshes"
-        )
+        table = parquet.read(path / "objects.parquet", OBJECTS)
+        return Dataset(table, elites, shape, path / "meshes", _ancestry(path))
     if not path.is_file():
         raise UserError(
             f"{source} is neither {RELEASED!r}, nor {EVALUATION_SET!r}, nor a folder with "
             "objects.parquet, nor an archive"
         )
-    dataset = _from_archive(parquet.read(path, ARCHIVE), _shape(path))
+    dataset = _from_archive(parquet.read(path, ARCHIVE), _shape(path), _ancestry(path.parent))
     if source == RELEASED:
         dataset.table = _with_simulated(dataset.table)
     return dataset
@@ -212,7 +263,7 @@ def _evaluation_set() -> Dataset:
     known = load().table.set_index("id", drop=False)
     table = known.loc[chosen["id"]].assign(label=chosen["label"].to_numpy())
     elites = parquet.read(path, ARCHIVE)
-    return Dataset(table.reset_index(drop=True), elites, _shape(path), None)
+    return Dataset(table.reset_index(drop=True), elites, _shape(path), None, released_ancestry())
 
 
 def _with_simulated(table: pd.DataFrame) -> pd.DataFrame:
@@ -221,13 +272,19 @@ def _with_simulated(table: pd.DataFrame) -> pd.DataFrame:
     return table.join(simulated[["simulated_difficulty", "held_shaking"]], on="id")
 
 
-def _from_archive(elites: pd.DataFrame, shape: Shape) -> Dataset:
+def _ancestry(folder: Path) -> Path:
+    """The ancestors of the objects of a folder: its own table, or that of the released objects."""
+    path = folder / "ancestry.parquet"
+    return path if path.is_file() else released_ancestry()
+
+
+def _from_archive(elites: pd.DataFrame, shape: Shape, ancestry: Path | None) -> Dataset:
     """The objects of an archive: columns of `tables.evolution.ARCHIVE`, others are left out."""
     order = ["difficulty_cell", "complexity_cell", "slot"]
     elites = elites[ARCHIVE.names].sort_values(order, ignore_index=True)
     table = elites.drop(columns=[*GENOME.names, "voxels"])
     names = labels(table["complexity_cell"], table["difficulty_cell"])
-    return Dataset(table.assign(label=names), elites, shape, None)
+    return Dataset(table.assign(label=names), elites, shape, None, ancestry)
 
 
 def _shape(archive: Path) -> Shape:

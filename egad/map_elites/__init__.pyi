@@ -1,3 +1,4 @@
+from .ancestry import Lineage as Lineage
 from .ancestry import ancestors as ancestors
 from .archive import Archive as Archive
 from .archive import Elite as Elite

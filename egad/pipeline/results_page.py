@@ -14,12 +14,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-import pyarrow as pa
-
 from egad._util.files import write_text
 from egad.pipeline import exports, stages
 from egad.pipeline.cli.stages import described
 from egad.pipeline.parameters import Output, declared
+from egad.tables.columns import markdown_table
 
 PAGE = Path("results/README.md")
 TABLE = Path("docs/pipeline.md")
@@ -85,18 +84,13 @@ def page() -> str:
 def _section(artefact: Artefact) -> str:
     paths = ", ".join(f"`{output.path}`" for output in artefact.outputs)
     lines = [f"## {paths}", "", f"{artefact.meaning}.", ""]
-    tables = [output for output in artefact.outputs if output.schema is not None]
-    for output in tables:
+    for output in artefact.outputs:
+        if output.schema is None:
+            continue
         if len(artefact.outputs) > 1:
             lines += [f"`{output.path}`:", ""]
-        lines += ["| column | type | unit | meaning |", "| --- | --- | --- | --- |"]
-        lines += [*map(_row, output.schema or ()), ""]
+        lines += [*markdown_table(output.schema), ""]
     return "\n".join(lines)
-
-
-def _row(field: pa.Field) -> str:
-    meta = {key.decode(): value.decode() for key, value in field.metadata.items()}
-    return f"| `{field.name}` | {field.type} | {meta['unit']} | {meta['meaning']} |"
 
 
 def stage_table() -> str:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 from egad.measures import CustomMeasures, plugin_name
 
 ARROW = "\N{RIGHTWARDS ARROW}"
+MILLI = "\N{MULTIPLICATION SIGN}10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT THREE}"
 COMPARATIVES = {"simple": "simpler", "easy": "easier", "low": "lower", "high": "higher"}
 
 
@@ -40,6 +41,11 @@ class Axis:
     def long_label(self) -> str:
         """The same in full."""
         return f"{self.name}: {self.start} {ARROW} {self.end}"
+
+    @property
+    def printed_unit(self) -> str:
+        """The unit as it is set in pages, without a space before it."""
+        return self.unit.strip().replace("1e-3", MILLI)
 
     @property
     def before(self) -> str:

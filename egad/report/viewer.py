@@ -1,7 +1,7 @@
 """Objects in 3D with their labelled grasps: packed data, and a page with one object.
 
 Each object is one block of bytes, compressed, as base64. Coordinates are whole steps of its box.
-Vertices and faces are differences from the one before, which compress well. `viewer.js` unpacks
+Vertices and faces are differences from the one before, which compress well. `scene3d.js` unpacks
 them.
 """
 
@@ -23,6 +23,7 @@ from egad.errors import UserError
 from egad.geometry import check_mesh
 from egad.grasps import Grasps
 from egad.grippers import Gripper, as_gripper, finger_span
+from egad.report.hand_shape import best_grasp
 from egad.report.page import render_template
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
@@ -30,6 +31,7 @@ from egad.tables.parquet import empty
 STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm
 UNIT = 2**15 - 1
 METRICS = {"quality": "quality", "robust_quality": "robust quality"}
+LABELS = ("not simulated", "held", "failed", "in collision")
 NEARBY = 0.01  # of the longest side: contacts may be as far outside the box
 TOP = 0.98  # quantile of the quality that has the last color
 
@@ -43,9 +45,10 @@ class Scene:
         title: What else is to be said about it, in a few words.
         mesh: As it is grasped, metres.
         grasps: Columns contact0, contact1, approach (each with x, y and z), quality,
-            robust_quality and collision_free of `tables.grasping.GRASPS`, in the frame of the mesh.
+            robust_quality and collision_free of `tables.grasping.GRASPS`, in the frame of the mesh;
+            `simulated_success`, if it is there, is packed too.
         note: What to know, such as why it has no grasps.
-        paint: Number of a color in `viewer.js` for each face; all are gray if None.
+        paint: Number of a color in `scene3d.js` for each face; all are gray if None.
     """
 
     name: str
@@ -82,7 +85,8 @@ def pack(scene: Scene) -> dict[str, Any]:
         which coordinates become metres; and `data`: the following little-endian arrays, one after
         the other, compressed by zlib, as base64. Faces and vertices (see `_zigzag`), each metric
         (32-bit float), contacts (16 bit), approaches (signed 16 bit, in 1 / 32767), whether
-        the grasp is free of collision (8 bit), and colors of faces (8 bit), if it is `painted`.
+        the grasp is free of collision (8 bit), colors of faces (8 bit), if it is `painted`, and
+        positions in `LABELS` (8 bit), if the grasps are `labelled` by simulation.
     """
     vertices, faces = np.asarray(scene.mesh.vertices), np.asarray(scene.mesh.faces)
     origin = vertices.min(axis=0)
@@ -98,6 +102,9 @@ def pack(scene: Scene) -> dict[str, Any]:
         scene.grasps["collision_free"].to_numpy().astype("u1"),
         *([] if scene.paint is None else [scene.paint]),
     ]
+    labelled = "simulated_success" in scene.grasps
+    if labelled:
+        blocks.append(label_codes(scene.grasps))
     compressed = zlib.compress(b"".join(block.tobytes() for block in blocks), 9)
     return {
         "name": scene.name,
@@ -105,21 +112,42 @@ def pack(scene: Scene) -> dict[str, Any]:
         "note": scene.note,
         "counts": [len(vertices), len(faces), len(scene.grasps)],
         "painted": scene.paint is not None,
+        "labelled": labelled,
         "origin": origin.tolist(),
         "step": step,
         "data": base64.b64encode(compressed).decode(),
     }
 
 
+def label_codes(grasps: pd.DataFrame) -> NDArray[np.uint8]:
+    """What simulation says of grasps, as positions in `LABELS`.
+
+    Only collision-free grasps are simulated. Those without an outcome count as not simulated.
+
+    Args:
+        grasps: Columns simulated_success and collision_free.
+
+    Returns:
+        (n,).
+    """
+    free, held = grasps["collision_free"], grasps["simulated_success"]
+    codes = np.select([~free.astype(bool), held.isna(), held.eq(True)], [3, 0, 1], 2)
+    return codes.astype(np.uint8)
+
+
 def page(scene: Scene, name: str | None, gripper: Gripper) -> str:
-    """An HTML page with one object that needs no other file.
+    """An HTML page with one object that needs no other file, and the hand at its best grasp.
 
     Args:
         scene: The object.
         name: Name of the gripper, may be empty; None: it is not named.
         gripper: What the grasps are for.
     """
-    data = viewer_data([scene], gripper)
+    scenes = [scene]
+    if (held := best_grasp(scene.mesh, scene.grasps, gripper)) is not None:
+        mesh, paint = held
+        scenes.append(Scene("the hand at the best grasp", "", mesh, empty(GRASPS), paint=paint))
+    data = viewer_data(scenes, gripper)
     return render_template("view", scene=scene, name=name, gripper=gripper, viewer=data)
 
 

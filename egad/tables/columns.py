@@ -28,6 +28,20 @@ def optional(field: pa.Field) -> pa.Field:
     return field.with_metadata({**field.metadata, b"optional": b"true"})
 
 
+def meaning_of(field: pa.Field) -> tuple[str, str]:
+    """The meaning and the unit of a column that `column` made."""
+    return field.metadata[b"meaning"].decode(), field.metadata[b"unit"].decode()
+
+
+def markdown_table(schema: pa.Schema) -> list[str]:
+    """Columns with type, unit and meaning: the lines of a table in Markdown."""
+    lines = ["| column | type | unit | meaning |", "| --- | --- | --- | --- |"]
+    for field in schema:
+        meaning, unit = meaning_of(field)
+        lines.append(f"| `{field.name}` | {field.type} | {unit} | {meaning} |")
+    return lines
+
+
 def vector(
     name: str, meaning: str, unit: str = "", parts: str | tuple[str, ...] = "xyz"
 ) -> list[pa.Field]:

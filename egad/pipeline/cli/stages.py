@@ -146,12 +146,12 @@ def _value(parameter: Declared, words: Mapping[str, Any], texts: Mapping[str, st
     if parameter.mark(ShardOf):
         return tuple(words[name] for name in NUMBERS)
     value = words[parameter.name]
-    return files_by_name(value, texts[parameter.name]) if _by_name(parameter) else value
+    return files_by_name(value or [], texts[parameter.name]) if _by_name(parameter) else value
 
 
 def _by_name(parameter: Declared) -> bool:
-    """Whether a parameter is files by name."""
-    return bool(parameter.kind == dict[str, Path])
+    """Whether a parameter is files by name, which may be none if it has a default."""
+    return bool(parameter.kind in (dict[str, Path], dict[str, Path] | None))
 
 
 def files_by_name(words: list[str], needed: str) -> dict[str, Path]:

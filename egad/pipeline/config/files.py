@@ -85,6 +85,7 @@ RELEASED: Values = {
     "datasets": {"egad": {"source": "archive", "archive": "released"}},
     "grasp_label": {"grasps": 500},
     "trials": {"attempts": 20},
+    "release": {"archives": ["urdf", "mjcf", "usd"]},
 }
 PAPER: Values = {
     "shards": 32,

@@ -5,6 +5,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from egad._util.parameters import (
+    Fraction,
     FractionRange,
     Length,
     Name,
@@ -13,6 +14,7 @@ from egad._util.parameters import (
     ScaleRule,
     check_ascending,
 )
+from egad.exchange import PhysicsFormat
 from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
 from egad.measures import MAX_CANDIDATES
 from egad.pipeline.exports import EVALUATION_SET, Format, ObjectSet
@@ -145,13 +147,16 @@ class Targets(Parameters):
     export_objects: ObjectSet = Field(
         EVALUATION_SET, description="objects that exports in formats of objects have"
     )
+    difficulty: bool = Field(
+        False, description="whether to measure the difficulty of all objects for each gripper"
+    )
     agreement: bool = Field(
         False, description="whether to execute a sample of the labelled grasps in simulation"
     )
     simulated_labels: bool = Field(
         False,
-        description="whether to simulate labelled grasps of all objects; for ACRONYM files it is "
-        "done in any case",
+        description="whether to simulate labelled grasps of all objects; it is done in any case if "
+        "`exports` has acronym, graspgen, graspnet or isaac_grasp",
     )
     render: bool = Field(
         False, description="whether to render depth images with grasps for training"
@@ -214,3 +219,40 @@ class TrainingStudy(Parameters):
     references: list[Name] = Field(
         [], description="grasp detectors to compare with the networks, from the table above"
     )
+
+
+class Release(Parameters):
+    """The folder `results/release`, a dataset that anyone can host: docs/release.md."""
+
+    dataset: Name = Field("egad", description="dataset whose objects are released")
+    gripper: Name = Field(
+        "panda",
+        description="gripper that objects are scaled to and grasps are of, from the table below",
+    )
+    grasps: int = Field(
+        100,
+        ge=1,
+        description="most grasps per object; only grasps with a simulated label are released, of "
+        "which there are at most simulated_label.grasps",
+    )
+    validation: Fraction = Field(
+        0.15,
+        lt=1,
+        description="largest fraction of the objects outside the test split that are for "
+        "validation; whole families are",
+    )
+    archives: list[PhysicsFormat] = Field(
+        ["urdf", "mjcf"],
+        description="formats of the archives of objects for simulators; usd is installed with "
+        "`pip install 'egad[usd]'`",
+    )
+    title: str = Field(
+        "EGAD: evolved objects for robot grasping", description="name of the dataset for people"
+    )
+    version: str = Field("1.0.0", description="version of the dataset, as its card states it")
+    date: str | None = Field(
+        None,
+        pattern=r"^\d{4}-\d{2}-\d{2}$",
+        description="day of publication, YYYY-MM-DD, as its card states it",
+    )
+    url: str | None = Field(None, description="where the dataset is hosted, as its card states it")

@@ -21,6 +21,7 @@ from egad.pipeline.config.sections import (
     TRAINING_SETS,
     Dataset,
     Postprocess,
+    Release,
     Rescale,
     Schedule,
     Targets,
@@ -79,6 +80,7 @@ class Settings(Parameters):
     render: Render = Render()
     image_noise: ImageNoise = ImageNoise()
     training_study: TrainingStudy = TrainingStudy()
+    release: Release = Release()
     grippers: dict[Name, Gripper] = Field(
         GRIPPERS, min_length=1, description="all grippers, by name"
     )
@@ -110,6 +112,7 @@ class Settings(Parameters):
             *_unknown("training_study.tests", self.training_study.tests, self.datasets),
             *_unknown("training_study.references", self.training_study.references, self.detectors),
             *self._unknown_datasets_of_sets(),
+            *self._unknown_in_release(),
         ]
         evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]
         if len(evolved) > 1:
@@ -132,6 +135,15 @@ class Settings(Parameters):
             for name in used
             if (dataset := self.training_sets[name].dataset)
             for problem in _unknown(f"training_sets.{name}.dataset", [dataset], self.datasets)
+        ]
+
+    def _unknown_in_release(self) -> list[str]:
+        """Unknown names of the section, if it is given; its defaults may name what is missing."""
+        if "release" not in self.model_fields_set:
+            return []
+        return [
+            *_unknown("release.dataset", [self.release.dataset], self.datasets),
+            *_unknown("release.gripper", [self.release.gripper], self.grippers),
         ]
 
 

@@ -1,0 +1,75 @@
+"""Splits of a dataset into training, validation and test objects by family (ours).
+
+Evolution makes an object from others by small changes, so near relatives may look alike. A network
+that was trained on one of them has in a sense seen the other.
+"""
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
+
+from egad.map_elites import Lineage
+from egad.random import entropy
+
+
+def families(ids: Iterable[str], lineage: Lineage | None) -> dict[str, str]:
+    """The family of each object, by id: its founder along the line of first parents.
+
+    Args:
+        ids: Ids of the objects.
+        lineage: Their ancestors; None if they are not known: each object is then a family of its
+            own.
+
+    Raises:
+        UserError: The lineage lacks an object.
+    """
+    return {name: lineage.family(name) if lineage else name for name in ids}
+
+
+def with_parents_and_children(names: Iterable[str], lineage: Lineage | None) -> set[str]:
+    """Some objects, and all parents and children of them.
+
+    Args:
+        names: Ids of the objects.
+        lineage: Their ancestors; None if they are not known: nothing is added then.
+
+    Raises:
+        UserError: The lineage lacks an object.
+    """
+    found = set(names)
+    if lineage is None:
+        return found
+    return found.union(
+        *(lineage.parents(name) for name in found), *(lineage.children(name) for name in found)
+    )
+
+
+def family_splits(
+    family_of: Mapping[str, str], test: Collection[str], validation: float, seed: int
+) -> dict[str, str]:
+    """The split of each object: `train`, `validation` or `test`.
+
+    No family is in both training and validation. The largest families are for training, until it
+    has its part of the objects; all others are for validation. The result does not depend on the
+    order of the objects.
+
+    Args:
+        family_of: The family of each object, by id.
+        test: Ids of the objects for testing; those of other datasets are ignored.
+        validation: Largest fraction of the other objects that are for validation.
+        seed: Decides which of several families of the same size comes first.
+    """
+    held_out = set(test)
+    sizes = Counter(family for name, family in family_of.items() if name not in held_out)
+    order = sorted(sizes, key=lambda name: (-sizes[name], entropy(seed, "family split", name)))
+    wanted = (1 - validation) * sizes.total()
+    training: set[str] = set()
+    count = 0
+    for family in order:
+        if count >= wanted:
+            break
+        training.add(family)
+        count += sizes[family]
+    return {
+        name: "test" if name in held_out else "train" if family in training else "validation"
+        for name, family in family_of.items()
+    }

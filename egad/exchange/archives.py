@@ -1,0 +1,26 @@
+"""ZIP archives that have the same bytes whenever and wherever they are packed."""
+
+import zipfile
+from collections.abc import Iterable
+from pathlib import Path
+
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # the first time that a ZIP archive can note
+READABLE = 0o100644 << 16  # a plain file that everybody may read
+UNIX = 3
+
+
+def write_zip(path: Path, folders: Iterable[Path]) -> None:
+    """Pack all files of some folders; times and permissions are the same for all.
+
+    Args:
+        path: The archive.
+        folders: Folders, in whose order files are packed, sorted within each. Files are named
+            relative to their folder, so no two folders may have a file of the same name.
+    """
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
+        for folder in folders:
+            for file in sorted(each for each in folder.rglob("*") if each.is_file()):
+                entry = zipfile.ZipInfo(file.relative_to(folder).as_posix(), EARLIEST)
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                entry.create_system, entry.external_attr = UNIX, READABLE
+                archive.writestr(entry, file.read_bytes())

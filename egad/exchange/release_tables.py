@@ -1,0 +1,110 @@
+"""The rows of a dataset release, from the tables of a run (ours)."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.spatial.transform import Rotation
+
+from egad.grasps import Grasps
+from egad.tables import parquet
+from egad.tables.grasping import SIMULATED_GRASPS
+from egad.tables.release import RELEASED_GRASPS
+
+MESH, PREVIEW = "meshes/{}.glb", "previews/{}.png"
+ROWS = 50_000  # of a file of grasps, at most: some 10 MB
+
+
+def with_files(table: pd.DataFrame, labels: Iterable[str]) -> pd.DataFrame:
+    """A table with the columns `mesh` and `preview`: files of objects in a release.
+
+    Args:
+        table: Any.
+        labels: Label of the object of each row.
+    """
+    names = list(labels)
+    return table.assign(
+        mesh=[MESH.format(name) for name in names],
+        preview=[PREVIEW.format(name) for name in names],
+    )
+
+
+def released_objects(
+    objects: pd.DataFrame,
+    scales: pd.DataFrame,
+    simulated: pd.DataFrame,
+    counts: Mapping[str, int],
+    evaluation: Iterable[str],
+) -> pd.DataFrame:
+    """Objects with what is known of them for one gripper.
+
+    Args:
+        objects: Columns of `tables.objects.OBJECTS`.
+        scales: Columns of `tables.grasping.SCALES`.
+        simulated: Columns of `tables.grasping.SIMULATED_OBJECTS`.
+        counts: Number of released grasps by label.
+        evaluation: Ids of the evaluation set.
+
+    Returns:
+        Columns of `tables.release.RELEASED_OBJECTS` without `split`, `family` and `gripper`, sorted
+        by label.
+    """
+    factors = scales.set_index("label")[["opening", "factor"]]
+    labels = simulated.drop(columns="id").set_index("label")
+    table = objects.join(factors.rename(columns={"factor": "scale_factor"}), on="label")
+    table = table.join(labels, on="label")
+    table = table.assign(
+        n_simulated=table["n_simulated"].fillna(0).astype(np.int32),
+        n_grasps=[counts.get(label, 0) for label in table["label"]],
+        in_evaluation_set=table["id"].isin(set(evaluation)),
+    )
+    return with_files(table, table["label"]).sort_values("label", ignore_index=True)
+
+
+def simulated_grasps(grasps: pd.DataFrame, most: int) -> pd.DataFrame:
+    """The grasps with a simulated label, of each object the first ones.
+
+    Args:
+        grasps: Columns of `tables.grasping.SIMULATED_GRASPS`.
+        most: Largest number per object.
+    """
+    known = grasps[grasps["simulated_outcome"].notna()].sort_values(["label", "grasp"])
+    return known.groupby("label").head(most)
+
+
+def released_grasps(grasps: pd.DataFrame) -> pd.DataFrame:
+    """Grasps with the rotation of the hand as a quaternion.
+
+    Args:
+        grasps: Columns of `tables.grasping.SIMULATED_GRASPS`.
+
+    Returns:
+        Columns of `tables.release.RELEASED_GRASPS` without `split`.
+    """
+    if not len(grasps):
+        return parquet.empty(RELEASED_GRASPS)
+    poses = Grasps(grasps[SIMULATED_GRASPS.names]).poses
+    turns = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True)
+    names = [f"hand_{part}" for part in ("qx", "qy", "qz", "qw")]
+    return grasps.reset_index(drop=True).join(pd.DataFrame(turns, columns=names))
+
+
+def in_files(
+    rows: pd.DataFrame, split: str, most: int = ROWS
+) -> Iterator[tuple[Path, pd.DataFrame]]:
+    """Cut the rows of a split into files of about the same length, at least one.
+
+    Args:
+        rows: Any table.
+        split: Name of the split.
+        most: Largest number of rows of a file.
+
+    Yields:
+        The name of a file, `SPLIT-NNNNN-of-NNNNN.parquet`, and its rows.
+    """
+    count = max(-(-len(rows) // most), 1)
+    bounds = np.linspace(0, len(rows), count + 1).round().astype(int)
+    for number in range(count):
+        name = Path(f"{split}-{number:05d}-of-{count:05d}.parquet")
+        yield name, rows.iloc[bounds[number] : bounds[number + 1]]

@@ -1,0 +1,135 @@
+"""release-card: what explains a dataset release, for people and for programs."""
+
+import json
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Annotated
+
+import pandas as pd
+
+from egad import __version__
+from egad._util.files import write_text
+from egad.exchange import (
+    ABSTRACT,
+    CREATOR,
+    LICENSE_URL,
+    OTHER_FILES,
+    PAPER,
+    TABLES,
+    TAGS,
+    Files,
+    ReleaseFacts,
+    citation_cff,
+    croissant,
+    dataset_card,
+    licence_text,
+)
+from egad.perception import SPLITS
+from egad.pipeline.config import Material, Quality, Release
+from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.parameters import Input, Output, command
+from egad.pipeline.provenance.graph import provenance_graph
+from egad.tables import parquet
+from egad.tables.release import RELEASED_OBJECTS
+
+PROGRAM = f"egad {__version__}"
+
+
+class ReleaseCard(StageSettings):
+    """What the card of a release says."""
+
+    release: Release
+    material: Material
+    quality: Quality
+
+
+@command()
+def run(
+    settings: ReleaseCard,
+    pieces: Annotated[list[Path], Input()],
+    out: Annotated[
+        Path,
+        Output("release/README.md"),
+        Output("release/croissant.json"),
+        Output("release/CITATION.cff"),
+        Output("release/LICENSE"),
+        Output("release/provenance.json"),
+        Output("release/SHA256SUMS"),
+    ],
+) -> None:
+    """Write the card of a release, its licence, citation, provenance and checksums.
+
+    Args:
+        settings: What the card says.
+        pieces: Files and folders that were made before.
+        out: What explains the folder `release`: a dataset card as Hugging Face reads it, the same
+            tables for tools that read Croissant, how to cite it, the licence of the data, what each
+            file was made from, and the checksums of all files. The rule `release` makes the folder.
+            See `docs/release.md`.
+    """
+    release = settings.release
+    objects = pd.concat(
+        parquet.read(out / "data/objects" / f"{split}.parquet", RELEASED_OBJECTS)
+        for split in SPLITS
+    )
+    files = [each for each in OTHER_FILES if any(out.glob(each.pattern))]
+    page = dataset_card(
+        _facts(settings, objects), objects, _success(out), _contents(out, [*TABLES, *files])
+    )
+    write_text(out / "README.md", page)
+    write_text(out / "croissant.json", croissant(_about(release), TABLES, files))
+    citation = citation_cff(release.title, release.version, release.date, release.url)
+    write_text(out / "CITATION.cff", citation)
+    write_text(out / "LICENSE", licence_text(release.title, release.version))
+    graph = {"program": PROGRAM, "files": provenance_graph(pieces, out)}
+    write_text(out / "provenance.json", json.dumps(graph, indent=1, sort_keys=True) + "\n")
+
+
+def _facts(settings: ReleaseCard, objects: pd.DataFrame) -> ReleaseFacts:
+    engines = objects["simulated_engine"].dropna().unique()
+    return ReleaseFacts(
+        title=f"{settings.release.title}, version {settings.release.version}",
+        gripper=settings.release.gripper,
+        opening=float(objects["opening"].max()),
+        density=settings.material.density,
+        friction=settings.quality.friction,
+        grasps=settings.release.grasps,
+        engine=" and ".join(sorted(engines)),
+        program=PROGRAM,
+    )
+
+
+def _success(out: Path) -> dict[str, float]:
+    """The share of the grasps with an outcome that held, by split."""
+    found = {}
+    for split in SPLITS:
+        paths = sorted((out / "data/grasps").glob(f"{split}-*.parquet"))
+        rows = [each for path in paths for each in parquet.batches(path, ["simulated_success"])]
+        judged = [held for each in rows for held in each["simulated_success"].dropna()]
+        if judged:
+            found[split] = sum(judged) / len(judged)
+    return found
+
+
+def _contents(out: Path, files: Iterable[Files]) -> Iterator[tuple[str, str, int, int]]:
+    """The pattern, meaning, number and bytes of the files of a release."""
+    for each in files:
+        sizes = [path.stat().st_size for path in out.glob(each.pattern)]
+        yield each.pattern, each.meaning, len(sizes), sum(sizes)
+
+
+def _about(release: Release) -> dict[str, object]:
+    """Properties of the dataset by the names of schema.org."""
+    paper = f"{PAPER['authors']}, {PAPER['title']}, {PAPER['journal']} {PAPER['year']}"
+    return {
+        "name": "egad",
+        "alternateName": release.title,
+        "description": ABSTRACT,
+        "license": LICENSE_URL,
+        "version": release.version,
+        "creator": {"@type": "sc:Organization", "name": CREATOR},
+        "citeAs": f"{paper}, doi:{PAPER['doi']}",
+        "keywords": TAGS,
+        "datePublished": release.date,
+        "url": release.url,
+    }

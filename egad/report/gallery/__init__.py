@@ -1,0 +1,1 @@
+"""The gallery: a static site with the map of a dataset and a page for each object."""

@@ -1,0 +1,245 @@
+"""What the page of an object or of an ancestor shows, loaded when it is opened."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import pandas as pd
+import trimesh
+
+from egad.map_elites import Lineage
+from egad.report.axes import AxisPair
+from egad.report.gallery.files import rounded
+from egad.report.viewer import LABELS, Scene, label_codes, pack
+from egad.stats import rate
+from egad.tables.grasping import GRASPS
+from egad.tables.parquet import empty
+
+SHOWN = 100  # grasps of an object in the viewer
+Row = Mapping[str, Any]
+Relative = str | list[Any]
+"""A released object by its label; an ancestor by its id and its number, which names its files."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """A file to download.
+
+    Attributes:
+        text: What it is.
+        address: Relative to the page.
+    """
+
+    text: str
+    address: str
+
+
+@dataclass(frozen=True)
+class Relatives:
+    """Who descends from whom, and how pages of relatives are called.
+
+    Attributes:
+        lineage: Of the objects and their ancestors.
+        labels: Labels of the released objects by id.
+        numbers: Numbers of the ancestors that are not released, by id.
+    """
+
+    lineage: Lineage
+    labels: Mapping[str, str]
+    numbers: Mapping[str, int]
+
+    def data(self, name: str) -> dict[str, list[Relative]]:
+        """The relatives of an object, ready for JSON.
+
+        Args:
+            name: Id of the object.
+
+        Returns:
+            `parents`, the first one first; `children`, the oldest first; and `line`: the line of
+            first parents, from the founder to the object.
+        """
+        line = self.lineage.line(name)
+        return {
+            "parents": self._named(self.lineage.parents(name)),
+            "children": self._named(self.lineage.children(name)),
+            "line": self._named(reversed(line)),
+        }
+
+    def _named(self, ids: Iterable[str]) -> list[Relative]:
+        return [self.labels.get(each) or [each, self.numbers[each]] for each in ids]
+
+
+@dataclass(frozen=True)
+class GenomeText:
+    """A genome for people to read.
+
+    Attributes:
+        drawing: The network, as an SVG file.
+        text: The network, as expressions.
+    """
+
+    drawing: str
+    text: str
+
+
+@dataclass(frozen=True)
+class ObjectPage:
+    """What is known of an object.
+
+    Attributes:
+        row: Columns of `tables.objects.OBJECTS`.
+        grasps: Columns of `tables.grasping.GRASPS`, or of `SIMULATED_GRASPS`; None if there are
+            no tables of grasps.
+        factor: Size at which it is shown over that in the dataset.
+        note: Why it has no grasps, or whatever else there is to know.
+        relatives: Of `Relatives.data`; None if there is no lineage.
+        genome: Columns of `tables.evolution.GENOME`; None if it has none.
+        trials: Attempts with the object by grasp detector: a column `success`.
+        links: Files to download.
+    """
+
+    row: Row
+    grasps: pd.DataFrame | None = None
+    factor: float = 1.0
+    note: str = ""
+    relatives: Mapping[str, Any] | None = None
+    genome: Row | None = None
+    trials: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    links: Sequence[Link] = ()
+
+
+def object_data(
+    page: ObjectPage, mesh: trimesh.Trimesh, genome: GenomeText | None, axes: AxisPair
+) -> dict[str, Any]:
+    """The data of an object, ready for JSON.
+
+    Args:
+        page: What is known of it.
+        mesh: At the size at which it is shown, metres.
+        genome: Its network; None if it has none.
+        axes: What its measures are called.
+
+    Returns:
+        `id`; `facts`: name, value, standard error, unit and decimals of each measure; `scene` for
+        the viewer; `labels`: number of grasps by label in simulation; `note`; `relatives`;
+        `genome`; `trials`: detector, successes, attempts, ends of the 95 % interval; and `links`.
+    """
+    grasps = page.grasps if page.grasps is not None else empty(GRASPS)
+    counts = None if page.grasps is None else _label_counts(grasps)
+    simulated = _simulated(counts) if counts else []
+    scene = Scene(str(page.row["label"]), "", mesh, grasps.head(SHOWN))
+    return {
+        "id": page.row["id"],
+        "facts": [*_measures(page.row, axes), *simulated, *_solid_facts(page.row, page.factor)],
+        "scene": pack(scene),
+        "labels": counts,
+        "note": page.note,
+        "relatives": page.relatives,
+        "genome": genome and asdict(genome),
+        "trials": [_trial(name, table) for name, table in sorted(page.trials.items())],
+        "links": [[link.text, link.address] for link in page.links],
+    }
+
+
+def ancestor_data(
+    row: Row,
+    mesh: trimesh.Trimesh | None,
+    genome: GenomeText,
+    relatives: Mapping[str, Any] | None,
+    axes: AxisPair,
+) -> dict[str, Any]:
+    """The data of an ancestor that is not released, ready for JSON.
+
+    Args:
+        row: Columns of `tables.evolution.LINEAGE`.
+        mesh: Its surface, metres; None if it could not be made from its genome.
+        genome: Its network.
+        relatives: Of `Relatives.data`.
+        axes: What its measures are called.
+    """
+    grown = [
+        ("epoch", row["epoch"], None, "", 0),
+        ("island", row["island"], None, "", 0),
+        ("step", row["step"], None, "", 0),
+    ]
+    return {
+        "id": str(row["id"]),
+        "facts": [*_measures(row, axes), *_facts(grown)],
+        "scene": mesh and pack(Scene(str(row["id"]), "", mesh, empty(GRASPS))),
+        "labels": None,
+        "note": "" if mesh else "Its shape cannot be made again from its genome.",
+        "relatives": relatives,
+        "genome": asdict(genome),
+        "trials": [],
+        "links": [],
+    }
+
+
+Fact = tuple[str, Any, float | None, str, int]
+"""Name, value, standard error, unit and decimals."""
+
+
+def _facts(found: Iterable[Fact]) -> list[list[Any]]:
+    """Facts whose value is known, ready for JSON."""
+    return [
+        [name, _number(value), rounded(error), unit, decimals]
+        for name, value, error, unit, decimals in found
+        if not pd.isna(value)
+    ]
+
+
+def _number(value: Any) -> Any:  # noqa: ANN401 (numbers and texts)
+    return value if isinstance(value, str) else rounded(float(value))
+
+
+def _measures(row: Row, axes: AxisPair) -> list[list[Any]]:
+    across, upwards = axes
+    error = row["difficulty_std"] * upwards.factor
+    return _facts(
+        [
+            (across.value, row["complexity"] * across.factor, None, across.printed_unit, 2),
+            (upwards.value, row["difficulty"] * upwards.factor, error, upwards.printed_unit, 2),
+            ("cell confidence", 100 * row["cell_confidence"], None, "%", 0),
+        ]
+    )
+
+
+def _solid_facts(row: Row, factor: float) -> list[list[Any]]:
+    """What is known of a solid, at the size at which it is shown."""
+    sides = sorted((1000 * factor * row[f"extents_{axis}"] for axis in "xyz"), reverse=True)
+    size = " \N{MULTIPLICATION SIGN} ".join(f"{side:.0f}" for side in sides)
+    return _facts(
+        [
+            ("diversity", row["diversity"], None, "", 3),
+            ("size", None if pd.isna(sides[0]) else size, None, "mm", 0),
+            ("mass", 1000 * factor**3 * row["mass"], None, "g", 0),
+            ("volume", 1e6 * factor**3 * row["volume"], None, "cm³", 1),
+            ("surface", 1e4 * factor**2 * row["area"], None, "cm²", 1),
+        ]
+    )
+
+
+def _label_counts(grasps: pd.DataFrame) -> list[int]:
+    """Number of grasps with each of `LABELS`; without simulation, only collisions are known."""
+    if "simulated_success" not in grasps:
+        grasps = grasps.assign(simulated_success=None)
+    codes = label_codes(grasps)
+    return [int((codes == code).sum()) for code in range(len(LABELS))]
+
+
+def _simulated(counts: list[int]) -> list[list[Any]]:
+    """The fraction of the simulated grasps that held, with its binomial standard error."""
+    held, simulated = counts[1], counts[1] + counts[2]
+    if not simulated:
+        return []
+    share = held / simulated
+    error = math.sqrt(share * (1 - share) / simulated)
+    return _facts([("simulated success", 100 * share, 100 * error, "%", 0)])
+
+
+def _trial(name: str, attempts: pd.DataFrame) -> list[Any]:
+    """Detector, successes, attempts and the ends of the interval."""
+    found = rate(attempts)
+    low, high = found.interval
+    return [name, found.successes, found.attempts, rounded(low), rounded(high)]

@@ -1,0 +1,97 @@
+"""The index of the gallery: what the first view shows, searches and filters."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from egad.grippers import Gripper, finger_span
+from egad.measures import Space
+from egad.report.axes import Axis, AxisPair
+from egad.report.gallery.files import FOLDER, SHEETS, file_link, rounded
+from egad.report.gallery.sheets import cell_ranks
+
+
+@dataclass(frozen=True)
+class Membership:
+    """What objects belong to, beyond the cell, and what simulation says of their grasps.
+
+    Attributes:
+        families: Name of the family by id of the object; empty if families are unknown.
+        places: Label in the evaluation set by id of the object.
+        simulated: Fraction of the simulated grasps that held, by id.
+    """
+
+    families: Mapping[str, str]
+    places: Mapping[str, str]
+    simulated: Mapping[str, float]
+
+
+def index_data(
+    objects: pd.DataFrame,
+    space: Space,
+    axes: AxisPair,
+    member: Membership,
+    gripper: Gripper | None = None,
+) -> dict[str, Any]:
+    """The data of the first view, ready for JSON.
+
+    Args:
+        objects: Columns of `tables.objects.OBJECTS`.
+        space: The cells.
+        axes: What the axes of the space are called.
+        member: What the objects belong to.
+        gripper: What the grasps are for; None without grasps.
+
+    Returns:
+        `finger`: from the contacts back to the palm, metres; `cells` along each axis; `sheets`:
+        their files; `measures`: key, name, unit, factor and decimals of what can be filtered;
+        `columns`: a list with one entry for each object, by name: label, id, column,
+        row, rank, family, place, and each measure.
+    """
+    ranks = cell_ranks(objects)
+    measures = _measures(axes, bool(member.simulated))
+    ids = objects["id"]
+    values = objects.assign(simulated=ids.map(dict(member.simulated)))
+    columns = {
+        "label": objects["label"].tolist(),
+        "id": ids.tolist(),
+        "column": objects["complexity_cell"].tolist(),
+        "row": objects["difficulty_cell"].tolist(),
+        "rank": ranks.tolist(),
+        "family": [member.families.get(each, "") for each in ids],
+        "place": [member.places.get(each, "") for each in ids],
+        "error": [rounded(value) for value in objects["difficulty_std"]],
+    }
+    for measure in measures:
+        key = str(measure["key"])
+        columns[key] = [rounded(value) for value in values[key]]
+    return {
+        "finger": 0.0 if gripper is None else -finger_span(gripper)[0],
+        "cells": space.cells,
+        "sheets": [sheet_file(rank) for rank in range(int(ranks.max(initial=-1)) + 1)],
+        "measures": measures,
+        "columns": columns,
+    }
+
+
+def sheet_file(rank: int) -> str:
+    """The link to the sheet of the objects of a rank."""
+    return file_link(FOLDER, SHEETS, f"{rank}.webp")
+
+
+def _measures(axes: AxisPair, simulated: bool) -> list[dict[str, Any]]:
+    """What can be filtered: as the axes call it, and in their units."""
+    found = [_measure("complexity", axes.across), _measure("difficulty", axes.upwards)]
+    if simulated:
+        found.append(_entry("simulated", "simulated success", "%", 100, 0))
+    return [*found, _entry("diversity", "diversity", "", 1, 3)]
+
+
+def _measure(key: str, axis: Axis) -> dict[str, Any]:
+    return _entry(key, axis.value, axis.printed_unit, axis.factor, 2)
+
+
+def _entry(key: str, name: str, unit: str, factor: int, decimals: int) -> dict[str, Any]:
+    return {"key": key, "name": name, "unit": unit, "factor": factor, "decimals": decimals}

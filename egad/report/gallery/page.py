@@ -1,0 +1,43 @@
+"""The page of the gallery, without the data."""
+
+from collections.abc import Sequence
+
+from egad.report.axes import AxisPair
+from egad.report.gallery.dataset import GalleryData
+from egad.report.gallery.details import Link
+from egad.report.gallery.files import FOLDER
+from egad.report.gallery.sheets import COLUMNS, PER_SHEET
+from egad.report.page import render_template
+
+
+def gallery_page(title: str, data: GalleryData, axes: AxisPair, links: Sequence[Link]) -> str:
+    """The HTML page that shows the data in the folder beside it.
+
+    Args:
+        title: Heading of the page.
+        data: The dataset.
+        axes: What the axes of the map are called.
+        links: Files of the whole dataset to download.
+    """
+    return render_template(
+        "gallery",
+        title=title,
+        facts=_facts(data),
+        axes=axes,
+        gripper=data.gripper,
+        links=links,
+        folder=FOLDER,
+        ancestor_columns=COLUMNS,
+        ancestors_per_sheet=PER_SHEET,
+    )
+
+
+def _facts(data: GalleryData) -> list[str]:
+    """What the dataset is, in a few words each."""
+    facts = [f"{len(data.objects)} objects"]
+    if data.grasps is not None and "simulated_success" in data.grasps:
+        simulated = int(data.grasps["simulated_success"].notna().sum())
+        facts.append(f"{simulated} simulated grasps of {data.gripper}")
+    elif data.grasps is not None:
+        facts.append(f"{len(data.grasps)} grasps of {data.gripper}, not simulated")
+    return facts

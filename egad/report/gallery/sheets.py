@@ -1,0 +1,67 @@
+"""Sheets: one image file with the pictures of many objects, for fast loading."""
+
+import io
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from PIL import Image
+
+from egad.report.pictures import Pixels
+
+TILE = 64  # pixels along each side of a picture
+COLUMNS = 16  # pictures in a row of a sheet of ancestors
+PER_SHEET = COLUMNS**2
+QUALITY = 75  # of WebP; at 64 pixels, no difference from a lossless file is visible
+
+Place = tuple[int, int]
+
+
+def cell_ranks(objects: pd.DataFrame) -> NDArray[np.int64]:
+    """The rank of each object in its cell: 0 is the most diverse one.
+
+    Sheet k of the objects has those of rank k, each at the place of its cell.
+
+    Args:
+        objects: Columns label, diversity, complexity_cell and difficulty_cell.
+
+    Returns:
+        (n,), in the order of the table.
+    """
+    ordered = objects.sort_values(["diversity", "label"], ascending=[False, True])
+    ranks = ordered.groupby(["complexity_cell", "difficulty_cell"]).cumcount()
+    return np.asarray(ranks.loc[objects.index], dtype=np.int64)
+
+
+def sheet(pictures: Mapping[Place, Pixels], columns: int, rows: int) -> bytes:
+    """Put pictures on a sheet.
+
+    Args:
+        pictures: Red, green, blue and alpha, (TILE, TILE, 4), by column and row from the top.
+        columns: Pictures in a row.
+        rows: Rows of the sheet.
+
+    Returns:
+        A WebP file; the same bytes for the same pictures and version of the encoder.
+    """
+    canvas = np.zeros((rows * TILE, columns * TILE, 4), np.uint8)
+    for (column, row), picture in pictures.items():
+        top, left = row * TILE, column * TILE
+        canvas[top : top + TILE, left : left + TILE] = picture
+    buffer = io.BytesIO()
+    Image.fromarray(canvas, "RGBA").save(buffer, "webp", quality=QUALITY, method=4)
+    return buffer.getvalue()
+
+
+def ancestor_sheets(pictures: Mapping[int, Pixels], count: int) -> Iterator[bytes]:
+    """The sheets of the ancestors, by their numbers: from the left and then downwards.
+
+    Args:
+        pictures: By number of the ancestor; some may have none.
+        count: Number of ancestors.
+    """
+    for start in range(0, count, PER_SHEET):
+        numbers = [number for number in range(start, start + PER_SHEET) if number in pictures]
+        places = {divmod(number - start, COLUMNS)[::-1]: pictures[number] for number in numbers}
+        yield sheet(places, COLUMNS, PER_SHEET // COLUMNS)

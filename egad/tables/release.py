@@ -1,0 +1,50 @@
+"""Tables of a dataset release: objects, grasps with simulated labels, the evaluation set."""
+
+import pyarrow as pa
+
+from egad.tables.columns import BOOL, FLOAT, INT, STRING, column, vector
+from egad.tables.evaluation import EVAL49
+from egad.tables.grasping import SIMULATED_GRASPS, SIMULATED_OBJECTS
+from egad.tables.objects import OBJECTS
+
+SPLIT = column("split", STRING, "train, validation or test; the same for all rows of an object")
+MESH = column("mesh", STRING, "file of the mesh in the release, not scaled")
+PREVIEW = column("preview", STRING, "file of a picture of the object in the release")
+
+RELEASED_OBJECTS = pa.schema(
+    [
+        *OBJECTS,
+        SPLIT,
+        column(
+            "family",
+            STRING,
+            "objects of a family have the same founder along the line of first parents; an object "
+            "whose ancestors are not known is a family of its own",
+        ),
+        column("in_evaluation_set", BOOL, "whether the object is in the evaluation set"),
+        column("gripper", STRING, "gripper that the object is scaled to"),
+        column("opening", FLOAT, "opening of the gripper", "m"),
+        column(
+            "scale_factor", FLOAT, "size of the scaled object / size of the mesh in the release"
+        ),
+        *[field for field in SIMULATED_OBJECTS if field.name not in ("id", "label")],
+        column("n_grasps", INT, "number of grasps of the object in the release"),
+        MESH,
+        PREVIEW,
+    ]
+)
+
+RELEASED_GRASPS = pa.schema(
+    [
+        *SIMULATED_GRASPS,
+        *vector(
+            "hand",
+            "rotation of the hand in the frame of the scaled object (x closing axis, z approach), "
+            "quaternion",
+            parts=("qx", "qy", "qz", "qw"),
+        ),
+        SPLIT,
+    ]
+)
+
+RELEASED_EVALUATION_SET = pa.schema([*EVAL49, MESH, PREVIEW])

@@ -1,0 +1,248 @@
+"""A small release, made by the commands: readers of others open it, and its checksums hold."""
+
+import hashlib
+import json
+import shutil
+import subprocess
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+import trimesh
+import yaml
+from commands import egad
+
+from egad.exchange.meshes import write_obj
+from egad.pipeline.config import Settings
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.provenance.verify import verify
+from egad.pipeline.stages.release_card import ReleaseCard
+from egad.pipeline.stages.release_tables import ReleaseTables
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49
+from egad.tables.evolution import LINEAGE
+from egad.tables.grasping import SCALES, SIMULATED_GRASPS
+from egad.tables.objects import OBJECTS
+from egad.tables.release import RELEASED_EVALUATION_SET, RELEASED_GRASPS, RELEASED_OBJECTS
+
+SETTINGS = Settings.model_validate({"release": {"grasps": 3, "validation": 0.4}})
+COUNT, GRASPS = 12, 5
+LABELS = [f"{'AB'[number % 2]}{number:02d}_0" for number in range(COUNT)]
+ROWS = {"objects": COUNT, "grasps": 3 * COUNT, "evaluation_set": 1}
+SCHEMAS = {
+    "objects": RELEASED_OBJECTS,
+    "grasps": RELEASED_GRASPS,
+    "evaluation_set": RELEASED_EVALUATION_SET,
+}
+
+
+def filled(schema, rows, **columns):
+    """A table with some columns given, and zeros, no, or empty texts in the others."""
+    empty = {"string": "", "bool": False, "double": 0.0, "int32": 0}
+    others = {
+        field.name: [empty.get(str(field.type), [])] * rows
+        for field in schema
+        if field.name not in columns
+    }
+    return pd.DataFrame({**others, **columns})
+
+
+def simulated(labels):
+    """Grasps of some objects: the last of each was not simulated, the second did not hold."""
+    count = len(labels) * GRASPS
+    number = np.tile(np.arange(GRASPS), len(labels))
+    rng = np.random.default_rng(count)
+    frames = np.linalg.qr(rng.normal(size=(count, 3, 3)))[0]
+    columns = {f"axis_{part}": frames[:, i, 0] for i, part in enumerate("xyz")}
+    columns |= {f"approach_{part}": frames[:, i, 2] for i, part in enumerate("xyz")}
+    was = number < GRASPS - 1
+    held = np.where(was, number != 1, None)
+    outcome = np.where(was, np.where(number == 1, "missed", "success"), None)
+    return filled(
+        SIMULATED_GRASPS,
+        count,
+        id=[f"id-{label}" for label in labels for _ in range(GRASPS)],
+        label=[label for label in labels for _ in range(GRASPS)],
+        grasp=number,
+        simulated_outcome=outcome,
+        simulated_success=held,
+        simulated_engine=np.where(was, "mujoco", None),
+        **columns,
+    )
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """The results of a run that the release is made from."""
+    folder = tmp_path_factory.mktemp("run")
+    ids = [f"id-{label}" for label in LABELS]
+    parquet.write(filled(OBJECTS, COUNT, id=ids, label=LABELS), OBJECTS, folder / "objects.parquet")
+    scales = filled(SCALES, COUNT, label=LABELS, factor=[0.5] * COUNT, opening=[0.08] * COUNT)
+    parquet.write(scales, SCALES, folder / "scales.parquet")
+    chosen = filled(EVAL49, 1, label=["A0"], id=ids[:1], object_label=LABELS[:1])
+    parquet.write(chosen, EVAL49, folder / "eval49.parquet")
+    # every third object is a founder; the others descend from the one before
+    parents = [[] if number % 3 == 0 else [ids[number - 1]] for number in range(COUNT)]
+    lineage = filled(LINEAGE, COUNT, id=ids, parents=parents)
+    parquet.write(lineage, LINEAGE, folder / "ancestry.parquet")
+    for number in (0, 1):
+        table = simulated(LABELS[number::2])
+        parquet.write(table, SIMULATED_GRASPS, folder / f"grasps-{number}.parquet")
+    parquet.write(simulated(LABELS), SIMULATED_GRASPS, folder / "grasps.parquet")
+    for number, label in enumerate(LABELS):
+        box = trimesh.creation.box((0.1, 0.1 + number / 100, 0.2))
+        write_obj(box, folder / "meshes" / f"{label}.obj")
+    return folder
+
+
+def make(run, folder, grasps=("grasps-0.parquet", "grasps-1.parquet")):
+    """Make the release by the commands of its stages."""
+    release, objects = folder / "release", ["--objects", run / "objects.parquet"]
+    tables = select(SETTINGS, ReleaseTables).model_dump_json()
+    given = [word for name in grasps for word in ("--grasps", run / name)]
+    given += ["--scales", run / "scales.parquet", "--eval", run / "eval49.parquet"]
+    given += ["--ancestry", run / "ancestry.parquet", "--out", release / "data"]
+    called = [("release-tables", "--settings", tables, *objects, *given)]
+    for name in ("meshes", "previews"):
+        words = ("--meshes", run / "meshes", "--out", release / name)
+        called.append((f"release-{name}", *objects, *words))
+    card = select(SETTINGS, ReleaseCard).model_dump_json()
+    pieces = [w for name in ("data", "meshes", "previews") for w in ("--pieces", release / name)]
+    called.append(("release-card", "--settings", card, *pieces, "--out", release))
+    for words in called:
+        done = egad(*words)
+        assert done.returncode == 0, done.stderr
+    return release
+
+
+@pytest.fixture(scope="module")
+def release(run, tmp_path_factory):
+    return make(run, tmp_path_factory.mktemp("made"))
+
+
+def tables(release, name):
+    return [pd.read_parquet(path) for path in sorted((release / "data" / name).glob("*.parquet"))]
+
+
+def test_the_checksums_are_those_that_another_program_computes(release):
+    words = ["sha256sum", "--check", "--strict", "SHA256SUMS"]
+    done = subprocess.run(words, cwd=release, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    listed = {line.partition(": ")[0] for line in done.stdout.splitlines()}
+    present = {str(path.relative_to(release)) for path in release.rglob("*") if path.is_file()}
+    assert listed == present - {"SHA256SUMS"}
+
+
+def test_the_same_bytes_for_any_number_of_shards(run, release, tmp_path):
+    again = make(run, tmp_path, ["grasps-1.parquet", "grasps-0.parquet"])
+    assert (
+        hashlib.sha256((again / "README.md").read_bytes()).digest()
+        == hashlib.sha256((release / "README.md").read_bytes()).digest()
+    )
+    whole = make(run, tmp_path / "whole", ["grasps.parquet"])
+    for name in ("objects", "grasps"):
+        for one, other in zip(tables(again, name), tables(release, name), strict=True):
+            pd.testing.assert_frame_equal(one, other)
+        assert [len(table) for table in tables(whole, name)] == [
+            len(table) for table in tables(release, name)
+        ]
+    twice = make(run, tmp_path / "twice")
+    for path in release.rglob("*"):
+        if path.is_file():
+            assert (twice / path.relative_to(release)).read_bytes() == path.read_bytes(), path
+
+
+def test_only_simulated_grasps_are_released_and_no_more_than_wanted(release):
+    grasps = pd.concat(tables(release, "grasps"))
+    assert grasps.groupby("label")["grasp"].apply(list).to_dict() == {
+        label: [0, 1, 2] for label in LABELS
+    }
+    assert grasps["simulated_success"].tolist() == [True, False, True] * COUNT
+    objects = pd.concat(tables(release, "objects"))
+    assert set(objects["n_grasps"]) == {3}
+    # of all simulated ones, also those that are not released
+    assert set(objects["n_simulated"]) == {GRASPS - 1}
+    assert set(objects["simulated_difficulty"]) == {(GRASPS - 2) / (GRASPS - 1)}
+
+
+def test_the_quaternion_turns_the_axes_of_the_hand(release):
+    grasps = pd.concat(tables(release, "grasps"))
+    for row in grasps.to_dict("records"):
+        x, y, z, w = (row[f"hand_q{part}"] for part in "xyzw")
+        matrix = trimesh.transformations.quaternion_matrix([w, x, y, z])
+        for column, name in ((0, "axis"), (2, "approach")):
+            wanted = [row[f"{name}_{part}"] for part in "xyz"]
+            assert np.allclose(matrix[:3, column], wanted, atol=1e-12)
+
+
+def test_every_file_that_a_table_names_is_there(release):
+    for table in (*tables(release, "objects"), *tables(release, ".")):
+        assert all((release / path).is_file() for path in [*table["mesh"], *table["preview"]])
+    mesh = trimesh.load(release / "meshes" / f"{LABELS[3]}.glb", force="mesh")
+    assert np.allclose(mesh.extents, (0.1, 0.2, 0.13))  # z of the box is up, y in the file
+
+
+def test_the_card_names_the_files_and_columns_that_are_there(release):
+    _, front, page = (release / "README.md").read_text(encoding="utf-8").split("---\n", 2)
+    fields = yaml.safe_load(front)
+    assert fields["license"] == "cc-by-4.0"
+    assert {config["config_name"] for config in fields["configs"]} == set(SCHEMAS)
+    for config in fields["configs"]:
+        for data in config["data_files"]:
+            paths = sorted(release.glob(data["path"]))
+            assert paths
+            for path in paths:
+                columns = pq.read_schema(path)
+                section = page.split(f"## Columns of `{config['config_name']}`")[1]
+                rows = [line for line in section.split("\n## ")[0].splitlines() if "| `" in line]
+                assert [row.split("`")[1] for row in rows] == columns.names
+                if data["split"] != "test" or config["config_name"] != "evaluation_set":
+                    assert set(pd.read_parquet(path)["split"]) <= {data["split"]}
+    croissant = json.loads((release / "croissant.json").read_text(encoding="utf-8"))
+    described = {each["name"]: each["field"] for each in croissant["recordSet"]}
+    assert {name: [f["name"] for f in found] for name, found in described.items()} == {
+        name: schema.names for name, schema in SCHEMAS.items()
+    }
+
+
+def test_citation_and_provenance_are_readable(release):
+    cited = yaml.safe_load((release / "CITATION.cff").read_text(encoding="utf-8"))
+    assert (cited["type"], cited["license"]) == ("dataset", "CC-BY-4.0")
+    assert cited["references"][0]["authors"][0] == {
+        "family-names": "Morrison",
+        "given-names": "Douglas",
+    }
+    graph = json.loads((release / "provenance.json").read_text(encoding="utf-8"))["files"]
+    assert {graph[name]["stage"] for name in ("data", "meshes", "previews")} == {
+        "release_tables",
+        "release_meshes",
+        "release_previews",
+    }
+    assert str(release) not in json.dumps(graph)
+    assert verify(release).problems == {}
+
+
+def test_a_damaged_file_is_noticed(release, tmp_path):
+    copy = shutil.copytree(release, tmp_path / "copy")
+    path = copy / "data/objects/train.parquet"
+    path.write_bytes(path.read_bytes()[:-100] + bytes(100))
+    done = subprocess.run(["sha256sum", "--check", "--status", "SHA256SUMS"], cwd=copy, check=False)
+    assert done.returncode != 0
+
+
+def test_datasets_streams_it(release):
+    datasets = pytest.importorskip("datasets")
+    for name, schema in SCHEMAS.items():
+        found = datasets.load_dataset(str(release), name, streaming=True)
+        rows = [row for split in found.values() for row in split]
+        assert len(rows) == ROWS[name]
+        assert list(rows[0]) == schema.names
+
+
+def test_mlcroissant_iterates_over_it(release):
+    mlcroissant = pytest.importorskip("mlcroissant")
+    dataset = mlcroissant.Dataset(jsonld=release / "croissant.json")
+    assert not dataset.metadata.issues.errors
+    for name, count in ROWS.items():
+        assert len(list(dataset.records(name))) == count

@@ -1,0 +1,81 @@
+"""Gallery: a page of the release with a map of all objects and a view of each of them.
+
+Inputs: results/D/objects.parquet, results/D/meshes, results/D/rescaled/G, the simulated grasps of all
+shards and results/D/eval49.parquet, for the dataset and the gripper of the section `release`; trials
+of the targets with its evaluation set; results/D/archive.parquet and results/D/ancestry.parquet, if
+the objects have genomes; other files of results/release, to link to them.
+Outputs: results/release/index.html, and its data in results/release/gallery.
+"""
+
+
+def archive_of_release(wildcards):
+    """The archive of the objects, if they come from one."""
+    name = RELEASED["dataset"]
+    return [f"results/{name}/archive.parquet"] if name in [*EVOLVED, *GIVEN] else []
+
+
+def trials_of_release(wildcards):
+    """The trials of the targets with the evaluation set of the release, by detector and gripper."""
+    targets, name = SETTINGS.targets, RELEASED["dataset"]
+    if name not in targets.datasets:
+        return {}
+    return {
+        f"{detector} with {gripper}": f"results/{name}/trials/{gripper}/{detector}.parquet"
+        for gripper in targets.grippers
+        for detector in targets.detectors
+    }
+
+
+def settings_of_gallery(wildcards):
+    """The settings that the stage reads, with the gripper of the release."""
+    kind = settings_type(stage_function("gallery"))
+    return _as_json(select(SETTINGS, kind, RELEASED["gripper"]))
+
+
+rule gallery:
+    """Write the gallery of the release."""
+    input:
+        objects=of_release("results/{dataset}/objects.parquet"),
+        meshes=of_release("results/{dataset}/meshes"),
+        scales=of_release("results/{dataset}/rescaled/{gripper}/scales.parquet"),
+        grasps=of_release(
+            "results/{dataset}/parts/simulated-{gripper}-{shard}.parquet", shard=SHARDS
+        ),
+        evaluation=of_release("results/{dataset}/eval49.parquet"),
+        trials=lambda wildcards: list(trials_of_release(wildcards).values()),
+        archive=archive_of_release,
+        ancestry=ancestry_of_release,
+        regions=region_meshes,
+        pieces=["results/release/data", "results/release/meshes"],
+        archives=archives_of_release,
+    output:
+        page=ensure("results/release/index.html", non_empty=True),
+        data=directory("results/release/gallery"),
+    log:
+        "logs/release/gallery.log",
+    benchmark:
+        "benchmarks/release/gallery.tsv"
+    conda:
+        ENVIRONMENT
+    threads: SIDE_BY_SIDE
+    resources:
+        **needs(mb=2000, mb_per_thread=500, minutes=60),
+    params:
+        settings=settings_of_gallery,
+        gripper=RELEASED["gripper"],
+        grasps=each("--grasps", "grasps"),
+        archive=each("--archive", "archive"),
+        ancestry=each("--ancestry", "ancestry"),
+        pieces=each("--pieces", "pieces"),
+        archives=each("--pieces", "archives"),
+        trials=lambda wildcards: [f"{k}={v}" for k, v in trials_of_release(wildcards).items()],
+        contents=contents_of(region_meshes),
+        code=code_of("gallery"),
+    message:
+        "Writing the gallery of the release"
+    shell:
+        "egad gallery --settings {params.settings:q} --objects {input.objects:q}"
+        " --meshes {input.meshes:q} --gripper {params.gripper:q} --scales {input.scales:q}"
+        " {params.grasps:q} --eval {input.evaluation:q} {params.archive:q} {params.ancestry:q}"
+        " {params.pieces:q} {params.archives:q} --out {output.data:q} --page {output.page:q}"
+        " --jobs {threads} {params.trials:q} > {log:q} 2>&1"

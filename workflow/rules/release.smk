@@ -1,0 +1,208 @@
+"""Release: a dataset that anyone can host, made by the target `release`.
+
+Inputs: results/D/objects.parquet, results/D/eval49.parquet, results/D/ancestry.parquet,
+results/D/meshes, results/D/rescaled/G, results/D/convex_parts/G.parquet and the simulated grasps of
+all shards, for the dataset and the gripper of the section `release`.
+Outputs: results/release, a folder with tables, meshes, pictures, archives for simulators, a gallery,
+a dataset card and checksums.
+Steps: tables, meshes, pictures and archives; the gallery (gallery.smk); then what explains them.
+"""
+
+RELEASED = {"dataset": SETTINGS.release.dataset, "gripper": SETTINGS.release.gripper}
+
+
+def of_release(pattern, **more):
+    """A function that gives the files of the dataset and the gripper of the release.
+
+    Their names are checked only when the release is asked for.
+    """
+
+    def files(wildcards):
+        for key, table in (("dataset", SETTINGS.datasets), ("gripper", SETTINGS.grippers)):
+            if RELEASED[key] not in table:
+                raise WorkflowError(
+                    f"release.{key}: {RELEASED[key]!r} is not defined; known: {', '.join(table)}"
+                )
+        return expand(pattern, **RELEASED, **more)
+
+    return files
+
+
+def ancestry_of_release(wildcards):
+    """The ancestors of the objects, if they are known."""
+    name = RELEASED["dataset"]
+    if name in EVOLVED:
+        return [f"results/{name}/ancestry.parquet"]
+    return [str(released_ancestry())] if GIVEN.get(name) == str(released()) else []
+
+
+def archives_of_release(wildcards):
+    """The archives for simulators, if what writes them is installed."""
+    try:
+        for name in SETTINGS.release.archives:
+            check_installed(name)
+    except UserError as error:
+        raise WorkflowError(f"release.archives: {error}")
+    return expand("results/release/archives/{format}.zip", format=SETTINGS.release.archives)
+
+
+localrules:
+    release,
+    release_card,
+
+
+rule release_tables:
+    """Write the tables of the release."""
+    input:
+        objects=of_release("results/{dataset}/objects.parquet"),
+        scales=of_release("results/{dataset}/rescaled/{gripper}/scales.parquet"),
+        evaluation=of_release("results/{dataset}/eval49.parquet"),
+        grasps=of_release(
+            "results/{dataset}/parts/simulated-{gripper}-{shard}.parquet", shard=SHARDS
+        ),
+        ancestry=ancestry_of_release,
+    output:
+        directory("results/release/data"),
+    log:
+        "logs/release/release_tables.log",
+    benchmark:
+        "benchmarks/release/release_tables.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        **needs(mb=2000, minutes=10),
+    params:
+        settings=settings_of("release_tables"),
+        grasps=each("--grasps", "grasps"),
+        ancestry=each("--ancestry", "ancestry"),
+        code=code_of("release_tables"),
+    message:
+        "Writing the tables of the release"
+    shell:
+        "egad release-tables --settings {params.settings:q} --objects {input.objects:q}"
+        " --scales {input.scales:q} --eval {input.evaluation:q} {params.grasps:q}"
+        " {params.ancestry:q} --out {output:q} > {log:q} 2>&1"
+
+
+rule release_meshes:
+    """Write the meshes of the release."""
+    input:
+        objects=of_release("results/{dataset}/objects.parquet"),
+        meshes=of_release("results/{dataset}/meshes"),
+    output:
+        directory("results/release/meshes"),
+    log:
+        "logs/release/release_meshes.log",
+    benchmark:
+        "benchmarks/release/release_meshes.tsv"
+    conda:
+        ENVIRONMENT
+    threads: SIDE_BY_SIDE
+    resources:
+        **needs(mb=1000, mb_per_thread=300, minutes=20),
+    params:
+        code=code_of("release_meshes"),
+    message:
+        "Writing the meshes of the release"
+    shell:
+        "egad release-meshes --objects {input.objects:q} --meshes {input.meshes:q}"
+        " --out {output:q} --jobs {threads} > {log:q} 2>&1"
+
+
+rule release_previews:
+    """Draw the objects of the release."""
+    input:
+        objects=of_release("results/{dataset}/objects.parquet"),
+        meshes=of_release("results/{dataset}/meshes"),
+    output:
+        directory("results/release/previews"),
+    log:
+        "logs/release/release_previews.log",
+    benchmark:
+        "benchmarks/release/release_previews.tsv"
+    conda:
+        ENVIRONMENT
+    threads: SIDE_BY_SIDE
+    resources:
+        **needs(mb=1000, mb_per_thread=300, minutes=30),
+    params:
+        code=code_of("release_previews"),
+    message:
+        "Drawing the objects of the release"
+    shell:
+        "egad release-previews --objects {input.objects:q} --meshes {input.meshes:q}"
+        " --out {output:q} --jobs {threads} > {log:q} 2>&1"
+
+
+rule release_archive:
+    """Write the objects of the release for simulators, in one format."""
+    input:
+        scales=of_release("results/{dataset}/rescaled/{gripper}/scales.parquet"),
+        convex_parts=of_release("results/{dataset}/convex_parts/{gripper}.parquet"),
+    output:
+        ensure("results/release/archives/{format}.zip", non_empty=True),
+    log:
+        "logs/release/release_archive/{format}.log",
+    benchmark:
+        "benchmarks/release/release_archive/{format}.tsv"
+    wildcard_constraints:
+        format="|".join(SETTINGS.release.archives) or "(?!)",
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        **needs(mb=1500, minutes=60),
+    params:
+        settings=settings_of("release_archive"),
+        meshes=subpath(input.scales, parent=True),
+        code=code_of("release_archive"),
+    message:
+        "Writing the objects of the release as {wildcards.format}"
+    shell:
+        "egad release-archive --settings {params.settings:q} --format {wildcards.format}"
+        " --meshes {params.meshes:q} --convex-parts {input.convex_parts:q} --out {output:q}"
+        " > {log:q} 2>&1"
+
+
+rule release_card:
+    """Write the dataset card, licence, citation, provenance and checksums of the release."""
+    input:
+        "results/release/data",
+        "results/release/meshes",
+        "results/release/previews",
+        archives_of_release,
+        "results/release/index.html",
+        "results/release/gallery",
+    output:
+        card=ensure("results/release/README.md", non_empty=True),
+        croissant=ensure("results/release/croissant.json", non_empty=True),
+        citation=ensure("results/release/CITATION.cff", non_empty=True),
+        licence=ensure("results/release/LICENSE", non_empty=True),
+        provenance=ensure("results/release/provenance.json", non_empty=True),
+        sums=ensure("results/release/SHA256SUMS", non_empty=True),
+    log:
+        "logs/release/release_card.log",
+    benchmark:
+        "benchmarks/release/release_card.tsv"
+    conda:
+        ENVIRONMENT
+    threads: 1
+    resources:
+        **needs(mb=1000, minutes=10),
+    params:
+        settings=settings_of("release_card"),
+        pieces=lambda wildcards, input: [w for file in input for w in ("--pieces", file)],
+        folder=subpath(output.card, parent=True),
+        code=code_of("release_card"),
+    message:
+        "Describing the release"
+    shell:
+        "egad release-card --settings {params.settings:q} {params.pieces:q}"
+        " --out {params.folder:q} > {log:q} 2>&1"
+
+
+rule release:
+    """A dataset that anyone can host."""
+    input:
+        rules.release_card.output,
