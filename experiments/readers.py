@@ -7,8 +7,8 @@ the folder of the simulation bundle that they were made of. The script needs onl
 may run in an environment of its own. Readers that are not installed are left out, and all but the
 named ones if any are named:
 
-    pip install drake mujoco 'newton[importers]' omniverse-asset-validator pandas pyarrow
-    pip install pybullet pygltflib robosuite sapien scipy trimesh
+    pip install drake mujoco mujoco-warp 'newton[importers]' omniverse-asset-validator pandas
+    pip install pyarrow pybullet pygltflib robosuite sapien scipy trimesh
     npm install gltf-validator
 
 It prints the table of `docs/exchange.md`: what each reader says of all objects.
@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 Row = dict[str, Any]
@@ -258,26 +259,34 @@ def in_pybullet(exports: Path, rows: list[Row]) -> str:
 
 
 def in_sapien(exports: Path, rows: list[Row]) -> str:
-    """SAPIEN on URDF, on the CPU: colliders, mass, and vertices of the hulls that it cooks."""
+    """SAPIEN on URDF, on the CPU: colliders, mass, and how far its hulls are from the parts."""
     import sapien
 
-    errors, cut = Errors(), 0
+    errors, off = Errors(), []
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
     for row in rows:
         folder = exports / "urdf" / row["label"]
-        loader = scene.create_urdf_loader()
-        loader.load_multiple_collisions_from_file = False
-        parsed = loader.parse(str(folder / f"{row['label']}.urdf"))
-        (builder,) = parsed[1] or parsed[0][0].link_builders
-        builder.visual_records.clear()
-        (entity,) = [builder.build(name=row["label"])]
+        found = scene.create_urdf_loader().parse(str(folder / f"{row['label']}.urdf"))
+        (builder,) = found[1] or found[0][0].link_builders
+        builder.visual_records.clear()  # they need a renderer
+        entity = builder.build(name=row["label"])
         body = entity.find_component_by_type(sapien.physx.PhysxRigidDynamicComponent)
         shapes = body.collision_shapes
         errors.add(row, body.mass, body.inertia, body.cmass_local_pose.p, len(shapes))
         for number, shape in enumerate(shapes):
-            text = (folder / f"parts/part-{number:03d}.obj").read_text()
-            cut += len(shape.vertices) < text.count("v ")
-    return f"{errors}; {cut} hulls with fewer vertices than their part"
+            corners = shape.scale * vertices_of(folder / f"parts/part-{number:03d}.obj")
+            planes = ConvexHull(shape.scale * shape.vertices).equations
+            off.append((planes[:, :3] @ corners.T + planes[:, 3:]).max())
+    return (
+        f"{errors}; corners of parts at most {1000 * max(off):.2f} mm outside the hull, median"
+        f" {1000 * np.median(off):.4f} mm"
+    )
+
+
+def vertices_of(path: Path) -> np.ndarray:
+    """The vertices of an OBJ file, (n, 3)."""
+    lines = path.read_text().splitlines()
+    return np.array([line.split()[1:] for line in lines if line.startswith("v ")], float)
 
 
 def glb_in_trimesh(exports: Path, rows: list[Row], bundle: Path) -> str:

@@ -1,6 +1,8 @@
 """Exports from Python: files read again by other libraries."""
 
+import importlib.util
 import json
+from typing import get_args
 from xml.etree import ElementTree
 
 import h5py
@@ -12,6 +14,7 @@ from described_hands import box_urdf
 
 import egad
 from egad.errors import UserError
+from egad.exchange import PhysicsFormat
 from egad.geometry.parameters import Material
 
 BLOCK = trimesh.creation.box((0.2, 0.1, 0.15))
@@ -69,7 +72,17 @@ def test_simulation_files_have_the_mass_of_the_solid(tmp_path):
     assert sum(part.volume for part in parts) == pytest.approx(BLOCK.volume * FACTOR**3)
 
 
-@pytest.mark.parametrize(("style", "unit"), [("obj", 1.0), ("stl", 1000.0)])
+@pytest.mark.parametrize("style", get_args(PhysicsFormat))
+def test_formats_of_simulators_have_a_folder_for_each_object(tmp_path, style):
+    if style == "usd":
+        pytest.importorskip("pxr")
+    left_out = egad.export({"block": BLOCK, "sheet": SHEET}, style, "panda", tmp_path / "out")
+    assert left_out == ["sheet"]
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {"block"} | ({"block.urdf"} if style == "vgn" else set())
+
+
+@pytest.mark.parametrize(("style", "unit"), [("obj", 1.0), ("stl", 1000.0), ("glb", 1.0)])
 def test_meshes_are_scaled_to_the_gripper(tmp_path, style, unit):
     egad.export({"block": BLOCK}, style, "panda", tmp_path / "out")
     mesh = trimesh.load_mesh(tmp_path / f"out/block.{style}")
@@ -100,12 +113,16 @@ def test_a_wrong_name_is_told_before_anything_is_made(tmp_path):
         egad.export({"no_mesh": None, "a/b": BLOCK}, "obj", "panda", tmp_path / "out")
 
 
-def test_what_is_there_is_not_lost_and_mistakes_are_told(tmp_path):
+def test_what_is_there_is_not_lost_and_mistakes_are_told(tmp_path, monkeypatch):
     (tmp_path / "mine.txt").touch()
     with pytest.raises(UserError, match="is not empty, and its files would be lost; name a new"):
         egad.export({"block": BLOCK}, "obj", "panda", tmp_path)
     with pytest.raises(UserError, match="format 'arconym' is not known; did you mean acronym"):
         egad.export({"block": BLOCK}, "arconym", "panda", tmp_path / "out")
+    with monkeypatch.context() as patched:
+        patched.setattr(importlib.util, "find_spec", lambda _: None)
+        with pytest.raises(UserError, match=r"pip install 'egad\[usd\]'"):
+            egad.export({"block": BLOCK}, "usd", "panda", tmp_path / "out")
     with pytest.raises(UserError, match="there are no objects"):
         egad.export({}, "obj", "panda", tmp_path / "out")
     with pytest.raises(UserError, match="is a file; name a folder"):

@@ -5,6 +5,7 @@ Blender, shows the object in the frame of its mesh.
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -15,6 +16,7 @@ from egad.exchange.object_meshes import GREY_LINEAR
 # (x, y, z) of the mesh becomes (x, z, -y) of the file.
 TO_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 ROUGHNESS = 0.7
+ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963  # numbers of OpenGL, which glTF uses
 
 
 def write_glb(folder: Path, name: str, mesh: trimesh.Trimesh) -> None:
@@ -41,6 +43,18 @@ def write_glb(folder: Path, name: str, mesh: trimesh.Trimesh) -> None:
     )
     scene = trimesh.Scene()
     scene.add_geometry(turned, node_name=name, geom_name=name)
-    data = scene.export(file_type="glb")
+    data = scene.export(file_type="glb", tree_postprocessor=_name_targets)
     with atomic_output(folder / f"{name}.glb") as temporary:
         temporary.write_bytes(data)
+
+
+def _name_targets(document: dict[str, Any]) -> None:
+    """Say which buffer views hold vertices and which indices, as glTF recommends."""
+    (mesh,) = document["meshes"]
+    (primitive,) = mesh["primitives"]
+    for accessor, target in (
+        (primitive["attributes"]["POSITION"], ARRAY_BUFFER),
+        (primitive["indices"], ELEMENT_ARRAY_BUFFER),
+    ):
+        view = document["accessors"][accessor]["bufferView"]
+        document["bufferViews"][view]["target"] = target

@@ -10,9 +10,6 @@ from egad.exchange.poses import write_poses
 from egad.exchange.xml_text import moments, number_text, xml_document
 from egad.geometry import MassProperties
 
-# MuJoCo's own values, in metres: only the first, sliding, is a setting here.
-TORSION, ROLLING = 0.005, 0.0001
-
 
 class GeomGroups(NamedTuple):
     """The groups of geoms, as numbers in text."""
@@ -90,7 +87,7 @@ def add_solid(
     inertial.set("fullinertia", number_text(*moments(physics).values()))
     look = {"contype": "0", "conaffinity": "0", "group": groups.visual}
     _geom(assets, body, f"{name}-visual", files.visual, look | {"rgba": number_text(*GREY, 1)})
-    sticks = {"group": groups.collision, "friction": number_text(friction, TORSION, ROLLING)}
+    sticks = {"group": groups.collision, "friction": number_text(friction)}
     for part in files.parts:
         _geom(assets, body, f"{name}-{Path(part).stem}", part, sticks)
 

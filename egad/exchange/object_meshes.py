@@ -15,26 +15,28 @@ class MeshFiles(NamedTuple):
     """Mesh files as a description names them.
 
     Attributes:
-        visual: The true surface.
+        visual: The true surface, in metres.
         parts: Convex parts, which stand for it in contacts.
+        part_unit: Unit of the parts, metres.
     """
 
     visual: str
     parts: tuple[str, ...]
+    part_unit: float = 1.0
 
     def within(self, folder: str) -> "MeshFiles":
         """The same files, seen from the folder that holds this folder."""
-        return MeshFiles(
-            f"{folder}/{self.visual}", tuple(f"{folder}/{part}" for part in self.parts)
-        )
+        parts = tuple(f"{folder}/{part}" for part in self.parts)
+        return MeshFiles(f"{folder}/{self.visual}", parts, self.part_unit)
 
 
-def write_object_meshes(folder: Path, made: SimulationObject) -> MeshFiles:
-    """Write `visual.obj` and `parts/part-NNN.obj`, in metres.
+def write_object_meshes(folder: Path, made: SimulationObject, part_unit: float = 1.0) -> MeshFiles:
+    """Write `visual.obj`, in metres, and `parts/part-NNN.obj`.
 
     Args:
         folder: A new folder.
         made: The object.
+        part_unit: Unit of the parts, metres.
 
     Returns:
         The files, relative to the folder.
@@ -43,5 +45,6 @@ def write_object_meshes(folder: Path, made: SimulationObject) -> MeshFiles:
     write_obj(made.mesh, folder / VISUAL)
     parts = tuple(f"{PARTS}/part-{number:03d}.obj" for number in range(len(made.parts)))
     for part, file in zip(made.parts, parts, strict=True):
-        write_obj(part, folder / file)
-    return MeshFiles(VISUAL, parts)
+        scaled = part if part_unit == 1 else part.copy().apply_scale(1 / part_unit)
+        write_obj(scaled, folder / file)
+    return MeshFiles(VISUAL, parts, part_unit)

@@ -13,10 +13,15 @@ from egad.exchange.xml_text import moments, number_text, xml_document
 from egad.geometry import MassProperties
 
 DRAKE = "http://drake.mit.edu"
+# PhysX, which SAPIEN uses, leaves out vertices of a hull that are closer than 0.0007 to the others,
+# in the unit of the file: in metres, parts shrink by 0.7 mm and more.
+MILLIMETRE = 0.001
 
 
 def write_urdf(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
     """Write the folder `NAME` with `NAME.urdf`, its meshes and `poses.json`.
+
+    The files of the convex parts are in millimetres, and the description scales them.
 
     Args:
         folder: Where the folder is made.
@@ -24,7 +29,7 @@ def write_urdf(folder: Path, name: str, made: SimulationObject, friction: float)
         made: The object.
         friction: Sliding friction.
     """
-    files = write_object_meshes(folder / name, made)
+    files = write_object_meshes(folder / name, made, MILLIMETRE)
     text = urdf_text(name, files, made.physics, friction)
     (folder / name / f"{name}.urdf").write_text(text, encoding="utf-8")
     write_poses(folder / name, made)
@@ -45,7 +50,7 @@ def urdf_text(name: str, files: MeshFiles, physics: MassProperties, friction: fl
 
     Args:
         name: Of the robot and its only link.
-        files: Mesh files in metres, relative to the description.
+        files: Mesh files, relative to the description.
         physics: Mass, center of mass and inertia about it.
         friction: Sliding friction.
     """
@@ -64,7 +69,10 @@ def urdf_text(name: str, files: MeshFiles, physics: MassProperties, friction: fl
     ElementTree.SubElement(material, "color", rgba=number_text(*GREY, 1))
     for part in files.parts:
         collision = ElementTree.SubElement(link, "collision")
-        ElementTree.SubElement(_mesh(collision, part), "drake:declare_convex")
+        mesh = _mesh(collision, part)
+        if files.part_unit != 1:
+            mesh.set("scale", number_text(*(files.part_unit,) * 3))
+        ElementTree.SubElement(mesh, "drake:declare_convex")
         proximity = ElementTree.SubElement(collision, "drake:proximity_properties")
         for kind in ("mu_static", "mu_dynamic"):
             ElementTree.SubElement(proximity, f"drake:{kind}", value=number_text(friction))

@@ -11,7 +11,8 @@ from egad.geometry.mass import mass_properties
 from egad.grasps.parameters import LabelParameters
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
-from egad.pipeline.stages import grasp_label, rescale, simulated_label
+from egad.pipeline.stages import convex_parts, grasp_label, rescale, simulated_label
+from egad.pipeline.stages.convex_parts import ConvexParts
 from egad.pipeline.stages.rescale import RescaleMeshes
 from egad.pipeline.stages.simulated_label import SimulatedLabels
 from egad.tables import parquet
@@ -87,7 +88,9 @@ def dataset(meshes, settings, tmp_path_factory):
     part, sampling, rejected = (folder / "labelled" / f"{n}.parquet" for n in range(3))
     grasp_label.run(wanted, folder / "objects.parquet", scaled, (0, 1), part, sampling, rejected)
     simulation = select(settings, SimulatedLabels, GRIPPER)
-    simulated_label.run(simulation, part, scaled, grasps / f"{GRIPPER}.parquet")
+    parts, pieces = folder / "convex_parts" / f"{GRIPPER}.parquet", select(settings, ConvexParts)
+    convex_parts.run(pieces, folder / "objects.parquet", scaled, (0, 1), parts)
+    simulated_label.run(simulation, part, parts, scaled, grasps / f"{GRIPPER}.parquet")
     return folder
 
 
