@@ -8,6 +8,8 @@ from .api import similarity_matrix as similarity_matrix
 from .api import stable_poses as stable_poses
 from .benchmark import Benchmark as Benchmark
 from .benchmark import run_benchmark as run_benchmark
+from .cppn.expressions import genome_text as genome_text
+from .cppn.growth import genome_mesh as genome_mesh
 from .errors import EgadError as EgadError
 from .errors import RejectedError as RejectedError
 from .errors import TableError as TableError
@@ -29,6 +31,7 @@ from .map_elites.island import Candidate as Candidate
 from .objects import Dataset as Dataset
 from .objects import EvolvedObject as EvolvedObject
 from .objects import load as load
+from .report.genome_drawing import genome_svg as genome_svg
 from .report.pictures import render as render
 from .report.viewer import MeshView as MeshView
 from .report.viewer import view as view

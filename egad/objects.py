@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 
 from egad._util.files import as_path
 from egad._util.parameters import ScaleRule
-from egad.cppn import Row, Shape, packed_surface, unpack
+from egad.cppn import (
+    Row,
+    Shape,
+    check_regrown,
+    check_resolution,
+    genome_mesh,
+    packed_surface,
+    unpack,
+)
 from egad.data import evaluation_set, released, released_ancestry, released_simulated
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange import read_mesh
@@ -38,6 +46,7 @@ class EvolvedObject:
         id: Hash of its voxels, or the name of its mesh file.
         label: Its name in the dataset: `M14_3` is the fourth object of cell (14, M).
         row: Its row of the table of the dataset.
+        shape: How its genome became voxels, and these a mesh.
     """
 
     def __init__(
@@ -45,7 +54,7 @@ class EvolvedObject:
     ) -> None:
         """Made by `Dataset`."""
         self.id, self.label, self.row = str(row["id"]), str(row["label"]), row
-        self._meshes, self._elite, self._shape = meshes, elite, shape
+        self._meshes, self._elite, self.shape = meshes, elite, shape
 
     def __repr__(self) -> str:
         return f"EvolvedObject({self.label!r})"
@@ -59,7 +68,30 @@ class EvolvedObject:
         """
         if self._meshes is not None:
             return _dataset_mesh(self._meshes / f"{self.label}.obj")
-        return repair(packed_surface(self._evolved["voxels"], self._shape)).mesh
+        return repair(packed_surface(self._evolved["voxels"], self.shape)).mesh
+
+    def mesh_at(self, resolution: int) -> trimesh.Trimesh:
+        """The closed surface at another resolution of its voxels, in metres.
+
+        At the resolution of the archive it is made from the voxels there, as `mesh` is. At others,
+        the genome is evaluated anew; see `egad.genome_mesh`.
+
+        Args:
+            resolution: Voxels along each side of the cube, 8 to 200.
+
+        Raises:
+            UserError: The object comes from a mesh, or was evolved within constraints, or the
+                resolution is out of range.
+            RejectedError: Nothing is left of it at this resolution.
+        """
+        check_resolution(resolution)
+        if resolution == self.shape.resolution:
+            return repair(packed_surface(self._evolved["voxels"], self.shape)).mesh
+        try:
+            check_regrown(self.genome, self.voxels, self.shape.threshold)
+        except UserError as error:
+            raise UserError(f"{self.label}: {error}") from error
+        return repair(genome_mesh(self.genome, resolution, shape=self.shape)).mesh
 
     @cached_property
     def voxels(self) -> NDArray[np.bool_]:
@@ -68,7 +100,7 @@ class EvolvedObject:
         Raises:
             UserError: The object comes from a mesh.
         """
-        return unpack(self._evolved["voxels"], self._shape.resolution)
+        return unpack(self._evolved["voxels"], self.shape.resolution)
 
     @cached_property
     def genome(self) -> Row:
@@ -99,6 +131,7 @@ class Dataset:
 
     Attributes:
         table: One row per object, sorted by label unless `select` gave them another order.
+        shape: How genomes became voxels, and these meshes.
     """
 
     def __init__(
@@ -112,7 +145,7 @@ class Dataset:
         """Made by `load`."""
         self.table = table
         self._archive = None if archive is None else archive.set_index("id", drop=False)
-        self._shape, self._meshes, self._ancestry = shape, meshes, ancestry
+        self.shape, self._meshes, self._ancestry = shape, meshes, ancestry
         self._place = {str(name): i for key in ("id", "label") for i, name in enumerate(table[key])}
 
     def __len__(self) -> int:
@@ -149,7 +182,7 @@ class Dataset:
         wanted = names if isinstance(names, Iterable) and not isinstance(names, str) else [names]
         positions = list(dict.fromkeys(map(self._position, wanted)))
         table = self.table.iloc[positions].reset_index(drop=True)
-        return Dataset(table, self._archive, self._shape, self._meshes, self._ancestry)
+        return Dataset(table, self._archive, self.shape, self._meshes, self._ancestry)
 
     @cached_property
     def lineage(self) -> Lineage:
@@ -181,7 +214,7 @@ class Dataset:
         elite = None
         if self._archive is not None and row["id"] in self._archive.index:
             elite = self._archive.loc[row["id"]]
-        return EvolvedObject(row, self._meshes, elite, self._shape)
+        return EvolvedObject(row, self._meshes, elite, self.shape)
 
 
 def load(source: str | Path | Archive = RELEASED) -> Dataset:

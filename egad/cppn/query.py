@@ -52,19 +52,30 @@ def query(row: Mapping[str, Any], resolution: int, symmetry: Symmetry = NO_SYMME
     """
     inputs = grid_inputs(resolution, symmetry)
     values: dict[int, Field] = {-1 - index: inputs[index] for index in range(len(INPUTS))}
-    incoming = _used_connections(row)
     biases = dict(zip(row["node_keys"], row["node_biases"], strict=True))
     activations = dict(zip(row["node_keys"], row["node_activations"], strict=True))
-    order = TopologicalSorter({node: [s for s, _ in links] for node, links in incoming.items()})
     with np.errstate(over="ignore", invalid="ignore"):
-        for node in order.static_order():
-            if node < 0:
-                continue
+        for node, links in evaluation_order(row):
             total = np.full(inputs.shape[1], biases[node], dtype=np.float32)
-            for source, weight in incoming[node]:
+            for source, weight in links:
                 total += np.float32(weight) * values[source]
             values[node] = activate(activations[node], total)
     return values[OUTPUT].reshape((resolution,) * 3)
+
+
+def evaluation_order(row: Mapping[str, Any]) -> list[tuple[int, list[tuple[int, float]]]]:
+    """Nodes that the output depends on, inputs before what uses them; the output is the last.
+
+    Args:
+        row: A genome as a row of `tables.evolution.GENOME`.
+
+    Returns:
+        The key of each node, with the keys and weights of its enabled inputs. Keys from -1 down
+        are the inputs of the network, in the order of `grid_inputs`.
+    """
+    incoming = _used_connections(row)
+    order = TopologicalSorter({node: [s for s, _ in links] for node, links in incoming.items()})
+    return [(node, incoming[node]) for node in order.static_order() if node >= 0]
 
 
 def _used_connections(row: Mapping[str, Any]) -> dict[int, list[tuple[int, float]]]:

@@ -5,7 +5,9 @@ from collections.abc import Iterable
 
 import pandas as pd
 
+from egad.cppn import Row
 from egad.errors import UserError
+from egad.tables.evolution import GENOME
 
 
 class Lineage:
@@ -24,8 +26,7 @@ class Lineage:
         """Read the relations of a table.
 
         Args:
-            ancestry: As `ancestors` returns it: the columns of `tables.evolution.LINEAGE`. Only
-                `id` and `parents` are needed.
+            ancestry: As `ancestors` returns it: the columns of `tables.evolution.LINEAGE`.
         """
         self.table = ancestry
         ids = ancestry["id"]
@@ -36,6 +37,21 @@ class Lineage:
         for name, parents in self._parents.items():
             for parent in dict.fromkeys(parents):
                 self._children[parent].append(name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._parents
+
+    def genome(self, name: str) -> Row:
+        """The CPPN of an object or ancestor, with the columns of `tables.evolution.GENOME`.
+
+        An archive may have another genome of it, with the same voxels, that was found later.
+
+        Raises:
+            UserError: The object is not in the table.
+        """
+        self.parents(name)
+        row = self.table[self.table["id"] == name].iloc[0]
+        return {column: row[column] for column in GENOME.names}
 
     def parents(self, name: str) -> tuple[str, ...]:
         """Ids of the parents of an object, the first one first; a founder has none.

@@ -4,8 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
-from egad.cppn import Row, constraints, packed_surface, voxels
-from egad.cppn import query as cppn
+from egad.cppn import Row, Rules, grow, packed_surface, voxels
 from egad.errors import RejectedError
 from egad.map_elites.archive import Elite
 from egad.map_elites.parameters import EvolutionParameters
@@ -35,12 +34,11 @@ class Measured:
 Evaluate = Callable[[Solid], Measured | str]
 
 
-def express(row: Row, settings: EvolutionParameters, rules: constraints.Rules) -> Solid | str:
+def express(row: Row, settings: EvolutionParameters, rules: Rules) -> Solid | str:
     """The solid of a genome, or the reason why it is none that is allowed."""
     shape = settings.shape
-    output = cppn.query(row, shape.resolution, rules.symmetry)
     try:
-        solid = constraints.solid(output, shape.threshold, rules)
+        solid = grow(row, shape.resolution, shape.threshold, rules)
     except RejectedError as error:
         return str(error)
     return Solid(voxels.identity(solid), voxels.pack(solid))

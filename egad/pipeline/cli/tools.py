@@ -119,17 +119,80 @@ def bundle(
 
 
 @app.command(rich_help_panel=TOOL)
-def export_meshes(archive: ArchiveFile, out: OutFolder, config: Config = None) -> None:
+def export_meshes(
+    archive: ArchiveFile,
+    out: OutFolder,
+    resolution: Annotated[
+        int | None,
+        typer.Option(help="voxels along each side, 8 to 200; default: those of the archive"),
+    ] = None,
+    objects: Annotated[
+        list[str] | None,
+        typer.Option("--object", help="label or id; may be repeated; default: all objects"),
+    ] = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
     """Write the meshes of an archive as ID.obj, in metres, without repair."""
+    from functools import partial
+
+    from egad.cppn import check_resolution
     from egad.data import archive_path
+    from egad.map_elites import EvolutionParameters
+    from egad.objects import load
     from egad.pipeline.archive_settings import check_provenance
     from egad.pipeline.config.stage_settings import LocateMeshes, select
     from egad.pipeline.stages import export_meshes as stage
+    from egad.pipeline.stages.evolve import rules_of
 
     _spare(out)
     archive, settings = archive_path(archive), settings_in(config)
+    if archive.is_dir() and not (archive / "archive.parquet").is_file():
+        raise UserError(f"{archive} has no archive.parquet: its objects come from meshes")
+    if resolution is not None:
+        check_resolution(resolution)
+    archive = archive / "archive.parquet" if archive.is_dir() else archive
     check_provenance(archive, select(settings, LocateMeshes), ("shape",))
-    typer.echo(f"{stage.run(archive, out, settings.shape)} meshes in {out}")
+    ids = None if objects is None else load(archive).select(objects).table["id"].tolist()
+    rules = partial(rules_of, select(settings, EvolutionParameters))
+    count = stage.run(archive, out, settings.shape, resolution, rules, ids, jobs)
+    typer.echo(f"{count} meshes in {out}")
+
+
+@app.command(rich_help_panel=TOOL)
+def genome(
+    name: Annotated[str, typer.Argument(help="label or id of an object, or id of an ancestor")],
+    source: Annotated[
+        str,
+        typer.Option("--in", help="`released`, archive.parquet, or folder of a dataset"),
+    ] = "released",
+    out: Annotated[Path | None, typer.Option(help="drawing to write: .svg")] = None,
+    digits: Annotated[
+        int | None,
+        typer.Option(min=1, max=17, help="significant digits; default: as many as shapes need"),
+    ] = None,
+    config: Config = None,
+) -> None:
+    """Print the network that an object was grown from as expressions, or draw it."""
+    from egad._util.files import write_text
+    from egad.cppn import genome_text
+    from egad.objects import load
+    from egad.report.genome_drawing import genome_svg
+
+    if out is not None and out.suffix != ".svg":
+        raise UserError(f"--out is {out}; allowed: a file that ends in .svg")
+    objects, settings = load(source), settings_in(config)
+    if name not in objects and name in objects.lineage:
+        row = objects.lineage.genome(name)
+    else:
+        row = objects[name].genome
+    if out is not None:
+        write_text(out, genome_svg(row))
+        return
+    regions = {each: getattr(settings, each) for each in ("envelope", "keep_solid", "hole")}
+    shape, symmetry = objects.shape, settings.symmetry
+    text = genome_text(row, digits=digits, shape=shape, symmetry=symmetry, regions=regions)
+    typer.echo(text, nl=False)
 
 
 @app.command(rich_help_panel=TOOL)

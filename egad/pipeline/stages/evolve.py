@@ -90,14 +90,18 @@ def watch_of(
     return watch
 
 
-def rules_of(settings: EvolutionParameters) -> Rules:
+def rules_of(settings: EvolutionParameters, resolution: int | None = None) -> Rules:
     """The constraints on all shapes.
+
+    Args:
+        settings: All constraints.
+        resolution: Voxels along each side of the cube; None: as shapes evolve.
 
     Raises:
         UserError: The constraints leave no voxel to grow in, or a mesh cannot be used.
     """
     return build_rules(
-        settings.shape.resolution,
+        resolution or settings.shape.resolution,
         mesh_of,
         envelope=settings.envelope,
         keep_solid=settings.keep_solid,
