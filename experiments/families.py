@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 import egad
 from egad.data import evaluation_set
 from egad.evalset import families as families_of
-from egad.evalset import family_splits, with_parents_and_children
+from egad.evalset import split_by_family, with_parents_and_children
 from egad.pipeline.config import Settings
 from egad.random import generator
 
@@ -59,7 +59,7 @@ def print_release_splits(ids: list[str], lineage: egad.Lineage, overlap: Matrix)
     settings, chosen = Settings(), list(pd.read_csv(evaluation_set())["id"])
     test = with_parents_and_children(chosen, lineage)
     validation = settings.release.validation
-    split_of = family_splits(families_of(ids, lineage), test, validation, settings.seed)
+    split_of = split_by_family(families_of(ids, lineage), test, validation, settings.seed)
     split = np.array([split_of[name] for name in ids])
     parts = {name: split == name for name in ("train", "validation", "test")}
     for name, part in {**parts, "evaluation set": np.isin(ids, chosen)}.items():
