@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import trimesh
 
 from egad._util.files import as_path, atomic_output, check_empty
@@ -22,9 +23,15 @@ from egad.exchange import (
     Acronym,
     Body,
     Jaws,
+    check_articulated,
     check_installed,
     check_key,
+    graspgen_hand,
+    start_graspgen,
     write_acronym,
+    write_graspgen,
+    write_graspnet,
+    write_isaac_grasp,
     write_obj,
 )
 from egad.geometry import Material, mass_properties
@@ -65,20 +72,23 @@ def export(
 
     Args:
         objects: A dataset, or meshes in metres by name.
-        format: `acronym`: `LABEL.h5` with sampled and simulated grasps, and `meshes/LABEL.obj`.
-            `usd`, `sdf`, `urdf`, `mjcf`, `robosuite`: for each object a folder with its surface,
-            convex parts, mass, friction and stable poses. `simulation`: URDF and MJCF in one
-            folder. `vgn`: URDF files side by side, for the simulator of VGN. `glb`: surfaces with
-            a material, for browsers and Blender. `obj`: surfaces in metres. `stl`: surfaces in
-            millimetres, to print. See `docs/exchange.md`.
+        format: With sampled and simulated grasps: `acronym`: `LABEL.h5`, and `meshes/LABEL.obj`.
+            `graspgen`: a dataset of GraspGen, with `objects/LABEL.obj`. `graspnet`: `LABEL.npy` for
+            graspnetAPI, and `meshes/LABEL.obj`. `isaac_grasp`: `LABEL.yaml`, for a gripper with a
+            file, and `meshes/LABEL.obj`. Without grasps: `usd`, `sdf`, `urdf`, `mjcf`,
+            `robosuite`: for each object a folder with its surface, convex parts, mass, friction and
+            stable poses. `simulation`: URDF and MJCF in one folder. `vgn`: URDF files side by side,
+            for the simulator of VGN. `glb`: surfaces with a material, for browsers and Blender.
+            `obj`: surfaces in metres. `stl`: surfaces in millimetres, to print. See
+            `docs/exchange.md`.
         gripper: The gripper, or its name.
         out: A new or empty folder.
-        grasps: Most grasps of an object, for `acronym` only; 100 as in a dataset of the pipeline.
-        seed: Of the grasps, for `acronym` only. They are those that a dataset of the pipeline has
-            with the same seed.
+        grasps: Most grasps of an object, 100 as in a dataset of the pipeline; formats without
+            grasps ignore this, `seed` and `engine`.
+        seed: Of the grasps. They are those that a dataset of the pipeline has with the same seed.
         rule: How objects are scaled: see `egad.rescale`; `none`: not.
-        engine: What simulates the grasps, for `acronym` only: `pybullet` or `mujoco`; `auto`:
-            PyBullet if it is installed, else MuJoCo.
+        engine: What simulates the grasps: `pybullet` or `mujoco`; `auto`: PyBullet if it is
+            installed, else MuJoCo.
 
     Returns:
         The labels of objects that were left out: their mesh does not bound a solid, or they cannot
@@ -121,10 +131,7 @@ def export(
 def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
     file = f"meshes/{item.label}.obj"
     mass = mass_properties(mesh, Material().density)
-    labelled = dataset_grasps(mesh, item.id, job.labels)
-    model = build(mesh, Material().density, Bundle())
-    grasps = simulate_labels(model, labelled, job.simulation)
-    (folder / "meshes").mkdir(exist_ok=True)
+    grasps = _simulated(item, mesh, job)
     write_obj(mesh, folder / file)
     body = Body(
         file=file,
@@ -140,6 +147,35 @@ def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) ->
     write_acronym(
         folder / f"{item.label}.h5", body, jaws, grasps, Acronym().min_robust_success_rate
     )
+
+
+def _graspgen(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
+    hand = graspgen_hand(job.gripper, job.labels.gripper)
+    grasps = _simulated(item, mesh, job)
+    if not (folder / "objects").exists():
+        start_graspgen(folder, hand)
+    write_obj(mesh, folder / "objects" / f"{item.label}.obj")
+    write_graspgen(folder, hand, item.label, grasps)
+
+
+def _isaac_grasp(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
+    hand = job.labels.gripper
+    check_articulated(job.gripper, hand)
+    write_isaac_grasp(folder / f"{item.label}.yaml", item.label, hand, _simulated(item, mesh, job))
+    write_obj(mesh, folder / f"meshes/{item.label}.obj")
+
+
+def _graspnet(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
+    grasps = _simulated(item, mesh, job)
+    write_graspnet(folder, item.label, grasps, job.labels.gripper.opening)
+    write_obj(mesh, folder / f"meshes/{item.label}.obj")
+
+
+def _simulated(item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> pd.DataFrame:
+    """Sampled grasps of an object with simulated labels."""
+    labelled = dataset_grasps(mesh, item.id, job.labels)
+    model = build(mesh, Material().density, Bundle())
+    return simulate_labels(model, labelled, job.simulation)
 
 
 def _writer(name: str) -> "Writer":
@@ -159,5 +195,10 @@ def _writer(name: str) -> "Writer":
 
 
 Writer = Callable[[Path, NamedMesh, trimesh.Trimesh, _Job], None]
-GRASP_WRITERS: dict[str, Writer] = {"acronym": _acronym}
+GRASP_WRITERS: dict[str, Writer] = {
+    "acronym": _acronym,
+    "graspgen": _graspgen,
+    "graspnet": _graspnet,
+    "isaac_grasp": _isaac_grasp,
+}
 FORMATS = (*GRASP_WRITERS, *MESH_WRITERS, *PHYSICS_WRITERS)

@@ -15,6 +15,7 @@ both engines; trials are kept in OUT and not run again.
 
 import argparse
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 
 import matplotlib as mpl
@@ -32,7 +33,7 @@ from egad._util.progress import progress
 from egad.geometry import RayCaster
 from egad.grasps import label_parameters, sample_for_labels
 from egad.grasps.approach import best_approaches
-from egad.grippers import BoxBody, Gripper, GripperModel, ModelBody, model_of
+from egad.grippers import GRIPPERS, SIZES, BoxBody, Gripper, GripperModel, ModelBody, model_of
 from egad.random import generator
 from egad.sim.film import Pixels, draw
 from egad.trials import Trials
@@ -44,8 +45,9 @@ DOWN = trimesh.transformations.rotation_matrix(np.pi, (1, 0, 0))
 DOCS = Path(__file__).parents[1] / "docs"
 GRASPS = 410  # of each of the 49 objects
 SETTLING, STEPS = 6.0, 100  # seconds for each position of the motor; positions
-ENGINES = ("pybullet", "mujoco")
-DETECTORS = ("antipodal-depth", "labels")
+ENGINES = ("mujoco", "pybullet")
+DETECTORS = ("labels", "antipodal-depth")
+FORCE = 40.0  # newtons, of hands that egad does not know by name
 
 
 def picture(model: GripperModel, opening: float) -> Pixels:
@@ -72,11 +74,16 @@ def draw_hands(files: list[str]) -> None:
 
 
 def pairs(given: list[str]) -> Iterator[tuple[str, Gripper, Gripper]]:
-    """Names, boxes, and the same gripper from its file, with as much force."""
+    """Names, boxes, and the same gripper from its file, with as much force.
+
+    The boxes are those that egad knows by name, or else those of the sizes found in the file.
+    """
     for each in given:
-        name, _, file = each.partition("=")
-        boxes = egad.gripper(name)
-        yield name, boxes, Gripper.from_file(file, force=boxes.force)
+        name, _, path = each.partition("=")
+        known = GRIPPERS.get(name)
+        file = Gripper.from_file(path, force=known.force if known else FORCE)
+        sizes = file.model_dump(include=SIZES | {"force"})
+        yield name, known or Gripper.model_validate(sizes), file
 
 
 def simulate_path(file: str) -> None:
@@ -182,22 +189,21 @@ def compare_trials(out: Path, given: list[str], jobs: int) -> None:
     """Run the trials that are missing, and print success with intervals."""
     print("| gripper | detector | engine | boxes | file |\n| --- | --- | --- | --- | --- |")
     objects = egad.load("evaluation-set")
-    for name, boxes, file in pairs(given):
-        for detector in DETECTORS:
-            for engine in ENGINES:
-                cells = []
-                for kind, gripper in (("boxes", boxes), ("file", file)):
-                    path = out / f"{name}-{kind}-{detector}-{engine}.parquet"
-                    if not path.exists():
-                        made = egad.run_trials(
-                            detector, objects, gripper, depth_noise=0.1, engine=engine, jobs=jobs
-                        )
-                        with atomic_output(path) as file_out:
-                            made.table.to_parquet(file_out)
-                    rate = Trials(pd.read_parquet(path)).success_rate()
-                    low, high = 100 * np.array(rate.interval)
-                    cells.append(f"{100 * rate.value:.0f} ({low:.0f} to {high:.0f})")
-                print(f"| `{name}` | `{detector}` | {engine} | {' | '.join(cells)} |", flush=True)
+    for engine, detector in product(ENGINES, DETECTORS):
+        for name, *hands in pairs(given):
+            cells = []
+            for kind, gripper in zip(("boxes", "file"), hands, strict=True):
+                path = out / f"{name}-{kind}-{detector}-{engine}.parquet"
+                if not path.exists():
+                    made = egad.run_trials(
+                        detector, objects, gripper, depth_noise=0.1, engine=engine, jobs=jobs
+                    )
+                    with atomic_output(path) as file_out:
+                        made.table.to_parquet(file_out)
+                rate = Trials(pd.read_parquet(path)).success_rate()
+                low, high = 100 * np.array(rate.interval)
+                cells.append(f"{100 * rate.value:.0f} ({low:.0f} to {high:.0f})")
+            print(f"| `{name}` | `{detector}` | {engine} | {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

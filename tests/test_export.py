@@ -1,11 +1,14 @@
 """Exports from Python: files read again by other libraries."""
 
+import json
 from xml.etree import ElementTree
 
 import h5py
 import numpy as np
 import pytest
 import trimesh
+import yaml
+from described_hands import box_urdf
 
 import egad
 from egad.errors import UserError
@@ -28,6 +31,33 @@ def test_acronym_files_hold_the_object_and_its_grasps(tmp_path):
         poses = file["grasps/transforms"][()]
     assert poses.shape == (8, 4, 4)
     assert np.linalg.det(poses[:, :3, :3]) == pytest.approx(np.ones(8))
+
+
+def test_graspgen_and_graspnet_hold_the_same_grasps(tmp_path):
+    for style in ("graspgen", "graspnet"):
+        assert egad.export({"block": BLOCK}, style, "panda", tmp_path / style, grasps=6) == []
+    file = tmp_path / "graspgen/grasp_data/panda/block.json"
+    grasps = json.loads(file.read_text())["grasps"]
+    array = np.load(tmp_path / "graspnet/block.npy")
+    assert len(array) == len(grasps["transforms"]) == 6
+    assert (array[:, 0] > 0).tolist() == grasps["object_in_gripper"]
+    middles = array[:, 13:16] + array[:, 3:4] * array[:, 4:13].reshape(-1, 3, 3)[:, :, 0]
+    assert np.mean(grasps["contact_locations"], axis=1) == pytest.approx(middles, abs=1e-8)
+    for mesh in ("graspgen/objects", "graspnet/meshes"):
+        assert trimesh.load_mesh(tmp_path / mesh / "block.obj").volume == pytest.approx(
+            BLOCK.volume * FACTOR**3
+        )
+
+
+def test_isaac_grasp_needs_a_gripper_with_joints(tmp_path):
+    with pytest.raises(UserError, match="'panda' is made of boxes"):
+        egad.export({"block": BLOCK}, "isaac_grasp", "panda", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    hand = egad.Gripper.from_file(box_urdf(tmp_path / "hand.urdf"))
+    assert egad.export({"block": BLOCK}, "isaac_grasp", hand, tmp_path / "out", grasps=2) == []
+    grasps = yaml.safe_load((tmp_path / "out/block.yaml").read_text())["grasps"]
+    assert len(grasps) == 2
+    assert (tmp_path / "out/meshes/block.obj").exists()
 
 
 def test_simulation_files_have_the_mass_of_the_solid(tmp_path):

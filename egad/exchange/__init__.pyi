@@ -33,6 +33,13 @@ from .frames import write_frame as write_frame
 from .frames import write_matrix as write_matrix
 from .glb import write_glb as write_glb
 from .gqcnn import write_gqcnn as write_gqcnn
+from .graspgen import LEAST_POSITIVE as LEAST_POSITIVE
+from .graspgen import GraspGenHand as GraspGenHand
+from .graspgen import graspgen_hand as graspgen_hand
+from .graspgen import start_graspgen as start_graspgen
+from .graspgen import write_graspgen as write_graspgen
+from .graspnet import graspnet_array as graspnet_array
+from .graspnet import write_graspnet as write_graspnet
 from .grasps import by_object as by_object
 from .grasps import check_opening as check_opening
 from .grasps import grasp_table as grasp_table
@@ -42,6 +49,8 @@ from .hdf5 import check_key as check_key
 from .hdf5 import copy_group as copy_group
 from .hdf5 import sound_keys as sound_keys
 from .hdf5 import writing as writing
+from .isaac_grasp import check_articulated as check_articulated
+from .isaac_grasp import write_isaac_grasp as write_isaac_grasp
 from .jacquard import write_jacquard as write_jacquard
 from .meshes import ENDINGS as ENDINGS
 from .meshes import read_mesh as read_mesh

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from egad.exchange import sums
 from egad.exchange.hdf5 import add_array, add_group, writing
-from egad.grasps import SHAKEN_AND_HELD, Grasps, panda_poses
+from egad.grasps import Grasps, held_when_shaken, panda_poses, with_outcome
 from egad.tables.grasping import MOTIONS
 
 Floats = NDArray[np.float64]
@@ -117,7 +117,7 @@ def is_ours(path: Path) -> bool:
 
 def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, least: float) -> None:
     group = add_group(file, "grasps")
-    grasps = grasps[grasps["simulated_success"].notna() | ~grasps["collision_free"]]
+    grasps = with_outcome(grasps)
     add_array(group, "transforms", panda_poses(Grasps(grasps).poses, jaws.fingertip))
     add_array(group, "widths", grasps["width"])
     own = add_group(group, "qualities/egad")
@@ -132,7 +132,6 @@ def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, least: float)
         f"{least} of the disturbed copies hold"
     )
     flex = add_group(group, "qualities/flex")
-    held = grasps["simulated_outcome"].isin(SHAKEN_AND_HELD)
-    add_array(flex, "object_in_gripper", held.to_numpy(dtype=np.int64))
+    add_array(flex, "object_in_gripper", held_when_shaken(grasps).astype(np.int64))
     for name, motion in FLEX_MOTIONS.items():
         add_array(flex, name, grasps[motion].to_numpy(dtype=np.float64))

@@ -61,5 +61,5 @@ def _sites(mesh: trimesh.Trimesh) -> dict[str, tuple[float, float, float]]:
     return {
         "bottom_site": (0.0, 0.0, float(low)),
         "top_site": (0.0, 0.0, float(high)),
-        "horizontal_radius_site": (radius, 0.0, 0.0),
+        "horizontal_radius_site": (radius, radius, 0.0),
     }

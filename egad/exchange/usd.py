@@ -1,14 +1,14 @@
 """Objects as OpenUSD, for Isaac Sim, Isaac Lab and Newton: one rigid body in the frame of the mesh.
 
     /NAME                    RigidBodyAPI, MassAPI
-    /NAME/visuals            instance of /Meshes/visuals: the true surface
-    /NAME/collisions         instance of /Meshes/collisions: a convex hull for each part
-    /NAME/PhysicsMaterial    friction, bound to the collisions
+    /NAME/visuals            instance of /Meshes/visuals: the true surface and its color
+    /NAME/collisions         instance of /Meshes/collisions: convex hulls with friction
 
 Units are metres and kilograms, and Z is up. Copies of an object share its meshes, because the
 visuals and the collisions are instances. This module needs `usd-core`.
 """
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +24,7 @@ from egad.geometry import MassProperties
 
 Floats = NDArray[np.float64]
 MESHES = Sdf.Path("/Meshes")  # abstract: not part of the scene
+VISUALS, COLLISIONS = MESHES.AppendChild("visuals"), MESHES.AppendChild("collisions")
 ROUGHNESS = 0.7
 
 
@@ -47,10 +48,13 @@ def write_usd(folder: Path, name: str, made: SimulationObject, friction: float) 
     Usd.ModelAPI(body).SetKind(Kind.Tokens.component)
     UsdPhysics.RigidBodyAPI.Apply(body.GetPrim())
     _add_mass(body, made.physics)
-    _define_meshes(stage, made)
-    _add_instance(stage, body, "visuals")
-    collisions = _add_instance(stage, body, "collisions")
-    _bind_friction(stage, body.GetPath().AppendChild("PhysicsMaterial"), collisions, friction)
+    stage.CreateClassPrim(MESHES)
+    _define_visuals(stage, made.mesh)
+    _define_collisions(stage, made.parts, friction)
+    for child in (VISUALS, COLLISIONS):
+        instance = UsdGeom.Xform.Define(stage, body.GetPath().AppendChild(child.name)).GetPrim()
+        instance.GetReferences().AddInternalReference(child)
+        instance.SetInstanceable(True)
     layer.Export(str(folder / name / f"{name}.usd"), args={"format": "usdc"})
     write_poses(folder / name, made)
 
@@ -82,21 +86,36 @@ def _add_mass(body: UsdGeom.Xform, physics: MassProperties) -> None:
     mass.CreatePrincipalAxesAttr(Gf.Quatf(w, x, y, z))
 
 
-def _define_meshes(stage: Usd.Stage, made: SimulationObject) -> None:
-    """The meshes that the instances refer to."""
-    stage.CreateClassPrim(MESHES)
-    visuals = UsdGeom.Xform.Define(stage, MESHES.AppendChild("visuals"))
-    surface = _define_mesh(stage, visuals.GetPath().AppendChild("surface"), made.mesh)
-    grey = _define_grey(stage, visuals.GetPath().AppendChild("grey"))
-    UsdShade.MaterialBindingAPI.Apply(surface.GetPrim()).Bind(grey)
-    collisions = UsdGeom.Xform.Define(stage, MESHES.AppendChild("collisions"))
-    collisions.CreatePurposeAttr(UsdGeom.Tokens.guide)
-    for number, part in enumerate(made.parts):
-        path = collisions.GetPath().AppendChild(f"part_{number:03d}")
+def _define_visuals(stage: Usd.Stage, mesh: trimesh.Trimesh) -> None:
+    UsdGeom.Xform.Define(stage, VISUALS)
+    surface = _define_mesh(stage, VISUALS.AppendChild("surface"), mesh)
+    material = UsdShade.Material.Define(stage, VISUALS.AppendChild("grey"))
+    shader = UsdShade.Shader.Define(stage, material.GetPath().AppendChild("preview"))
+    shader.CreateIdAttr("UsdPreviewSurface")
+    color = shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
+    color.Set(Gf.Vec3f(*GREY_LINEAR))
+    shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(ROUGHNESS)
+    output = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+    material.CreateSurfaceOutput().ConnectToSource(output)
+    UsdShade.MaterialBindingAPI.Apply(surface.GetPrim()).Bind(material)
+
+
+def _define_collisions(stage: Usd.Stage, parts: Iterable[trimesh.Trimesh], friction: float) -> None:
+    """Convex parts, each bound to the material: the parser of USD looks for it nowhere else."""
+    UsdGeom.Xform.Define(stage, COLLISIONS).CreatePurposeAttr(UsdGeom.Tokens.guide)
+    material = UsdShade.Material.Define(stage, COLLISIONS.AppendChild("material"))
+    physics = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
+    physics.CreateStaticFrictionAttr(friction)
+    physics.CreateDynamicFrictionAttr(friction)
+    physics.CreateRestitutionAttr(0.0)
+    for number, part in enumerate(parts):
+        path = COLLISIONS.AppendChild(f"part_{number:03d}")
         prim = _define_mesh(stage, path, part).GetPrim()
         UsdPhysics.CollisionAPI.Apply(prim)
         hull = UsdPhysics.MeshCollisionAPI.Apply(prim)
         hull.CreateApproximationAttr(UsdPhysics.Tokens.convexHull)
+        binding = UsdShade.MaterialBindingAPI.Apply(prim)
+        binding.Bind(material, UsdShade.Tokens.weakerThanDescendants, "physics")
 
 
 def _define_mesh(stage: Usd.Stage, path: Sdf.Path, mesh: trimesh.Trimesh) -> UsdGeom.Mesh:
@@ -113,33 +132,3 @@ def _define_mesh(stage: Usd.Stage, path: Sdf.Path, mesh: trimesh.Trimesh) -> Usd
     prim.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     prim.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(points))
     return prim
-
-
-def _define_grey(stage: Usd.Stage, path: Sdf.Path) -> UsdShade.Material:
-    material = UsdShade.Material.Define(stage, path)
-    shader = UsdShade.Shader.Define(stage, path.AppendChild("preview"))
-    shader.CreateIdAttr("UsdPreviewSurface")
-    color = shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
-    color.Set(Gf.Vec3f(*GREY_LINEAR))
-    shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(ROUGHNESS)
-    surface = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
-    material.CreateSurfaceOutput().ConnectToSource(surface)
-    return material
-
-
-def _add_instance(stage: Usd.Stage, body: UsdGeom.Xform, name: str) -> Usd.Prim:
-    """A child of the body that is an instance of the meshes of that name."""
-    prim = UsdGeom.Xform.Define(stage, body.GetPath().AppendChild(name)).GetPrim()
-    prim.GetReferences().AddInternalReference(MESHES.AppendChild(name))
-    prim.SetInstanceable(True)
-    return prim
-
-
-def _bind_friction(stage: Usd.Stage, path: Sdf.Path, prim: Usd.Prim, friction: float) -> None:
-    material = UsdShade.Material.Define(stage, path)
-    physics = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
-    physics.CreateStaticFrictionAttr(friction)
-    physics.CreateDynamicFrictionAttr(friction)
-    physics.CreateRestitutionAttr(0.0)
-    binding = UsdShade.MaterialBindingAPI.Apply(prim)
-    binding.Bind(material, UsdShade.Tokens.weakerThanDescendants, "physics")

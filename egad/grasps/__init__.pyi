@@ -23,6 +23,7 @@ from .parameters import Robust as Robust
 from .parameters import Sampling as Sampling
 from .poses import PANDA_REACH as PANDA_REACH
 from .poses import dexnet_configurations as dexnet_configurations
+from .poses import graspnet_poses as graspnet_poses
 from .poses import hand_poses as hand_poses
 from .poses import panda_poses as panda_poses
 from .quality import ferrari_canny as ferrari_canny
@@ -34,4 +35,6 @@ from .sampler import join as join
 from .sampler import sample_contacts as sample_contacts
 from .sampler import valid_contacts as valid_contacts
 from .simulated import SHAKEN_AND_HELD as SHAKEN_AND_HELD
+from .simulated import held_when_shaken as held_when_shaken
 from .simulated import simulated_difficulty as simulated_difficulty
+from .simulated import with_outcome as with_outcome

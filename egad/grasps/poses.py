@@ -47,6 +47,21 @@ def panda_poses(poses: Floats, fingertip: float) -> Floats:
     return moved
 
 
+def graspnet_poses(poses: Floats, depth: float) -> Floats:
+    """Poses of GraspNet's hand: (n, 4, 4).
+
+    Its x is the approach, its y the closing axis, and its z = x cross y. Contacts lie at x = depth:
+    there graspnetAPI closes the fingers when it evaluates a grasp.
+
+    Args:
+        poses: (n, 4, 4) in our own frame.
+        depth: From the origin to the contacts, metres.
+    """
+    moved = poses[:, :, [2, 0, 1, 3]]
+    moved[:, :3, 3] -= depth * poses[:, :3, 2]
+    return np.asarray(moved)
+
+
 def dexnet_frames(axes: Floats) -> Floats:
     """Rotations of Dex-Net's grasp frame at approach angle 0: (n, 3, 3).
 

@@ -1,6 +1,8 @@
 """What simulated labels of grasps say of their objects."""
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from egad.outcomes import Outcome
 
@@ -8,6 +10,22 @@ SHAKEN_AND_HELD = tuple(
     outcome.value for outcome in (Outcome.SUCCESS, Outcome.SLIPPED_LIFTING, Outcome.DROPPED)
 )
 """Outcomes of grasps that held while the object was shaken."""
+
+
+def with_outcome(grasps: pd.DataFrame) -> pd.DataFrame:
+    """The grasps of which it is known whether they succeed.
+
+    They are those that were simulated, and those at which the open hand collides.
+
+    Args:
+        grasps: Columns `simulated_success` and `collision_free`.
+    """
+    return grasps[grasps["simulated_success"].notna() | ~grasps["collision_free"]]
+
+
+def held_when_shaken(grasps: pd.DataFrame) -> NDArray[np.bool_]:
+    """Whether both fingers still held the object after it was shaken in simulation, (n,)."""
+    return grasps["simulated_outcome"].isin(SHAKEN_AND_HELD).to_numpy(dtype=bool)
 
 
 def simulated_difficulty(grasps: pd.DataFrame) -> pd.DataFrame:

@@ -1,3 +1,4 @@
+from .description import description_files as description_files
 from .hand import CLEARANCE as CLEARANCE
 from .hand import Body as Body
 from .hand import BoxBody as BoxBody
@@ -10,9 +11,14 @@ from .model import SECOND_FINGER as SECOND_FINGER
 from .model import GripperModel as GripperModel
 from .model import HandLink as HandLink
 from .parameters import PADS as PADS
+from .parameters import SIZES as SIZES
 from .parameters import Gripper as Gripper
 from .parameters import Pad as Pad
 from .reading import model_of as model_of
+from .robot import base_link as base_link
+from .robot import base_pose as base_pose
+from .robot import files_of as files_of
+from .robot import joint_values as joint_values
 from .table import GRIPPERS as GRIPPERS
 from .table import as_gripper as as_gripper
 from .table import gripper as gripper

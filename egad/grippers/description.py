@@ -1,6 +1,8 @@
 """Reading the model of a hand that its maker publishes: URDF or MJCF, by MuJoCo."""
 
+import logging
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import mujoco
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 
 from egad.errors import UserError
 
+log = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
 
 MOVING = {int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)}
@@ -16,7 +19,6 @@ LEAST_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
 LARGEST_LINK = 1.0  # metres
 ROUND = 32  # corners of a circle
 BOX_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
-_TOO_FEW = "its links have no collision shapes; a hand without them touches nothing"
 
 
 def read_description(path: Path) -> mujoco.MjModel:
@@ -31,6 +33,51 @@ def read_description(path: Path) -> mujoco.MjModel:
     Raises:
         UserError: The file or one of its meshes cannot be used.
     """
+    with _logged_warnings(path):
+        model = _compiled(path)
+    _check_shapes(model, path)
+    return model
+
+
+def _compiled(path: Path) -> mujoco.MjModel:
+    """The model that a file describes, with shapes that collide only."""
+    spec = _parse(path)
+    compiler = spec.compiler
+    compiler.fusestatic = False
+    compiler.discardvisual = True
+    compiler.boundmass = compiler.boundinertia = LEAST_INERTIA
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise UserError(f"{path}: MuJoCo refuses it: {_line(error)}") from error
+
+
+def description_files(path: Path) -> list[Path]:
+    """A URDF or MJCF file and the meshes that it names.
+
+    Args:
+        path: The file.
+
+    Raises:
+        UserError: The file or one of its meshes cannot be used.
+    """
+    with _logged_warnings(path):
+        return [path, *(Path(mesh.file) for mesh in _parse(path).meshes if mesh.file)]
+
+
+@contextmanager
+def _logged_warnings(path: Path) -> Iterator[None]:
+    """Log what MuJoCo warns of. Otherwise it writes a file into the current folder."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda text: log.warning("%s: %s", path, text))
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
+
+
+def _parse(path: Path) -> mujoco.MjSpec:
+    """The description with its meshes found; raises as `read_description`."""
     if not path.is_file():
         raise UserError(f"{path}: there is no such file")
     try:
@@ -38,16 +85,7 @@ def read_description(path: Path) -> mujoco.MjModel:
     except ValueError as error:
         raise UserError(f"{path} is no URDF or MJCF that MuJoCo reads: {_line(error)}") from error
     _find_meshes(spec, path)
-    compiler = spec.compiler
-    compiler.fusestatic = False
-    compiler.discardvisual = True
-    compiler.boundmass = compiler.boundinertia = LEAST_INERTIA
-    try:
-        model = spec.compile()
-    except ValueError as error:
-        raise UserError(f"{path}: MuJoCo refuses it: {_line(error)}") from error
-    _check_shapes(model, path)
-    return model
+    return spec
 
 
 def body_name(model: mujoco.MjModel, body: int) -> str:
@@ -132,7 +170,8 @@ def _check_shapes(model: mujoco.MjModel, path: Path) -> None:
                     'is in millimetres, give it scale="0.001 0.001 0.001"'
                 )
     if not found:
-        raise UserError(f"{path}: {_TOO_FEW}")
+        names = ", ".join(body_name(model, body) for body in range(1, model.nbody))
+        raise UserError(f"{path}: none of its links has collision shapes: {names}")
 
 
 def _find_meshes(spec: mujoco.MjSpec, path: Path) -> None:

@@ -1,13 +1,12 @@
-"""Finding the two fingers of a described hand: what moves, which way, and where its pads are."""
+"""Finding the two fingers of a described hand: what moves, and which way."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import NamedTuple
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from egad.errors import UserError
 from egad.grippers.description import (
@@ -26,11 +25,7 @@ LOOSE = 1e-4  # metres or radians by which joints may miss a constraint
 STANDING = 1e-7  # metres; fingers that move less in a small step stand still
 SPREAD = 0.5  # of the speed of closing: fingers that move more than this across it are not two
 SNAP = 2.0  # degrees; axes this near to one of the palm's axes are meant to be that
-FACING = np.cos(np.radians(25.0))  # how far a face of a pad may turn away from the other finger
-# metres that the foremost and the hindmost corner of a face of a pad may lie behind the finger's
-PAD_DEPTH, PAD_TILT = 1e-3, 1.3e-3
 MOST_DRIVEN = 4
-AT_LEAST = 0.5e-3  # metres that a hand must open
 
 
 class Sides(NamedTuple):
@@ -45,20 +40,6 @@ class Sides(NamedTuple):
     links: tuple[frozenset[int], frozenset[int]]
     axis: Floats
     signs: Floats
-
-
-class Pads(NamedTuple):
-    """The faces of the fingers that meet the object.
-
-    Attributes:
-        links: Which link each is on.
-        centers: (2, 3) their middles, in the frames of these links.
-        corners: (2, n, 3) arrays of corners of their faces, in the frames of these links.
-    """
-
-    links: tuple[int, int]
-    centers: Floats
-    corners: tuple[Floats, Floats]
 
 
 def find_palm(model: mujoco.MjModel, fingers: Sequence[str] | None = None) -> tuple[int, list[int]]:
@@ -109,7 +90,7 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
         driven = sorted(_actuated(model) & set(joints)) or sorted(set(joints) - _mimics(model))
     for joint in driven:
         if not model.jnt_limited[joint]:
-            raise UserError(f"the joint {joint_name(model, joint)} has no limits")
+            raise UserError(f"the joint {joint_name(model, joint)} has no limits, or equal ones")
     if len(driven) > MOST_DRIVEN:
         raise UserError(
             f"it has {len(driven)} joints that move by themselves "
@@ -119,12 +100,11 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
     return driven
 
 
-def find_sides(mechanism: Mechanism, palm: int, chains: list[int]) -> Sides:
+def find_sides(mechanism: Mechanism, chains: list[int]) -> Sides:
     """Which links belong to which finger: those that move against each other.
 
     Args:
         mechanism: The joints.
-        palm: Number of the palm.
         chains: Numbers of the links on the palm that move.
 
     Raises:
@@ -132,75 +112,64 @@ def find_sides(mechanism: Mechanism, palm: int, chains: list[int]) -> Sides:
     """
     model = mechanism.model
     groups = [frozenset(subtree(model, chain)) for chain in chains]
-    groups = [group for group in groups if any(shapes_of(model, body) for body in group)]
-    names = ", ".join(body_name(model, min(group)) for group in groups)
-    if not groups:
-        raise UserError("its moving links have no collision shapes")
+    solid = [group for group in groups if any(shapes_of(model, body) for body in group)]
+    names = ", ".join(body_name(model, min(group)) for group in solid or groups)
+    if not solid:
+        raise UserError(f"its moving links have no collision shapes: {names}")
+    if len(solid) < 2:
+        raise UserError(f"only one finger moves, with the link {names}; two are needed")
+    motions = _motions(mechanism, solid)
+    motion = max(motions, key=lambda each: float(each.sizes[0]), default=None)
+    if (
+        motion is None
+        or motion.sizes[0] < STANDING
+        or motion.sizes[1:2].sum() > SPREAD * motion.sizes[0]
+    ):
+        raise UserError(f"its links {names} do not move as two fingers that close along a line")
+    axis = snapped(motion.axis)
+    axis *= np.sign(axis[np.abs(axis).argmax()])
+    places = motion.before @ axis
+    higher = places > (places.min() + places.max()) / 2
+    closing = np.sign((places - motion.after @ axis)[higher].sum())
+    first, second = (
+        frozenset().union(*(group for group, high in zip(solid, higher, strict=True) if high == on))
+        for on in (False, True)
+    )
+    return Sides((first, second), axis, motion.signs * closing)
+
+
+class _Motion(NamedTuple):
+    """A small step of the driven joints that the other joints can follow.
+
+    Attributes:
+        sizes: How far groups of links move against each other, along each axis, descending.
+        axis: That along which they do most.
+        before: (n, 3) the middles of the groups before the step.
+        after: The same after it.
+        signs: Which way each driven joint moves, (n,).
+    """
+
+    sizes: Floats
+    axis: Floats
+    before: Floats
+    after: Floats
+    signs: Floats
+
+
+def _motions(mechanism: Mechanism, groups: list[frozenset[int]]) -> Iterator[_Motion]:
+    """The steps from the middle of the stroke, with each driven joint either way."""
     middle, span = mechanism.ranges().mean(axis=1), np.ptp(mechanism.ranges(), axis=1)
-    near, found = mechanism.middle(), []
-    for signs in product((1.0, -1.0), repeat=len(span) - 1):
-        step = np.array([1.0, *signs]) * span * SMALL_STEP
+    near = mechanism.middle()
+    for others in product((1.0, -1.0), repeat=len(span) - 1):
+        signs = np.array([1.0, *others])
+        step = signs * span * SMALL_STEP
         pair = [mechanism.follow(middle + way * step, near) for way in (-1, 1)]
         if max(np.abs(mechanism.gaps(each)).max(initial=0.0) for each in pair) > LOOSE:
             continue
-        before, after = (_middles(mechanism, each, palm, groups) for each in pair)
+        before, after = (_middles(mechanism, each, groups) for each in pair)
         speeds = (after - before) - (after - before).mean(axis=0)
         _, sizes, axes = np.linalg.svd(speeds)
-        found.append((sizes, axes[0], before, after, np.array([1.0, *signs])))
-    if len(groups) < 2:
-        raise UserError(f"only one finger moves, with the link {names}; two are needed")
-    if not found:
-        raise UserError(f"its links {names} do not move as two fingers that close along a line")
-    sizes, axis, before, after, ways = max(found, key=lambda each: float(each[0][0]))
-    if sizes[0] < STANDING or sizes[1:2].sum() > SPREAD * sizes[0]:
-        raise UserError(f"its links {names} do not move as two fingers that close along a line")
-    axis = snapped(axis)
-    axis *= np.sign(axis[np.abs(axis).argmax()])
-    places = before @ axis
-    higher = places > (places.min() + places.max()) / 2
-    closing = np.sign((places - after @ axis)[higher].sum())
-    pairs = list(zip(groups, higher, strict=True))
-    first = frozenset(body for group, high in pairs for body in group if not high)
-    second = frozenset(body for group, high in pairs for body in group if high)
-    return Sides((first, second), axis, ways * closing)
-
-
-def find_pads(
-    mechanism: Mechanism,
-    closed: Floats,
-    palm: int,
-    sides: Sides,
-    links: Sequence[str] | None = None,
-) -> Pads:
-    """The foremost faces of both fingers when the hand is closed.
-
-    Args:
-        mechanism: The joints.
-        closed: Their positions when the hand is closed.
-        palm: Number of the palm.
-        sides: The fingers.
-        links: Names of the links with the pads; found if None.
-
-    Raises:
-        UserError: A finger has no face that looks at the other one.
-    """
-    model = mechanism.model
-    placement = mechanism.placement(closed, palm)
-    found, centers, corners = [], [], []
-    for number, sign in enumerate((1.0, -1.0)):
-        bodies = sorted(sides.links[number])
-        if links is not None:
-            wanted = {link_number(model, name) for name in links}
-            bodies = [body for body in bodies if body in wanted]
-        body, faces = _foremost(model, placement, bodies, sign * sides.axis)
-        first, second = faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0]
-        areas = np.linalg.norm(np.cross(first, second), axis=1)
-        center = np.average(faces.mean(axis=1), axis=0, weights=areas)
-        turn, place = placement.turns[body], placement.places[body]
-        found.append(body)
-        centers.append((center - place) @ turn)
-        corners.append((faces.reshape(-1, 3) - place) @ turn)
-    return Pads((found[0], found[1]), np.array(centers), (corners[0], corners[1]))
+        yield _Motion(sizes, axes[0], before, after, signs)
 
 
 def link_number(model: mujoco.MjModel, name: str) -> int:
@@ -255,11 +224,9 @@ def _mimics(model: mujoco.MjModel) -> set[int]:
     return set(map(int, model.eq_obj1id[equal & (model.eq_obj2id >= 0)]))
 
 
-def _middles(
-    mechanism: Mechanism, positions: Floats, palm: int, groups: list[frozenset[int]]
-) -> Floats:
+def _middles(mechanism: Mechanism, positions: Floats, groups: list[frozenset[int]]) -> Floats:
     """Means of the points of groups of links, in the frame of the palm: (n, 3)."""
-    turns, places = mechanism.placement(positions, palm)
+    turns, places = mechanism.placement(positions)
     means = []
     for group in groups:
         points = [
@@ -269,29 +236,3 @@ def _middles(
         ]
         means.append(np.concatenate(points).mean(axis=0))
     return np.array(means)
-
-
-def _foremost(
-    model: mujoco.MjModel, placement: tuple[Floats, Floats], bodies: list[int], ahead: Floats
-) -> tuple[int, Floats]:
-    """The link with the foremost faces that look ahead, and these faces (n, 3, 3)."""
-    turns, places = placement
-    found = []
-    for body in bodies:
-        for shape in shapes_of(model, body):
-            points = shape @ turns[body].T + places[body]
-            try:
-                hull = ConvexHull(points)
-            except QhullError:  # it is flat
-                continue
-            looking = hull.equations[:, :3] @ ahead > FACING
-            found += [(body, points[corners]) for corners in hull.simplices[looking]]
-    if not found:
-        names = ", ".join(body_name(model, body) for body in bodies)
-        raise UserError(f"the finger of the links {names} has no face that looks at the other one")
-    links, faces = np.array([body for body, _ in found]), np.array([face for _, face in found])
-    ends = np.sort(faces @ ahead, axis=1)
-    foremost = ends[:, 0].max()
-    near = (ends[:, 2] > foremost - PAD_DEPTH) & (ends[:, 0] > foremost - PAD_TILT)
-    body = int(np.bincount(links[near]).argmax())
-    return body, faces[near & (links == body)]

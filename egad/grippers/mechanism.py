@@ -16,7 +16,7 @@ UNLIMITED = 2 * np.pi
 
 
 class Placement(NamedTuple):
-    """Where all links are: (b, 3, 3) rotations and (b, 3) positions in the frame of one of them."""
+    """Where all links are: (b, 3, 3) rotations and (b, 3) positions in the frame of the palm."""
 
     turns: Floats
     places: Floats
@@ -27,13 +27,16 @@ class Mechanism:
 
     Attributes:
         model: Links, joints and constraints.
+        palm: Number of the link that carries the fingers.
         driven: Numbers of the joints that are driven.
         followers: Numbers of those that follow.
     """
 
-    def __init__(self, model: mujoco.MjModel, driven: list[int], followers: list[int]) -> None:
-        """Of a model, with its joints that are driven and those that follow."""
-        self.model, self.driven, self.followers = model, driven, followers
+    def __init__(
+        self, model: mujoco.MjModel, palm: int, driven: list[int], followers: list[int]
+    ) -> None:
+        """Of a model, with its palm, its joints that are driven and those that follow."""
+        self.model, self.palm, self.driven, self.followers = model, palm, driven, followers
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
         self._data = mujoco.MjData(model)
@@ -92,17 +95,18 @@ class Mechanism:
         equal = kinds == mujoco.mjtConstraint.mjCNSTR_EQUALITY
         return np.asarray(self._data.efc_pos[: self._data.nefc][equal], dtype=np.float64).copy()
 
-    def placement(self, positions: Floats, base: int) -> Placement:
-        """Where the links are in the frame of one of them."""
+    def placement(self, positions: Floats) -> Placement:
+        """Where the links are."""
         self._move(positions)
-        turns = self._data.xmat.reshape(-1, 3, 3)
-        back = turns[base].T
-        return Placement(back @ turns, (self._data.xpos - self._data.xpos[base]) @ back.T)
+        turns, places = self._data.xmat.reshape(-1, 3, 3), self._data.xpos
+        back = turns[self.palm].T
+        return Placement(back @ turns, (places - places[self.palm]) @ back.T)
 
-    def axis(self, joint: int, positions: Floats, base: int) -> Floats:
-        """Axis of a joint in the frame of a link."""
+    def axis(self, joint: int, positions: Floats) -> Floats:
+        """Axis of a joint in the frame of the palm."""
         self._move(positions)
-        return np.asarray(self._data.xmat[base].reshape(3, 3).T @ self._data.xaxis[joint])
+        back = self._data.xmat[self.palm].reshape(3, 3).T
+        return np.asarray(back @ self._data.xaxis[joint])
 
     def _move(self, positions: Floats) -> None:
         self._data.qpos[:] = positions

@@ -64,7 +64,8 @@ class GripperModel:
         reach: (k,) height of the middle between the pads along z; 0 when closed, metres.
         turns: (k, l, 3, 3) rotations of the links in the frame of the hand.
         places: (k, l, 3) positions of the links in the frame of the hand, metres.
-        joints: Names of the joints that move; the first one is driven.
+        joints: Names of the joints that move, the driven ones first.
+        n_driven: How many of them are driven; several if each finger has a drive of its own.
         positions: (k, j) their positions, metres or radians.
         palm_to_hand: (4, 4) pose of the frame of the hand in that of the palm.
         pad: Low and high corner of both pads, when closed, in the frame of the hand, (2, 3).
@@ -76,6 +77,7 @@ class GripperModel:
     turns: Floats
     places: Floats
     joints: tuple[str, ...]
+    n_driven: int
     positions: Floats
     palm_to_hand: Floats
     pad: Floats

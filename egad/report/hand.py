@@ -6,6 +6,7 @@ import yaml
 from numpy.typing import ArrayLike, NDArray
 
 from egad.grippers import Gripper, GripperModel
+from egad.report.hand_shape import LINK_COLORS, link_shapes, painted
 from egad.report.page import render_template
 from egad.report.viewer import Scene, viewer_data
 from egad.tables.grasping import GRASPS
@@ -13,9 +14,7 @@ from egad.tables.parquet import empty
 
 Floats = NDArray[np.float64]
 
-# Numbers of the colors in scene3d.js; those of links by what they belong to
-LINK_COLORS = {0: 0, -1: 1, 1: 2}
-PAD_COLOR, APPROACH_COLOR = 3, 4
+PAD_COLOR, APPROACH_COLOR = 3, 4  # numbers of the colors in scene3d.js
 PAD_THICKNESS = 4e-4  # metres, of what shows a pad
 ARROW = (0.03, 0.001)  # metres: length and radius of what shows the approach
 CHOICES = ("joint", "finger_links", "pad_links", "tcp", "closing_axis", "approach_axis")
@@ -29,8 +28,8 @@ def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
         model: Its model.
     """
     names = {side: _links(model, side) for side in LINK_COLORS}
-    driven, *followers = model.joints
-    ends = model.positions[[0, -1], 0]
+    driven, followers = model.joints[: model.n_driven], model.joints[model.n_driven :]
+    ends = model.positions[[0, -1]].T
     bow = 1000 * float(np.ptp(model.reach))
     pad = 1000 * np.ptp(model.pad, axis=0)
     frame = model.palm_to_hand
@@ -38,7 +37,10 @@ def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
     return {
         "palm": names[0],
         "fingers": f"{names[-1]}; {names[1]}",
-        "driven joint": f"{driven}, {ends[0]:.4g} closed, {ends[1]:.4g} open",
+        "driven joint": "; ".join(
+            f"{name}, {closed:.4g} closed, {wide:.4g} open"
+            for name, (closed, wide) in zip(driven, ends, strict=False)
+        ),
         "joints that follow": ", ".join(followers) or "none",
         "opening": f"{_mm(model.openings[[0, -1]], ' to ')} mm",
         "pads": f"{_mm(pad[1:] / 1000, ' x ')} mm, {1000 * (gripper.fingertip or 0):.1f} mm from "
@@ -88,19 +90,10 @@ def hand_scene(model: GripperModel, word: str, opening: float) -> Scene:
         word: What to call it.
         opening: Metres.
     """
-    meshes, colors = [], []
-    for link, shapes in zip(model.links, model.points(opening), strict=True):
-        meshes += [trimesh.convex.convex_hull(points) for points in shapes]
-        colors += [LINK_COLORS[link.body]] * len(shapes)
-    reach = float(model.reach_at(np.array([opening]))[0])
-    meshes += [*_pads(model, opening, reach), _arrow(reach)]
-    colors += [PAD_COLOR, PAD_COLOR, APPROACH_COLOR]
-    vertices, faces = trimesh.util.append_faces(
-        [each.vertices for each in meshes], [each.faces for each in meshes]
-    )
-    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    reach = float(model.reach_at(np.array(opening)))
+    pads = [(pad, PAD_COLOR) for pad in _pads(model, opening, reach)]
+    mesh, paint = painted([*link_shapes(model, opening), *pads, (_arrow(reach), APPROACH_COLOR)])
     mesh.apply_transform(trimesh.transformations.rotation_matrix(np.pi, (1, 0, 0)))
-    paint = np.repeat(colors, [len(each.faces) for each in meshes]).astype(np.uint8)
     title = f"{1000 * opening:.1f} mm between the pads"
     return Scene(word, title, mesh, empty(GRASPS), paint=paint)
 

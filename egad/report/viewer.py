@@ -23,6 +23,7 @@ from egad.errors import UserError
 from egad.geometry import check_mesh
 from egad.grasps import Grasps
 from egad.grippers import Gripper, as_gripper, finger_span
+from egad.report.hand_shape import best_grasp
 from egad.report.page import render_template
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
@@ -135,14 +136,18 @@ def label_codes(grasps: pd.DataFrame) -> NDArray[np.uint8]:
 
 
 def page(scene: Scene, name: str | None, gripper: Gripper) -> str:
-    """An HTML page with one object that needs no other file.
+    """An HTML page with one object that needs no other file, and the hand at its best grasp.
 
     Args:
         scene: The object.
         name: Name of the gripper, may be empty; None: it is not named.
         gripper: What the grasps are for.
     """
-    data = viewer_data([scene], gripper)
+    scenes = [scene]
+    if (held := best_grasp(scene.mesh, scene.grasps, gripper)) is not None:
+        mesh, paint = held
+        scenes.append(Scene("the hand at the best grasp", "", mesh, empty(GRASPS), paint=paint))
+    data = viewer_data(scenes, gripper)
     return render_template("view", scene=scene, name=name, gripper=gripper, viewer=data)
 
 

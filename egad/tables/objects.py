@@ -23,6 +23,7 @@ from egad.tables.columns import (
 _SHELL = column(
     "shell_thickness", FLOAT, "wall that an open surface was given; 0: it was not open", "m"
 )
+_GRASPS = column("grasps", INT, "number of grasps that the difficulty was computed from")
 SOLIDS = pa.schema(
     [
         ID,
@@ -30,7 +31,7 @@ SOLIDS = pa.schema(
         DIFFICULTY,
         DIFFICULTY_STD,
         CELL_CONFIDENCE,
-        column("grasps", INT, "number of grasps that the difficulty was computed from"),
+        _GRASPS,
         column(
             "archive_difficulty",
             FLOAT,
@@ -67,6 +68,8 @@ OBJECTS = pa.schema(
     ]
 )
 
+DIFFICULTIES = pa.schema([LABEL, DIFFICULTY, DIFFICULTY_STD, _GRASPS])
+
 REJECTED = pa.schema(
     [
         column("id", STRING, "object or file that was rejected"),
@@ -84,7 +87,7 @@ MEASURED = pa.schema(
         DIFFICULTY_STD,
         *CELLS,
         CELL_CONFIDENCE,
-        column("grasps", INT, "number of grasps that the difficulty was computed from"),
+        _GRASPS,
         column("longest_side", FLOAT, "longest side of the axis-aligned box", "m"),
         column("repaired", BOOL, "whether repair changed the mesh beyond merging vertices"),
         _SHELL,

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 import trimesh
 
+from egad.evalset import Bundle, make_simulation_object
 from egad.exchange.meshes import write_obj
 from egad.geometry.mass import mass_properties
 from egad.grasps.parameters import LabelParameters
@@ -97,3 +98,16 @@ def labelled(dataset):
     assert set(frame["label"]) == {"A00_0", "B01_0"}
     assert np.all(frame["grasp"] >= 0)
     return frame
+
+
+@pytest.fixture(scope="session")
+def made():
+    """An object of two convex parts, away from the origin, as simulators need it."""
+    arms = [((0.06, 0.02, 0.02), (0.05, 0, 0)), ((0.02, 0.02, 0.06), (0.03, 0, 0.02))]
+    slabs = [
+        trimesh.creation.box(size, trimesh.transformations.translation_matrix(at))
+        for size, at in arms
+    ]
+    ell = trimesh.boolean.union(slabs, engine="manifold")
+    turn = trimesh.transformations.rotation_matrix(0.7, [1, 2, 3])
+    return make_simulation_object(ell.apply_transform(turn), 400.0, Bundle())

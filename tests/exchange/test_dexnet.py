@@ -168,7 +168,11 @@ def test_metrics_say_how_they_are_computed(objects):
     assert "nor on its straight way in" in metrics["collision_free"].attrs["description"]
     assert metrics["needed_opening"].attrs["description"].endswith("(m)")
     assert metrics["ferrari_canny"].attrs["torque_scaling"] == 100
+    assert not metrics["ferrari_canny"].attrs["check_approach"]
     robust = metrics["robust_ferrari_canny"]
+    assert not robust.attrs["check_approach"]
+    assert robust.attrs["sampling_snapshot_rate"] == 3
+    assert robust["params_uncertainty"].attrs["sigma_friction_coef"] == 0.1
     assert (robust.attrs["torque_scaling"], robust.attrs["num_quality_samples"]) == (1000, 3)
     assert robust["obj_uncertainty"].attrs["sigma_obj_com"] == 0.01
     assert isinstance(robust.attrs["quality_method"], str)

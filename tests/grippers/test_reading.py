@@ -121,7 +121,7 @@ def test_choices_come_before_what_is_found(tmp_path):
         path, Choices("right_joint", ("left", "right"), ("left", "right"), (0.0, 0.0, 0.03))
     )
     np.testing.assert_allclose(found.palm_to_hand[:3, 3], [0, 0, 0.03])
-    turned = read_model(path, Choices(closing=(-1.0, 0.0, 0.0), approach=(0.0, 1.0, 0.0)))
+    turned = read_model(path, Choices(closing_axis=(-1.0, 0.0, 0.0), approach_axis=(0.0, 1.0, 0.0)))
     np.testing.assert_allclose(turned.palm_to_hand[:3, 0], [-1, 0, 0], atol=1e-12)
     np.testing.assert_allclose(turned.palm_to_hand[:3, 2], [0, 1, 0], atol=1e-12)
     assert [link.body for link in turned.links] == [0, 1, -1]
@@ -154,7 +154,25 @@ BAD = {
         {'name="left_joint" type="prismatic"': 'name="left_joint" type="fixed"'},
         "only one finger moves, with the link right",
     ),
-    "no opening": ({'upper="0.04"': 'upper="0.0001"'}, "its pads are at most .* mm apart"),
+    "no opening": (
+        {'upper="0.04"': 'upper="0.0001"'},
+        "its links left and right are at most 0.4 mm apart",
+    ),
+    "opening of zero": (
+        {'upper="0.04"': 'upper="0"'},
+        "the joint left_joint has no limits, or equal ones",
+    ),
+    "limits in millimetres": (
+        {'upper="0.04"': 'upper="40"'},
+        "its links left and right open 80 m; limits of sliding joints are in metres",
+    ),
+    "beside each other": (
+        {
+            f'"{side * (THICK / 2 + 1e-4)} 0 ': f'"{side * (THICK / 2 + 1e-4)} {side * WIDE} '
+            for side in (-1, 1)
+        },
+        "no face of the links left looks at one of the links right",
+    ),
     "missing mesh": (
         {f'<box size="{THICK} {WIDE} {LONG}"/>': '<mesh filename="package://maker/no.stl"/>'},
         "a mesh of the link left is missing: package://maker/no.stl",
@@ -177,9 +195,28 @@ def test_a_hand_that_cannot_be_used_is_refused_with_the_link_or_joint(tmp_path, 
     assert str(path) in str(refused.value)
 
 
+def test_warnings_of_mujoco_are_logged_with_the_file(tmp_path, monkeypatch, caplog):
+    """By itself, MuJoCo writes them into a file in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    path = box_urdf(tmp_path / "boxes.urdf", changes=BAD["one finger"][0])
+    with pytest.raises(UserError):
+        read_model(path)
+    assert list(tmp_path.iterdir()) == [path]
+    assert any(str(path) in text and "<mimic>" in text for text in caplog.messages)
+
+
 def test_a_hand_without_collision_shapes_is_refused(tmp_path):
     path = box_urdf(tmp_path / "bare.urdf", changes={"collision>": "visual>"})
-    with pytest.raises(UserError, match="no collision shapes"):
+    with pytest.raises(UserError, match=r"none of its links has .* shapes: hand, left, right"):
+        read_model(path)
+
+
+def test_fingers_without_collision_shapes_are_named(tmp_path):
+    """The palm has one, so that the file is not refused as a whole."""
+    path = box_urdf(tmp_path / "bare.urdf")
+    head, *sides = path.read_text().split('<link name="left">')
+    path.write_text(head + '<link name="left">' + sides[0].replace("collision>", "visual>"))
+    with pytest.raises(UserError, match="its moving links have no collision shapes: left, right"):
         read_model(path)
 
 
@@ -205,9 +242,10 @@ def test_three_fingers_are_refused(tmp_path):
     ("choices", "words"),
     [
         (Choices(joint="no"), "joint is 'no'; the hand has left_joint, right_joint"),
-        (Choices(fingers=("left", "no")), "no link 'no'; it has hand, left, right"),
-        (Choices(pads=("left", "no")), "no link 'no'"),
-        (Choices(approach=(1.0, 0.0, 0.0)), "approach is along its closing axis"),
+        (Choices(finger_links=("left", "no")), "no link 'no'; it has hand, left, right"),
+        (Choices(pad_links=("left", "no")), "no link 'no'"),
+        (Choices(pad_links=("left", "left")), r"links left looks at one of the links \(none\)"),
+        (Choices(approach_axis=(1.0, 0.0, 0.0)), "approach is along its closing axis"),
     ],
 )
 def test_wrong_choices_are_named(tmp_path, choices, words):

@@ -2,16 +2,18 @@
 
 import os
 
+import pandas as pd
 import pytest
 import trimesh
+from described_hands import PANDA, box_urdf
 
 from egad.perception.image_shards import read
 from egad.pipeline.config import Settings
 from egad.pipeline.stages.shards import shard_of
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
-from egad.tables.evaluation import AGREEMENT, EVAL49, TRIALS
-from egad.tables.grasping import SIMULATED_GRASPS, SIMULATED_OBJECTS
+from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
+from egad.tables.grasping import SCALES, SIMULATED_GRASPS, SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
 
 TRIED = {"simulated_trial", "join_trials"}
@@ -200,14 +202,27 @@ def test_weights_that_are_not_there_stop_the_run(clean):
     assert "Traceback" not in said
 
 
-def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean):
-    hand = {"opening": 0.065, "palm": [0.12, 0.07, 0.05], "mesh": "hand.stl"}
-    trimesh.creation.box().export(clean.folder / "hand.stl")
+def boxes_with_a_palm(folder):
+    trimesh.creation.box([0.1, 0.06, 0.05]).apply_translation([0, 0, -0.025]).export(
+        folder / "hand.stl"
+    )
+    return {"opening": 0.07, "mesh": "hand.stl"}
+
+
+def described_hand(folder):
+    box_urdf(folder / "hand.urdf")
+    return {"file": "hand.urdf"}
+
+
+@pytest.mark.parametrize("hand_in", [boxes_with_a_palm, described_hand])
+def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean, hand_in):
+    hand = hand_in(clean.folder)
     own = clean.overlay("own.yaml", {"grippers": {"mine": hand}})
     configs, stages = (
         ["config/test.yaml", own],
         {
             "rescaled/mine/scales.parquet": "rescale",
+            "difficulty/mine.parquet": "difficulty",
             "grasps/mine.parquet": "grasp_label",
             "grasps/mine.sampling.parquet": "grasp_label",
             "print/mine/manifest.parquet": "print_export",
@@ -224,14 +239,31 @@ def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean):
 
 
 def test_an_edited_mesh_of_a_gripper_labels_again(copy):
-    mesh = copy.folder / "hand.stl"
-    trimesh.creation.box([0.1, 0.06, 0.05]).apply_translation([0, 0, -0.025]).export(mesh)
-    own = copy.overlay("own.yaml", {"grippers": {"mine": {"opening": 0.07, "mesh": "hand.stl"}}})
+    own = copy.overlay("own.yaml", {"grippers": {"mine": boxes_with_a_palm(copy.folder)}})
     configs, target = ["config/test.yaml", own], "results/egad/grasps/mine.parquet"
     copy.make("--cores", 1, target, configs=configs)
     assert copy.planned(target, configs=configs) == {}
-    trimesh.creation.icosphere(radius=0.03).export(mesh)
+    trimesh.creation.icosphere(radius=0.03).export(copy.folder / "hand.stl")
     assert set(copy.planned(target, configs=configs)) == {"grasp_label", "join_grasps"}
+
+
+def test_a_gripper_by_file_has_objects_and_prints_of_its_opening(copy):
+    hands = {"mine": described_hand(copy.folder), "boxes": {"opening": PANDA["opening"] + 2e-4}}
+    configs = ["config/test.yaml", copy.overlay("own.yaml", {"grippers": hands})]
+    scaled, printed = (
+        [f"results/egad/{table.format(name)}.parquet" for name in hands]
+        for table in ("rescaled/{}/scales", "print/{}/manifest")
+    )
+    trials = "results/egad/trials/mine/antipodal-depth.parquet"
+    targets = [*scaled, *printed, trials]
+    copy.make("--cores", 1, *targets, configs=configs)
+    assert copy.planned(*targets, configs=configs) == {}
+    for files, schema in ((scaled, SCALES), (printed, MANIFEST)):
+        mine, boxes = (parquet.read(copy.folder / file, schema) for file in files)
+        pd.testing.assert_frame_equal(mine, boxes, rtol=1e-6)
+    box_urdf(copy.folder / "hand.urdf", changes={'effort="10"': 'effort="11"'})
+    planned = copy.planned(*targets, configs=configs)
+    assert set(planned) == {"simulated_trial", "join_trials"}
 
 
 def test_a_measure_that_is_not_there_stops_the_run(clean):
@@ -488,7 +520,7 @@ def test_a_release_simulates_the_grasps_of_its_gripper_only(clean):
 
 def test_a_release_of_given_objects_has_their_ancestors_only_if_they_are_known(clean):
     no_extra = clean.overlay("no_extra.yaml", {"release": {"archives": ["urdf", "mjcf"]}})
-    released = clean.planned("release", configs=["config/released.yaml"])
+    released = clean.planned("release", configs=["config/released.yaml", no_extra])
     assert set(released) >= RELEASE
     assert not {"evolve", "ancestry"} & set(released)
     primitives = {

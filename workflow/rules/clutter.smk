@@ -17,6 +17,7 @@ rule clutter:
         bundle="results/{dataset}/bundle/{gripper}/bundle.parquet",
         grasps=labelled,
         weights=learnt,
+        hand=gripper_files,
     output:
         ensure(
             "results/{dataset}/parts/clutter-{gripper}-{detector}-{shard}.parquet",
@@ -37,6 +38,7 @@ rule clutter:
         shards=len(SHARDS),
         grasps=each("--grasps", "grasps"),
         code=code_of("clutter"),
+        contents=contents_of(gripper_files),
         detector=detector_code,
     message:
         "Clearing tables with {wildcards.detector} and {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"

@@ -21,6 +21,7 @@ from egad.data import released, released_ancestry
 from egad.pipeline.display import start_display
 from egad.errors import UserError
 from egad.exchange import check_installed, checksum
+from egad.grippers import files_of
 from egad._util.kernel_cache import compile_kernels
 from egad.measures import source_hash
 from egad.detectors import fingerprint
@@ -52,8 +53,10 @@ NETWORKS = {network.name: network for network in training_study.networks_of(SETT
 # The images of training sets, and the trials of the networks, are for the first target.
 GRIPPER = SETTINGS.targets.grippers[0]
 ISLANDS = range(SETTINGS.schedule.islands)
-# ACRONYM files need them: they say whether a grasp succeeded.
-SIMULATES_LABELS = SETTINGS.targets.simulated_labels or "acronym" in SETTINGS.targets.exports
+# Some formats need them, e.g. ACRONYM: they say whether a grasp succeeded.
+SIMULATES_LABELS = SETTINGS.targets.simulated_labels or any(
+    "simulated_grasps" in sources(name, GRIPPER) for name in SETTINGS.targets.exports
+)
 LAST_EPOCH = SETTINGS.schedule.epochs - 1
 EVOLVED = [name for name, dataset in SETTINGS.datasets.items() if dataset.source == "evolved"]
 GIVEN = {
@@ -167,8 +170,13 @@ def held_out(wildcards):
 
 def gripper_files(wildcards):
     """The files that describe a gripper, if there are any."""
-    gripper = SETTINGS.grippers[wildcards.gripper]
-    return [file for file in (gripper.file, gripper.mesh) if file]
+    return files_of_gripper(wildcards.gripper)
+
+
+@cache
+def files_of_gripper(name):
+    """The same, by its name."""
+    return [str(path) for path in files_of(SETTINGS.grippers[name])]
 
 
 def contents_of(files):

@@ -3,8 +3,8 @@
 Inputs: results/D/objects.parquet, results/D/rescaled/G.
 Outputs: results/D/grasps/G.parquet; G.sampling.parquet, the sampling statistics of each object;
 G.rejected.parquet, the objects without grasps.
-Steps: shards of objects are labelled; if targets.simulated_labels is true, or ACRONYM files are
-asked for, their grasps are simulated; then the tables of the shards are joined.
+Steps: shards of objects are labelled; if targets.simulated_labels is true, or an export needs
+simulated labels, their grasps are simulated; then the tables of the shards are joined.
 """
 
 

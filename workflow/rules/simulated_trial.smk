@@ -18,6 +18,7 @@ rule simulated_trial:
         bundle="results/{dataset}/bundle/{gripper}/bundle.parquet",
         grasps=labelled,
         weights=learnt,
+        hand=gripper_files,
     output:
         ensure(
             "results/{dataset}/parts/trials-{gripper}-{detector}-{shard}.parquet",
@@ -40,6 +41,7 @@ rule simulated_trial:
         shards=len(EVALUATION_SHARDS),
         grasps=each("--grasps", "grasps"),
         code=code_of("simulate"),
+        contents=contents_of(gripper_files),
         detector=detector_code,
     message:
         "Running trials of {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"

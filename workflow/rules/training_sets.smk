@@ -50,8 +50,7 @@ def held_out_of_set(wildcards):
 
 def files_of_the_gripper(wildcards):
     """The files that describe the gripper that training sets are for."""
-    gripper = SETTINGS.grippers[GRIPPER]
-    return [file for file in (gripper.file, gripper.mesh) if file]
+    return files_of_gripper(GRIPPER)
 
 
 def compared(wildcards):

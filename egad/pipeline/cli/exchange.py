@@ -47,8 +47,8 @@ def export(
     reads = {name: dataset / file for name, file in sources(ending, gripper, objects).items()}
     if ending in OF_OBJECTS:
         _check_made(dataset / file for file in last_files(ending, gripper, objects))
-    if "grasps" in reads:
-        reads["grasps"] = grasp_table(dataset, gripper)
+    for name in reads.keys() & {"grasps", "simulated_grasps"}:
+        reads[name] = grasp_table(dataset, gripper)
     parsed: Any = _chosen(settings_type(run), settings, config, gripper)
     check_opening(dataset, gripper, parsed.gripper.opening)
     known = {"settings": parsed, "dataset": dataset, "gripper": gripper, "out": out, **reads}

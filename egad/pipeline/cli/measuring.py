@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from egad.errors import UserError
+from egad.errors import UserError, check_name
 from egad.pipeline.cli.common import (
     CORES,
     TOOL,
@@ -47,6 +47,10 @@ PageFile = Annotated[
 def measure(
     meshes: Meshes,
     units: Units,
+    gripper: Annotated[
+        str | None,
+        typer.Option(help="gripper that difficulty is for; default: as in the configuration"),
+    ] = None,
     out: TableFile = None,
     max_candidates: MaxCandidates = None,
     config: Config = None,
@@ -62,8 +66,9 @@ def measure(
 
     check_ending(out)
     whole = changed(settings_in(config), "postprocess", max_candidates=max_candidates)
+    name = check_name("gripper", gripper or whole.difficulty.gripper, whole.grippers)
     files = object_names(files_in(meshes))
-    table = stage.run(select(whole, MeasureMeshes), files, units, jobs)
+    table = stage.run(select(whole, MeasureMeshes, name), files, units, jobs)
     if out is not None:
         write_frame(table, MEASURED, out)
     measured(table, axis_pair(whole.measures))

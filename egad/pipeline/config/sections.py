@@ -147,13 +147,16 @@ class Targets(Parameters):
     export_objects: ObjectSet = Field(
         EVALUATION_SET, description="objects that exports in formats of objects have"
     )
+    difficulty: bool = Field(
+        False, description="whether to measure the difficulty of all objects for each gripper"
+    )
     agreement: bool = Field(
         False, description="whether to execute a sample of the labelled grasps in simulation"
     )
     simulated_labels: bool = Field(
         False,
-        description="whether to simulate labelled grasps of all objects; for ACRONYM files it is "
-        "done in any case",
+        description="whether to simulate labelled grasps of all objects; it is done in any case if "
+        "`exports` has acronym, graspgen, graspnet or isaac_grasp",
     )
     render: bool = Field(
         False, description="whether to render depth images with grasps for training"

@@ -25,6 +25,7 @@ SOURCES = {
     "meshes": "rescaled/{gripper}",
     "scales": "rescaled/{gripper}/scales.parquet",
     "grasps": "grasps/{gripper}.parquet",
+    "simulated_grasps": "grasps/{gripper}.parquet",  # the same table; it must have these labels
     "images": "images/{gripper}",
     "bundle": "bundle/{gripper}",
     "convex_parts": "convex_parts/{gripper}.parquet",

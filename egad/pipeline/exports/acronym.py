@@ -7,21 +7,12 @@ from typing import Annotated, Any
 import numpy as np
 
 from egad._util.files import atomic_output, check_not_file
-from egad._util.progress import progress
 from egad.errors import UserError
-from egad.exchange import (
-    COLUMNS,
-    Body,
-    Jaws,
-    by_object,
-    check_key,
-    is_ours,
-    is_simulated,
-    write_acronym,
-)
+from egad.exchange import Body, Jaws, check_key, is_ours, write_acronym
 from egad.grippers import finger_span
 from egad.pipeline.config import Acronym, Gripper, Quality
 from egad.pipeline.config.stage_settings import StageSettings
+from egad.pipeline.exports._simulated import check_simulated, simulated_by_object
 from egad.pipeline.parameters import Input, Output
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
@@ -43,7 +34,7 @@ def run(
     gripper: str,
     objects: Annotated[Path, Input()],
     scales: Annotated[Path, Input()],
-    grasps: Annotated[Path, Input()],
+    simulated_grasps: Annotated[Path, Input()],
     out: Annotated[Path, Output("D/exchange/G-acronym/LABEL.h5")],
 ) -> None:
     """Write a file for each object that has grasps.
@@ -53,7 +44,8 @@ def run(
         gripper: Name of the gripper.
         objects: Table with the columns of `tables.objects.OBJECTS`.
         scales: Table with the columns of `tables.grasping.SCALES`.
-        grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by label.
+        simulated_grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by
+            label.
         out: The labelled grasps for gripper G as ACRONYM files; the root of their meshes is `D`.
             Made if `targets.exports` contains `acronym`. See `docs/exchange.md`.
 
@@ -68,11 +60,7 @@ def run(
             "name a folder of its own"
         )
     check_key(gripper, "gripper")
-    if not is_simulated(grasps):
-        raise UserError(
-            f"{grasps} has no simulated labels, which ACRONYM files need: run the workflow with "
-            "targets.simulated_labels: true"
-        )
+    check_simulated(simulated_grasps)
     table = parquet.read(objects, OBJECTS)
     factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()
     known = {row["label"]: row for row in parquet.records(table) if row["label"] in factors}
@@ -80,10 +68,11 @@ def run(
     written = 0
     with atomic_output(out, keep=False) as folder:
         folder.mkdir()
-        rows = by_object(grasps, COLUMNS)
-        for label, found in progress(rows, "writing ACRONYM files", len(known)):
+        for label, found in simulated_by_object(simulated_grasps):
             if label not in known:
-                raise UserError(f"{grasps}: object {label!r} is not in {objects} and {scales}")
+                raise UserError(
+                    f"{simulated_grasps}: object {label!r} is not in {objects} and {scales}"
+                )
             body = scaled_body(known[label], factors[label], settings.quality.friction)
             path = folder / f"{check_key(label)}.h5"
             write_acronym(path, body, jaws, found, settings.acronym.min_robust_success_rate)

@@ -188,6 +188,7 @@ def metrics(settings: DexNetDatabase) -> dict[str, dict[str, object]]:
         "finger_radius": settings.quality.finger_radius,
         "soft_fingers": 1,
         "all_contacts_required": 1,
+        "check_approach": 0,
     }
     robust = settings.robust
     return {
@@ -197,7 +198,8 @@ def metrics(settings: DexNetDatabase) -> dict[str, dict[str, object]]:
             "quality_type": "robust_quasi_static",
             "torque_scaling": robust.torque_scaling,
             "num_quality_samples": robust.samples,
-            "sigma_friction_coef": robust.friction_sigma,
+            "sampling_snapshot_rate": robust.samples,
+            "params_uncertainty": {"sigma_friction_coef": robust.friction_sigma},
             "grasp_uncertainty": _sigmas(
                 "grasp", robust.grasp_translation_sigma, robust.grasp_rotation_sigma
             ),

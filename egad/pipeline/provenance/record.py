@@ -72,10 +72,14 @@ def settings_hash(settings: BaseModel) -> str:
 
 
 def named_files(settings: BaseModel) -> list[Path]:
-    """The files that settings name: meshes, weights, and the user's own code if it is there."""
-    paths = []
+    """The files that settings name, if they are there: of hands, meshes, weights, own code."""
+    paths: list[Path] = []
     for key, value in _texts(settings.model_dump(mode="json")):
-        if key in ("mesh", "weights", "command") and Path(value).is_file():
+        if key == "file" and Path(value).is_file():
+            from egad.grippers import description_files  # noqa: PLC0415 (loads an engine)
+
+            paths += description_files(Path(value))
+        elif key in ("mesh", "weights", "command") and Path(value).is_file():
             paths.append(Path(value))
         elif key in ("complexity", "difficulty", "detector") and ":" in value:
             with suppress(UserError):

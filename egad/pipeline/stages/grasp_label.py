@@ -41,8 +41,8 @@ def run(
         meshes: Folder of the scaled meshes.
         shard: Number of this shard, and number of shards.
         out: Labelled grasps for gripper G, in the frame of `D/rescaled/G/LABEL.obj`. It has the
-            columns `simulated_*` only if `targets.simulated_labels` is true, or ACRONYM files are
-            asked for.
+            columns `simulated_*` only if `targets.simulated_labels` is true, or an export needs
+            them.
         sampling: Sampling statistics of each object: number of candidates, and the reasons of their
             rejection.
         rejected: The objects without grasps.

@@ -1,7 +1,8 @@
 // An object and its grasps in WebGL, from data packed by egad/report/viewer.py. Part of viewer.js and gallery.js.
 
 const MESH = [0.78, 0.80, 0.83];
-const PAINTS = [MESH, [0.36, 0.56, 0.80], [0.95, 0.62, 0.29], [0.16, 0.63, 0.35], [0.80, 0.15, 0.15]];
+const PAINTS = [MESH, [0.36, 0.56, 0.80], [0.95, 0.62, 0.29], [0.16, 0.63, 0.35], [0.80, 0.15, 0.15],
+  [0.45, 0.72, 0.60]];
 const STEM = 0.15, THICK = 0.006; // of the longest side of the object
 const AMBIENT = { mesh: 0.5, jaws: 0.75 }; // ambient part of the light
 const CREASE = Math.cos(40 * Math.PI / 180);

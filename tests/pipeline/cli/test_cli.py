@@ -211,6 +211,20 @@ def test_measure_takes_a_budget_and_a_configuration(folder, tmp_path):
     assert cube["difficulty_cell"] == 2
 
 
+def test_difficulty_is_for_the_gripper_that_is_named(folder, tmp_path):
+    hand = f"grippers: {{mine: {{file: {box_urdf(tmp_path / 'hand.urdf')}}}}}\n"
+    (tmp_path / "hand.yaml").write_text(hand)
+    (tmp_path / "set.yaml").write_text(hand + "difficulty: {gripper: mine}")
+    given = [folder / "cube.obj", "--units", "cm", "--jobs", 1, "--max-candidates", 200]
+    tables = []
+    for options in (["hand.yaml", "--gripper", "mine"], ["set.yaml"], ["hand.yaml"]):
+        out, config = tmp_path / "table.csv", tmp_path / options[0]
+        done = egad("measure", *given, "--out", out, "--config", config, *options[1:])
+        assert done.returncode == 0
+        tables.append(out.read_text())
+    assert tables[0] == tables[1] != tables[2]
+
+
 def test_a_file_named_twice_is_taken_once(folder):
     result = egad("measure", folder, folder / "cube.obj", "--units", "cm", "--jobs", 1)
     assert result.stdout.count("cube") == 1
@@ -276,6 +290,7 @@ def test_locate_writes_a_page_and_a_table(folder, tmp_path):
         (["measure", "--units", "m", "--out", "table.xlsx"], "must end in .parquet or .csv"),
         (["measure", "--units", "m", "--out", "no/such/table.csv"], "there is no folder no/such"),
         (["measure", "--units", "m", "--max-candidates", "-3"], "--max-candidates"),
+        (["measure", "--units", "m", "--gripper", "yumy"], "did you mean yumi?"),
         (["similarity", "--units", "m", "--bases", "odd"], "even or scan"),
         (["locate", "--units", "m"], "--in"),
         (["locate", "--units", "m", "--in", "nothing.parquet"], "no such file"),

@@ -1,7 +1,11 @@
 import pytest
+import trimesh
+from described_hands import box_urdf
 from typer.testing import CliRunner
 
 from egad.data import released
+from egad.grasps import LabelParameters
+from egad.grippers import GRIPPERS, Gripper
 from egad.map_elites.parameters import EvolutionParameters
 from egad.pipeline.cli import origins  # noqa: F401 (it adds its commands)
 from egad.pipeline.cli.common import app
@@ -80,6 +84,15 @@ def test_files_that_settings_name_are_inputs(tmp_path):
     assert record.named_files(tried) == [weights]
     code.unlink()
     assert record.named_files(select(whole, EvolutionParameters)) == [mesh]
+
+
+def test_the_file_of_a_hand_and_its_meshes_are_inputs(tmp_path):
+    finger = tmp_path / "finger.stl"
+    trimesh.creation.box((0.01, 0.02, 0.04)).export(finger)
+    mesh = f'<mesh filename="{finger.name}"/>'
+    hand = box_urdf(tmp_path / "hand.urdf", changes={'<box size="0.01 0.021 0.0445"/>': mesh})
+    whole = Settings(grippers=GRIPPERS | {"mine": Gripper.from_file(hand)})
+    assert set(record.named_files(select(whole, LabelParameters, "mine"))) == {hand, finger}
 
 
 def test_the_hash_of_settings_follows_their_values():

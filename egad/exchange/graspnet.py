@@ -1,0 +1,79 @@
+"""GraspNet arrays: the grasps of a gripper on an object as the 17 numbers of graspnetAPI."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from egad.grasps import Grasps, graspnet_poses, held_when_shaken, with_outcome
+
+Floats = NDArray[np.float64]
+DEPTH = 0.02  # metres; GraspNet has grasps with depths of 1, 2, 3 and 4 cm
+HEIGHT = 0.02  # metres, of every finger there
+HIGHEST_SCORE = 1.1  # a score is 1.1 less the friction that a grasp needs
+FRICTIONS = (0.1, 1.0)
+
+
+def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
+    """The rows of a `GraspGroup`: score, width, height, depth, rotation, translation, object.
+
+    The score of a grasp that held when it was shaken in simulation is GraspNet's: 1.1 less the
+    smallest friction coefficient at which the contacts can hold the object, between 0.1 and 1. It
+    is 0 for the others, and for grasps at which the open hand collides. Grasps of which nothing is
+    known are left out.
+
+    Args:
+        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
+        opening: Widest opening of the gripper, metres; the width of a grasp is what it needs.
+        number: Of the object.
+
+    Returns:
+        (n, 17), metres; graspnetAPI's frame: x is the approach, y the closing axis.
+
+    Source: Fang et al., CVPR 2020, section 3.3; the layout is graspnetAPI's.
+    """
+    known = with_outcome(grasps)
+    labelled = Grasps(known)
+    poses = graspnet_poses(labelled.poses, DEPTH)
+    scores = HIGHEST_SCORE - needed_friction(labelled).clip(*FRICTIONS)
+    columns = [
+        np.where(held_when_shaken(known), scores, 0.0),
+        np.minimum(known["needed_opening"].to_numpy(dtype=np.float64), opening),
+        np.full(len(known), HEIGHT),
+        np.full(len(known), DEPTH),
+        poses[:, :3, :3].reshape(-1, 9),
+        poses[:, :3, 3],
+        np.full(len(known), float(number)),
+    ]
+    return np.column_stack(columns)
+
+
+def needed_friction(grasps: Grasps) -> Floats:
+    """The smallest friction coefficient at which both contacts take a force along the axis, (n,).
+
+    It is the tangent of the larger angle between the axis and a normal; infinite from 90 degrees.
+    """
+    first, second = grasps.contacts[:, 0], grasps.contacts[:, 1]
+    axes = (second - first) / np.linalg.norm(second - first, axis=1, keepdims=True)
+    inward = np.stack([-grasps.normals[:, 0], grasps.normals[:, 1]], axis=1)
+    cosines = np.einsum("nik,nk->ni", inward, axes).min(axis=1).clip(max=1.0)
+    with np.errstate(divide="ignore"):
+        tangents = np.sqrt(1 - cosines**2) / cosines
+    return np.where(cosines > 0, tangents, np.inf)
+
+
+def write_graspnet(folder: Path, label: str, grasps: pd.DataFrame, opening: float) -> None:
+    """Write `LABEL.npy`, and the label with its number to `objects.csv`.
+
+    Args:
+        folder: Where to. Objects are numbered in the order in which they are written.
+        label: Of the object.
+        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
+        opening: Widest opening of the gripper, metres.
+    """
+    listed = folder / "objects.csv"
+    lines = listed.read_text() if listed.exists() else "object_id,label\n"
+    number = lines.count("\n") - 1
+    np.save(folder / f"{label}.npy", graspnet_array(grasps, opening, number))
+    listed.write_text(f"{lines}{number},{label}\n")

@@ -1,0 +1,71 @@
+"""The links of a described hand: their convex parts, and how they hang on each other."""
+
+import mujoco
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from egad.errors import UserError
+from egad.grippers.description import body_name, joint_name, shapes_of, subtree
+from egad.grippers.fingers import Sides
+from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink, LinkJoint
+
+
+def hand_bodies(model: mujoco.MjModel, palm: int) -> list[int]:
+    """Numbers of the palm, of what it carries, and of what is fixed behind it."""
+    behind, body = [], palm
+    while body and not model.body_jntnum[body]:
+        body = int(model.body_parentid[body])
+        behind.append(body)
+    return [palm, *sorted(subtree(model, palm) - {palm}), *(each for each in behind if each)]
+
+
+def hand_link(model: mujoco.MjModel, body: int, bodies: list[int], sides: Sides) -> HandLink:
+    """A link of a hand.
+
+    Args:
+        model: The description.
+        body: Number of the link in it.
+        bodies: Those of all links of the hand.
+        sides: The fingers.
+
+    Raises:
+        UserError: It has several joints.
+    """
+    shapes = []
+    for points in shapes_of(model, body):
+        try:
+            shapes.append(points[ConvexHull(points).vertices])
+        except QhullError:  # it is flat, and touches nothing
+            continue
+    fingers = zip((FIRST_FINGER, SECOND_FINGER), sides.links, strict=True)
+    side = next((side for side, links in fingers if body in links), PALM_BODY)
+    carrier = int(model.body_parentid[body])
+    moves = side != PALM_BODY and carrier in bodies
+    place = np.eye(4)
+    mujoco.mju_quat2Mat(turn := np.empty(9), model.body_quat[body])
+    place[:3, :3], place[:3, 3] = turn.reshape(3, 3), model.body_pos[body]
+    return HandLink(
+        name=body_name(model, body),
+        body=side,
+        shapes=tuple(shapes),
+        mass=float(model.body_mass[body]),
+        carrier=bodies.index(carrier) if moves else -1,
+        place=place,
+        joint=_link_joint(model, body) if moves else None,
+    )
+
+
+def _link_joint(model: mujoco.MjModel, body: int) -> LinkJoint | None:
+    first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+    if count == 0:
+        return None
+    if count > 1:
+        raise UserError(f"the link {body_name(model, body)} has more than one joint")
+    slides = int(model.jnt_type[first]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+    return LinkJoint(
+        joint_name(model, first),
+        "prismatic" if slides else "revolute",
+        np.array(model.jnt_axis[first]),
+        np.array(model.jnt_pos[first]),
+        float(model.qpos0[model.jnt_qposadr[first]]),
+    )

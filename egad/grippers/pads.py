@@ -1,0 +1,108 @@
+"""Finding the pads of a described hand: the faces of both fingers that meet first."""
+
+from collections.abc import Sequence
+from itertools import product
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
+
+from egad.errors import UserError
+from egad.grippers.description import body_name, shapes_of
+from egad.grippers.fingers import Sides, link_number
+from egad.grippers.mechanism import Mechanism, Placement
+
+Floats = NDArray[np.float64]
+
+FACING = np.cos(np.radians(25.0))  # how far a face of a pad may turn away from the other finger
+# metres that the foremost and the hindmost corner of a face of a pad may lie behind the link's
+PAD_DEPTH, PAD_TILT = 1e-3, 1.3e-3
+LEAST_OVERLAP = 5e-4  # metres of the pads
+
+
+class Pads(NamedTuple):
+    """The faces of the fingers that meet the object.
+
+    Attributes:
+        links: Which link each is on.
+        centers: (2, 3) their middles, in the frames of these links.
+        corners: (2, n, 3) arrays of corners of their faces, in the frames of these links.
+    """
+
+    links: tuple[int, int]
+    centers: Floats
+    corners: tuple[Floats, Floats]
+
+
+def find_pads(
+    mechanism: Mechanism,
+    closed: Floats,
+    sides: Sides,
+    links: Sequence[str] | None = None,
+) -> Pads:
+    """The faces of both fingers that meet first when the hand closes.
+
+    Args:
+        mechanism: The joints.
+        closed: Their positions when the hand is closed.
+        sides: The fingers.
+        links: Names of the links with the pads; found if None.
+
+    Raises:
+        UserError: No faces of the fingers look at each other.
+    """
+    model = mechanism.model
+    placement = mechanism.placement(closed)
+    wanted = None if links is None else {link_number(model, name) for name in links}
+    bodies = [sorted(side if wanted is None else side & wanted) for side in sides.links]
+    fronts = [
+        [(body, faces) for body in each if len(faces := _front(model, placement, body, ahead))]
+        for each, ahead in zip(bodies, (sides.axis, -sides.axis), strict=True)
+    ]
+    facing = [pair for pair in product(*fronts) if _overlap(pair[0][1], pair[1][1], sides.axis)]
+    if not facing:
+        names = [", ".join(body_name(model, body) for body in each) or "(none)" for each in bodies]
+        raise UserError(f"no face of the links {names[0]} looks at one of the links {names[1]}")
+    pads = min(facing, key=lambda pair: _gap(pair[0][1], pair[1][1], sides.axis))
+    centers, corners = [], []
+    for body, faces in pads:
+        first, second = faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0]
+        areas = np.linalg.norm(np.cross(first, second), axis=1)
+        center = np.average(faces.mean(axis=1), axis=0, weights=areas)
+        turn, place = placement.turns[body], placement.places[body]
+        centers.append((center - place) @ turn)
+        corners.append((faces.reshape(-1, 3) - place) @ turn)
+    return Pads((pads[0][0], pads[1][0]), np.array(centers), (corners[0], corners[1]))
+
+
+def _front(model: mujoco.MjModel, placement: Placement, body: int, ahead: Floats) -> Floats:
+    """The foremost faces of a link that look ahead, (n, 3, 3)."""
+    found = [np.empty((0, 3, 3))]
+    for shape in shapes_of(model, body):
+        points = shape @ placement.turns[body].T + placement.places[body]
+        try:
+            hull = ConvexHull(points)
+        except QhullError:  # it is flat
+            continue
+        found.append(points[hull.simplices[hull.equations[:, :3] @ ahead > FACING]])
+    faces = np.concatenate(found)
+    ends = np.sort(faces @ ahead, axis=1)
+    foremost = ends[:, 0].max(initial=-np.inf)
+    near = (ends[:, 2] > foremost - PAD_DEPTH) & (ends[:, 0] > foremost - PAD_TILT)
+    return np.asarray(faces[near])
+
+
+def _gap(first: Floats, second: Floats, axis: Floats) -> float:
+    """Distance of faces along an axis."""
+    return float((second @ axis).min() - (first @ axis).max())
+
+
+def _overlap(first: Floats, second: Floats, axis: Floats) -> bool:
+    """Whether the rectangles around faces overlap, seen along an axis."""
+    across = np.linalg.svd(axis[None])[2][1:]
+    seen = [faces.reshape(-1, 3) @ across.T for faces in (first, second)]
+    low = np.max([points.min(axis=0) for points in seen], axis=0)
+    high = np.min([points.max(axis=0) for points in seen], axis=0)
+    return bool(np.all(high - low > LEAST_OVERLAP))

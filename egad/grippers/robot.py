@@ -1,0 +1,85 @@
+"""Files, joints and base link of a gripper, for programs that load its description themselves."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.grippers.model import GripperModel
+from egad.grippers.parameters import Gripper
+
+Floats = NDArray[np.float64]
+
+
+def files_of(gripper: Gripper) -> list[Path]:
+    """The files that a gripper is read from: its description with all meshes, or its palm mesh.
+
+    Raises:
+        UserError: The description or one of its meshes cannot be used.
+    """
+    if gripper.file is None:
+        return [Path(gripper.mesh)] if gripper.mesh else []
+    from egad.grippers.description import description_files  # noqa: PLC0415 (loads an engine)
+
+    return description_files(Path(gripper.file))
+
+
+def joint_values(gripper: Gripper, opening: float) -> dict[str, float]:
+    """Positions of the driven joints in the file of a gripper, at an opening.
+
+    Joints that follow others (mimic joints, linkages) are left out. Two fingers without a common
+    drive have a joint each.
+
+    Args:
+        gripper: The gripper.
+        opening: Distance of the pads, metres; the nearest one that the hand has is used.
+
+    Returns:
+        Metres or radians, by the names of the joints; empty for a gripper without a file.
+
+    Raises:
+        UserError: Its file cannot be used.
+    """
+    if (model := _model(gripper)) is None:
+        return {}
+    positions = model.joint_positions(opening)
+    return {name: positions[name] for name in model.joints[: model.n_driven]}
+
+
+def base_link(gripper: Gripper) -> str | None:
+    """Name of the link in the file of a gripper that carries its fingers; None without a file.
+
+    Raises:
+        UserError: Its file cannot be used.
+    """
+    model = _model(gripper)
+    return None if model is None else model.links[0].name
+
+
+def base_pose(gripper: Gripper, opening: float) -> Floats | None:
+    """Pose of the base link in the frame of a grasp, (4, 4), metres; None without a file.
+
+    The frame of a grasp has its origin midway between the pads, x along the closing axis and z
+    along the approach. The pads of a linkage move along z while they close, so the pose depends on
+    the opening. With the opening that the object leaves, the pads meet the contacts of the grasp.
+
+    Args:
+        gripper: The gripper.
+        opening: Distance of the pads, metres; the nearest one that the hand has is used.
+
+    Raises:
+        UserError: Its file cannot be used.
+    """
+    if (model := _model(gripper)) is None:
+        return None
+    pose = np.linalg.inv(model.palm_to_hand)
+    pose[2, 3] -= model.reach_at(np.array(opening))
+    return np.asarray(pose)
+
+
+def _model(gripper: Gripper) -> GripperModel | None:
+    if gripper.file is None:
+        return None
+    from egad.grippers.reading import model_of  # noqa: PLC0415 (loads an engine)
+
+    return model_of(gripper)

@@ -1,0 +1,113 @@
+"""The way of a described hand from open to closed, as positions of all its joints."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from egad.errors import UserError
+from egad.grippers.description import body_name
+from egad.grippers.fingers import Sides
+from egad.grippers.mechanism import Mechanism
+from egad.grippers.pads import Pads, find_pads
+
+Floats = NDArray[np.float64]
+
+LEVELS = 65  # openings that are tabulated
+LEAST_OPENING, LARGEST_OPENING = 0.5e-3, 1.0  # metres
+
+
+class Stroke(NamedTuple):
+    """The way from closed to open.
+
+    Attributes:
+        positions: (k, q) of all joints.
+        middles: (k, 2, 3) of both pads, in the frame of the palm, metres.
+        pads: The faces that meet.
+    """
+
+    positions: Floats
+    middles: Floats
+    pads: Pads
+
+
+def find_stroke(mechanism: Mechanism, sides: Sides, links: Sequence[str] | None = None) -> Stroke:
+    """The part of the way on which the pads come together, up to where they meet.
+
+    Args:
+        mechanism: The joints.
+        sides: The fingers.
+        links: Names of the links with the pads; found if None.
+
+    Raises:
+        UserError: The fingers have no pads that come together.
+    """
+    way = _follow(mechanism, sides, np.linspace(0, 1, LEVELS))
+    pads = find_pads(mechanism, way[-1], sides, links)
+
+    def gap(part: float) -> float:
+        """Distance of the pads at a part of the way."""
+        (middles,) = _middles(mechanism, _follow(mechanism, sides, np.array([part])), pads)
+        return float((middles[1] - middles[0]) @ sides.axis)
+
+    middles = _middles(mechanism, way, pads)
+    names = " and ".join(body_name(mechanism.model, link) for link in pads.links)
+    start, end = _useful((middles[:, 1] - middles[:, 0]) @ sides.axis, names)
+    closed = end if gap(end) >= 0 else brentq(gap, start, end, xtol=1e-9)
+    way = _follow(mechanism, sides, np.linspace(start, closed, LEVELS))[::-1]
+    return Stroke(np.array(way), _middles(mechanism, way, pads), pads)
+
+
+def _follow(mechanism: Mechanism, sides: Sides, parts: Floats) -> list[Floats]:
+    """Positions of all joints at parts of the way from one end of the driven ones to the other.
+
+    The joints are followed from the middle outwards, each from where it was.
+    """
+    ranges = mechanism.ranges()
+    start = np.where(sides.signs > 0, ranges[:, 0], ranges[:, 1])
+    way = sides.signs * np.ptp(ranges, axis=1)
+    found: dict[int, Floats] = {}
+    half = int(np.abs(parts - 0.5).argmin())
+    for numbers in (range(half, len(parts)), range(half, -1, -1)):
+        near = mechanism.middle()
+        for number in numbers:
+            near = mechanism.follow(start + parts[number] * way, near)
+            found[number] = near
+    return [found[number] for number in range(len(parts))]
+
+
+def _middles(mechanism: Mechanism, way: Sequence[Floats], pads: Pads) -> Floats:
+    """The middles of both pads in the frame of the palm, (k, 2, 3)."""
+    pairs = list(zip(pads.links, pads.centers, strict=True))
+    return np.array(
+        [
+            [turns[link] @ center + places[link] for link, center in pairs]
+            for turns, places in map(mechanism.placement, way)
+        ]
+    )
+
+
+def _useful(gaps: Floats, names: str) -> tuple[float, float]:
+    """Between which parts of the way the pads come together, up to where they meet.
+
+    Args:
+        gaps: Distances of the pads at even parts of the way, metres.
+        names: Of their links.
+
+    Raises:
+        UserError: They do not, or open wider than any hand.
+    """
+    parts, widest = np.linspace(0, 1, len(gaps)), int(gaps.argmax())
+    opening = float(gaps[widest])
+    if opening < LEAST_OPENING:
+        raise UserError(f"its links {names} are at most {1000 * max(opening, 0):.2g} mm apart")
+    if opening > LARGEST_OPENING:
+        raise UserError(
+            f"its links {names} open {opening:.3g} m; limits of sliding joints are in metres"
+        )
+    last = widest
+    while last + 1 < len(gaps) and gaps[last + 1] < gaps[last] and gaps[last] > 0:
+        last += 1
+    return float(parts[widest]), float(parts[last])

@@ -1,0 +1,87 @@
+"""The shape of a hand in the colors of the 3D viewer, by itself and at a grasp."""
+
+import numpy as np
+import pandas as pd
+import trimesh
+from numpy.typing import NDArray
+
+from egad.grasps import hand_poses
+from egad.grippers import BoxBody, Gripper, GripperModel, model_of
+
+Colored = tuple[trimesh.Trimesh, int]
+Painted = tuple[trimesh.Trimesh, NDArray[np.uint8]]
+
+# Numbers of the colors in viewer.js; those of links by what they belong to
+LINK_COLORS = {0: 0, -1: 1, 1: 2}
+BOX_COLORS = (1, 2, 0)  # of the first finger, the second one, and the palm
+OBJECT_COLOR = 5
+
+
+def link_shapes(model: GripperModel, opening: float) -> list[Colored]:
+    """The convex parts of a described hand, in its own frame, with colors.
+
+    Args:
+        model: The hand.
+        opening: Metres.
+    """
+    return [
+        (trimesh.convex.convex_hull(points), LINK_COLORS[link.body])
+        for link, shapes in zip(model.links, model.points(opening), strict=True)
+        for points in shapes
+    ]
+
+
+def painted(shapes: list[Colored]) -> Painted:
+    """One mesh of several, and the color of each of its faces."""
+    vertices, faces = trimesh.util.append_faces(
+        [mesh.vertices for mesh, _ in shapes], [mesh.faces for mesh, _ in shapes]
+    )
+    counts = [len(mesh.faces) for mesh, _ in shapes]
+    paint = np.repeat([color for _, color in shapes], counts).astype(np.uint8)
+    return trimesh.Trimesh(vertices, faces, process=False), paint
+
+
+def best_grasp(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripper) -> Painted | None:
+    """An object with the hand at its best collision-free grasp, closed on it.
+
+    Args:
+        mesh: The object, metres.
+        grasps: Columns contact0, contact1, approach (each with x, y and z), quality and
+            collision_free of `tables.grasping.GRASPS`, in the frame of the mesh.
+        gripper: The hand. A mesh for its palm is shown as a box.
+
+    Returns:
+        None if no grasp is free of collision.
+
+    Raises:
+        UserError: The file of the gripper cannot be used.
+    """
+    free = grasps[grasps["collision_free"].astype(bool)]
+    if free.empty:
+        return None
+    best = free.iloc[[int(free["quality"].argmax())]]
+    first, second, approach = (
+        best[[f"{name}_{axis}" for axis in "xyz"]].to_numpy(dtype=np.float64)[0]
+        for name in ("contact0", "contact1", "approach")
+    )
+    opening = float(np.linalg.norm(second - first))
+    axis = (second - first) / opening
+    (pose,) = hand_poses((first + second)[None] / 2, axis[None], approach[None])
+    hand = [(shape.apply_transform(pose), color) for shape, color in _shapes(gripper, opening)]
+    return painted([(mesh, OBJECT_COLOR), *hand])
+
+
+def _shapes(gripper: Gripper, opening: float) -> list[Colored]:
+    """The parts of a hand whose pads are around the origin, with colors."""
+    if gripper.file is not None:
+        model = model_of(gripper)
+        shift = [0, 0, -float(model.reach_at(np.array(opening)))]
+        return [
+            (mesh.apply_translation(shift), color) for mesh, color in link_shapes(model, opening)
+        ]
+    pieces = BoxBody(gripper).pieces(np.array([opening]))
+    return [
+        (trimesh.creation.box(bounds=part.box + each.shifts[0]), color)
+        for each, color in zip(pieces, BOX_COLORS, strict=True)
+        for part in each.parts
+    ]

@@ -1,0 +1,115 @@
+"""The files are read the way that Isaac Sim's importer reads them, by a reader of our own."""
+
+import mujoco
+import numpy as np
+import pytest
+import yaml
+from described_hands import box_urdf, linkage_mjcf
+from scipy.spatial.transform import Rotation
+
+from egad import Gripper
+from egad.errors import UserError
+from egad.exchange.isaac_grasp import write_isaac_grasp
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.exports import isaac_grasp
+from egad.pipeline.exports._simulated import SimulatedGraspFiles
+
+LABEL = "A00_0"
+
+
+@pytest.fixture(scope="module")
+def rows(labelled):
+    of_one = labelled[labelled["label"] == LABEL]
+    return of_one[of_one["simulated_success"].notna() | ~of_one["collision_free"]]
+
+
+def read(path):
+    """The grasps of a file: confidence, pose (4, 4), joints, joints before; and all of it."""
+    content = yaml.safe_load(path.read_text())
+    assert (content["format"], content["format_version"]) == ("isaac_grasp", 1.0)
+    found = []
+    for grasp in content["grasps"].values():
+        pose = np.eye(4)
+        turn = [*grasp["orientation"]["xyz"], grasp["orientation"]["w"]]
+        assert np.linalg.norm(turn) == pytest.approx(1)
+        pose[:3, :3] = Rotation.from_quat(turn).as_matrix()
+        pose[:3, 3] = grasp["position"]
+        assert 0 <= grasp["confidence"] <= 1
+        joints = grasp["cspace_position"], grasp["pregrasp_cspace_position"]
+        found.append((grasp["confidence"], pose, *joints))
+    return found, content
+
+
+def contacts_of(rows, number):
+    return rows[[f"contact{number}_{part}" for part in "xyz"]].to_numpy()
+
+
+def test_pads_of_sliding_fingers_meet_the_contacts(rows, tmp_path):
+    gripper = Gripper.from_file(box_urdf(tmp_path / "hand.urdf"))
+    write_isaac_grasp(tmp_path / "a.yaml", LABEL, gripper, rows)
+    found, content = read(tmp_path / "a.yaml")
+    assert len(found) == len(rows) > 5
+    assert content["object_frame"] == content["object_frame_link"] == LABEL
+    assert content["gripper_frame"] == content["gripper_frame_link"] == "hand"
+    for number, side in ((0, -1), (1, 1)):
+        pairs = zip(found, contacts_of(rows, number), strict=True)
+        for (_, pose, joints, before), contact in pairs:
+            x, y, z = (np.linalg.inv(pose) @ [*contact, 1])[:3]
+            assert list(joints) == list(before) == ["left_joint"]  # the other one mimics it
+            # the inner faces of the fingers lie 0.1 mm behind the positions of their joints
+            assert x == pytest.approx(side * (joints["left_joint"] + 1e-4), abs=1e-7)
+            assert y == pytest.approx(0, abs=1e-7)
+            assert z == pytest.approx(0.0445 / 2, abs=1e-7)
+            assert before["left_joint"] == pytest.approx(0.04)
+
+
+def test_pads_of_a_linkage_meet_the_contacts(rows, tmp_path):
+    """MuJoCo places the links; contacts lie as far from both fingers as the pads do."""
+    path = linkage_mjcf(tmp_path / "hand.xml")
+    gripper = Gripper.from_file(path)
+    write_isaac_grasp(tmp_path / "a.yaml", LABEL, gripper, rows)
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    found, content = read(tmp_path / "a.yaml")
+    heights = []
+    for (_, pose, joints, _), *contacts in zip(
+        found, contacts_of(rows, 0), contacts_of(rows, 1), strict=True
+    ):
+        (data.qpos[:],) = joints.values()  # bars of equal length turn by the same angle
+        mujoco.mj_kinematics(model, data)
+        palm = data.body(content["gripper_frame"])
+        fingers = [
+            palm.xmat.reshape(3, 3).T @ (data.geom(number).xpos - palm.xpos)
+            for number in ("left_pad", "right_pad")
+        ]
+        seen = [(np.linalg.inv(pose) @ [*contact, 1])[:3] for contact in contacts]
+        middle = (fingers[0] + fingers[1]) / 2
+        assert (seen[0] + seen[1]) / 2 == pytest.approx(middle, abs=2e-5)
+        heights.append(middle[2])
+    assert np.ptp(heights) > 1e-4  # they do move forward
+
+
+def test_only_grasps_that_held_have_confidence(rows, tmp_path):
+    gripper = Gripper.from_file(box_urdf(tmp_path / "hand.urdf"))
+    write_isaac_grasp(tmp_path / "a.yaml", LABEL, gripper, rows)
+    held = rows["simulated_outcome"].isin(["success", "slipped_lifting", "dropped"])
+    assert [each[0] for each in read(tmp_path / "a.yaml")[0]] == held.astype(float).tolist()
+
+
+def test_a_gripper_of_boxes_is_refused(dataset, settings, tmp_path):
+    chosen = select(settings, SimulatedGraspFiles, "yumi")
+    grasps = dataset / "grasps/yumi.parquet"
+    with pytest.raises(UserError, match=r"'yumi' is made of boxes.*give its URDF or MJCF file"):
+        isaac_grasp.run(chosen, "yumi", grasps, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_each_object_has_a_file(dataset, settings, tmp_path):
+    chosen = select(settings, SimulatedGraspFiles, "yumi")
+    hand = Gripper.from_file(box_urdf(tmp_path / "hand.urdf"))
+    chosen = chosen.model_copy(update={"gripper": hand})
+    isaac_grasp.run(chosen, "mine", dataset / "grasps/yumi.parquet", tmp_path / "out")
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        "A00_0.yaml",
+        "B01_0.yaml",
+    ]
