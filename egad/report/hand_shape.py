@@ -11,7 +11,7 @@ from egad.grippers import BoxBody, Gripper, GripperModel, model_of
 Colored = tuple[trimesh.Trimesh, int]
 Painted = tuple[trimesh.Trimesh, NDArray[np.uint8]]
 
-# Numbers of the colors in viewer.js; those of links by what they belong to
+# Numbers of the colors in scene3d.js; those of links by what they belong to
 LINK_COLORS = {0: 0, -1: 1, 1: 2}
 BOX_COLORS = (1, 2, 0)  # of the first finger, the second one, and the palm
 OBJECT_COLOR = 5
