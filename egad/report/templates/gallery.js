@@ -143,9 +143,8 @@ function update() {
   listed = STEP;
   paintMap(rest);
   list();
-  const filtered = parametersOf().size > 0;
-  find("#count").textContent = `${filters.cell ? `Cell ${filters.cell}: ` : ""}${found.length} ${found.length === 1 ? "object" : "objects"}`;
-  find("#clear").hidden = !filtered;
+    find("#count").textContent = `${filters.cell ? `Cell ${filters.cell}: ` : ""}${found.length} ${found.length === 1 ? "object" : "objects"}`;
+  find("#clear").hidden = parametersOf().toString() === "";
 }
 
 function list() {
