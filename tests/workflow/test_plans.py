@@ -508,7 +508,7 @@ def test_images_are_rendered_if_that_is_asked_for(copy):
 
 
 RELEASE = {"release_tables", "release_meshes", "release_previews", "release_archive"}
-RELEASE |= {"release_card", "release"}
+RELEASE |= {"gallery", "release_card", "release"}
 
 
 def test_a_release_simulates_the_grasps_of_its_gripper_only(clean):
