@@ -61,7 +61,7 @@ class EgadObject:
         if builder.scene.can_render():
             builder.add_visual_from_file(
                 str(self.visual),
-                material=sapien.render.RenderMaterial(base_color=[0.9, 0.5, 0.2, 1]),
+                material=sapien.render.RenderMaterial(base_color=[0.1, 0.3, 0.8, 1]),
             )
         frame, moments = self.mass_frame
         builder.set_mass_and_inertia(self.mass, frame, moments)

@@ -111,7 +111,7 @@ class PickSingleEGADEnv(BaseEnv):
 
     @property
     def _default_human_render_camera_configs(self) -> CameraConfig:
-        pose = look_at([0.5, 0.55, 0.45], [-0.05, 0, 0.15])
+        pose = look_at([0.4, 0.45, 0.35], [-0.05, 0, 0.1])
         return CameraConfig("render_camera", pose, 512, 512, 1, 0.01, 100)
 
     def _load_agent(self, options: dict[str, Any]) -> None:
