@@ -128,7 +128,7 @@ def newton_usd(exports: Path, rows: list[Row], bundle: Path) -> str:
         colliders = np.array(builder.shape_type) == newton.GeoType.CONVEX_MESH
         errors.frictions |= set(np.round(np.array(builder.shape_material_mu)[colliders], 6))
         rested += rests_in_newton(builder, row, bundle)
-    return f"{errors}; {rested} of {len(rows)} dropped came to rest in a listed pose"
+    return f"{errors}; {rested} of {len(rows)} lie in a listed pose {SECONDS:g} s after a drop"
 
 
 def rests_in_newton(builder: Any, row: Row, bundle: Path) -> bool:  # noqa: ANN401 (of newton)
