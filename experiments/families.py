@@ -3,16 +3,22 @@
 Families are cut from the lines of first parents: at their founders, or some generations later. For
 each cut, 200 random splits put whole families aside for validation until they have about a tenth
 of the objects. The table has the fraction of these whose voxels overlap those of an object for
-training by more than 0.9 (intersection over union, as they lie in the cube of the network).
+training by more than 0.9 (intersection over union, as they lie in the cube of the network). The
+last lines say the same of the splits of the dataset release.
 """
 
 from collections import Counter
 from itertools import chain
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 import egad
+from egad.data import evaluation_set
+from egad.evalset import families as families_of
+from egad.evalset import split_by_family, with_parents_and_children
+from egad.pipeline.config import Settings
 from egad.random import generator
 
 PART, SPLITS, TWIN = 0.1, 200, 0.9
@@ -48,6 +54,19 @@ def twins(families: Labels, overlap: Matrix) -> float:
     return float(np.mean(found))
 
 
+def print_release_splits(ids: list[str], lineage: egad.Lineage, overlap: Matrix) -> None:
+    """Print how many objects of each part of the release nearly equal one for training."""
+    settings, chosen = Settings(), list(pd.read_csv(evaluation_set())["id"])
+    test = with_parents_and_children(chosen, lineage)
+    validation = settings.release.validation
+    split_of = split_by_family(families_of(ids, lineage), test, validation, settings.seed)
+    split = np.array([split_of[name] for name in ids])
+    parts = {name: split == name for name in ("train", "validation", "test")}
+    for name, part in {**parts, "evaluation set": np.isin(ids, chosen)}.items():
+        rate = (overlap[part][:, parts["train"]].max(axis=1) > TWIN).mean()
+        print(f"{name}: {part.sum()} objects, {rate:.1%} nearly equal one for training")
+
+
 def main() -> None:
     """Print the sizes of the families, how alike relatives are, and a row for each split."""
     objects = egad.load("released")
@@ -68,6 +87,7 @@ def main() -> None:
         sizes = sorted(np.unique(families, return_counts=True)[1], reverse=True)[:4]
         rate = twins(np.array(families), overlap)
         print(f"| {name} | {len(set(families))} | {', '.join(map(str, sizes))} | {rate:.1%} |")
+    print_release_splits(ids, lineage, overlap)
 
 
 if __name__ == "__main__":

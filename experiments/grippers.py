@@ -3,13 +3,16 @@
     python experiments/grippers.py picture HAND.urdf ...
     python experiments/grippers.py labels panda=HAND.urdf robotiq_2f_85=HAND.urdf ...
     python experiments/grippers.py path HAND.xml
+    python experiments/grippers.py changes panda=HAND.urdf
     python experiments/grippers.py outlines panda=HAND.urdf robotiq_2f_85=HAND.urdf ...
     python experiments/grippers.py trials OUT panda=HAND.urdf robotiq_2f_85=HAND.urdf ...
 
 `picture` draws each hand open, half open and closed into docs/grippers.png. `path` lets MuJoCo
 close the hand by its own motor, and tells how far its fingertips are from the model's. `outlines`
 draws the boxes over the shapes of the files into docs/grippers.svg. `labels` compares the collision
-labels of 20,000 grasps of the released evaluation set, `trials` 980 attempts of two detectors in
+labels of 20,000 grasps of the released evaluation set, `changes` draws one grasp for each way in
+which they differ into docs/grippers-labels.png; `panda=boxes` stands for the boxes themselves,
+written to a file. `trials` compares 980 attempts of two detectors in
 both engines; trials are kept in OUT and not run again.
 """
 
@@ -17,6 +20,7 @@ import argparse
 from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -24,6 +28,7 @@ import mujoco
 import numpy as np
 import pandas as pd
 import trimesh
+from numpy.typing import NDArray
 from PIL import Image
 from scipy.spatial import ConvexHull
 
@@ -31,15 +36,28 @@ import egad
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.geometry import RayCaster
-from egad.grasps import label_parameters, sample_for_labels
-from egad.grasps.approach import best_approaches
-from egad.grippers import GRIPPERS, SIZES, BoxBody, Gripper, GripperModel, ModelBody, model_of
+from egad.grasps import ContactPairs, hand_poses, label_parameters, sample_for_labels
+from egad.grasps.approach import Approaches, best_approaches
+from egad.grippers import (
+    CLEARANCE,
+    GRIPPERS,
+    SIZES,
+    BoxBody,
+    Gripper,
+    GripperModel,
+    ModelBody,
+    finger_span,
+    model_of,
+)
 from egad.random import generator
+from egad.report.hand_shape import hand_shapes
 from egad.sim.film import Pixels, draw
 from egad.trials import Trials
 
 COLORS = {0: (0.72, 0.74, 0.78), -1: (0.36, 0.56, 0.80), 1: (0.95, 0.62, 0.29)}
-CAMERA = (0.58, 35.0, -12.0)  # metres, yaw and pitch, degrees
+CAMERA, NEAR = (0.58, 35.0, -12.0), (0.26, 40.0, -20.0)  # metres, yaw and pitch, degrees
+OBJECT = (0.45, 0.72, 0.60)
+SIDES = {0: 0, 1: -1, 2: 1}  # by numbers of colors in the 3D view
 CROP = (slice(85, 315), slice(40, -40))
 DOWN = trimesh.transformations.rotation_matrix(np.pi, (1, 0, 0))
 DOCS = Path(__file__).parents[1] / "docs"
@@ -81,9 +99,34 @@ def pairs(given: list[str]) -> Iterator[tuple[str, Gripper, Gripper]]:
     for each in given:
         name, _, path = each.partition("=")
         known = GRIPPERS.get(name)
-        file = Gripper.from_file(path, force=known.force if known else FORCE)
+        file = (
+            as_file(known)
+            if path == "boxes" and known
+            else Gripper.from_file(path, force=known.force if known else FORCE)
+        )
         sizes = file.model_dump(include=SIZES | {"force"})
         yield name, known or Gripper.model_validate(sizes), file
+
+
+def as_file(gripper: Gripper) -> Gripper:
+    """The boxes of a gripper, by way of a URDF file."""
+    base, tip = finger_span(gripper)
+    thick, wide, palm = gripper.finger_thickness, gripper.finger_width, gripper.palm
+    size = " ".join(map(str, palm))
+    sides = [
+        f"""<link name="{name}"><collision><origin xyz="{way * (thick / 2 + CLEARANCE)} 0
+        {(base + tip) / 2}"/><geometry><box size="{thick} {wide} {tip - base}"/></geometry>
+        </collision></link><joint name="{name}" type="prismatic"><parent link="palm"/>
+        <child link="{name}"/><axis xyz="{way} 0 0"/>
+        <limit lower="0" upper="{gripper.opening / 2}" effort="1" velocity="1"/></joint>"""
+        for name, way in (("left", -1), ("right", 1))
+    ]
+    text = f"""<robot name="boxes"><link name="palm"><collision>
+        <origin xyz="0 0 {base - palm[2] / 2}"/><geometry><box size="{size}"/>
+        </geometry></collision></link>{"".join(sides)}</robot>"""
+    with NamedTemporaryFile("w", suffix=".urdf", delete=False) as file:
+        file.write(text)
+    return Gripper.from_file(file.name, tcp=(0, 0, 0), force=gripper.force)
 
 
 def simulate_path(file: str) -> None:
@@ -167,6 +210,14 @@ def compare_labels(given: list[str]) -> None:
 
 def labels_of(target: egad.EvolvedObject, boxes: Gripper, file: Gripper) -> pd.DataFrame:
     """Whether grasps of an object are free with boxes, with a file, and with part of the boxes."""
+    _, _, found = approaches(target, boxes, file)
+    return pd.DataFrame({key: each.free for key, each in found.items()})
+
+
+def approaches(
+    target: egad.EvolvedObject, boxes: Gripper, file: Gripper
+) -> tuple[trimesh.Trimesh, ContactPairs, dict[str, Approaches]]:
+    """A scaled object, grasps of it, and their approaches: of boxes, a file, part of the boxes."""
     narrow = min((boxes, file), key=lambda gripper: gripper.opening)
     mesh, _ = egad.rescale(target.mesh, narrow)
     caster, settings = RayCaster(mesh), label_parameters(narrow, GRASPS, 0)
@@ -180,9 +231,47 @@ def labels_of(target: egad.EvolvedObject, boxes: Gripper, file: Gripper) -> pd.D
         "fingers": BoxBody(far),
         "palm": BoxBody(thin),
     }
-    return pd.DataFrame(
-        {key: best_approaches(caster, grasps, body).free for key, body in bodies.items()}
-    )
+    found = {key: best_approaches(caster, grasps, body) for key, body in bodies.items()}
+    return mesh, grasps, found
+
+
+def draw_changes(given: list[str]) -> None:
+    """Draw grasps whose labels differ into docs/grippers-labels.png."""
+    ((_, boxes, file),) = pairs(given)
+    pictures: dict[str, list[Pixels]] = {}
+    for target in egad.load("evaluation-set"):
+        mesh, grasps, found = approaches(target, boxes, file)
+        free = {key: each.free for key, each in found.items()}
+        causes = {
+            "box fingers collide": ~free["boxes"] & free["file"] & ~free["fingers"],
+            "box palm collides": ~free["boxes"] & free["file"] & ~free["palm"],
+            "file collides": free["boxes"] & ~free["file"],
+        }
+        for cause in [name for name, those in causes.items() if those.any()]:
+            number = [int(causes[cause].argmax())]
+            way = found["boxes" if cause == "file collides" else "file"].directions[number]
+            (pose,) = hand_poses(grasps.centers[number], grasps.axes[number], way)
+            if cause not in pictures:
+                pictures[cause] = [at_grasp(mesh, pose, hand) for hand in (boxes, file)]
+        if len(pictures) == len(causes):
+            break
+    figure, axes = plt.subplots(2, len(pictures), figsize=(9.6, 5.4), squeeze=False)
+    for column, cause in zip(axes.T, causes, strict=True):
+        for axis, pixels in zip(column, pictures[cause], strict=True):
+            axis.imshow(pixels)
+            axis.axis("off")
+        column[0].set_title(cause, fontsize=10)
+    figure.tight_layout()
+    with atomic_output(DOCS / "grippers-labels.png") as out:
+        figure.savefig(out, format="png", dpi=90, metadata={"Software": None})
+
+
+def at_grasp(mesh: trimesh.Trimesh, pose: NDArray[np.float64], gripper: Gripper) -> Pixels:
+    """An object and the open hand at a grasp, in the frame of the hand."""
+    hand = [(part, COLORS[SIDES[color]]) for part, color in hand_shapes(gripper, gripper.opening)]
+    bodies = [(mesh.copy().apply_transform(np.linalg.inv(pose)), OBJECT), *hand]
+    seen = [(body.apply_transform(DOWN), color) for body, color in bodies]
+    return draw(seen, np.array([0.0, 0.0, 0.01]), NEAR)
 
 
 def compare_trials(out: Path, given: list[str], jobs: int) -> None:
@@ -209,7 +298,7 @@ def compare_trials(out: Path, given: list[str], jobs: int) -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
-    for command in ("picture", "path", "labels", "outlines", "trials"):
+    for command in ("picture", "path", "labels", "changes", "outlines", "trials"):
         added = commands.add_parser(command)
         if command == "trials":
             added.add_argument("out", type=Path)
@@ -223,6 +312,8 @@ if __name__ == "__main__":
             simulate_path(each)
     elif chosen.command == "labels":
         compare_labels(chosen.hands)
+    elif chosen.command == "changes":
+        draw_changes(chosen.hands)
     elif chosen.command == "outlines":
         draw_outlines(chosen.hands)
     else:

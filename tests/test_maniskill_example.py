@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import trimesh
 
@@ -18,12 +19,17 @@ DENSITY = 400  # kg/m3, as documented
 
 
 @pytest.fixture(scope="module")
-def env(tmp_path_factory):
+def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("maniskill") / "objects"
     box = trimesh.creation.box(SIDES)
     box.apply_translation([0.01, 0.02, 0.03])
     ball = trimesh.creation.icosphere(subdivisions=2, radius=0.02)
     egad.export({"box": box, "ball": ball}, "simulation", "panda", folder, rule="none")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def env(folder):
     sys.path.insert(0, str(EXAMPLE))
     import pick_single_egad  # noqa: F401, PLC0415 (registers the task)
 
@@ -101,16 +107,33 @@ def test_success_is_the_center_of_mass_at_the_goal(env):
     assert not info["is_grasped"]
 
 
-def test_policy_lifts_a_box_to_the_goal(env):
-    from policy import LiftPolicy  # noqa: PLC0415
+def test_policy_lifts_a_box_to_the_goal(env, folder):
+    from evaluate import attempt, report  # noqa: PLC0415
+    from prepare import sample  # noqa: PLC0415
 
-    env.reset(seed=2, options={"label": "box"})
-    mesh = trimesh.load_mesh(env.unwrapped.objects[0].visual)
-    start = env.unwrapped.object_center[0, 2].item()
-    assert LiftPolicy(env, egad.sample_grasps(mesh, "panda", n=60, seed=0)).run() == "success"
+    grasps = egad.Grasps(sample(folder, 60))
+    row = attempt(env, grasps, "box", seed=2)
     base = env.unwrapped
-    assert base.object_center[0, 2].item() > start + 0.07
+    assert row["outcome"] == "success"
+    assert base.object_center[0, 2].item() > max(SIDES) / 2 + 0.07
     assert base.agent.is_grasping(base.obj)
+    assert "1 of 1 episodes with 1 objects succeeded" in report(pd.DataFrame([row]))
     *_, info = stand_still(env, 20)  # the fingers open
     assert not info["success"]
-    assert base.object_center[0, 2].item() < start + 0.03
+    assert base.object_center[0, 2].item() < max(SIDES) / 2 + 0.03
+
+
+def test_no_grasp_from_above_of_a_plate_wider_than_the_hand(env):  # noqa: ARG001 (the path)
+    from policy import tcp_poses  # noqa: PLC0415
+
+    plate = trimesh.creation.box([0.12, 0.12, 0.02])
+    grasps = egad.sample_grasps(plate, "panda", n=60, seed=0)
+    surface = trimesh.sample.sample_surface(plate, 2000, seed=0)[0]
+    lying, standing = np.eye(4), trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0])
+    lying[2, 3], standing[2, 3] = 0.01, 0.06
+    assert tcp_poses(grasps, lying, surface) == []
+    found = tcp_poses(grasps, standing, surface)
+    assert found
+    for pose in found:
+        assert abs(pose[1, 1]) > 0.7  # the fingers close across the plate
+        assert pose[2, 2] < 0  # from above

@@ -8,7 +8,7 @@ from .engraving import Patch as Patch
 from .engraving import cut_text as cut_text
 from .engraving import engrave as engrave
 from .family_splits import families as families
-from .family_splits import family_splits as family_splits
+from .family_splits import split_by_family as split_by_family
 from .family_splits import with_parents_and_children as with_parents_and_children
 from .parameters import Bundle as Bundle
 from .parameters import Engraving as Engraving

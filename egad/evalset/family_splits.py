@@ -43,7 +43,7 @@ def with_parents_and_children(names: Iterable[str], lineage: Lineage | None) -> 
     )
 
 
-def family_splits(
+def split_by_family(
     family_of: Mapping[str, str], test: Collection[str], validation: float, seed: int
 ) -> dict[str, str]:
     """The split of each object: `train`, `validation` or `test`.

@@ -10,12 +10,12 @@ from .citation import licence_text as licence_text
 from .cornell import write_cornell as write_cornell
 from .croissant import Files as Files
 from .croissant import Table as Table
-from .croissant import croissant as croissant
+from .croissant import croissant_json as croissant_json
 from .dataset_card import LICENSE_URL as LICENSE_URL
 from .dataset_card import PAPER as PAPER
 from .dataset_card import TAGS as TAGS
 from .dataset_card import ReleaseFacts as ReleaseFacts
-from .dataset_card import dataset_card as dataset_card
+from .dataset_card import card_page as card_page
 from .dexnet import MEASURES as MEASURES
 from .dexnet import Solid as Solid
 from .dexnet import add_dataset as add_dataset

@@ -83,7 +83,9 @@ class Table(Files):
     key: tuple[str, ...]
 
 
-def croissant(about: Mapping[str, object], tables: Sequence[Table], files: Sequence[Files]) -> str:
+def croissant_json(
+    about: Mapping[str, object], tables: Sequence[Table], files: Sequence[Files]
+) -> str:
     """The description as JSON-LD.
 
     Args:

@@ -206,7 +206,7 @@ def front_matter(title: str, objects: int, grasps: int) -> str:
     return yaml.safe_dump(fields, sort_keys=False, allow_unicode=True)
 
 
-def dataset_card(
+def card_page(
     facts: ReleaseFacts,
     objects: pd.DataFrame,
     success: Mapping[str, float],

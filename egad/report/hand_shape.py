@@ -67,11 +67,11 @@ def best_grasp(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripper) ->
     opening = float(np.linalg.norm(second - first))
     axis = (second - first) / opening
     (pose,) = hand_poses((first + second)[None] / 2, axis[None], approach[None])
-    hand = [(shape.apply_transform(pose), color) for shape, color in _shapes(gripper, opening)]
+    hand = [(shape.apply_transform(pose), color) for shape, color in hand_shapes(gripper, opening)]
     return painted([(mesh, OBJECT_COLOR), *hand])
 
 
-def _shapes(gripper: Gripper, opening: float) -> list[Colored]:
+def hand_shapes(gripper: Gripper, opening: float) -> list[Colored]:
     """The parts of a hand whose pads are around the origin, with colors."""
     if gripper.file is not None:
         model = model_of(gripper)

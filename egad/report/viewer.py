@@ -146,7 +146,7 @@ def page(scene: Scene, name: str | None, gripper: Gripper) -> str:
     scenes = [scene]
     if (held := best_grasp(scene.mesh, scene.grasps, gripper)) is not None:
         mesh, paint = held
-        scenes.append(Scene("the hand at the best grasp", "", mesh, empty(GRASPS), paint=paint))
+        scenes.append(Scene("hand at best grasp", "", mesh, empty(GRASPS), paint=paint))
     data = viewer_data(scenes, gripper)
     return render_template("view", scene=scene, name=name, gripper=gripper, viewer=data)
 

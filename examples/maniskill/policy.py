@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import gymnasium as gym
 import numpy as np
 import sapien
+import trimesh
 from mani_skill.agents.robots import Panda
 from numpy.typing import NDArray
 from pick_single_egad import PickSingleEGADEnv
@@ -13,54 +14,80 @@ import egad
 
 Floats = NDArray[np.float64]
 
-MAX_TILT = np.radians(60)  # of the approach against the vertical
+MAX_TILT = np.radians(75)  # of the approach against the vertical
 CLEARANCE = 0.002  # metres between the hand and the table
 MAX_RETREAT = 0.006  # metres that a grasp is moved back along its approach to clear the table
 PREGRASP = 0.1  # metres back along the approach
 LIFT = 0.1  # metres
 TRIED = 20  # grasps of which the arm tries to reach one
+SETTLE = 10  # steps until an object that was put on the table is at rest
+SURFACE = 2000  # points on the object that stand for it when the hand is tested for collisions
 OPEN, CLOSED = 1.0, -1.0  # actions of the fingers
-# Corners of ManiSkill's Panda hand in the frame of its TCP, y along the closing axis, metres: the
-# tips of the open fingers, and the palm.
-HAND = np.array(
-    [[x, y, 0.009] for x in (-0.0105, 0.0105) for y in (-0.055, 0.055)]
-    + [[x, y, -0.045] for x in (-0.032, 0.032) for y in (-0.103, 0.103)]
+# ManiSkill's Panda hand in the frame of its TCP, whose y is the closing axis and z the approach,
+# metres. Fingers: half width, the inner and outer side when they are open, and the tip.
+FINGER_X, INSIDE, OUTSIDE, TIP = 0.011, 0.039, 0.056, 0.0095
+PALM_X, PALM_Y, PALM_Z = 0.032, 0.104, -0.037  # half sides, and where it begins
+TURNS = np.eye(4), np.diag([-1.0, -1.0, 1.0, 1.0])
+CORNERS = np.array(
+    [[x, y, TIP] for x in (-FINGER_X, FINGER_X) for y in (-OUTSIDE, OUTSIDE)]
+    + [[x, y, PALM_Z] for x in (-PALM_X, PALM_X) for y in (-PALM_Y, PALM_Y)]
 )
 
 
-def tcp_poses(grasps: egad.Grasps, object_pose: Floats) -> Floats:
-    """Poses of the Panda's TCP at the grasps that it can reach from above, best first.
+def tcp_poses(grasps: egad.Grasps, object_pose: Floats, surface: Floats) -> list[Floats]:
+    """Poses of the Panda's TCP at the grasps that are possible from above, best first.
 
-    Left out are grasps where the labels report a collision of the hand with the object, where the
-    approach is tilted by more than 60 degrees, and where the hand cannot clear the table if it
-    moves back by at most 6 mm. The order is that of the robust quality. The hand is symmetric, so
-    each grasp is listed twice, turned by 180 degrees about the approach.
+    The labels give the contacts and their order, by robust quality. The approach is the steepest
+    around the closing axis, in steps of 15 degrees, that is tilted by at most 75 degrees and at
+    which the open hand clears the object on its whole way in, and the table if it moves back by at
+    most 6 mm.
 
     Args:
         grasps: Of the object.
         object_pose: (4, 4) pose of the object on the table, whose top is z = 0.
+        surface: (n, 3) points of its surface, in its own frame.
 
     Returns:
-        (n, 4, 4) in the world.
+        At most `TRIED` poses (4, 4) in the world.
     """
-    usable = grasps[grasps.collision_free & (grasps.quality > 0)].sorted_by("robust_quality")
-    hand = object_pose @ usable.poses
-    x, y, z = (hand[:, :3, i] for i in range(3))
-    poses = hand.copy()
-    poses[:, :3, 0], poses[:, :3, 1] = -y, x  # the Panda's fingers close along y
-    down = -z[:, 2]
-    lowest = (HAND @ poses[:, :3, :3].transpose(0, 2, 1))[:, :, 2].min(axis=1) + poses[:, 2, 3]
-    steep = down >= np.cos(MAX_TILT)
-    retreat = np.maximum(CLEARANCE - lowest, 0) / np.where(steep, down, 1)
-    poses[:, :3, 3] -= retreat[:, None] * z
-    poses = poses[steep & (retreat <= MAX_RETREAT)]
-    return np.repeat(poses, 2, axis=0) * _flips(len(poses))
+    ordered = grasps.sorted_by("robust_quality")
+    points = surface @ object_pose[:3, :3].T + object_pose[:3, 3]
+    found: list[Floats] = []
+    for hand in object_pose @ ordered.poses:
+        pose = next((each for each in _approaches(hand) if _clear(each, points)), None)
+        if pose is not None:
+            found.append(pose)
+        if len(found) == TRIED:
+            break
+    return found
 
 
-def _flips(count: int) -> Floats:
-    flip = np.ones((2, 4, 4))
-    flip[1, :3, :2] = -1
-    return np.tile(flip, (count, 1, 1))
+def _approaches(hand: Floats) -> Iterator[Floats]:
+    """TCP poses around the closing axis of a hand that clear the table, the steepest first."""
+    closing, across, approach = hand[:3, :3].T
+    for angle in sorted(
+        np.radians(range(0, 360, 15)),
+        key=lambda angle: np.cos(angle) * approach[2] + np.sin(angle) * across[2],
+    ):
+        forward = np.cos(angle) * approach + np.sin(angle) * across
+        if -forward[2] < np.cos(MAX_TILT):
+            return
+        pose = np.eye(4)
+        pose[:3, :3] = np.column_stack([np.cross(closing, forward), closing, forward])
+        lowest = (CORNERS @ pose[:3, :3].T)[:, 2].min() + hand[2, 3]
+        retreat = max(CLEARANCE - lowest, 0.0) / -forward[2]
+        pose[:3, 3] = hand[:3, 3] - retreat * forward
+        if retreat <= MAX_RETREAT:
+            yield pose
+
+
+def _clear(pose: Floats, points: Floats) -> bool:
+    """Whether the open hand touches none of the (n, 3) points on its straight way to a pose."""
+    x, y, z = ((points - pose[:3, 3]) @ pose[:3, :3]).T
+    x, y = np.abs(x), np.abs(y)
+    finger = (x < FINGER_X) & (y > INSIDE) & (y < OUTSIDE) & (z < TIP)
+    palm = (x < PALM_X) & (y < PALM_Y) & (z < PALM_Z)
+    return not bool((finger | palm).any())
 
 
 class Arm:
@@ -145,11 +172,14 @@ class LiftPolicy:
             cannot reach one; `missed`: the closed fingers do not hold the object; `dropped`: they
             lost it later; `off goal`: it is held elsewhere.
         """
+        self._follow([self.joints] * SETTLE, OPEN)
+        mesh = trimesh.load_mesh(self.base.objects[0].visual)
+        surface = trimesh.sample.sample_surface(mesh, SURFACE, seed=0)[0]
         object_pose = self.base.obj.pose.to_transformation_matrix()[0].numpy().astype(np.float64)
-        poses = tcp_poses(self.grasps, object_pose)
-        if len(poses) == 0:
+        poses = tcp_poses(self.grasps, object_pose, surface)
+        if not poses:
             return "no grasp"
-        plan = next(self._plans(poses[: 2 * TRIED]), None)
+        plan = next(self._plans(poses), None)
         if plan is None:
             return "unreachable"
         grasp, way_there, way_in, way_up = plan
@@ -164,10 +194,13 @@ class LiftPolicy:
         return "off goal" if self._holds() else "dropped"
 
     def _plans(
-        self, poses: Floats
+        self, poses: list[Floats]
     ) -> Iterator[tuple[Floats, list[Floats], list[Floats], list[Floats]]]:
-        """Grasps that can be reached, with the ways to the pregrasp, to the grasp and up."""
-        for pose in poses:
+        """Grasps that can be reached, with the ways to the pregrasp, to the grasp and up.
+
+        The hand is symmetric: it may be turned by 180 degrees about the approach.
+        """
+        for pose in (pose @ turn for pose in poses for turn in TURNS):
             before = moved(pose, -PREGRASP * pose[:3, 2])
             joints = self.arm.reach(before, self.joints)
             if joints is None:

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from egad.data import evaluation_set, released, released_ancestry
-from egad.evalset.family_splits import families, family_splits, with_parents_and_children
+from egad.evalset.family_splits import families, split_by_family, with_parents_and_children
 from egad.map_elites.ancestry import Lineage
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, LINEAGE
@@ -31,7 +31,7 @@ def chosen():
 def splits(ids, chosen, ancestry, validation=0.15):
     lineage = Lineage(ancestry)
     test = with_parents_and_children(chosen, lineage)
-    return family_splits(families(ids, lineage), test, validation, 0)
+    return split_by_family(families(ids, lineage), test, validation, 0)
 
 
 def test_no_first_parent_and_child_are_in_training_and_validation(ids, chosen, ancestry):
@@ -87,6 +87,6 @@ def test_order_decides_nothing(ids, chosen, ancestry):
 def test_without_ancestors_each_object_is_a_family():
     names = [f"mug-{number}" for number in range(100)]
     assert with_parents_and_children(names[:3], None) == set(names[:3])
-    found = family_splits(families(names, None), names[:10], 0.2, 0)
+    found = split_by_family(families(names, None), names[:10], 0.2, 0)
     assert Counter(found.values()) == {"test": 10, "train": 72, "validation": 18}
-    assert found != family_splits(families(names, None), names[:10], 0.2, 1)
+    assert found != split_by_family(families(names, None), names[:10], 0.2, 1)

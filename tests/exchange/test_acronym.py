@@ -127,7 +127,7 @@ def test_without_simulated_labels_there_are_no_files(dataset, labelled, settings
     grasps = tmp_path / "grasps.parquet"
     parquet.write(labelled, GRASPS, grasps)
     scales = dataset / "rescaled" / GRIPPER / "scales.parquet"
-    with pytest.raises(UserError, match=r"no simulated labels.*targets.simulated_labels"):
+    with pytest.raises(UserError, match=r"no simulated labels.*simulated_labels: true"):
         acronym.run(
             select(settings, AcronymFiles, GRIPPER),
             GRIPPER,

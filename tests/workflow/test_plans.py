@@ -508,7 +508,7 @@ def test_images_are_rendered_if_that_is_asked_for(copy):
 
 
 RELEASE = {"release_tables", "release_meshes", "release_previews", "release_archive"}
-RELEASE |= {"release_card", "release"}
+RELEASE |= {"gallery", "release_card", "release"}
 
 
 def test_a_release_simulates_the_grasps_of_its_gripper_only(clean):
@@ -520,7 +520,7 @@ def test_a_release_simulates_the_grasps_of_its_gripper_only(clean):
 
 def test_a_release_of_given_objects_has_their_ancestors_only_if_they_are_known(clean):
     no_extra = clean.overlay("no_extra.yaml", {"release": {"archives": ["urdf", "mjcf"]}})
-    released = clean.planned("release", configs=["config/released.yaml"])
+    released = clean.planned("release", configs=["config/released.yaml", no_extra])
     assert set(released) >= RELEASE
     assert not {"evolve", "ancestry"} & set(released)
     primitives = {

@@ -1,9 +1,10 @@
 """Gallery: a page of the release with a map of all objects and a view of each of them.
 
 Inputs: results/D/objects.parquet, results/D/meshes, results/D/rescaled/G, the simulated grasps of all
-shards and results/D/eval49.parquet, for the dataset and the gripper of the section `release`; trials
-of the targets with its evaluation set; results/D/archive.parquet and results/D/ancestry.parquet, if
-the objects have genomes; other files of results/release, to link to them.
+shards and results/D/eval49.parquet, for the dataset and the gripper of the section `release`;
+results/D/trials/G/P.parquet, if they are targets; results/D/archive.parquet and
+results/D/ancestry.parquet, if the objects have genomes; other files of results/release, to link to
+them.
 Outputs: results/release/index.html, and its data in results/release/gallery.
 """
 
@@ -15,15 +16,12 @@ def archive_of_release(wildcards):
 
 
 def trials_of_release(wildcards):
-    """The trials of the targets with the evaluation set of the release, by detector and gripper."""
-    targets, name = SETTINGS.targets, RELEASED["dataset"]
-    if name not in targets.datasets:
+    """The trials with the evaluation set, if they are targets, by detector."""
+    targets = SETTINGS.targets
+    if RELEASED["dataset"] not in targets.datasets or RELEASED["gripper"] not in targets.grippers:
         return {}
-    return {
-        f"{detector} with {gripper}": f"results/{name}/trials/{gripper}/{detector}.parquet"
-        for gripper in targets.grippers
-        for detector in targets.detectors
-    }
+    pattern = "results/{dataset}/trials/{gripper}/{detector}.parquet"
+    return {name: pattern.format(**RELEASED, detector=name) for name in targets.detectors}
 
 
 def settings_of_gallery(wildcards):

@@ -12,7 +12,7 @@ RELEASED = {"dataset": SETTINGS.release.dataset, "gripper": SETTINGS.release.gri
 
 
 def of_release(pattern, **more):
-    """A function that gives the files of the dataset and the gripper of the release.
+    """A function that gives a file of the dataset and the gripper of the release, or several.
 
     Their names are checked only when the release is asked for.
     """
@@ -23,7 +23,8 @@ def of_release(pattern, **more):
                 raise WorkflowError(
                     f"release.{key}: {RELEASED[key]!r} is not defined; known: {', '.join(table)}"
                 )
-        return expand(pattern, **RELEASED, **more)
+        found = expand(pattern, **RELEASED, **more)
+        return found if more else found[0]
 
     return files
 

@@ -66,13 +66,14 @@ def _written(
 ) -> Iterator[Path]:
     """A folder with the files of each object, which is gone when the next one is asked for."""
     columns = [name for name in CONVEX_PARTS.names if name != "label"]
-    number = 0
+    written = 0
     found = by_object(convex_parts, columns)
-    for number, (label, rows) in enumerate(progress(found, "writing objects", count), 1):
+    for label, rows in progress(found, "writing objects", count):
         made = simulation_object(
             read_mesh(meshes / f"{label}.obj", "m"), settings.material.density, rows
         )
         with TemporaryDirectory() as folder:
             PHYSICS_WRITERS[style](Path(folder), label, made, settings.bundle.friction)
             yield Path(folder)
-    log.info("%d of %d objects", number, count)
+        written += 1
+    log.info("%d of %d objects", written, count)

@@ -19,9 +19,9 @@ from egad.exchange import (
     TAGS,
     Files,
     ReleaseFacts,
+    card_page,
     citation_cff,
-    croissant,
-    dataset_card,
+    croissant_json,
     licence_text,
 )
 from egad.perception import SPLITS
@@ -73,11 +73,11 @@ def run(
         for split in SPLITS
     )
     files = [each for each in OTHER_FILES if any(out.glob(each.pattern))]
-    page = dataset_card(
+    page = card_page(
         _facts(settings, objects), objects, _success(out), _contents(out, [*TABLES, *files])
     )
     write_text(out / "README.md", page)
-    write_text(out / "croissant.json", croissant(_about(release), TABLES, files))
+    write_text(out / "croissant.json", croissant_json(_about(release), TABLES, files))
     citation = citation_cff(release.title, release.version, release.date, release.url)
     write_text(out / "CITATION.cff", citation)
     write_text(out / "LICENSE", licence_text(release.title, release.version))

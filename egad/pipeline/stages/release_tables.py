@@ -10,7 +10,7 @@ import typer
 
 from egad._util.files import atomic_output
 from egad._util.progress import progress
-from egad.evalset import families, family_splits, with_parents_and_children
+from egad.evalset import families, split_by_family, with_parents_and_children
 from egad.exchange import (
     in_files,
     released_grasps,
@@ -81,7 +81,7 @@ def run(
     lineage = Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None
     family_of = families(table["id"], lineage)
     test = with_parents_and_children(chosen["id"], lineage)
-    split_of = family_splits(family_of, test, settings.release.validation, settings.seed)
+    split_of = split_by_family(family_of, test, settings.release.validation, settings.seed)
     table = table.assign(
         split=table["id"].map(split_of),
         family=table["id"].map(family_of),

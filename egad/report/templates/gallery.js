@@ -7,6 +7,7 @@
 {% include "scene3d.js" %}
 
 const STEP = 60; // objects that are listed at a time
+const SHOWN = 12; // grasps that are shown at first
 const LABELS = [["not simulated", "--unknown"], ["held in simulation", "--held"], ["failed in simulation", "--failed"], ["in collision", "--collision"]];
 const ANCESTOR = "ancestor";
 const ANCESTOR_COLUMNS = {{ ancestor_columns }}, ANCESTORS_PER_SHEET = {{ ancestors_per_sheet }};
@@ -142,9 +143,8 @@ function update() {
   listed = STEP;
   paintMap(rest);
   list();
-  const filtered = parametersOf().size > 0;
-  find("#count").textContent = `${filters.cell ? `Cell ${filters.cell}: ` : ""}${found.length} ${found.length === 1 ? "object" : "objects"}`;
-  find("#clear").hidden = !filtered;
+    find("#count").textContent = `${filters.cell ? `Cell ${filters.cell}: ` : ""}${found.length} ${found.length === 1 ? "object" : "objects"}`;
+  find("#clear").hidden = parametersOf().toString() === "";
 }
 
 function list() {
@@ -226,6 +226,8 @@ function choose(cell) {
   filters.cell = filters.cell === cell ? "" : cell;
   focusOn(cells.get(cell));
   remember();
+  const list = find(".found");
+  if (filters.cell && list.getBoundingClientRect().top > 0.8 * innerHeight) list.scrollIntoView({ block: "center" });
 }
 
 function paintMap(rest) {
@@ -264,14 +266,14 @@ function drawFilters() {
   for (const { family } of objects) counts.set(family, (counts.get(family) ?? 0) + 1);
   form.family.append(new Option("all", ""));
   for (const [family, count] of [...counts].sort((a, b) => b[1] - a[1] || (a[0] < b[0] ? -1 : 1))) {
-    if (family) form.family.append(new Option(`${shortName(family)} (${count})`, family));
+    if (family) form.family.append(new Option(`${family} (${count})`, family));
   }
   find("#families").hidden = form.family.length < 3;
   find("#chosen").hidden = !objects.some((object) => object.place);
   form.addEventListener("input", () => { readForm(); remember(); });
-  form.addEventListener("submit", (event) => {
-    event.preventDefault();
-    if (found.length) location.hash = addressOf((byLabel.get(filters.text.toUpperCase()) ?? found[0]).label);
+  form.addEventListener("submit", (event) => event.preventDefault());
+  form.text.addEventListener("keydown", (event) => {
+    if (event.key === "Enter" && found.length) location.hash = addressOf(found[0].label);
   });
   find("#clear").addEventListener("click", () => { readFilters(new URLSearchParams()); remember(); });
   find("#more").addEventListener("click", () => {
@@ -281,8 +283,8 @@ function drawFilters() {
   });
 }
 
-// An id is a long hash; its beginning tells objects apart.
-const shortName = (id) => (id.length > 16 ? id.slice(0, 8) : id);
+// An id is a hash; its beginning is enough to tell relatives apart.
+const shortName = (id) => id.slice(0, 8);
 
 // ---- one object
 
@@ -324,7 +326,7 @@ function showGrasps(object, counts) {
     return label;
   }));
   form.most.max = object.grasps;
-  form.most.value = Math.min(20, object.grasps);
+  form.most.value = Math.min(SHOWN, object.grasps);
   form.most.parentElement.hidden = object.grasps === 0;
 }
 
@@ -424,16 +426,16 @@ function about(object, id) {
   const line = find("#about");
   line.replaceChildren(parts.join(" · "));
   if (object?.family) {
-    line.append(" · family ", make("a", shortName(object.family), { href: `#family=${encodeURIComponent(object.family)}` }));
+    line.append(" · family ", make("a", object.family, { href: `#family=${encodeURIComponent(object.family)}` }));
   }
-  if (shortName(id) !== id || !object || object.label !== id) line.append(` · id ${id}`);
+  if (object && object.label !== id) line.append(` · id ${id}`);
 }
 
 async function open(kind, name) {
   const object = kind === "objects" ? byLabel.get(name) : null;
   const data = await load(kind, name);
   if (asOpened() !== `${kind}/${name}`) return; // another one was opened meanwhile
-  const title = object ? name : shortName(data.id);
+  const title = object ? name : data.id;
   find("#name").textContent = title;
   document.title = `${title} – ${find("h1").textContent}`;
   about(object, data.id);

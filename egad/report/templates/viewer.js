@@ -70,6 +70,8 @@ function start(root) {
     const found = await unpack(data.objects[index], data.finger);
     if (index !== Number(part("object").value)) return; // another object was selected meanwhile
     object = found;
+    const alone = data.objects[index].painted || data.objects.every((item) => item.counts[2] === 0);
+    for (const element of root.querySelectorAll(".status, .of-grasps")) element.hidden = alone;
     const free = object.free.reduce((sum, value) => sum + value, 0);
     part("about").textContent = `${object.title}${object.title ? ": " : ""}`
       + `${object.sides.map((side) => side.toFixed(0)).join(" × ")} mm`
@@ -83,9 +85,6 @@ function start(root) {
   data.metrics.forEach(([, name], index) => part("metric").append(new Option(name, index)));
   Object.keys(RAMPS).forEach((name) => part("colors").append(new Option(name)));
   root.querySelector(".choice").hidden = data.objects.length === 1;
-  for (const element of root.querySelectorAll(".status, .of-grasps")) {
-    element.hidden = data.objects.every((item) => item.counts[2] === 0);
-  }
   part("object").addEventListener("change", () => show(Number(part("object").value)));
   part("controls").addEventListener("input", (event) => { if (event.target.name !== "object") update(); });
   for (const [name, step] of [["before", -1], ["after", 1]]) {

@@ -5,6 +5,7 @@ import json
 import shutil
 import subprocess
 
+import mujoco
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
@@ -13,14 +14,16 @@ import trimesh
 import yaml
 from commands import egad
 
+from egad.evalset import Bundle, make_simulation_object, part_rows
 from egad.exchange.meshes import write_obj
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.provenance.verify import verify
+from egad.pipeline.stages.release_archive import ReleaseArchive
 from egad.pipeline.stages.release_card import ReleaseCard
 from egad.pipeline.stages.release_tables import ReleaseTables
 from egad.tables import parquet
-from egad.tables.evaluation import EVAL49
+from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.evolution import LINEAGE
 from egad.tables.grasping import SCALES, SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
@@ -90,9 +93,15 @@ def run(tmp_path_factory):
         table = simulated(LABELS[number::2])
         parquet.write(table, SIMULATED_GRASPS, folder / f"grasps-{number}.parquet")
     parquet.write(simulated(LABELS), SIMULATED_GRASPS, folder / "grasps.parquet")
+    parts = []
     for number, label in enumerate(LABELS):
         box = trimesh.creation.box((0.1, 0.1 + number / 100, 0.2))
         write_obj(box, folder / "meshes" / f"{label}.obj")
+        if number > 0:  # one object has no convex parts
+            made = make_simulation_object(box, 400, Bundle())
+            parts.append(part_rows(made).assign(label=label, id=f"id-{label}"))
+    table = pd.concat(parts).sort_values(["label", "part"])
+    parquet.write(table, CONVEX_PARTS, folder / "convex_parts.parquet")
     return folder
 
 
@@ -107,8 +116,15 @@ def make(run, folder, grasps=("grasps-0.parquet", "grasps-1.parquet")):
     for name in ("meshes", "previews"):
         words = ("--meshes", run / "meshes", "--out", release / name)
         called.append((f"release-{name}", *objects, *words))
+    archive = select(SETTINGS, ReleaseArchive).model_dump_json()
+    words = ("--meshes", run / "meshes", "--convex-parts", run / "convex_parts.parquet")
+    out = release / "archives/mjcf.zip"
+    called.append(
+        ("release-archive", "--settings", archive, "--format", "mjcf", *words, "--out", out)
+    )
     card = select(SETTINGS, ReleaseCard).model_dump_json()
-    pieces = [w for name in ("data", "meshes", "previews") for w in ("--pieces", release / name)]
+    made = ("data", "meshes", "previews", "archives/mjcf.zip")
+    pieces = [w for name in made for w in ("--pieces", release / name)]
     called.append(("release-card", "--settings", card, *pieces, "--out", release))
     for words in called:
         done = egad(*words)
@@ -181,6 +197,14 @@ def test_every_file_that_a_table_names_is_there(release):
         assert all((release / path).is_file() for path in [*table["mesh"], *table["preview"]])
     mesh = trimesh.load(release / "meshes" / f"{LABELS[3]}.glb", force="mesh")
     assert np.allclose(mesh.extents, (0.1, 0.2, 0.13))  # z of the box is up, y in the file
+
+
+def test_a_simulator_loads_objects_of_the_archive(release, tmp_path):
+    shutil.unpack_archive(release / "archives/mjcf.zip", tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == set(LABELS[1:])
+    label = LABELS[5]
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / label / f"{label}.xml"))
+    assert np.isclose(sum(model.body_mass), 400 * 0.1 * 0.15 * 0.2)
 
 
 def test_the_card_names_the_files_and_columns_that_are_there(release):
