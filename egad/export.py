@@ -1,6 +1,7 @@
 """Objects with sampled grasps in the formats of other programs, from Python.
 
-The command `egad export` has its own formats, in `egad/pipeline/exports/`: it reads results.
+Formats of objects are those of `egad/exchange/formats.py`, which the command `egad export` has too.
+Its formats of grasps and images are in `egad/pipeline/exports/`: they read results.
 """
 
 from collections.abc import Callable, Mapping

@@ -9,6 +9,7 @@ named ones if any are named:
 
     pip install drake mujoco mujoco-warp 'newton[importers]' omniverse-asset-validator pandas
     pip install pyarrow pybullet pygltflib robosuite sapien scipy trimesh
+    pip install bpy
     npm install gltf-validator
 
 It prints the table of `docs/exchange.md`: what each reader says of all objects.
@@ -128,7 +129,7 @@ def newton_usd(exports: Path, rows: list[Row], bundle: Path) -> str:
         colliders = np.array(builder.shape_type) == newton.GeoType.CONVEX_MESH
         errors.frictions |= set(np.round(np.array(builder.shape_material_mu)[colliders], 6))
         rested += rests_in_newton(builder, row, bundle)
-    return f"{errors}; {rested} of {len(rows)} dropped came to rest in a listed pose"
+    return f"{errors}; {rested} of {len(rows)} lie in a listed pose {SECONDS:g} s after a drop"
 
 
 def rests_in_newton(builder: Any, row: Row, bundle: Path) -> bool:  # noqa: ANN401 (of newton)
@@ -306,6 +307,23 @@ def glb_in_trimesh(exports: Path, rows: list[Row], bundle: Path) -> str:
     return f"{len(rows)} objects, closed; vertices off by {off:.0e} m"
 
 
+def glb_in_blender(exports: Path, rows: list[Row], bundle: Path) -> str:
+    """What Blender imports has the bounds of the visual mesh: it lies in the same frame."""
+    import bpy
+
+    off = 0.0
+    for row in rows:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        bpy.ops.import_scene.gltf(filepath=str(exports / "glb" / f"{row['label']}.glb"))
+        (found,) = [each for each in bpy.context.scene.objects if each.type == "MESH"]
+        turn = np.array(found.matrix_world)
+        corners = np.array([each.co for each in found.data.vertices]) @ turn[:3, :3].T + turn[:3, 3]
+        known = vertices_of(bundle / row["label"] / "visual.obj")
+        for side in (np.min, np.max):
+            off = max(off, float(np.abs(side(corners, axis=0) - side(known, axis=0)).max()))
+    return f"{len(rows)} objects; bounds off by {off:.0e} m"
+
+
 def glb_in_pygltflib(exports: Path, rows: list[Row]) -> str:
     """One mesh with one material in each file."""
     from pygltflib import GLTF2
@@ -348,6 +366,7 @@ def results(
         ("mjcf", "mujoco", "mujoco", lambda: in_mujoco(exports, rows)),
         ("robosuite", "robosuite", "robosuite", lambda: in_robosuite(exports, rows)),
         ("glb", "trimesh", "trimesh", lambda: glb_in_trimesh(exports, rows, bundle)),
+        ("glb", "bpy", "bpy", lambda: glb_in_blender(exports, rows, bundle)),
         ("glb", "pygltflib", "pygltflib", lambda: glb_in_pygltflib(exports, rows)),
     ]
     for style, package, module, run in tries:
