@@ -250,14 +250,13 @@ function remember() {
 function drawFilters() {
   const form = find("#filters");
   for (const measure of index.measures) {
-    const values = objects.map((object) => object[measure.key]).filter((value) => value !== null);
+    const [from, to] = rangeOf(measure);
     const field = make("fieldset");
     field.append(make("legend", measure.name + (measure.unit ? ` (${measure.unit})` : "")));
-    const ends = { from: values.reduce((a, b) => Math.min(a, b), Infinity), to: values.reduce((a, b) => Math.max(a, b), -Infinity) };
-    for (const [end, limit] of Object.entries(ends)) {
+    for (const [end, limit] of Object.entries({ from, to })) {
       const input = make("input", "", { type: "number", step: "any", name: `${measure.key}-${end}` });
       input.ariaLabel = `${measure.name} ${end}`;
-      input.placeholder = values.length ? `${end} ${(measure.factor * limit).toFixed(measure.decimals)}` : end;
+      input.placeholder = Number.isFinite(limit) ? `${end} ${limit.toFixed(measure.decimals)}` : end;
       field.append(input);
     }
     find("#ranges").append(field);
@@ -352,10 +351,31 @@ async function showShape(data) {
   if (data.labels) drawGrasps(); else redraw();
 }
 
+// The range of a measure over all objects, as it is printed.
+function rangeOf({ key, factor }) {
+  const values = objects.map((object) => object[key]).filter((value) => value !== null);
+  const ends = values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+  return ends.map((value) => factor * value);
+}
+
+// A value with its standard error, within the range of all objects.
+function bar(value, error, [low, high]) {
+  const element = make("span", "", { className: "bar" });
+  const share = (number) => 100 * Math.min(Math.max((number - low) / (high - low || 1), 0), 1);
+  const mark = make("i"), whisker = make("b");
+  mark.style.left = `${share(value)}%`;
+  whisker.style.left = `${share(value - error)}%`;
+  whisker.style.right = `${100 - share(value + error)}%`;
+  element.append(whisker, mark);
+  element.ariaHidden = "true";
+  return element;
+}
+
 function showMeasures(facts) {
   find("#measures tbody").replaceChildren(...facts.map(([name, value, error, unit, decimals]) => {
-    const row = make("tr");
-    row.append(make("th", name, { scope: "row" }), make("td", quantity(value, error, unit, decimals)));
+    const row = make("tr"), middle = make("td"), measure = index.measures.find((each) => each.name === name);
+    if (measure) middle.append(bar(value, error ?? 0, rangeOf(measure)));
+    row.append(make("th", name, { scope: "row" }), middle, make("td", quantity(value, error, unit, decimals)));
     return row;
   }));
 }
