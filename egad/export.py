@@ -67,7 +67,7 @@ def export(
     grasps: int = 100,
     seed: int = 0,
     rule: str = "paper",
-    engine: EngineChoice = "auto",
+    engine: EngineChoice = "mujoco",
 ) -> list[str]:
     """Write objects, scaled to a gripper, in the format of another program.
 
@@ -88,7 +88,7 @@ def export(
             grasps ignore this, `seed` and `engine`.
         seed: Of the grasps. They are those that a dataset of the pipeline has with the same seed.
         rule: How objects are scaled: see `egad.rescale`; `none`: not.
-        engine: What simulates the grasps: `pybullet` or `mujoco`; `auto`: PyBullet if it is
+        engine: What simulates the grasps: `mujoco`, `pybullet`, or `auto`: PyBullet if it is
             installed, else MuJoCo.
 
     Returns:
@@ -110,8 +110,8 @@ def export(
     simulation = SimulatedLabelParameters(
         gripper=hand,
         quality=labels.quality,
-        trials=Lifting(engine=installed_engine(engine)),
-        simulated_label=SimulatedLabel(grasps=grasps),
+        trials=Lifting(),
+        simulated_label=SimulatedLabel(engine=installed_engine(engine), grasps=grasps),
     )
     job = _Job(gripper if isinstance(gripper, str) else "gripper", labels, simulation)
     items, left_out = named_meshes(objects), []

@@ -144,6 +144,7 @@ class Agreement(Parameters):
 class SimulatedLabel(Parameters):
     """Simulated labels of grasps: closed in free space, shaken and lifted."""
 
+    engine: EngineChoice = Field("mujoco", description="physics engine, as in `trials`")
     grasps: int = Field(
         100, ge=1, description="collision-free grasps of each object that are simulated"
     )

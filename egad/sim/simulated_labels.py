@@ -72,7 +72,7 @@ def simulate_labels(
     """
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
     arm, chosen = Axis(gripper), chosen_grasps(grasps, settings)
-    with open_world(settings.trials.engine, [model], arm.robot) as world:
+    with open_world(settings.simulated_label.engine, [model], arm.robot) as world:
         found = [
             simulate_grasp(
                 world, arm, *_floating(model, row, gripper), float(row["width"]), settings.trials
@@ -104,7 +104,7 @@ def with_simulated_labels(
     rows = [(each.outcome.value, each.success, *each.closing, *each.shaking) for each in found]
     names = ["simulated_outcome", "simulated_success", *MOTIONS]
     labels = pd.DataFrame(rows, index=chosen, columns=names, dtype=object)
-    labels["simulated_engine"] = installed_engine(settings.trials.engine)
+    labels["simulated_engine"] = installed_engine(settings.simulated_label.engine)
     return grasps.reset_index(drop=True).join(labels)
 
 

@@ -26,8 +26,8 @@ def parameters(engine="mujoco", grasps=10, force=20.0, friction=0.5):
         {
             "gripper": HAND.model_copy(update={"force": force}),
             "quality": {"friction": friction},
-            "trials": Lifting(engine=engine),
-            "simulated_label": SimulatedLabel(grasps=grasps),
+            "trials": Lifting(),
+            "simulated_label": SimulatedLabel(engine=engine, grasps=grasps),
         }
     )
 

@@ -52,16 +52,19 @@ def check(config: Mapping[str, Any]) -> Settings:
 
 
 def with_engine(settings: Settings) -> Settings:
-    """Settings with the name of the physics engine in the place of `auto`.
+    """Settings with the names of physics engines in the place of `auto`.
 
     So rules re-run when another one is installed, rather than mixing results of two engines.
 
     Raises:
-        UserError: The engine is not installed.
+        UserError: An engine is not installed.
     """
-    engine = installed_engine(settings.trials.engine)
-    trials = settings.trials.model_copy(update={"engine": engine})
-    return settings.model_copy(update={"trials": trials})
+    sections = {name: getattr(settings, name) for name in ("trials", "clutter", "simulated_label")}
+    chosen = {
+        name: section.model_copy(update={"engine": installed_engine(section.engine)})
+        for name, section in sections.items()
+    }
+    return settings.model_copy(update=chosen)
 
 
 def _errors(config: dict[str, Any]) -> list[Problem]:

@@ -128,7 +128,10 @@ def test_the_number_of_rounds_is_bounded_by_the_mistakes():
 
 def test_auto_becomes_the_engine_that_is_installed(monkeypatch):
     """Else results of two engines could be joined, as Snakemake would see no change."""
-    assert with_engine(Settings()).trials.engine == installed_engine("auto")
+    sections = ("trials", "clutter", "simulated_label")
+    open_to_all = Settings.model_validate({name: {"engine": "auto"} for name in sections})
+    found = with_engine(open_to_all)
+    assert {getattr(found, name).engine for name in sections} == {installed_engine("auto")}
     chosen = Settings.model_validate({"trials": {"engine": "mujoco"}})
     assert with_engine(chosen) == chosen
     monkeypatch.setattr("importlib.util.find_spec", lambda _: None)

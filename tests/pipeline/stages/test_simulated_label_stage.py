@@ -19,7 +19,7 @@ from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS, SIMULATED_GRASPS
 
 SETTINGS = select(
-    Settings.model_validate({"trials": {"engine": "mujoco"}, "simulated_label": {"grasps": 2}}),
+    Settings.model_validate({"simulated_label": {"grasps": 2}}),
     SimulatedLabels,
     "egad_75mm",
 )
