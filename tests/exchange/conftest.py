@@ -28,7 +28,6 @@ def settings():
             "grasp_label": {"grasps": 20},
             "robust": {"samples": 3},
             "simulated_label": {"grasps": 12},
-            "trials": {"engine": "mujoco"},
         }
     )
 
