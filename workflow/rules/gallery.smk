@@ -9,27 +9,6 @@ Outputs: results/release/index.html, and its data in results/release/gallery.
 """
 
 
-def archive_of_release(wildcards):
-    """The archive of the objects, if they come from one."""
-    name = RELEASED["dataset"]
-    return [f"results/{name}/archive.parquet"] if name in [*EVOLVED, *GIVEN] else []
-
-
-def trials_of_release(wildcards):
-    """The trials with the evaluation set, if they are targets, by detector."""
-    targets = SETTINGS.targets
-    if RELEASED["dataset"] not in targets.datasets or RELEASED["gripper"] not in targets.grippers:
-        return {}
-    pattern = "results/{dataset}/trials/{gripper}/{detector}.parquet"
-    return {name: pattern.format(**RELEASED, detector=name) for name in targets.detectors}
-
-
-def settings_of_gallery(wildcards):
-    """The settings that the stage reads, with the gripper of the release."""
-    kind = settings_type(stage_function("gallery"))
-    return _as_json(select(SETTINGS, kind, RELEASED["gripper"]))
-
-
 rule gallery:
     """Write the gallery of the release."""
     input:

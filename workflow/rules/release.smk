@@ -8,44 +8,6 @@ a dataset card and checksums.
 Steps: tables, meshes, pictures and archives; the gallery (gallery.smk); then what explains them.
 """
 
-RELEASED = {"dataset": SETTINGS.release.dataset, "gripper": SETTINGS.release.gripper}
-
-
-def of_release(pattern, **more):
-    """A function that gives a file of the dataset and the gripper of the release, or several.
-
-    Their names are checked only when the release is asked for.
-    """
-
-    def files(wildcards):
-        for key, table in (("dataset", SETTINGS.datasets), ("gripper", SETTINGS.grippers)):
-            if RELEASED[key] not in table:
-                raise WorkflowError(
-                    f"release.{key}: {RELEASED[key]!r} is not defined; known: {', '.join(table)}"
-                )
-        found = expand(pattern, **RELEASED, **more)
-        return found if more else found[0]
-
-    return files
-
-
-def ancestry_of_release(wildcards):
-    """The ancestors of the objects, if they are known."""
-    name = RELEASED["dataset"]
-    if name in EVOLVED:
-        return [f"results/{name}/ancestry.parquet"]
-    return [str(released_ancestry())] if GIVEN.get(name) == str(released()) else []
-
-
-def archives_of_release(wildcards):
-    """The archives for simulators, if what writes them is installed."""
-    try:
-        for name in SETTINGS.release.archives:
-            check_installed(name)
-    except UserError as error:
-        raise WorkflowError(f"release.archives: {error}")
-    return expand("results/release/archives/{format}.zip", format=SETTINGS.release.archives)
-
 
 localrules:
     release,

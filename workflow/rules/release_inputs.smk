@@ -1,0 +1,60 @@
+"""Functions: what the release and its gallery are made from. No rules here."""
+
+RELEASED = {"dataset": SETTINGS.release.dataset, "gripper": SETTINGS.release.gripper}
+
+
+def of_release(pattern, **more):
+    """A function that gives a file of the dataset and the gripper of the release, or several.
+
+    Their names are checked only when the release is asked for.
+    """
+
+    def files(wildcards):
+        for key, table in (("dataset", SETTINGS.datasets), ("gripper", SETTINGS.grippers)):
+            if RELEASED[key] not in table:
+                raise WorkflowError(
+                    f"release.{key}: {RELEASED[key]!r} is not defined; known: {', '.join(table)}"
+                )
+        found = expand(pattern, **RELEASED, **more)
+        return found if more else found[0]
+
+    return files
+
+
+def ancestry_of_release(wildcards):
+    """The ancestors of the objects, if they are known."""
+    name = RELEASED["dataset"]
+    if name in EVOLVED:
+        return [f"results/{name}/ancestry.parquet"]
+    return [str(released_ancestry())] if GIVEN.get(name) == str(released()) else []
+
+
+def archives_of_release(wildcards):
+    """The archives for simulators, if what writes them is installed."""
+    try:
+        for name in SETTINGS.release.archives:
+            check_installed(name)
+    except UserError as error:
+        raise WorkflowError(f"release.archives: {error}")
+    return expand("results/release/archives/{format}.zip", format=SETTINGS.release.archives)
+
+
+def archive_of_release(wildcards):
+    """The archive of the objects, if they come from one."""
+    name = RELEASED["dataset"]
+    return [f"results/{name}/archive.parquet"] if name in [*EVOLVED, *GIVEN] else []
+
+
+def trials_of_release(wildcards):
+    """The trials with the evaluation set, if they are targets, by detector."""
+    targets = SETTINGS.targets
+    if RELEASED["dataset"] not in targets.datasets or RELEASED["gripper"] not in targets.grippers:
+        return {}
+    pattern = "results/{dataset}/trials/{gripper}/{detector}.parquet"
+    return {name: pattern.format(**RELEASED, detector=name) for name in targets.detectors}
+
+
+def settings_of_gallery(wildcards):
+    """The settings that the stage reads, with the gripper of the release."""
+    kind = settings_type(stage_function("gallery"))
+    return _as_json(select(SETTINGS, kind, RELEASED["gripper"]))
