@@ -19,6 +19,7 @@ from egad.report.gallery.files import data_script, file_link
 from egad.report.gallery.index import index_data
 from egad.report.gallery.page import gallery_page
 from egad.report.viewer import LABELS, label_codes
+from egad.stats.rates import wilson
 
 HOSTILE = "</script><script>alert(1)</script>"
 NETWORK = details.GenomeText("<svg/>", "output = x")
@@ -150,6 +151,17 @@ def test_the_page_of_an_object_has_the_numbers_of_the_tables(data, objects, simu
     [[detector, successes, attempts, low, high]] = page["trials"]
     assert (detector, successes, attempts) == ("antipodal", 15, 20)
     assert low < 0.75 < high
+
+
+@pytest.mark.parametrize(("held", "failed"), [(4, 0), (3, 17), (0, 9)])
+def test_the_error_of_simulated_success_is_that_of_an_interval_by_wilson(data, held, failed):
+    table = data.grasps[data.grasps["label"] == data.objects["label"].iloc[6]]
+    success = [True] * held + [False] * failed
+    rows = table.sample(held + failed, replace=True, random_state=0, ignore_index=True)
+    tried = rows.assign(collision_free=True, simulated_success=success)
+    page = details.object_data(details.ObjectPage(data.objects.iloc[6], tried), MESH, None, USUAL)
+    low, high = wilson(held, held + failed, confidence=0.6826894921370859)
+    assert fact(page, "simulated success")[1] == pytest.approx(50 * (high - low), rel=1e-5)
 
 
 def test_sizes_are_those_of_the_scaled_object(objects, data):

@@ -229,12 +229,15 @@ def _label_counts(grasps: pd.DataFrame) -> list[int]:
 
 
 def _simulated(counts: list[int]) -> list[list[Any]]:
-    """The fraction of the simulated grasps that held, with its binomial standard error."""
-    held, simulated = counts[1], counts[1] + counts[2]
-    if not simulated:
+    """The fraction of the simulated grasps that held.
+
+    Its error is half of Wilson's interval of one standard deviation, which is not zero if all held.
+    """
+    held, count = counts[1], counts[1] + counts[2]
+    if not count:
         return []
-    share = held / simulated
-    error = math.sqrt(share * (1 - share) / simulated)
+    share = held / count
+    error = math.sqrt(share * (1 - share) / count + 1 / (4 * count**2)) / (1 + 1 / count)
     return _facts([("simulated success", 100 * share, 100 * error, "%", 0)])
 
 
