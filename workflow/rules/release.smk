@@ -10,7 +10,6 @@ Steps: tables, meshes, pictures and archives; the gallery (gallery.smk); then wh
 
 
 localrules:
-    release,
     release_card,
 
 
@@ -163,9 +162,3 @@ rule release_card:
     shell:
         "egad release-card --settings {params.settings:q} {params.pieces:q}"
         " --out {params.folder:q} > {log:q} 2>&1"
-
-
-rule release:
-    """A dataset that anyone can host."""
-    input:
-        rules.release_card.output,
