@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import pandas as pd
 import yaml
 
+from egad.perception import SPLITS
 from egad.tables.columns import markdown_table
 from egad.tables.release import RELEASED_EVALUATION_SET, RELEASED_GRASPS, RELEASED_OBJECTS
 
@@ -186,10 +187,7 @@ def front_matter(title: str, objects: int, grasps: int) -> str:
     configs = [
         {
             "config_name": name,
-            "data_files": [
-                {"split": split, "path": path.format(split)}
-                for split in ("train", "validation", "test")
-            ],
+            "data_files": [{"split": split, "path": path.format(split)} for split in SPLITS],
             **({"default": True} if name == "objects" else {}),
         }
         for name, path in splits.items()
@@ -250,8 +248,8 @@ def card_page(
 
 
 def _splits(objects: pd.DataFrame, success: Mapping[str, float]) -> str:
-    parts = [objects[objects["split"] == name] for name in ("train", "validation", "test")]
-    held = [success.get(name) for name in ("train", "validation", "test")]
+    parts = [objects[objects["split"] == name] for name in SPLITS]
+    held = [success.get(name) for name in SPLITS]
     rows = {
         "objects": [f"{len(part):,}" for part in parts],
         "of these, in the evaluation set": [

@@ -46,5 +46,10 @@ OTHER_FILES = (
         "archives/*.zip",
         "application/zip",
     ),
-    Files("gallery", "page to look at the objects in a browser", "index.html", "text/html"),
+    Files(
+        "gallery",
+        "page to look at the objects in a browser, with its data in the folder `gallery`",
+        "index.html",
+        "text/html",
+    ),
 )

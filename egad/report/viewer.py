@@ -31,7 +31,7 @@ from egad.tables.parquet import empty
 STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm
 UNIT = 2**15 - 1
 METRICS = {"quality": "quality", "robust_quality": "robust quality"}
-LABELS = ("not simulated", "held", "failed", "in collision")
+LABELS = ("not simulated", "held in simulation", "failed in simulation", "in collision")
 NEARBY = 0.01  # of the longest side: contacts may be as far outside the box
 TOP = 0.98  # quantile of the quality that has the last color
 

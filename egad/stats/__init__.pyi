@@ -17,6 +17,7 @@ from .rates import object_positions as object_positions
 from .rates import rate as rate
 from .rates import trend as trend
 from .rates import trial_grid as trial_grid
+from .rates import wilson as wilson
 from .records import gather as gather
 from .records import read as read
 from .records import results as results

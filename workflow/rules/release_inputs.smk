@@ -4,21 +4,9 @@ RELEASED = {"dataset": SETTINGS.release.dataset, "gripper": SETTINGS.release.gri
 
 
 def of_release(pattern, **more):
-    """A function that gives a file of the dataset and the gripper of the release, or several.
-
-    Their names are checked only when the release is asked for.
-    """
-
-    def files(wildcards):
-        for key, table in (("dataset", SETTINGS.datasets), ("gripper", SETTINGS.grippers)):
-            if RELEASED[key] not in table:
-                raise WorkflowError(
-                    f"release.{key}: {RELEASED[key]!r} is not defined; known: {', '.join(table)}"
-                )
-        found = expand(pattern, **RELEASED, **more)
-        return found if more else found[0]
-
-    return files
+    """A file of the dataset and the gripper of the release, or several."""
+    found = expand(pattern, **RELEASED, **more)
+    return found if more else found[0]
 
 
 def ancestry_of_release(wildcards):

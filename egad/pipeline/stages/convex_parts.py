@@ -45,7 +45,8 @@ def run(
         shard: Number of this shard, and number of shards.
         out: Convex parts of all objects, one row each, in the frame of
             `D/rescaled/G/LABEL.obj`. An object that has none is missing, and the log says why. Made
-            if `targets.simulated_labels` is true, or ACRONYM files are asked for.
+            for the archives of the release, and for exports in formats for simulators if
+            `targets.export_objects` is `all`.
     """
     frame = rows_in_shard(parquet.read(objects, OBJECTS), *shard)
     made = []

@@ -9,6 +9,7 @@ import pandas as pd
 
 from egad import __version__
 from egad._util.files import write_text
+from egad.errors import UserError
 from egad.exchange import (
     ABSTRACT,
     CREATOR,
@@ -66,7 +67,11 @@ def run(
             tables for tools that read Croissant, how to cite it, the licence of the data, what each
             file was made from, and the checksums of all files. The rule `release` makes the folder.
             See `docs/release.md`.
+
+    Raises:
+        UserError: The folder has archives of an earlier release.
     """
+    _check_archives(out, pieces)
     release = settings.release
     objects = pd.concat(
         parquet.read(out / "data/objects" / f"{split}.parquet", RELEASED_OBJECTS)
@@ -83,6 +88,17 @@ def run(
     write_text(out / "LICENSE", licence_text(release.title, release.version))
     graph = {"program": PROGRAM, "files": provenance_graph(pieces, out)}
     write_text(out / "provenance.json", json.dumps(graph, indent=1, sort_keys=True) + "\n")
+
+
+def _check_archives(out: Path, pieces: Iterable[Path]) -> None:
+    """Raise UserError if there are others than those that were made for this release."""
+    made = {path.resolve() for path in pieces}
+    old = [path for path in sorted(out.glob("archives/*.zip")) if path.resolve() not in made]
+    if old:
+        raise UserError(
+            f"{', '.join(map(str, old))}: of an earlier release; remove it, or add its format to "
+            "release.archives"
+        )
 
 
 def _facts(settings: ReleaseCard, objects: pd.DataFrame) -> ReleaseFacts:

@@ -1,6 +1,5 @@
 """What the page of an object or of an ancestor shows, loaded when it is opened."""
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -12,11 +11,12 @@ from egad.map_elites import Lineage
 from egad.report.axes import AxisPair
 from egad.report.gallery.files import rounded
 from egad.report.viewer import LABELS, Scene, label_codes, pack
-from egad.stats import rate
+from egad.stats import rate, wilson
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
 SHOWN = 100  # grasps of an object in the viewer
+ONE_SIGMA = 0.6827  # probability within one standard error of a mean
 Row = Mapping[str, Any]
 Relative = str | list[Any]
 """A released object by its label; an ancestor by its id and its number, which names its files."""
@@ -229,16 +229,16 @@ def _label_counts(grasps: pd.DataFrame) -> list[int]:
 
 
 def _simulated(counts: list[int]) -> list[list[Any]]:
-    """The fraction of the simulated grasps that held.
+    """The fraction of the simulated grasps that held, with half the Wilson interval of 68 %.
 
-    Its error is half of Wilson's interval of one standard deviation, which is not zero if all held.
+    A standard error would be 0 where all of a few grasps held.
     """
-    held, count = counts[1], counts[1] + counts[2]
-    if not count:
+    held, simulated = counts[1], counts[1] + counts[2]
+    if not simulated:
         return []
-    share = held / count
-    error = math.sqrt(share * (1 - share) / count + 1 / (4 * count**2)) / (1 + 1 / count)
-    return _facts([("simulated success", 100 * share, 100 * error, "%", 0)])
+    low, high = wilson(held, simulated, ONE_SIGMA)
+    share = held / simulated
+    return _facts([("simulated success", 100 * share, 50 * (high - low), "%", 0)])
 
 
 def _trial(name: str, attempts: pd.DataFrame) -> list[Any]:

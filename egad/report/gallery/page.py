@@ -8,6 +8,7 @@ from egad.report.gallery.details import Link
 from egad.report.gallery.files import FOLDER
 from egad.report.gallery.sheets import COLUMNS, PER_SHEET
 from egad.report.page import render_template
+from egad.report.viewer import LABELS
 
 
 def gallery_page(title: str, data: GalleryData, axes: AxisPair, links: Sequence[Link]) -> str:
@@ -27,6 +28,7 @@ def gallery_page(title: str, data: GalleryData, axes: AxisPair, links: Sequence[
         gripper=data.gripper,
         links=links,
         folder=FOLDER,
+        labels=LABELS,
         ancestor_columns=COLUMNS,
         ancestors_per_sheet=PER_SHEET,
     )

@@ -8,7 +8,8 @@
 
 const STEP = 60; // objects that are listed at a time
 const SHOWN = 12; // grasps that are shown at first
-const LABELS = [["not simulated", "--unknown"], ["held in simulation", "--held"], ["failed in simulation", "--failed"], ["in collision", "--collision"]];
+const LABELS = {{ labels | tojson }};
+const COLORS = ["--unknown", "--held", "--failed", "--collision"]; // of the labels
 const ANCESTOR = "ancestor";
 const ANCESTOR_COLUMNS = {{ ancestor_columns }}, ANCESTORS_PER_SHEET = {{ ancestors_per_sheet }};
 const FOLDER = {{ folder | tojson }};
@@ -23,16 +24,19 @@ function make(name, text = "", properties = {}) {
 
 // ---- data: scripts that are loaded when they are needed
 
-const waiting = new Map();
-window.egadData = (name, data) => waiting.get(name)?.(data);
+const arrived = new Map();
+window.egadData = (name, data) => arrived.set(name, data);
 
 function load(kind, name) {
   const key = name === undefined ? kind : `${kind}/${name}`;
   return new Promise((resolve, reject) => {
     const script = make("script", "", { src: `${FOLDER}/${key.split("/").map(encodeURIComponent).join("/")}.js` });
-    waiting.set(key, resolve);
-    script.onload = () => { script.remove(); waiting.delete(key); };
-    script.onerror = () => reject(new Error(`${decodeURIComponent(script.src)} could not be loaded.`));
+    script.onload = script.onerror = () => {
+      script.remove();
+      if (arrived.has(key)) resolve(arrived.get(key));
+      else reject(new Error(`${decodeURIComponent(script.src)} could not be loaded.`));
+      arrived.delete(key);
+    };
     document.head.append(script);
   });
 }
@@ -79,8 +83,8 @@ function placeObject(element, { rank, column, row }) {
 
 function thumb(object) {
   const element = make("span", "", { className: "thumb" });
-  if (typeof object === "object" && "rank" in object) placeObject(element, object);
-  else if (object.number !== null) {
+  if ("rank" in object) placeObject(element, object);
+  else {
     const number = object.number % ANCESTORS_PER_SHEET, sheet = Math.floor(object.number / ANCESTORS_PER_SHEET);
     place(element, `${FOLDER}/sheets/ancestors-${sheet}.webp`, number % ANCESTOR_COLUMNS, Math.floor(number / ANCESTOR_COLUMNS),
       ANCESTOR_COLUMNS, ANCESTORS_PER_SHEET / ANCESTOR_COLUMNS);
@@ -143,7 +147,7 @@ function update() {
   listed = STEP;
   paintMap(rest);
   list();
-    find("#count").textContent = `${filters.cell ? `Cell ${filters.cell}: ` : ""}${found.length} ${found.length === 1 ? "object" : "objects"}`;
+  find("#count").textContent = `${filters.cell ? `Cell ${filters.cell}: ` : ""}${found.length} ${found.length === 1 ? "object" : "objects"}`;
   find("#clear").hidden = parametersOf().toString() === "";
 }
 
@@ -304,7 +308,7 @@ function drawGrasps() {
   const wanted = new Set([...form.querySelectorAll("#labels input:checked")].map((input) => Number(input.value)));
   const matching = Array.from(current.codes.keys()).filter((grasp) => wanted.has(current.codes[grasp]));
   const shown = matching.slice(0, Number(form.most.value));
-  for (const grasp of shown) addJaws(rows, current, grasp, channels(colorOf(LABELS[current.codes[grasp]][1])));
+  for (const grasp of shown) addJaws(rows, current, grasp, channels(colorOf(COLORS[current.codes[grasp]])));
   paint?.layer("jaws", new Float32Array(rows));
   find("#shown").textContent = `${shown.length} of ${matching.length}`;
   redraw();
@@ -317,9 +321,9 @@ function showGrasps(object, counts) {
   const simulated = object.labels !== null;
   object.codes = object.labels ?? object.free.map((free) => (free ? 0 : 3));
   find("#missing").textContent = simulated || !object.grasps ? "" : "These grasps were not simulated.";
-  find("#labels").replaceChildren(...LABELS.map(([name, color], code) => {
+  find("#labels").replaceChildren(...LABELS.map((name, code) => {
     const label = make("label"), input = make("input", "", { type: "checkbox", checked: true, value: code }), swatch = make("i");
-    swatch.style.background = `var(${color})`;
+    swatch.style.background = `var(${COLORS[code]})`;
     label.append(input, swatch, simulated || code ? name : "collision-free", make("span", String(counts[code])));
     label.hidden = counts[code] === 0;
     return label;
@@ -329,7 +333,7 @@ function showGrasps(object, counts) {
   form.most.parentElement.hidden = object.grasps === 0;
 }
 
-async function showShape(data) {
+async function showShape(data, address) {
   const canvas = find("#object canvas");
   find("#object .view").hidden = !data.scene;
   if (!data.scene) { current = null; find("#grasps").hidden = true; return; }
@@ -337,12 +341,10 @@ async function showShape(data) {
     paint = painter(canvas, () => channels(colorOf("--faint")));
     if (paint) steer(canvas, view, redraw);
   }
-  if (!paint) {
-    find("#object .view").replaceChildren(make("p", "This browser cannot show the 3D view. It needs WebGL and DecompressionStream."));
-    find("#grasps").hidden = true;
-    return;
-  }
+  for (const part of find("#object .view").children) part.hidden = (part.id === "flat") === Boolean(paint);
+  if (!paint) { find("#grasps").hidden = true; return; }
   const object = await unpack(data.scene, index.finger);
+  if (asOpened() !== address) return;
   Object.assign(view, START);
   paint.layer("mesh", surface(object));
   paint.layer("jaws", new Float32Array(0));
@@ -358,10 +360,10 @@ function rangeOf({ key, factor }) {
   return ends.map((value) => factor * value);
 }
 
-// A value with its standard error, within the range of all objects.
+// A value with its error, within the range of all objects.
 function bar(value, error, [low, high]) {
   const element = make("span", "", { className: "bar" });
-  const share = (number) => 100 * Math.min(Math.max((number - low) / (high - low || 1), 0), 1);
+  const share = (number) => 100 * Math.min(Math.max((number - low) / (high - low), 0), 1);
   const mark = make("i"), whisker = make("b");
   mark.style.left = `${share(value)}%`;
   whisker.style.left = `${share(value - error)}%`;
@@ -374,7 +376,8 @@ function bar(value, error, [low, high]) {
 function showMeasures(facts) {
   find("#measures tbody").replaceChildren(...facts.map(([name, value, error, unit, decimals]) => {
     const row = make("tr"), middle = make("td"), measure = index.measures.find((each) => each.name === name);
-    if (measure) middle.append(bar(value, error ?? 0, rangeOf(measure)));
+    const range = measure ? rangeOf(measure) : [0, 0];
+    if (range[0] < range[1]) middle.append(bar(value, error ?? 0, range));
     row.append(make("th", name, { scope: "row" }), middle, make("td", quantity(value, error, unit, decimals)));
     return row;
   }));
@@ -453,8 +456,8 @@ function about(object, id) {
 
 async function open(kind, name) {
   const object = kind === "objects" ? byLabel.get(name) : null;
-  const data = await load(kind, name);
-  if (asOpened() !== `${kind}/${name}`) return; // another one was opened meanwhile
+  const address = asOpened(), data = await load(kind, name);
+  if (asOpened() !== address) return; // another one was opened meanwhile
   const title = object ? name : data.id;
   find("#name").textContent = title;
   document.title = `${title} – ${find("h1").textContent}`;
@@ -468,7 +471,7 @@ async function open(kind, name) {
   find("#overview").hidden = true;
   find("#object").hidden = false;
   showLineage(data.relatives);
-  await showShape(data);
+  await showShape(data, address);
   scrollTo(0, 0);
   find("#name").focus({ preventScroll: true });
 }
@@ -477,7 +480,7 @@ async function open(kind, name) {
 
 function asOpened() {
   const hash = location.hash.slice(1), parameters = new URLSearchParams(hash);
-  if (parameters.has(ANCESTOR)) return `ancestors/${parameters.get(ANCESTOR)}`;
+  if (/^\d+$/.test(parameters.get(ANCESTOR))) return `ancestors/${parameters.get(ANCESTOR)}`;
   let name = hash;
   try { name = decodeURIComponent(hash); } catch { /* a percent sign that encodes nothing */ }
   const object = byLabel.get(name) ?? byId.get(name);

@@ -149,6 +149,10 @@ def test_a_browser_shows_what_the_address_names(site, tmp_path):
     html = shown(f"text={quote('M01')}")
     assert re.search(r'<h2 id="count"[^>]*>1 object</h2>', html)
     assert 'href="#M01_0"' in html
+    (site / "elsewhere.js").write_text("document.title = 'run'", "utf-8")
+    html = shown("ancestor=../../elsewhere")
+    (site / "elsewhere.js").unlink()
+    assert "<title>run</title>" not in html
     html = shown("ancestor=0")
     assert read(site / "gallery", "ancestors/0")["id"][:8] in html
 

@@ -247,6 +247,16 @@ def test_citation_and_provenance_are_readable(release):
     assert verify(release).problems == {}
 
 
+def test_an_archive_of_an_earlier_release_is_refused(release, tmp_path):
+    copy = shutil.copytree(release, tmp_path / "copy")
+    (copy / "archives/usd.zip").touch()
+    pieces = ["--pieces", copy / "archives/mjcf.zip"]
+    card = select(SETTINGS, ReleaseCard).model_dump_json()
+    done = egad("release-card", "--settings", card, *pieces, "--out", copy)
+    assert done.returncode == 1
+    assert "archives/usd.zip: of an earlier release" in done.stderr
+
+
 def test_a_damaged_file_is_noticed(release, tmp_path):
     copy = shutil.copytree(release, tmp_path / "copy")
     path = copy / "data/objects/train.parquet"
