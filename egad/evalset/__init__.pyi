@@ -10,6 +10,7 @@ from .engraving import engrave as engrave
 from .family_splits import families as families
 from .family_splits import split_by_family as split_by_family
 from .family_splits import with_parents_and_children as with_parents_and_children
+from .filament import print_settings as print_settings
 from .parameters import Bundle as Bundle
 from .parameters import Engraving as Engraving
 from .parameters import PrintCheck as PrintCheck
@@ -17,7 +18,6 @@ from .parameters import PrintExport as PrintExport
 from .parameters import SelectEval as SelectEval
 from .plates import PrintItem as PrintItem
 from .plates import plan_prints as plan_prints
-from .print_poses import LAYER as LAYER
 from .printability import print_problems as print_problems
 from .selection import LABEL as LABEL
 from .selection import Distances as Distances

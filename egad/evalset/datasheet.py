@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from egad.evalset.filament import print_settings
 from egad.evalset.parameters import PrintExport
-from egad.evalset.print_poses import LAYER
 from egad.tables import parquet
 
 ATTEMPTS = 20  # as in the paper
@@ -36,8 +36,8 @@ columns 0, 1, ... from simple to complex. `contact-sheet.pdf` shows all objects 
 REPORTING = """
 ## How to report results
 
-1. Print the objects for your gripper, {advice}. An object that is
-   not printable at its size is named above; leave it out and say so.
+1. Print the objects for your gripper: {settings}.
+   An object that is not printable at its size is named above; leave it out and say so.
 2. As in the paper, make {attempts} attempts at each object: drop it into the workspace alone,
    let the detector choose one grasp, close, lift. It is a success if the object is held until the
    end. Put it back at random between attempts, and count every attempt, the aborted ones too.
@@ -85,8 +85,9 @@ def page(
     ]
     names = dict(zip(chosen["label"], chosen["object_label"], strict=True))
     tables = [_gripper_section(name, each, names) for name, each in grippers.items()]
-    advice = f"with {100 * export.infill:g} % infill in {1000 * LAYER:g} mm layers"
-    return head + "\n".join([*rows, *tables, REPORTING.format(advice=advice, attempts=ATTEMPTS)])
+    return head + "\n".join(
+        [*rows, *tables, REPORTING.format(settings=print_settings(export), attempts=ATTEMPTS)]
+    )
 
 
 def _gripper_section(name: str, known: ForGripper, objects: Mapping[str, str]) -> str:

@@ -55,8 +55,14 @@ class PrintExport(Parameters):
         lt=90,
         description="surfaces at a larger angle to the vertical are supported, degrees",
     )
+    perimeters: int = Field(2, ge=1, le=20, description="lines along each outline of a layer")
+    line_width: float = Field(
+        0.00045, ge=0.0001, le=0.002, description="of perimeters and infill, metres"
+    )
+    solid_layers: int = Field(
+        3, ge=0, le=50, description="below each top surface and above each bottom surface"
+    )
     infill: PositiveFraction = Field(0.2, description="fraction of the inside that is filled")
-    shell: Length = Field(0.0009, description="solid layer below the surface, metres")
     filament_density: float = Field(1240.0, gt=0, description="of solid filament, kg/m3: PLA 1240")
 
 

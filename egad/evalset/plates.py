@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 
+from egad.evalset.filament import filament_mass
 from egad.evalset.parameters import PrintCheck, PrintExport
 from egad.evalset.print_poses import Pose, lie_down
 from egad.evalset.printability import print_problems
@@ -91,13 +92,6 @@ def _note(pose: Pose, problems: list[str], plate: int | None, settings: PrintExp
         )
         return f"{size} mm and a gap of {1000 * settings.gap:g} mm do not fit the bed of {bed} mm"
     return "stands on little: use a brim" if pose.contact < SMALL_CONTACT else ""
-
-
-def filament_mass(mesh: trimesh.Trimesh, settings: PrintExport) -> float:
-    """Mass of a print without supports, kg: a solid shell around a part-filled inside."""
-    shell = min(mesh.volume, mesh.area * settings.shell)
-    filled = shell + settings.infill * (mesh.volume - shell)
-    return float(settings.filament_density * filled)
 
 
 def pack(

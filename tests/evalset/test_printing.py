@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.evalset.plates import filament_mass, pack, plan_prints
+from egad.evalset.plates import pack, plan_prints
 from egad.evalset.print_poses import first_layer_area, lie_down, overhang_area
 from egad.pipeline.config import PrintCheck, PrintExport
 
@@ -107,16 +107,6 @@ def test_surface_counts_as_overhang_from_the_angle_on():
     assert overhang_area(cone, upside_down, 40) == pytest.approx(np.pi * 2**0.5 * 1e-4, rel=0.01)
     assert overhang_area(cone, upside_down, 50) == 0
     assert overhang_area(cone, np.eye(3), 40) == 0
-
-
-def test_filament_is_a_solid_shell_and_a_part_filled_inside():
-    settings = PrintExport(infill=0.2, shell=0.001, filament_density=1000)  # noqa: S604
-    cube = trimesh.creation.box(extents=(0.1, 0.1, 0.1))
-    assert filament_mass(cube, settings) == pytest.approx(0.06 + 0.2 * 0.94)
-    full = PrintExport(infill=1, filament_density=1000)
-    assert filament_mass(cube, full) == pytest.approx(1)
-    sheet = trimesh.creation.box(extents=(0.1, 0.1, 0.0005))
-    assert filament_mass(sheet, settings) == pytest.approx(0.005)
 
 
 def test_packing_is_the_same_every_time_and_in_any_order():

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.errors import RejectedError
-from egad.evalset import LAYER, PrintItem, engrave, plan_prints, print_problems
+from egad.evalset import PrintItem, engrave, plan_prints, print_problems, print_settings
 from egad.exchange import Placed, read_mesh, write_3mf, write_stl_mm
 from egad.geometry import scale_suffix
 from egad.pipeline.config import Engraving, Gripper, PrintCheck, PrintExport, Rescale
@@ -171,7 +171,7 @@ def _write_plate(
 def _advice(settings: PrintExport) -> str:
     """How to print."""
     return (
-        f"{1000 * LAYER:g} mm layers, {100 * settings.infill:g} % infill, "
+        f"{print_settings(settings)}, "
         f"supports beyond {settings.overhang_angle:g} degrees from the vertical"
     )
 

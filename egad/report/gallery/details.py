@@ -1,5 +1,6 @@
 """What the page of an object or of an ancestor shows, loaded when it is opened."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -16,7 +17,7 @@ from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
 SHOWN = 100  # grasps of an object in the viewer
-ONE_SIGMA = 0.6827  # probability within one standard error of a mean
+ONE_SIGMA = math.erf(math.sqrt(0.5))  # probability within one standard error of a mean
 Row = Mapping[str, Any]
 Relative = str | list[Any]
 """A released object by its label; an ancestor by its id and its number, which names its files."""
