@@ -45,7 +45,7 @@ def run(
         shard: Number of this shard, and number of shards.
         out: Convex parts of all objects, one row each, in the frame of
             `D/rescaled/G/LABEL.obj`. An object that has none is missing, and the log says why. Made
-            if `targets.simulated_labels` is true, or ACRONYM files are asked for.
+            for a release, and for exports of all objects to simulators.
     """
     frame = rows_in_shard(parquet.read(objects, OBJECTS), *shard)
     made = []
