@@ -28,8 +28,16 @@ PAPER = {
     "doi": "10.1109/LRA.2020.2992195",
 }
 TAGS = ["robotics", "grasping", "robot-manipulation", "simulation", "3d", "quality-diversity"]
-SIZES = (1_000, 10_000, 100_000, 1_000_000, 10_000_000)
-NAMES = ("1K", "10K", "100K", "1M", "10M")
+SIZES = {  # bounds of Hugging Face's categories
+    "1K": 1e3,
+    "10K": 1e4,
+    "100K": 1e5,
+    "1M": 1e6,
+    "10M": 1e7,
+    "100M": 1e8,
+    "1B": 1e9,
+    "10B": 1e10,
+}
 
 
 @dataclass(frozen=True)
@@ -264,11 +272,9 @@ def _splits(objects: pd.DataFrame, success: Mapping[str, float]) -> str:
 
 def _size(count: int) -> str:
     """The category of a number of rows, as Hugging Face names it."""
-    above = [number for number, bound in enumerate(SIZES) if count < bound]
-    if not above:
-        return f"n>{NAMES[-1]}"
-    first = above[0]
-    return f"n<{NAMES[0]}" if first == 0 else f"{NAMES[first - 1]}<n<{NAMES[first]}"
+    lower = [name for name, bound in SIZES.items() if bound <= count]
+    upper = next(name for name, bound in SIZES.items() if bound > count)
+    return f"{lower[-1]}<n<{upper}" if lower else f"n<{upper}"
 
 
 def _bytes(count: int) -> str:

@@ -11,11 +11,10 @@ import numpy as np
 import trimesh
 
 from egad._util.files import atomic_output
-from egad.exchange.object_meshes import GREY_LINEAR
+from egad.exchange.object_meshes import GREY_LINEAR, ROUGHNESS
 
 # (x, y, z) of the mesh becomes (x, z, -y) of the file.
 TO_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-ROUGHNESS = 0.7
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963  # numbers of OpenGL, which glTF uses
 
 

@@ -52,7 +52,8 @@ def write_isaac_grasp(path: Path, label: str, gripper: Gripper, grasps: pd.DataF
     """
     known = with_outcome(grasps)
     widths = Grasps(known).widths
-    poses = Grasps(known).poses @ np.array([base_pose(gripper, width) for width in widths])
+    bases = np.array([base_pose(gripper, width) for width in widths]).reshape(-1, 4, 4)
+    poses = Grasps(known).poses @ bases
     turns = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True)
     base, opened = base_link(gripper), joint_values(gripper, gripper.opening)
     listed = {

@@ -9,6 +9,7 @@ from egad.exchange.meshes import write_obj
 VISUAL, PARTS = "visual.obj", "parts"
 GREY = (0.72, 0.74, 0.78)  # sRGB
 GREY_LINEAR = (0.48, 0.51, 0.57)  # the same color in linear RGB
+ROUGHNESS = 0.7  # of a matt surface
 
 
 class MeshFiles(NamedTuple):

@@ -6,11 +6,10 @@ from xml.etree import ElementTree
 from egad.evalset import SimulationObject
 from egad.exchange.object_meshes import GREY, MeshFiles, write_object_meshes
 from egad.exchange.poses import write_poses
-from egad.exchange.xml_text import moments, number_text, xml_document
+from egad.exchange.xml_text import DRAKE, moments, number_text, xml_document
 from egad.geometry import MassProperties
 
 VERSION = "1.11"  # the first one in which a mesh says that its convex hull is meant
-DRAKE = "http://drake.mit.edu"
 MODEL = "model.sdf"
 
 

@@ -9,10 +9,9 @@ from xml.etree import ElementTree
 from egad.evalset import SimulationObject
 from egad.exchange.object_meshes import GREY, MeshFiles, write_object_meshes
 from egad.exchange.poses import write_poses
-from egad.exchange.xml_text import moments, number_text, xml_document
+from egad.exchange.xml_text import DRAKE, moments, number_text, xml_document
 from egad.geometry import MassProperties
 
-DRAKE = "http://drake.mit.edu"
 # PhysX, which SAPIEN uses, leaves out vertices of a hull that are closer than 0.0007 to the others,
 # in the unit of the file: in metres, parts shrink by 0.7 mm and more.
 MILLIMETRE = 0.001

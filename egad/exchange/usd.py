@@ -18,14 +18,13 @@ from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 from scipy.spatial.transform import Rotation
 
 from egad.evalset import SimulationObject
-from egad.exchange.object_meshes import GREY_LINEAR
+from egad.exchange.object_meshes import GREY_LINEAR, ROUGHNESS
 from egad.exchange.poses import write_poses
 from egad.geometry import MassProperties
 
 Floats = NDArray[np.float64]
 MESHES = Sdf.Path("/Meshes")  # abstract: not part of the scene
 VISUALS, COLLISIONS = MESHES.AppendChild("visuals"), MESHES.AppendChild("collisions")
-ROUGHNESS = 0.7
 
 
 def write_usd(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
@@ -33,7 +32,8 @@ def write_usd(folder: Path, name: str, made: SimulationObject, friction: float) 
 
     Args:
         folder: Where the folder is made.
-        name: Of the object. Characters that a path of USD cannot have become `_` within the file.
+        name: Of the object. Characters that a path of USD cannot have become `_` within the file,
+            and `Meshes` becomes `Meshes_`.
         made: The object.
         friction: Static and dynamic friction.
     """
@@ -43,7 +43,7 @@ def write_usd(folder: Path, name: str, made: SimulationObject, friction: float) 
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
-    body = UsdGeom.Xform.Define(stage, Sdf.Path("/" + Tf.MakeValidIdentifier(name)))
+    body = UsdGeom.Xform.Define(stage, _body_path(name))
     stage.SetDefaultPrim(body.GetPrim())
     Usd.ModelAPI(body).SetKind(Kind.Tokens.component)
     UsdPhysics.RigidBodyAPI.Apply(body.GetPrim())
@@ -57,6 +57,11 @@ def write_usd(folder: Path, name: str, made: SimulationObject, friction: float) 
         instance.SetInstanceable(True)
     layer.Export(str(folder / name / f"{name}.usd"), args={"format": "usdc"})
     write_poses(folder / name, made)
+
+
+def _body_path(name: str) -> Sdf.Path:
+    path = Sdf.Path("/" + Tf.MakeValidIdentifier(name))
+    return path if path != MESHES else Sdf.Path(f"{MESHES}_")
 
 
 def principal_axes(inertia: Floats) -> tuple[Floats, Floats]:

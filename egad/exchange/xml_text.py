@@ -6,6 +6,7 @@ import numpy as np
 
 from egad.geometry import MassProperties
 
+DRAKE = "http://drake.mit.edu"  # namespace of what Drake adds to URDF and SDFormat
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 

@@ -88,6 +88,8 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
         driven = [names[wanted]]
     else:
         driven = sorted(_actuated(model) & set(joints)) or sorted(set(joints) - _mimics(model))
+    if not driven:
+        raise UserError(f"each of its joints mimics another one: {', '.join(names)}")
     for joint in driven:
         if not model.jnt_limited[joint]:
             raise UserError(f"the joint {joint_name(model, joint)} has no limits, or equal ones")
@@ -214,7 +216,9 @@ def _actuated(model: mujoco.MjModel) -> set[int]:
             joints.add(int(target))
         elif kind == mujoco.mjtTrn.mjTRN_TENDON:
             first = model.tendon_adr[target]
-            joints |= set(map(int, model.wrap_objid[first : first + model.tendon_num[target]]))
+            wraps = slice(first, first + model.tendon_num[target])
+            moved = model.wrap_type[wraps] == mujoco.mjtWrap.mjWRAP_JOINT  # others are sites, geoms
+            joints |= set(map(int, model.wrap_objid[wraps][moved]))
     return joints
 
 

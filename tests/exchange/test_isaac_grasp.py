@@ -96,6 +96,13 @@ def test_only_grasps_that_held_have_confidence(rows, tmp_path):
     assert [each[0] for each in read(tmp_path / "a.yaml")[0]] == held.astype(float).tolist()
 
 
+def test_an_object_of_which_nothing_is_known_has_no_grasps(rows, tmp_path):
+    gripper = Gripper.from_file(box_urdf(tmp_path / "hand.urdf"))
+    unknown = rows.assign(simulated_success=None, collision_free=True)
+    write_isaac_grasp(tmp_path / "a.yaml", LABEL, gripper, unknown)
+    assert read(tmp_path / "a.yaml")[0] == []
+
+
 def test_a_gripper_of_boxes_is_refused(dataset, settings, tmp_path):
     chosen = select(settings, SimulatedGraspFiles, "yumi")
     grasps = dataset / "grasps/yumi.parquet"

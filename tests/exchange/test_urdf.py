@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.exchange.urdf import DRAKE, write_urdf, write_vgn
+from egad.exchange.urdf import write_urdf, write_vgn
+from egad.exchange.xml_text import DRAKE
 
 
 def test_each_part_says_its_friction_and_that_it_is_convex(tmp_path, made):

@@ -41,6 +41,13 @@ def test_units_and_the_default_prim_are_set(stage):
     assert stage.GetDefaultPrim().GetName() == "ell_1_x"
 
 
+def test_an_object_may_be_called_like_the_meshes(made, tmp_path):
+    write_usd(tmp_path, "Meshes", made, 0.4)
+    body = Usd.Stage.Open(str(tmp_path / "Meshes/Meshes.usd")).GetDefaultPrim()
+    assert not body.IsAbstract()
+    assert len(UsdPhysics.LoadUsdPhysicsFromRange(body.GetStage(), ["/"])) > 1
+
+
 def test_the_validators_of_usd_have_no_complaint(file):
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
     assert UsdValidation.ValidationContext(validators).Validate(Usd.Stage.Open(file)) == []

@@ -6,6 +6,7 @@ import pytest
 from described_hands import BAR, INSET, PAD, PANDA, box_urdf, linkage_mjcf
 
 from egad.errors import UserError
+from egad.grippers.fingers import find_driven
 from egad.grippers.reading import Choices, read_model
 
 THICK, WIDE, LONG = PANDA["finger"]
@@ -225,6 +226,27 @@ def test_a_joint_without_limits_is_named(tmp_path):
     path.write_text(path.read_text().replace("prismatic", "continuous"))
     with pytest.raises(UserError, match="the joint left_joint has no limits"):
         read_model(path)
+
+
+def test_joints_that_mimic_each_other_are_named(tmp_path):
+    leads = '<child link="left"/><mimic joint="right_joint"/>'
+    path = box_urdf(tmp_path / "round.urdf", changes={'<child link="left"/>': leads})
+    with pytest.raises(UserError, match="each of its joints mimics another one: left_joint, right"):
+        read_model(path)
+
+
+def test_a_cable_does_not_drive_joints_with_the_numbers_of_its_sites():
+    """Without other motors, the joint that mimics no other is driven."""
+    sides = "".join(
+        f"""<body name="{name}"><joint name="{name}" type="slide" axis="{way} 0 0" range="0 1"/>
+        <geom type="box" size="0.01 0.01 0.04"/><site name="{name}"/></body>"""
+        for name, way in (("left", -1), ("right", 1))
+    )
+    description = mujoco.MjModel.from_xml_string(f"""<mujoco><worldbody>{sides}</worldbody>
+    <equality><joint joint1="right" joint2="left"/></equality>
+    <tendon><spatial name="cable"><site site="left"/><site site="right"/></spatial></tendon>
+    <actuator><motor tendon="cable"/></actuator></mujoco>""")
+    assert find_driven(description, [0, 1]) == [0]
 
 
 def test_three_fingers_are_refused(tmp_path):

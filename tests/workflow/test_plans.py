@@ -274,12 +274,19 @@ def test_a_measure_that_is_not_there_stops_the_run(clean):
     assert "Traceback" not in said
 
 
+def test_an_export_that_the_gripper_cannot_have_is_refused_before_the_run(clean):
+    own = clean.overlay("own.yaml", {"targets": {"exports": ["isaac_grasp"]}})
+    status, said = clean.snakemake("--dry-run", "--cores", 1, configs=["config/test.yaml", own])
+    assert status != 0
+    assert "targets.exports: gripper 'egad_75mm' is made of boxes" in said
+
+
 @pytest.mark.slow
 def test_exports_are_made_if_they_are_asked_for(copy):
     asked = {"targets": {"exports": ["dexnet", "acronym"]}, "simulated_label": {"grasps": 3}}
     configs = ["config/test.yaml", copy.overlay("exports.yaml", asked)]
     planned = copy.planned(configs=configs)
-    simulated = {"simulated_label": 2, "join_grasps": 1, "datasheet": 1}
+    simulated = {"convex_parts": 2, "simulated_label": 2, "join_grasps": 1, "datasheet": 1}
     written = {"dexnet_objects": 2, "dexnet": 1, "export": 1, "report": 1, "all": 1}
     assert planned == simulated | written
     copy.make("--cores", 2, configs=configs)

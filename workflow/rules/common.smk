@@ -27,7 +27,7 @@ from egad.pipeline.parameters import settings_type
 from egad.data import released, released_ancestry
 from egad.pipeline.display import start_display
 from egad.errors import UserError
-from egad.exchange import check_installed, checksum
+from egad.exchange import check_articulated, check_installed, checksum
 from egad.grippers import files_of
 from egad._util.kernel_cache import compile_kernels
 from egad.measures import source_hash
@@ -126,6 +126,12 @@ def exported_objects(wildcards):
 
 def exported_from(wildcards):
     """The inputs of the format in the file name; for a folder, the file that is written last."""
+    try:
+        check_installed(wildcards.format)
+        if wildcards.format == "isaac_grasp":
+            check_articulated(wildcards.gripper, SETTINGS.grippers[wildcards.gripper])
+    except UserError as error:
+        raise WorkflowError(f"targets.exports: {error}")
     files = last_files(wildcards.format, wildcards.gripper, SETTINGS.targets.export_objects)
     return [f"results/{wildcards.dataset}/{file}" for file in files]
 

@@ -45,8 +45,7 @@ def run(
         shard: Number of this shard, and number of shards.
         out: Convex parts of all objects, one row each, in the frame of
             `D/rescaled/G/LABEL.obj`. An object that has none is missing, and the log says why. Made
-            for the archives of the release, and for exports in formats for simulators if
-            `targets.export_objects` is `all`.
+            for a release, and for exports of all objects to simulators.
     """
     frame = rows_in_shard(parquet.read(objects, OBJECTS), *shard)
     made = []
