@@ -43,9 +43,10 @@ def test_units_and_the_default_prim_are_set(stage):
 
 def test_an_object_may_be_called_like_the_meshes(made, tmp_path):
     write_usd(tmp_path, "Meshes", made, 0.4)
-    body = Usd.Stage.Open(str(tmp_path / "Meshes/Meshes.usd")).GetDefaultPrim()
-    assert not body.IsAbstract()
-    assert len(UsdPhysics.LoadUsdPhysicsFromRange(body.GetStage(), ["/"])) > 1
+    stage = Usd.Stage.Open(str(tmp_path / "Meshes/Meshes.usd"))
+    assert not stage.GetDefaultPrim().IsAbstract()
+    bodies, _ = UsdPhysics.LoadUsdPhysicsFromRange(stage, ["/"])[UsdPhysics.ObjectType.RigidBody]
+    assert bodies == [stage.GetDefaultPrim().GetPath()]
 
 
 def test_the_validators_of_usd_have_no_complaint(file):
