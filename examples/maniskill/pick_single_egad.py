@@ -26,8 +26,8 @@ GOAL_RADIUS = 0.025  # metres
 GOAL_HEIGHT = 0.1, 0.3  # metres above the object at rest
 AREA = 0.1  # metres: half the side of the square that objects and goals lie in
 STATIC = 0.2  # rad/s: a robot whose joints are slower stands still
-# Metres at which PhysX begins to compute contacts. ManiSkill's default is 2 cm. At such distances
-# PhysX reports that thin convex parts and fingers overlap although they are apart.
+# Metres at which PhysX begins to compute contacts. With ManiSkill's default, 2 cm, PhysX reports
+# that thin convex parts and open fingers overlap although they are apart.
 CONTACT_OFFSET = 0.002
 READY = [0, 0, 0, -np.pi * 2 / 3, 0, np.pi * 2 / 3, np.pi / 4, 0.04, 0.04]
 BASE = sapien.Pose([-0.615, 0, 0])
