@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from scipy.spatial import ConvexHull
 
 import egad
 
@@ -24,7 +25,7 @@ def folder(tmp_path_factory):
     box = trimesh.creation.box(SIDES)
     box.apply_translation([0.01, 0.02, 0.03])
     ball = trimesh.creation.icosphere(subdivisions=2, radius=0.02)
-    egad.export({"box": box, "ball": ball}, "simulation", "panda", folder, rule="none")
+    egad.export({"box": box, "ball": ball}, "urdf", "panda", folder, rule="none")
     return folder
 
 
@@ -67,6 +68,17 @@ def test_mass_and_inertia_are_those_of_a_solid_box(env):
     np.testing.assert_allclose(body._bodies[0].cmass_local_pose.p, [0.01, 0.02, 0.03], atol=1e-6)
 
 
+def test_hulls_in_the_simulator_are_as_large_as_the_convex_parts(env, folder):
+    env.reset(seed=0, options={"label": "ball"})
+    shapes = env.unwrapped.obj._bodies[0].collision_shapes
+    files = sorted(folder.glob("ball/parts/*.obj"))
+    assert len(shapes) == len(files) > 0
+    for shape, file in zip(shapes, files, strict=True):
+        part = trimesh.load_mesh(file).vertices / 1000  # the files are in millimetres
+        planes = ConvexHull(shape.scale * shape.vertices).equations
+        assert (planes[:, :3] @ part.T + planes[:, 3:]).max() < 5e-5
+
+
 @pytest.mark.parametrize("pose", range(6))
 def test_a_box_stays_in_each_stable_pose(env, pose):
     env.reset(seed=pose, options={"label": "box", "pose": pose})
@@ -82,14 +94,14 @@ def test_a_box_stays_in_each_stable_pose(env, pose):
 
 def test_same_seed_same_episode_and_labels_are_drawn(env):
     first, _ = env.reset(seed=3)
-    label = env.unwrapped.objects[0].label
+    label = env.unwrapped.objects[0].folder.name
     again, _ = env.reset(seed=3)
     np.testing.assert_array_equal(first.numpy(), again.numpy())
-    assert env.unwrapped.objects[0].label == label
+    assert env.unwrapped.objects[0].folder.name == label
     labels = set()
     for seed in range(6):
         env.reset(seed=seed)
-        labels.add(env.unwrapped.objects[0].label)
+        labels.add(env.unwrapped.objects[0].folder.name)
     assert labels == {"box", "ball"}
 
 

@@ -7,10 +7,9 @@ import argparse
 from pathlib import Path
 
 import gymnasium as gym
-import imageio.v3 as imageio
-import numpy as np
 import pandas as pd
 import pick_single_egad  # noqa: F401 (registers the task)
+from mani_skill.utils.wrappers import RecordEpisode
 from policy import LiftPolicy
 from prepare import GRASPS
 
@@ -18,56 +17,31 @@ import egad
 from egad.stats import by_object, mean_rate
 
 
-class Film(gym.Wrapper):
-    """Keeps a picture of every second step."""
-
-    def __init__(self, env: gym.Env) -> None:
-        super().__init__(env)
-        self.frames: list[np.ndarray] = []
-
-    def step(self, action: np.ndarray) -> tuple:
-        """Step, and draw."""
-        result = self.env.step(action)
-        if int(self.unwrapped.elapsed_steps[0]) % 2 == 0:
-            self.frames.append(self.env.render()[0].cpu().numpy())
-        return result
-
-
 def attempt(env: gym.Env, grasps: egad.Grasps, label: str, seed: int) -> dict:
-    """One episode with an object.
-
-    Args:
-        env: `PickSingleEGAD-v1`.
-        grasps: Of all objects.
-        label: Of the object.
-        seed: Of the initial pose and the goal.
-    """
+    """One episode with an object; the seed is of its initial pose and the goal."""
     env.reset(seed=seed, options={"label": label})
     outcome = LiftPolicy(env, grasps.of(label)).run()
     steps = int(env.unwrapped.elapsed_steps[0])
-    success = outcome == "success"
-    return {"label": label, "seed": seed, "outcome": outcome, "success": success, "steps": steps}
+    row = {"label": label, "seed": seed, "outcome": outcome, "success": outcome == "success"}
+    return row | {"steps": steps}
 
 
 def report(trials: pd.DataFrame) -> str:
-    """The success rate with its interval, the outcomes, and the objects that often fail.
-
-    Args:
-        trials: From `attempt`, one row per episode.
-    """
-    mean = mean_rate(trials)
+    """The success rate with its interval, the outcomes, and the objects that often fail."""
+    mean, objects = mean_rate(trials), by_object(trials)
     low, high = mean.interval
-    objects = by_object(trials)
+    outcomes = trials["outcome"].value_counts().items()
     worst = objects[objects["successes"] <= objects["attempts"] / 2]
-    lines = [
-        f"{mean.successes} of {mean.attempts} episodes with {len(objects)} objects succeeded: "
-        f"{mean.value:.1%}, 95 % interval {low:.1%} to {high:.1%}",
-        f"objects lifted at least once: {(objects['successes'] > 0).sum()} of {len(objects)}",
-        "outcomes: " + ", ".join(f"{n} {o}" for o, n in trials["outcome"].value_counts().items()),
-        "half of the episodes or more failed: "
-        + (", ".join(f"{o} {s}/{n}" for o, s, n in worst.itertuples()) or "none"),
-    ]
-    return "\n".join(lines)
+    return "\n".join(
+        [
+            f"{mean.successes} of {mean.attempts} episodes with {len(objects)} objects succeeded: "
+            f"{mean.value:.1%}, 95 % interval {low:.1%} to {high:.1%}",
+            f"objects lifted at least once: {(objects['successes'] > 0).sum()} of {len(objects)}",
+            "outcomes: " + ", ".join(f"{n} {o}" for o, n in outcomes),
+            "half of the episodes or more failed: "
+            + (", ".join(f"{o} {s}/{n}" for o, s, n in worst.itertuples()) or "none"),
+        ]
+    )
 
 
 def main() -> None:
@@ -78,8 +52,8 @@ def main() -> None:
     parser.add_argument("--episodes", type=int, default=4, help="episodes with each object")
     parser.add_argument("--seed", type=int, default=0, help="of the first episode")
     parser.add_argument("--out", type=Path, help="CSV file with one row per episode")
-    parser.add_argument("--film", type=Path, help="MP4 or GIF file of all episodes")
-    parser.add_argument("--render-backend", default="none", help="as in ManiSkill; gpu for a film")
+    parser.add_argument("--films", type=Path, help="folder for an MP4 file of each episode")
+    parser.add_argument("--render-backend", default="none", help="as in ManiSkill; gpu for films")
     arguments = parser.parse_args()
     env = gym.make(
         "PickSingleEGAD-v1",
@@ -88,22 +62,21 @@ def main() -> None:
         control_mode="pd_joint_pos",
         sim_backend="physx_cpu",
         render_backend=arguments.render_backend,
-        render_mode="rgb_array" if arguments.film else None,
+        render_mode="rgb_array" if arguments.films else None,
         reconfiguration_freq=0,
     )
-    if arguments.film:
-        env = Film(env)
+    if arguments.films:
+        env = RecordEpisode(env, str(arguments.films), save_trajectory=False, video_fps=20)
     grasps = egad.Grasps(pd.read_parquet(arguments.objects / GRASPS))
     rows = []
     for label in arguments.labels or env.unwrapped.labels:
         for seed in range(arguments.seed, arguments.seed + arguments.episodes):
             rows.append(attempt(env, grasps, label, seed))
             print(label, seed, rows[-1]["outcome"], flush=True)
+    env.close()
     trials = pd.DataFrame(rows)
     if arguments.out:
         trials.to_csv(arguments.out, index=False)
-    if arguments.film:
-        imageio.imwrite(arguments.film, np.stack(env.frames), fps=10)
     print(report(trials))
 
 

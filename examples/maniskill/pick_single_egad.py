@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 import sapien
 import torch
+import trimesh
 from egad_objects import EgadObject, read_objects
 from mani_skill.agents.robots import Panda, PandaWristCam
 from mani_skill.envs.sapien_env import BaseEnv
 from mani_skill.sensors.camera import CameraConfig
+from mani_skill.utils.building import actors
 from mani_skill.utils.registration import register_env
 from mani_skill.utils.sapien_utils import look_at
 from mani_skill.utils.scene_builder.table import TableSceneBuilder
@@ -24,8 +26,8 @@ GOAL_RADIUS = 0.025  # metres
 GOAL_HEIGHT = 0.1, 0.3  # metres above the object at rest
 AREA = 0.1  # metres: half the side of the square that objects and goals lie in
 STATIC = 0.2  # rad/s: a robot whose joints are slower stands still
-# Metres at which PhysX begins to compute contacts. ManiSkill's default is 2 cm. At such distances
-# PhysX reports that thin convex parts and fingers overlap although they are apart.
+# Metres at which PhysX begins to compute contacts. With ManiSkill's default, 2 cm, PhysX reports
+# that thin convex parts and open fingers overlap although they are apart.
 CONTACT_OFFSET = 0.002
 READY = [0, 0, 0, -np.pi * 2 / 3, 0, np.pi * 2 / 3, np.pi / 4, 0.04, 0.04]
 BASE = sapien.Pose([-0.615, 0, 0])
@@ -59,42 +61,32 @@ class PickSingleEGADEnv(BaseEnv):
         robot_uids: str = "panda",
         robot_init_qpos_noise: float = 0.02,
         num_envs: int = 1,
-        reconfiguration_freq: int | None = None,
         **kwargs: object,
     ) -> None:
         """Read the objects and build the first scene.
 
         Args:
-            *args: Of `BaseEnv`.
-            objects: Folder that `prepare.py` wrote, or `results/D/bundle/panda`.
+            *args: Of `BaseEnv`, as `**kwargs`.
+            objects: Folder that `prepare.py` wrote.
             labels: The objects that are drawn; default: all.
             robot_uids: `panda` or `panda_wristcam`.
             robot_init_qpos_noise: Standard deviation of the initial joint angles, radians.
             num_envs: Environments that are simulated together.
-            reconfiguration_freq: Resets until another object is drawn; 0: never. Default: 1 for a
-                single environment, else 0.
-            **kwargs: Of `BaseEnv`.
+            **kwargs: `reconfiguration_freq` is 1 by default for a single environment, else 0.
         """
         self.robot_init_qpos_noise = robot_init_qpos_noise
         self.all_objects = read_objects(objects)
         self.labels = list(labels or self.all_objects)
         self.objects: list[EgadObject] = []  # the one of each environment
-        if reconfiguration_freq is None:
-            reconfiguration_freq = 1 if num_envs == 1 else 0
-        super().__init__(
-            *args,
-            robot_uids=robot_uids,
-            num_envs=num_envs,
-            reconfiguration_freq=reconfiguration_freq,
-            **kwargs,
-        )
+        kwargs.setdefault("reconfiguration_freq", 1 if num_envs == 1 else 0)
+        super().__init__(*args, robot_uids=robot_uids, num_envs=num_envs, **kwargs)
 
     def reset(
         self, seed: int | list[int] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
         """Start an episode; see the class for the options."""
         options = dict(options or {})
-        if "label" in options and {options["label"]} != {each.label for each in self.objects}:
+        if "label" in options and {options["label"]} != {each.folder.name for each in self.objects}:
             options["reconfigure"] = True
         return super().reset(seed=seed, options=options)
 
@@ -123,32 +115,28 @@ class PickSingleEGADEnv(BaseEnv):
         drawn = self._batched_episode_rng.choice(self.labels)
         labels = [str(options.get("label", label)) for label in drawn]
         self.objects = [self.all_objects[label] for label in labels]
-        actors = [self._build(number, made) for number, made in enumerate(self.objects)]
-        self.obj = Actor.merge(actors, name="egad_object")
+        built = [self._build(number, made) for number, made in enumerate(self.objects)]
+        self.obj = Actor.merge(built, name="egad_object")
         self.add_to_state_dict_registry(self.obj)
-        self.com = torch.tensor(
-            np.array([made.com for made in self.objects]), dtype=torch.float32, device=self.device
+        self.com = self._tensor([made.com for made in self.objects])
+        self.goal_site = actors.build_sphere(
+            self.scene,
+            radius=GOAL_RADIUS,
+            color=[0, 1, 0, 1],
+            name="goal_site",
+            body_type="kinematic",
+            add_collision=False,
+            initial_pose=sapien.Pose(),
         )
-        self.goal_site = self._build_goal()
+        self._hidden_objects.append(self.goal_site)
 
     def _build(self, number: int, made: EgadObject) -> Actor:
-        builder = self.scene.create_actor_builder()
-        made.add_to(builder)
+        builder = made.builder(self.scene)
         builder.set_scene_idxs([number])
         builder.initial_pose = sapien.Pose(made.poses[0])
-        actor = builder.build(name=f"{made.label}-{number}")
+        actor = builder.build(name=f"{made.folder.name}-{number}")
         self.remove_from_state_dict_registry(actor)
         return actor
-
-    def _build_goal(self) -> Actor:
-        builder = self.scene.create_actor_builder()
-        if self.scene.can_render():
-            green = sapien.render.RenderMaterial(base_color=[0, 1, 0, 1])
-            builder.add_sphere_visual(radius=GOAL_RADIUS, material=green)
-        builder.initial_pose = sapien.Pose()
-        site = builder.build_kinematic(name="goal_site")
-        self._hidden_objects.append(site)
-        return site
 
     def _initialize_episode(self, env_idx: torch.Tensor, options: dict[str, Any]) -> None:
         self.table_scene.initialize(env_idx)
@@ -189,26 +177,16 @@ class PickSingleEGADEnv(BaseEnv):
         }
 
     def _get_obs_extra(self, info: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-        tcp = self.agent.tcp.pose
-        seen = {
-            "tcp_pose": tcp.raw_pose,
-            "goal_pos": self.goal_site.pose.p,
-            "is_grasped": info["is_grasped"],
-        }
+        tcp, center = self.agent.tcp.pose, self.object_center
+        seen = {"tcp_pose": tcp.raw_pose, "goal_pos": self.goal_site.pose.p}
+        seen["is_grasped"] = info["is_grasped"]
         if "state" in self.obs_mode:
-            seen |= {
-                "obj_pose": self.obj.pose.raw_pose,
-                "obj_center": self.object_center,
-                "tcp_to_center": self.object_center - tcp.p,
-                "center_to_goal": info["center_to_goal"],
-            }
+            seen |= {"obj_pose": self.obj.pose.raw_pose, "obj_center": center}
+            seen |= {"tcp_to_center": center - tcp.p, "center_to_goal": info["center_to_goal"]}
         return seen
 
     def compute_dense_reward(
-        self,
-        obs: object,
-        action: torch.Tensor,
-        info: dict[str, torch.Tensor],
+        self, obs: object, action: torch.Tensor, info: dict[str, torch.Tensor]
     ) -> torch.Tensor:
         """Up to 1 for nearness to the object, 1 for the grasp, 1 for nearness to the goal; or 4."""
         del obs, action
@@ -219,10 +197,7 @@ class PickSingleEGADEnv(BaseEnv):
         return torch.where(info["success"], 4.0, reward)
 
     def compute_normalized_dense_reward(
-        self,
-        obs: object,
-        action: torch.Tensor,
-        info: dict[str, torch.Tensor],
+        self, obs: object, action: torch.Tensor, info: dict[str, torch.Tensor]
     ) -> torch.Tensor:
         """The dense reward over its largest value."""
         return self.compute_dense_reward(obs, action, info) / 4
@@ -231,8 +206,6 @@ class PickSingleEGADEnv(BaseEnv):
 def _moved(pose: np.ndarray, rng: np.random.RandomState) -> np.ndarray:
     """A stable pose, turned about the vertical and moved on the table at random."""
     angle = rng.uniform(0, 2 * np.pi)
-    cos, sin = np.cos(angle), np.sin(angle)
-    turn = np.array([[cos, -sin, 0, 0], [sin, cos, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
-    moved = turn @ pose
-    moved[:2, 3] += rng.uniform(-AREA, AREA, 2) - moved[:2, 3]
+    moved = trimesh.transformations.rotation_matrix(angle, [0, 0, 1]) @ pose
+    moved[:2, 3] = rng.uniform(-AREA, AREA, 2)
     return moved

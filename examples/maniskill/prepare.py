@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 import trimesh
+from egad_objects import SURFACE
 
 import egad
 
@@ -15,17 +16,11 @@ GRASPS = "grasps.parquet"
 
 
 def sample(folder: Path, grasps: int) -> pd.DataFrame:
-    """Grasps of all objects in a folder: columns as in `results/D/grasps/G.parquet`, without `id`.
-
-    Args:
-        folder: Has `LABEL/visual.obj` for each object.
-        grasps: Most grasps of an object.
-    """
+    """At most so many grasps of each object: columns of `results/D/grasps/G.parquet` but `id`."""
     tables = []
-    for file in sorted(folder.glob("*/visual.obj")):
-        mesh = trimesh.load_mesh(file)
-        found = egad.sample_grasps(mesh, "panda", n=grasps, seed=0).to_frame()
-        tables.append(found.assign(label=file.parent.name))
+    for file in sorted(folder.glob(f"*/{SURFACE}")):
+        found = egad.sample_grasps(trimesh.load_mesh(file), "panda", n=grasps, seed=0)
+        tables.append(found.to_frame().assign(label=file.parent.name))
     return pd.concat(tables, ignore_index=True)
 
 
@@ -35,8 +30,7 @@ def main() -> None:
     parser.add_argument("out", type=Path, help="new folder")
     parser.add_argument("--grasps", type=int, default=500, help="most grasps of an object")
     arguments = parser.parse_args()
-    objects = egad.load("evaluation-set")
-    egad.export(objects, format="simulation", gripper="panda", out=arguments.out)
+    egad.export(egad.load("evaluation-set"), format="urdf", gripper="panda", out=arguments.out)
     sample(arguments.out, arguments.grasps).to_parquet(arguments.out / GRASPS)
 
 
