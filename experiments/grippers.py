@@ -12,13 +12,12 @@ close the hand by its own motor, and tells how far its fingertips are from the m
 draws the boxes over the shapes of the files into docs/grippers.svg. `labels` compares the collision
 labels of 20,000 grasps of the released evaluation set, `changes` draws one grasp for each way in
 which they differ into docs/grippers-labels.png; `panda=boxes` stands for the boxes themselves,
-written to a file. `trials` compares 980 attempts of two detectors in
-both engines; trials are kept in OUT and not run again.
+written to a file. `trials` compares 980 attempts with labelled grasps in both engines;
+trials are kept in OUT and not run again.
 """
 
 import argparse
 from collections.abc import Iterator
-from itertools import product
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
@@ -64,7 +63,6 @@ DOCS = Path(__file__).parents[1] / "docs"
 GRASPS = 410  # of each of the 49 objects
 SETTLING, STEPS = 6.0, 100  # seconds for each position of the motor; positions
 ENGINES = ("mujoco", "pybullet")
-DETECTORS = ("labels", "antipodal-depth")
 FORCE = 40.0  # newtons, of hands that egad does not know by name
 
 
@@ -276,23 +274,23 @@ def at_grasp(mesh: trimesh.Trimesh, pose: NDArray[np.float64], gripper: Gripper)
 
 def compare_trials(out: Path, given: list[str], jobs: int) -> None:
     """Run the trials that are missing, and print success with intervals."""
-    print("| gripper | detector | engine | boxes | file |\n| --- | --- | --- | --- | --- |")
+    print("| gripper | engine | boxes | file |\n| --- | --- | --- | --- |")
     objects = egad.load("evaluation-set")
-    for engine, detector in product(ENGINES, DETECTORS):
+    for engine in ENGINES:
         for name, *hands in pairs(given):
             cells = []
             for kind, gripper in zip(("boxes", "file"), hands, strict=True):
-                path = out / f"{name}-{kind}-{detector}-{engine}.parquet"
+                path = out / f"{name}-{kind}-labels-{engine}.parquet"
                 if not path.exists():
                     made = egad.run_trials(
-                        detector, objects, gripper, depth_noise=0.1, engine=engine, jobs=jobs
+                        "labels", objects, gripper, depth_noise=0.1, engine=engine, jobs=jobs
                     )
                     with atomic_output(path) as file_out:
                         made.table.to_parquet(file_out)
                 rate = Trials(pd.read_parquet(path)).success_rate()
                 low, high = 100 * np.array(rate.interval)
                 cells.append(f"{100 * rate.value:.0f} ({low:.0f} to {high:.0f})")
-            print(f"| `{name}` | `{detector}` | {engine} | {' | '.join(cells)} |", flush=True)
+            print(f"| `{name}` | {engine} | {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":
