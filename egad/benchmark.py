@@ -23,7 +23,8 @@ from egad.exchange import check_ending
 from egad.geometry import Material
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper, as_gripper
-from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
+from egad.named_meshes import RULES, NamedMesh, named_meshes, scaled_solid
+from egad.objects import Dataset
 from egad.perception import NOISES, NoiseName
 from egad.sim import (
     ENDINGS,

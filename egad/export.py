@@ -38,7 +38,8 @@ from egad.exchange import (
 from egad.geometry import Material, mass_properties
 from egad.grasps import FRICTION, LabelParameters, label_parameters
 from egad.grippers import Gripper, as_gripper, finger_span
-from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
+from egad.named_meshes import RULES, NamedMesh, named_meshes, scaled_solid
+from egad.objects import Dataset
 from egad.sim import (
     EngineChoice,
     Lifting,

@@ -24,7 +24,8 @@ from egad.evalset import Bundle
 from egad.geometry import Material
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper, as_gripper
-from egad.objects import RULES, Dataset, NamedMesh, named_meshes, scaled_solid
+from egad.named_meshes import RULES, NamedMesh, named_meshes, scaled_solid
+from egad.objects import Dataset
 from egad.outcomes import Outcome
 from egad.sim import (
     EngineChoice,

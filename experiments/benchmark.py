@@ -27,7 +27,7 @@ from egad.exchange import object_names, read_mesh
 from egad.geometry import joined_primitives
 from egad.geometry.manifold import to_mesh
 from egad.geometry.primitives import loose_piece, solid_of
-from egad.objects import NamedMesh, named_meshes
+from egad.named_meshes import NamedMesh, named_meshes
 from egad.perception import NoiseName
 from egad.pipeline.config import GRIPPERS
 from egad.random import generator

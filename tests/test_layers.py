@@ -13,7 +13,7 @@ LAYERS = [
     *("errors", "random", "outcomes", "_util", "plugins", "data", "tables"),
     *("geometry", "cppn", "reeb", "grippers", "grasps", "measures", "map_elites", "perception"),
     *("evalset", "stats", "learning", "detectors", "sim", "exchange", "report"),
-    *("objects", "api", "trials", "benchmark", "export", "pipeline"),
+    *("objects", "named_meshes", "api", "trials", "benchmark", "export", "pipeline"),
 ]
 
 

@@ -25,7 +25,7 @@ FOLDER = Path("benchmark")
 
 if TYPE_CHECKING:
     from egad.detectors import DetectorConfig
-    from egad.objects import NamedMesh
+    from egad.named_meshes import NamedMesh
     from egad.pipeline.config import Settings
 
 
@@ -72,7 +72,7 @@ def benchmark(
 ) -> None:
     """Let a grasp detector clear tables: success rates and shares of objects cleared."""
     from egad.exchange import check_ending
-    from egad.objects import RULES
+    from egad.named_meshes import RULES
     from egad.pipeline.cli.terminal_tables import cleared
     from egad.pipeline.config.stage_settings import select
     from egad.pipeline.provenance.record import run_recorded
@@ -129,7 +129,8 @@ def _detector(
 def _objects(text: str, units: str) -> tuple[list["NamedMesh"], list[Path]]:
     """The objects of a command line, and the files that they come from."""
     from egad.exchange import object_names, read_mesh
-    from egad.objects import EVALUATION_SET, NamedMesh, load, named_meshes
+    from egad.named_meshes import NamedMesh, named_meshes
+    from egad.objects import EVALUATION_SET, load
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated
 
 from egad.benchmark import Benchmark, clear_tables, prepare_objects
-from egad.objects import NamedMesh
+from egad.named_meshes import NamedMesh
 from egad.pipeline.parameters import Input, Jobs, NotNoted, Output
 from egad.pipeline.stages.clutter import ClearedTables
 from egad.tables import parquet

@@ -12,7 +12,7 @@ from egad.exchange.hand_body import hand_body
 from egad.exchange.meshes import write_obj
 from egad.grasps.labels import label_parameters
 from egad.grasps.parameters import LabelParameters
-from egad.objects import named_meshes, scaled_solid
+from egad.named_meshes import named_meshes, scaled_solid
 from egad.pipeline.config import GraspLabel, Gripper, Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import grasp_label, rescale
