@@ -68,6 +68,7 @@ from .release_tables import released_grasps as released_grasps
 from .release_tables import released_objects as released_objects
 from .release_tables import simulated_grasps as simulated_grasps
 from .release_tables import with_files as with_files
+from .simulators import read_convex_objects as read_convex_objects
 from .simulators import read_simulation_object as read_simulation_object
 from .simulators import write_simulation_object as write_simulation_object
 from .sums import ENDING as ENDING

@@ -1,19 +1,22 @@
 """Objects of a simulation bundle: URDF, MJCF and stable poses around the same meshes."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from egad.errors import RejectedError, UserError
-from egad.evalset import SimulationObject
+from egad.evalset import SimulationObject, simulation_object
+from egad.exchange.grasps import by_object
 from egad.exchange.meshes import read_mesh
 from egad.exchange.mjcf import mjcf_text
 from egad.exchange.object_meshes import PARTS, VISUAL, write_object_meshes
 from egad.exchange.poses import read_poses, write_poses
 from egad.exchange.urdf import urdf_text
 from egad.geometry import MassProperties
+from egad.tables.columns import inertia_tensor
+from egad.tables.evaluation import CONVEX_PARTS
 
 
 def write_simulation_object(
@@ -55,15 +58,12 @@ def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationOb
         mesh, *parts = (read_mesh(path, "m") for path in (folder / VISUAL, *paths))
     except RejectedError as reason:
         raise UserError(f"{folder}: {reason}; make the bundle again") from reason
-    xx, yy, zz, xy, xz, yz = (
-        row[f"inertia_{axes}"] for axes in ("xx", "yy", "zz", "xy", "xz", "yz")
-    )
     physics = MassProperties(
         volume=row["volume"],
         area=float(mesh.area),
         com=np.array([row["com_x"], row["com_y"], row["com_z"]]),
         mass=row["mass"],
-        inertia=np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
+        inertia=inertia_tensor(row),
     )
     return SimulationObject(
         mesh=mesh,
@@ -74,3 +74,26 @@ def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationOb
         deviation=row["deviation"],
         buried=row["buried"],
     )
+
+
+def read_convex_objects(
+    convex_parts: Path, meshes: Path, density: float
+) -> Iterator[tuple[str, SimulationObject]]:
+    """The objects of a table of convex parts, one after the other.
+
+    Args:
+        convex_parts: Table with the columns of `tables.evaluation.CONVEX_PARTS`, sorted by label.
+        meshes: Folder of the meshes that the parts were made of, metres.
+        density: kg/m3.
+
+    Yields:
+        Labels, ascending, and the objects.
+
+    Raises:
+        UserError: The table is not sorted by label.
+        TableError: It is damaged.
+        RejectedError: A mesh cannot be read.
+    """
+    columns = [name for name in CONVEX_PARTS.names if name != "label"]
+    for label, rows in by_object(convex_parts, columns):
+        yield label, simulation_object(read_mesh(meshes / f"{label}.obj", "m"), density, rows)

@@ -1,11 +1,14 @@
 """What the schemas are made of: types, and the columns that several tables have."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
 import pyarrow as pa
+from numpy.typing import NDArray
 
 from egad.errors import TableError
 
@@ -52,6 +55,22 @@ def vector(
 def vector_names(name: str) -> list[str]:
     """The columns of a vector in space."""
     return [f"{name}_{part}" for part in "xyz"]
+
+
+INERTIA = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+
+
+def inertia_columns(tensor: NDArray[np.float64]) -> dict[str, float]:
+    """The columns of a symmetric tensor (3, 3) by name: inertia_xx to inertia_yz."""
+    return {f"inertia_{name}": float(tensor[place]) for name, place in INERTIA.items()}
+
+
+def inertia_tensor(row: Mapping[str, Any]) -> NDArray[np.float64]:
+    """The tensor (3, 3) of a row with these columns."""
+    tensor = np.empty((3, 3))
+    for name, (first, second) in INERTIA.items():
+        tensor[first, second] = tensor[second, first] = row[f"inertia_{name}"]
+    return tensor
 
 
 POSE_PARTS = ("x", "y", "z", "qx", "qy", "qz", "qw")

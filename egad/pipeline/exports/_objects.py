@@ -8,12 +8,11 @@ from typing import Annotated
 
 from egad._util.files import atomic_output, check_empty
 from egad._util.progress import progress
-from egad.evalset import simulation_object
 from egad.exchange import (
     MESH_WRITERS,
     PHYSICS_WRITERS,
-    by_object,
     check_installed,
+    read_convex_objects,
     read_mesh,
     read_simulation_object,
 )
@@ -21,7 +20,7 @@ from egad.pipeline.config import Bundle, Gripper, Material
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Output
 from egad.tables import parquet
-from egad.tables.evaluation import BUNDLE, CONVEX_PARTS
+from egad.tables.evaluation import BUNDLE
 
 log = logging.getLogger(__name__)
 
@@ -105,10 +104,9 @@ def run_all(
             for label, path in progress(paths.items(), "writing objects", len(paths)):
                 MESH_WRITERS[style](folder, label, read_mesh(path, "m"))
             return
-        found = by_object(convex_parts, [name for name in CONVEX_PARTS.names if name != "label"])
+        found = read_convex_objects(convex_parts, meshes, settings.material.density)
         written = set()
-        for label, rows in progress(found, "writing objects", len(paths)):
-            made = simulation_object(read_mesh(paths[label], "m"), settings.material.density, rows)
+        for label, made in progress(found, "writing objects", len(paths)):
             PHYSICS_WRITERS[style](folder, label, made, settings.bundle.friction)
             written.add(label)
     _warn_of(paths.keys() - written, convex_parts)

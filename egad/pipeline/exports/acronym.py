@@ -15,6 +15,7 @@ from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.exports._simulated import check_simulated, simulated_by_object
 from egad.pipeline.parameters import Input, Output
 from egad.tables import parquet
+from egad.tables.columns import inertia_tensor
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS
 
@@ -82,15 +83,12 @@ def run(
 
 def scaled_body(row: dict[str, Any], factor: float, friction: float) -> Body:
     """The object of a row of `tables.objects.OBJECTS`, scaled about the origin of its mesh."""
-    xx, yy, zz, xy, xz, yz = (
-        row[f"inertia_{part}"] * factor**5 for part in ("xx", "yy", "zz", "xy", "xz", "yz")
-    )
     return Body(
         file=f"meshes/{row['label']}.obj",
         scale=factor,
         volume=row["volume"] * factor**3,
         mass=row["mass"] * factor**3,
         com=factor * np.array([row[f"com_{part}"] for part in "xyz"]),
-        inertia=np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
+        inertia=inertia_tensor(row) * factor**5,
         friction=friction,
     )

@@ -5,7 +5,6 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from egad._util.files import atomic_output
@@ -20,12 +19,11 @@ from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Jobs, Output
 from egad.pipeline.stages.shards import rejection
 from egad.tables import parquet
+from egad.tables.columns import inertia_columns
 from egad.tables.evaluation import BUNDLE, EVAL49
 from egad.tables.objects import REJECTED
 
 log = logging.getLogger(__name__)
-
-MOMENTS = tuple(f"inertia_{axes}" for axes in ("xx", "yy", "zz", "xy", "xz", "yz"))
 
 
 class Item(NamedTuple):
@@ -139,8 +137,7 @@ def _made(path: Path, units: str, settings: SimulationBundle) -> SimulationObjec
 
 
 def _row(item: Item, made: SimulationObject, settings: SimulationBundle) -> dict[str, Any]:
-    physics, inertia = made.physics, made.physics.inertia
-    moments = (*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2])
+    physics = made.physics
     return {
         "label": item.label,
         "id": item.id,
@@ -156,5 +153,5 @@ def _row(item: Item, made: SimulationObject, settings: SimulationBundle) -> dict
         "friction": settings.bundle.friction,
         "mass": physics.mass,
         **dict(zip(("com_x", "com_y", "com_z"), physics.com, strict=True)),
-        **dict(zip(MOMENTS, moments, strict=True)),
+        **inertia_columns(physics.inertia),
     }

@@ -30,6 +30,7 @@ from egad.pipeline.stages.shards import in_shard, rejection
 from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.tables import parquet
+from egad.tables.columns import inertia_columns
 from egad.tables.evolution import ARCHIVE
 from egad.tables.objects import REJECTED, SOLIDS
 
@@ -205,13 +206,8 @@ def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids
         **dict(zip(("extents_x", "extents_y", "extents_z"), solid.extents, strict=True)),
         **dict(zip(("com_x", "com_y", "com_z"), mass.com, strict=True)),
         "mass": mass.mass,
-        **_inertia_columns(mass.inertia),
+        **inertia_columns(mass.inertia),
         "vertices": solid.vertices.ravel(),
         "faces": solid.faces.ravel(),
         "graph": reeb.pack(reeb.extract(solid, settings.similarity)),
     }
-
-
-def _inertia_columns(tensor: np.ndarray) -> dict[str, float]:
-    axes = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
-    return {f"inertia_{name}": float(tensor[place]) for name, place in axes.items()}

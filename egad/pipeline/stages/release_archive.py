@@ -10,19 +10,16 @@ import typer
 
 from egad._util.files import atomic_output
 from egad._util.progress import progress
-from egad.evalset import simulation_object
 from egad.exchange import (
     PHYSICS_WRITERS,
-    by_object,
     check_installed,
     mesh_files,
-    read_mesh,
+    read_convex_objects,
     write_zip,
 )
 from egad.pipeline.config import Bundle, Material
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Output, command
-from egad.tables.evaluation import CONVEX_PARTS
 
 log = logging.getLogger(__name__)
 
@@ -65,13 +62,9 @@ def _written(
     settings: ReleaseArchive, style: str, meshes: Path, convex_parts: Path, count: int
 ) -> Iterator[Path]:
     """A folder with the files of each object, which is gone when the next one is asked for."""
-    columns = [name for name in CONVEX_PARTS.names if name != "label"]
     written = 0
-    found = by_object(convex_parts, columns)
-    for label, rows in progress(found, "writing objects", count):
-        made = simulation_object(
-            read_mesh(meshes / f"{label}.obj", "m"), settings.material.density, rows
-        )
+    found = read_convex_objects(convex_parts, meshes, settings.material.density)
+    for label, made in progress(found, "writing objects", count):
         with TemporaryDirectory() as folder:
             PHYSICS_WRITERS[style](Path(folder), label, made, settings.bundle.friction)
             yield Path(folder)
