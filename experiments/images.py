@@ -38,7 +38,7 @@ def main(folder: str) -> None:
 
 def drawn(picture: Picture) -> Image.Image:
     """An image around its object, with grasps."""
-    corner = _corner(picture.mask)
+    corner = _corner(picture.mask > 0)
     window = tuple(slice(low, low + SHOWN) for low in corner)
     image = Image.fromarray(_shades(picture)[window]).resize((SHOWN * SCALE,) * 2, Image.NEAREST)
     pen = ImageDraw.Draw(image)
@@ -53,7 +53,7 @@ def drawn(picture: Picture) -> Image.Image:
         for end in ends:
             jaw = [tuple((end + sign * across).tolist()) for sign in (-1, 1)]
             pen.line(jaw, fill=color, width=3)
-    pen.text((6, 4), f"{picture.label}, pose {picture.pose}", "white")
+    pen.text((6, 4), f"{picture.label}, {picture.scene}", "white")
     return image
 
 
@@ -75,8 +75,8 @@ def _corner(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 def _shades(picture: Picture) -> NDArray[np.uint8]:
     depth = np.nan_to_num(picture.depth, nan=np.inf)
-    bright = np.clip(1 - (depth - depth[picture.mask].min()) / DEEPEST, 0, 1)
-    grey = np.where(picture.mask, 70 + 185 * bright, 45 + 20 * bright).astype(np.uint8)
+    bright = np.clip(1 - (depth - depth[picture.mask > 0].min()) / DEEPEST, 0, 1)
+    grey = np.where(picture.mask > 0, 70 + 185 * bright, 45 + 20 * bright).astype(np.uint8)
     return np.stack([grey] * 3, axis=-1)
 
 

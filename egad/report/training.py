@@ -3,8 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from egad.learning import best_epoch
 from egad.report.colors import INK, LINES, SOFT, line_color
@@ -43,6 +45,28 @@ def training_chart(history: pd.DataFrame) -> str:
             color=INK,
             fontsize=8,
         )
+    return drawing.svg
+
+
+def openings_chart(openings: NDArray[np.float64], most: float) -> str:
+    """How far the hand opens for the grasps in a set of images.
+
+    Args:
+        openings: Metres, (n,).
+        most: Opening of the gripper, metres.
+
+    Returns:
+        SVG text.
+    """
+    with new_figure(5.0, 2.4) as drawing:
+        axes = drawing.figure.subplots()
+        bins = np.linspace(0, 1000 * most, 17)
+        # At the full opening, some are a rounding error wider.
+        values = np.minimum(1000 * openings, bins[-1])
+        shares = np.full(len(values), 1 / max(len(values), 1))
+        axes.hist(values, bins.tolist(), weights=shares, color=LINES[0], edgecolor="white", lw=0.5)
+        axes.set(xlabel="opening of good grasps, mm", ylabel="of the grasps")
+        show_percent(axes.yaxis)
     return drawing.svg
 
 

@@ -48,6 +48,12 @@ def held_out_of_set(wildcards):
     return [of_set("eval49.parquet")(wildcards)] if held else []
 
 
+def parts_of_set(wildcards):
+    """The convex parts of its objects, if its images are made with a simulation."""
+    file = of_set(f"convex_parts/{GRIPPER}.parquet")
+    return [file(wildcards)] if SETTINGS.render.needs_convex_parts else []
+
+
 def files_of_the_gripper(wildcards):
     """The files that describe the gripper that training sets are for."""
     return files_of_gripper(GRIPPER)

@@ -1,7 +1,6 @@
 """Training-study: networks trained on different object sets. Made only if named.
 
-Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet and
-results/D/eval49.parquet of the datasets of the training sets, for the first target gripper G.
+Inputs: results/D/objects.parquet, results/D/rescaled/G and results/D/eval49.parquet of the datasets of the training sets, for the first target gripper G.
 Outputs: results/training_study/report.html and results.parquet; also images/SET, as from render, and
 networks/SET/SEED, as from `egad train`. See docs/training-study.md.
 Steps: the images of each set are rendered; a network is trained on them for each seed; the rules
@@ -17,8 +16,8 @@ use rule render as render_set with:
     input:
         objects=of_set("objects.parquet"),
         scales=of_set(f"rescaled/{GRIPPER}/scales.parquet"),
-        grasps=of_set(f"grasps/{GRIPPER}.parquet"),
         evaluation=held_out_of_set,
+        convex_parts=parts_of_set,
         hand=files_of_the_gripper,
     output:
         images=ensure(
@@ -37,6 +36,7 @@ use rule render as render_set with:
         meshes=subpath(input.scales, parent=True),
         shards=len(IMAGE_SHARDS),
         evaluation=each("--eval", "evaluation"),
+        convex_parts=each("--convex-parts", "convex_parts"),
         code=code_of("render"),
     message:
         "Rendering the training set {wildcards.training_set}, shard {wildcards.shard}"
@@ -52,6 +52,7 @@ use rule image_card as set_card with:
         ),
     output:
         card=ensure("results/training_study/images/{training_set}/card.md", non_empty=True),
+        figure=ensure("results/training_study/images/{training_set}/openings.svg", non_empty=True),
         rejected=ensure(
             "results/training_study/images/{training_set}/rejected.parquet", non_empty=True
         ),
