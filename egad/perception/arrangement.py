@@ -25,7 +25,7 @@ Flags = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 UP = np.array([0.0, 0.0, 1.0])
 ROUGH = 64  # candidates from which the size of an object is drawn
-LONGEST = 0.3  # metres; objects that are longer do not fit into an image
+LONGEST = 0.2  # metres; diagonal of the bounding box of what lies beside others in an image
 
 
 class PlacedObject(NamedTuple):
@@ -136,7 +136,7 @@ def sample_factor(
 
     Returns:
         The new size / that of the mesh; 0 if no grasp was found or the object would be longer
-        than 0.3 m.
+        than 0.2 m from corner to corner of its bounding box.
     """
     rules = sampling.model_copy(update={"approach_clearance": 0.0})
     length = float(np.linalg.norm(np.ptp(caster.triangles.reshape(-1, 3), axis=0)))
