@@ -14,7 +14,6 @@ from egad.perception.camera import Intrinsics, View
 from egad.perception.rectangles import ImageGrasps
 from egad.perception.rendering import Picture
 from egad.tables.columns import POSE_PARTS
-from egad.tables.images import LISTS
 
 UNIT = 1e-4  # metres; of the depths in the files
 LEVEL = 6  # of compression
@@ -77,7 +76,8 @@ def encoded(picture: Picture) -> dict[str, Any]:
         "center_v": intrinsics.center[1],
         **_pose_columns("camera", picture.view.pose),
         **_pose_columns("object", picture.matrix),
-        **{name: getattr(grasps, name) for name in LISTS},
+        **grasps._asdict(),
+        "simulated_success": [None] * len(grasps.u),
     }
 
 
@@ -98,7 +98,7 @@ def decoded(row: Mapping[str, Any]) -> Picture:
         view=View(depth_of(row), intrinsics, _pose_matrix("camera", row)),
         mask=pixels(row, "mask", "L") > 0,
         matrix=_pose_matrix("object", row),
-        grasps=ImageGrasps(*(np.asarray(row[name]) for name in LISTS)),
+        grasps=ImageGrasps(*(np.asarray(row[name]) for name in ImageGrasps._fields)),
     )
 
 

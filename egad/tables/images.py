@@ -44,6 +44,10 @@ IMAGES = pa.schema(
             pa.bool_(),
             "whether the hand touches neither the object nor the table",
         ),
+        _listed(
+            "simulated_success",
+            pa.bool_(),
+            "whether it lifted the object in simulation; null if it was not simulated",
+        ),
     ]
 )
-LISTS = [field.name for field in IMAGES if pa.types.is_list(field.type)]
