@@ -8,9 +8,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from egad.learning import best_epoch
 from egad.report.colors import INK, LINES, SOFT, line_color
-from egad.report.drawing import DASHED, new_figure, show_percent
+from egad.report.drawing import new_figure, show_percent
 from egad.stats import Mean, TestAttempts
 
 STYLES = ("-", "--", ":", "-.")
@@ -23,9 +22,9 @@ def training_chart(history: pd.DataFrame) -> str:
         history: Columns of `tables.training.HISTORY`, at least one row.
 
     Returns:
-        SVG text. A line marks the epoch whose weights were kept.
+        SVG text.
     """
-    images, kept = history["images"], best_epoch(history)["images"]
+    images = history["images"]
     dots: dict[str, Any] = {"marker": "o", "ms": 3}
     with new_figure(7.6, 3.0) as drawing:
         left, right = drawing.figure.subplots(1, 2)
@@ -34,17 +33,6 @@ def training_chart(history: pd.DataFrame) -> str:
         left.legend()
         right.plot(images, history["validation_score"], color=LINES[1], **dots)
         _label_axes(left, right, "loss")
-        for axes in (left, right):
-            axes.axvline(kept, color=SOFT, lw=0.8, ls=DASHED)
-        right.annotate(
-            "kept",
-            (kept, 0.02),
-            xytext=(-4, 0),
-            textcoords="offset points",
-            ha="right",
-            color=INK,
-            fontsize=8,
-        )
     return drawing.svg
 
 

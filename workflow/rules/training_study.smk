@@ -92,7 +92,7 @@ rule train_network:
         ENVIRONMENT
     threads: 2
     resources:
-        **needs(mb=2000, mb_per_thread=500, minutes=120),
+        **needs(mb=2000, mb_per_thread=500, minutes=60),
     params:
         settings=settings_of_set("train"),
         images=subpath(input.card, parent=True),

@@ -159,7 +159,6 @@ TRAINING_STUDY: Values = {
     },
     "grasp_label": {"grasps": 500},
     "trials": {"attempts": 20, "reset": "redrop"},
-    "training": {"patience": None},
     "training_study": {
         "sets": ["evolved", "third", "simple", "complex", "ycb", "primitives", "cornell"],
         "seeds": 2,

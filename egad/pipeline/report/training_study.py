@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from egad.learning import best_epoch
 from egad.pipeline.config.sections import TrainingSet
 from egad.pipeline.config.stage_settings import TrainingStudyReport
 from egad.pipeline.config.training_study import Network
@@ -62,9 +61,9 @@ class Training:
         return right / count if count else float("nan")
 
     @property
-    def kept(self) -> pd.Series:
-        """The epoch whose weights were kept."""
-        return best_epoch(self.history)
+    def last(self) -> pd.Series:
+        """The last epoch."""
+        return self.history.iloc[-1]
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,7 @@ def results(tmp_path):
     for seed in (0, 1):
         folder = made / "networks/all" / str(seed)
         parquet.write(
-            blank(HISTORY, [{"images": 8}, {"epoch": 1, "kept": True}]),
+            blank(HISTORY, [{"images": 8}, {"epoch": 1}]),
             HISTORY,
             folder / "history.parquet",
         )
