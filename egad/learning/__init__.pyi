@@ -10,6 +10,7 @@ from .model_card import best_epoch as best_epoch
 from .model_card import card as card
 from .parameters import Training as Training
 from .targets import SIZE as SIZE
+from .targets import Answer as Answer
 from .targets import peaks as peaks
 from .targets import prepare_input as prepare_input
 from .targets import read_maps as read_maps
