@@ -187,7 +187,8 @@ def _spots(answer: Answer, view: View, gripper: Gripper) -> _Spots:
     depth = crop.depth[row, column]
     top = view.pose[2, 3] + depth * rays[:, 2]
     seen = np.flatnonzero((top >= TABLE_CLEARANCE + LEAST_BITE) & (rays[:, 2] < 0))
-    row, column, rays, depth, top = (each[seen] for each in (row, column, rays, depth, top))
+    row, column = row[seen], column[seen]
+    rays, depth, top = rays[seen], depth[seen], top[seen]
     level = (top + np.maximum(top - FULL_BITE, TABLE_CLEARANCE)) / 2
     deep = depth + (level - top) / rays[:, 2]
     angle, opening = answer.angle[row, column], answer.opening[row, column]
