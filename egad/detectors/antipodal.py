@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from egad.detectors.base import Grasp, rank_grasps
+from egad.detectors.base import LEAST_BITE, Grasp, bite_share, rank_grasps
 from egad.grasps import TABLE_CLEARANCE, roomy
 from egad.grippers import Gripper
 from egad.perception import (
@@ -24,8 +24,6 @@ Floats = NDArray[np.float64]
 MAX_EDGES = 400
 MAX_CANDIDATES = 400
 LEAST_CLEARANCE = 0.002  # on each side of the object
-LEAST_BITE = 0.005  # the pads must reach this far below the lower of the two edges
-FULL_BITE = 0.02  # and gain nothing by reaching further than this
 TORQUE_SCALING = 100.0  # 1/m
 BLUR = 1.5  # pixels
 NEARLY = 1e-6
@@ -151,7 +149,7 @@ def _quality(pairs: _Pairs, centroid: Floats, tip: Floats | float) -> Floats:
     across = away[:, 0] * pairs.axis[:, 1] - away[:, 1] * pairs.axis[:, 0]
     above = tip + bite / 2 - centroid[2]
     moment = np.sqrt(1 + TORQUE_SCALING**2 * (across**2 + above**2))
-    quality: Floats = pairs.squareness / moment * np.clip(bite / FULL_BITE, 0, 1)
+    quality: Floats = pairs.squareness / moment * bite_share(bite)
     return quality
 
 

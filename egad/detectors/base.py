@@ -13,6 +13,8 @@ from egad.outcomes import Outcome
 Floats = NDArray[np.float64]
 
 MOST_GRASPS = 50  # kept of the candidates of a detector
+LEAST_BITE = 0.005  # metres that the fingertips must reach below the surface that is seen
+FULL_BITE = 0.02  # metres; nothing is gained by reaching further
 WHERE = "detectors"
 
 
@@ -51,6 +53,16 @@ class Grasp:
         if not 0 <= self.width <= gripper.opening:
             return Outcome.TOO_WIDE
         return Outcome.BELOW_TABLE if self.tip < 0 else None
+
+
+def bite_share(bite: Floats) -> Floats:
+    """What a bite is worth, from 0 to 1: min(bite / 20 mm, 1).
+
+    Args:
+        bite: How far the fingertips reach below the surface that is seen, metres.
+    """
+    share: Floats = np.clip(bite / FULL_BITE, 0, 1)
+    return share
 
 
 def rank_grasps(

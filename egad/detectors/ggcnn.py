@@ -13,12 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from egad.detectors.base import WHERE, Grasp
+from egad.detectors.base import FULL_BITE, LEAST_BITE, WHERE, Grasp, bite_share, rank_grasps
 from egad.errors import UserError
 from egad.grasps import TABLE_CLEARANCE
 from egad.grippers import Gripper
-from egad.learning import SIZE, peaks, prepare_input, read_maps
-from egad.perception import View, fill_missing
+from egad.learning import SIZE, Answer, peaks, prepare_input, read_maps
+from egad.perception import (
+    Heightmap,
+    View,
+    fill_missing,
+    heightmap_of,
+    min_fingertip_height,
+    restore,
+)
 
 MOST_BYTES = 1 << 24  # some 50 times those that were published
 GGCNN_WEIGHTS = (
@@ -27,8 +34,8 @@ GGCNN_WEIGHTS = (
     "ggcnn_epoch_23_cornell_statedict.pt (GG-CNN) and epoch_50_cornell_statedict.pt (GG-CNN2)"
 )
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 Infer = Callable[[NDArray[np.float32]], NDArray[np.float32]]
-BITE = 0.02  # the fingertips go this far below the surface seen at the center of the grasp
 
 
 def check_ggcnn(weights: str | None) -> str:
@@ -73,6 +80,28 @@ class Crop(NamedTuple):
     scale: float
 
 
+class _Spots(NamedTuple):
+    """Pixels of the network, each as a grasp from above.
+
+    Attributes:
+        row: (n,) in the maps of the network.
+        column: (n,)
+        top: (n,) height of the surface seen, metres.
+        middle: (n, 2) where the contacts should be, world frame, metres.
+        axis: (n, 2) unit vectors of the closing axis.
+        width: (n,) how far the hand opens, metres.
+        quality: (n,) that of the network.
+    """
+
+    row: Ints
+    column: Ints
+    top: Floats
+    middle: Floats
+    axis: Floats
+    width: Floats
+    quality: Floats
+
+
 class MapDetector:
     """Any network that gives the four maps of GG-CNN, as a grasp detector."""
 
@@ -86,21 +115,30 @@ class MapDetector:
         self._infer = infer
 
     def __call__(self, view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
-        """Grasps at the peaks of the quality, at most 10 (see `egad.learning.targets`).
+        """Grasps where the quality is highest and the hand gets deep enough, at most 10.
 
-        The middle 300 x 300 pixels go in, a smaller image enlarged; pixels without depth get that
-        of the nearest one with it. The four images that come out are smoothed. The hand opens as
-        wide as the network says or as it can; its fingertips go 20 mm below the surface seen at
-        the center, but not onto the table. Half way between the two are the contacts.
+        The middle 300 x 300 pixels go in, a smaller image enlarged, pixels without depth filled.
+        The four images that come out are smoothed (see `egad.learning.targets`).
+
+        How deep the hand goes is ours, as in `antipodal-depth`: as deep as table, neighboring
+        surface and palm allow (`egad.perception.min_fingertip_height`) where a pixel of the
+        network says that a grasp is. The bite is how far the fingertips get below the surface
+        seen there. Without a bite of 5 mm there is no grasp; otherwise its quality is that of the
+        network times min(bite / 20 mm, 1). Proposed is the best of 21 x 21 pixels.
+
+        The hand opens as wide as the network says or as it can. Its center is on the ray of the
+        pixel, 10 mm below the surface, or half as deep as the fingertips can get there if that is
+        less. Surfaces and heights are those of the image without holes and noise
+        (`egad.perception.restore`); the network sees the noise.
         """
         if not np.isfinite(view.depth).any():
             return []
-        crop = middle(view.depth)
-        answer = read_maps(self._infer(prepare_input(crop.depth)))
-        return [
-            _grasp(place, crop, view, gripper, *(float(each[place]) for each in answer))
-            for place in peaks(answer.quality)
-        ]
+        answer = read_maps(self._infer(prepare_input(middle(view.depth).depth)))
+        whole = restore(view)
+        relief = heightmap_of(whole)
+        if relief is None:
+            return []
+        return _grasps(_spots(answer, whole, gripper), relief, gripper)
 
 
 class GGCNN(MapDetector):
@@ -141,34 +179,59 @@ def middle(depth: NDArray[np.float32]) -> Crop:
     return Crop(cut, (top, left), side / SIZE)
 
 
-def _grasp(
-    place: tuple[int, int],
-    crop: Crop,
-    view: View,
-    gripper: Gripper,
-    quality: float,
-    angle: float,
-    opening: float,
-) -> Grasp:
-    """A grasp of the image, anticlockwise from its rows, as one of the world."""
-    camera, depth = view.intrinsics, float(crop.depth[place])
-    row, column = (
-        (i + 0.5) * crop.scale - 0.5 + low for i, low in zip(place, crop.corner, strict=True)
+def _spots(answer: Answer, view: View, gripper: Gripper) -> _Spots:
+    """The pixels that see something higher than the hand must reach below it."""
+    crop = middle(view.depth)
+    row, column = (each.ravel() for each in np.indices((SIZE, SIZE)))
+    rays = _rays(row, column, crop, view)
+    depth = crop.depth[row, column]
+    top = view.pose[2, 3] + depth * rays[:, 2]
+    seen = np.flatnonzero((top >= TABLE_CLEARANCE + LEAST_BITE) & (rays[:, 2] < 0))
+    row, column = row[seen], column[seen]
+    rays, depth, top = rays[seen], depth[seen], top[seen]
+    level = (top + np.maximum(top - FULL_BITE, TABLE_CLEARANCE)) / 2
+    deep = depth + (level - top) / rays[:, 2]
+    angle, opening = answer.angle[row, column], answer.opening[row, column]
+    width = opening * crop.scale * deep / view.intrinsics.focal
+    return _Spots(
+        row=row,
+        column=column,
+        top=top,
+        middle=view.pose[:2, 3] + deep[:, None] * rays[:, :2],
+        axis=_unit(np.column_stack([np.cos(angle), -np.sin(angle)]) @ view.pose[:2, :2].T),
+        width=np.minimum(width, gripper.opening),
+        quality=answer.quality[row, column],
     )
-    u, v = column - camera.center[0], row - camera.center[1]
-    ray, eye = view.pose[:3, :3] @ np.array([u, v, camera.focal]) / camera.focal, view.pose[:3, 3]
-    top = float(eye[2] + depth * ray[2])
-    tip = max(top - BITE, TABLE_CLEARANCE)
-    level = max((top + tip) / 2, tip)
-    # The contacts are seen through the surface above them, on the same ray.
-    deep = depth + (level - top) / ray[2] if ray[2] < 0 else depth
-    x, y = (float(part) for part in (eye + deep * ray)[:2])
-    along = view.pose[:3, :3] @ np.array([np.cos(angle), -np.sin(angle), 0.0])
-    width = opening * crop.scale * deep / camera.focal
-    return Grasp(
-        center=(x, y, level),
-        angle=float(np.arctan2(along[1], along[0])),
-        width=float(np.clip(width, 0.0, gripper.opening)),
-        depth=level - tip,
-        quality=quality,
+
+
+def _rays(row: Ints, column: Ints, crop: Crop, view: View) -> Floats:
+    """Along the sights of pixels of the network, one metre of depth long, world frame, (n, 3)."""
+    camera = view.intrinsics
+    v, u = (
+        (each + 0.5) * crop.scale - 0.5 + low - center
+        for each, low, center in zip((row, column), crop.corner, camera.center[::-1], strict=True)
     )
+    sights = np.column_stack([u, v, np.full(len(u), camera.focal)]) / camera.focal
+    rays: Floats = sights @ view.pose[:3, :3].T
+    return rays
+
+
+def _unit(vectors: Floats) -> Floats:
+    unit: Floats = vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12)
+    return unit
+
+
+def _grasps(spots: _Spots, relief: Heightmap, gripper: Gripper) -> list[Grasp]:
+    """The best spots of all around them that the hand can reach; see `MapDetector.__call__`."""
+    tip = min_fingertip_height(spots.middle, spots.axis, spots.width, relief, gripper)
+    bite = spots.top - tip
+    quality = np.where(bite >= LEAST_BITE, spots.quality * bite_share(bite), 0.0)
+    worth = np.zeros((SIZE, SIZE))
+    worth[spots.row, spots.column] = quality
+    best = np.zeros((SIZE, SIZE), dtype=bool)
+    best[tuple(np.transpose(peaks(worth)))] = True
+    chosen = best[spots.row, spots.column] & (quality > 0)
+    level = spots.top - np.minimum(bite, FULL_BITE) / 2
+    center = np.column_stack([spots.middle, level])
+    columns = (center, spots.axis, spots.width, level - tip, quality)
+    return rank_grasps(*(values[chosen] for values in columns))

@@ -9,6 +9,7 @@ from .image_size import SIZE as SIZE
 from .model_card import TrainedNetwork as TrainedNetwork
 from .model_card import card as card
 from .parameters import Training as Training
+from .targets import Answer as Answer
 from .targets import peaks as peaks
 from .targets import prepare_input as prepare_input
 from .targets import read_maps as read_maps

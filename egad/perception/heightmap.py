@@ -14,6 +14,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 PROBE = 0.004  # distance of the points at which the space for the hand is probed
+BLOCK = 1000  # palms that are probed at a time, with some 1000 points each
 NOTHING: Window = (slice(0, 0), slice(0, 0))
 
 
@@ -114,8 +115,9 @@ def min_fingertip_height(
     )
     # The palm counts only where the fingers could go so deep that it meets the highest point.
     deep = np.flatnonzero(np.maximum(clear, 0.0) < relief.heights.max() - gripper.finger_length)
-    palm = _placed(*_probes(*gripper.palm[:2]), middle[deep], axis[deep])
-    clear[deep] = np.maximum(clear[deep], relief.highest(palm) - gripper.finger_length)
+    for some in np.array_split(deep, len(deep) // BLOCK + 1):
+        palm = _placed(*_probes(*gripper.palm[:2]), middle[some], axis[some])
+        clear[some] = np.maximum(clear[some], relief.highest(palm) - gripper.finger_length)
     lowest: Floats = np.maximum(clear, 0.0) + TABLE_CLEARANCE
     return lowest
 

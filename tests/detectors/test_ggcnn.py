@@ -8,22 +8,27 @@ import pytest
 import trimesh
 
 import egad.learning
+from egad.detectors.base import LEAST_BITE
 from egad.detectors.ggcnn import GGCNN, MapDetector, check_ggcnn, middle
 from egad.errors import UserError
 from egad.learning.targets import prepare_input
 from egad.perception.camera import View, camera_above
-from egad.pipeline.config import GRIPPERS
+from egad.perception.noise import add_sensor_noise
+from egad.pipeline.config import GRIPPERS, ImageNoise
 
 HAND = GRIPPERS["egad_75mm"]
 BAR = trimesh.creation.box((0.03, 0.12, 0.04))
+PEG = trimesh.creation.box((0.02, 0.02, 0.04))
 
 
 class Stand:
-    """Answers the same everywhere, but for a peak of quality at one pixel."""
+    """Answers the same everywhere, but for peaks of quality at some pixels."""
 
-    def __init__(self, row, column, angle, width):
+    def __init__(self, angle, width, peaks):
+        """Peaks: the quality at each row and column; nothing else is worth anything."""
         self.answer = np.zeros((4, 300, 300), np.float32)
-        self.answer[0, row - 3 : row + 4, column - 3 : column + 4] = 1
+        for (row, column), quality in peaks.items():
+            self.answer[0, row - 3 : row + 4, column - 3 : column + 4] = quality
         self.answer[1:3] = np.array([np.cos(2 * angle), np.sin(2 * angle)])[:, None, None]
         self.answer[3] = width * self.answer[0]
         self.seen = None
@@ -33,53 +38,136 @@ class Stand:
         return self.answer
 
 
+def at_middle(angle=0.0, width=0.3):
+    return Stand(angle, width, {(150, 150): 1.0})
+
+
 def answered(view, stand):
     return MapDetector(stand)(view, HAND, np.random.default_rng(0))
 
 
-@pytest.mark.parametrize("size", [300, 400, 150])
-def test_a_pixel_of_the_network_is_a_place_in_the_world(look, size):
+@pytest.mark.parametrize(("size", "beside"), [(300, 0.042), (400, 0.031), (150, 0.042)])
+def test_a_pixel_of_the_network_is_a_place_in_the_world(look, size, beside):
     """The network's pixel lies at the same place as that of the image that it stands for."""
-    view = look(BAR, size=size)
+    view = look(BAR, beside, beside, size=size)
     scale = min(size, 300) / 300
     row, column = 120, 180
-    found = answered(view, Stand(row, column, 0.0, 0.2))[0]
+    found = answered(view, Stand(0.0, 0.3, {(row, column): 1.0}))[0]
     offset = (np.array([column, row]) + 0.5 - 150) * scale / view.intrinsics.focal
-    top = 0.04 if abs(offset[0] * 0.56) < 0.015 and abs(offset[1] * 0.56) < 0.06 else 0.0
-    depth = 0.6 - max(top - 0.01, 0.003)
+    depth = 0.6 - 0.03
     np.testing.assert_allclose(found.center[:2], offset * depth * [1, -1], atol=1e-4)
-    assert found.width == pytest.approx(
-        min(0.2 * 150 * scale * depth / view.intrinsics.focal, HAND.opening), rel=1e-3
-    )
+    assert found.width == pytest.approx(0.3 * 150 * scale * depth / view.intrinsics.focal, rel=1e-3)
 
 
 @pytest.mark.parametrize("angle", [-1.2, -0.3, 0.0, 0.5, 1.5])
 def test_angles_are_anticlockwise_as_seen_by_the_camera(look, angle):
     """This camera looks down with x to the right: then so they are in the world."""
-    found = answered(look(BAR), Stand(150, 150, angle, 0.2))[0]
+    found = answered(look(PEG), at_middle(angle))[0]
     assert found.angle == pytest.approx(angle, abs=1e-6)
 
 
 def test_a_turned_camera_turns_the_grasp(look):
-    view = look(BAR)
+    view = look(PEG)
     turn = trimesh.transformations.rotation_matrix(0.4, (0, 0, 1))
     turned = View(view.depth, view.intrinsics, turn @ camera_above(0.6))
-    found = answered(turned, Stand(150, 150, 0.3, 0.2))[0]
+    found = answered(turned, at_middle(0.3))[0]
     assert found.angle == pytest.approx(0.7, abs=1e-6)
 
 
-def test_fingertips_go_below_the_surface_but_not_into_the_table(look):
-    on_top = answered(look(BAR), Stand(150, 150, 0.0, 0.2))[0]
-    assert on_top.tip == pytest.approx(0.02, abs=1e-4)
-    beside = answered(look(BAR), Stand(40, 40, 0.0, 0.2))[0]
-    assert beside.tip == pytest.approx(0.003, abs=1e-4)
-    assert all(grasp.infeasibility(HAND) is None for grasp in (on_top, beside))
+@pytest.mark.parametrize("sigma", [0.0, 0.1])
+@pytest.mark.parametrize(
+    ("height", "wall", "tip"), [(0.04, 0.0, 0.003), (0.015, 0.0, 0.003), (0.04, 0.02, 0.023)]
+)
+def test_fingertips_go_as_deep_as_table_and_walls_allow(look, height, wall, tip, sigma):
+    view = look(trimesh.util.concatenate([bar(0.0, 0.015, height), bar(-0.042, 0.01, wall)]))
+    noise = ImageNoise(disparity=sigma, holes=sigma > 0)
+    stand = at_middle()
+    found = answered(add_sensor_noise(view, noise, np.random.default_rng(0)), stand)[0]
+    assert found.tip == pytest.approx(tip, abs=1e-4 if sigma == 0 else 0.003)
+    level = height - min(height - tip, 0.02) / 2
+    assert found.center[2] == pytest.approx(level, abs=1e-4 if sigma == 0 else 0.003)
+    clean = prepare_input(middle(view.depth).depth)
+    assert (np.abs(stand.seen - clean) > 1e-3).any() == (sigma > 0)  # the network sees the noise
+
+
+def bar(x, half, height):
+    """A bar along y that stands on the table at x; without height it is as thin as paper."""
+    height = max(height, 1e-4)
+    return trimesh.creation.box(bounds=[(x - half, -0.06, 0), (x + half, 0.06, height)])
+
+
+def test_nothing_is_grasped_where_the_fingers_do_not_get_deep(look):
+    assert answered(look(BAR), Stand(0.0, 0.3, {(40, 40): 1.0})) == []  # beside it
+    assert answered(look(BAR), at_middle(np.pi / 2)) == []  # along it
+    assert answered(look(BAR), at_middle(width=-1.0)) == []
+    assert answered(look(trimesh.creation.box((0.03, 0.03, 0.007))), at_middle()) == []
+    assert answered(look(trimesh.creation.box((0.03, 0.03, 0.001))), at_middle()) == []
+
+
+def test_the_palm_stays_above_what_is_seen(look):
+    tower = trimesh.creation.box((0.04, 0.04, 0.15))
+    low = trimesh.creation.box(bounds=[(-0.08, -0.015, -0.075), (-0.05, 0.015, -0.05)])
+    found = answered(look(trimesh.util.concatenate([tower, low])), every_pixel(0.0))
+    assert all(grasp.tip > 0.15 - HAND.finger_length for grasp in found)
+    assert len(found) > 0
+
+
+def test_a_better_peak_that_cannot_be_reached_gives_way_to_the_next(look):
+    """The wall stands where a finger would go beside the first peg."""
+    pegs = [PEG.copy().apply_translation((x, 0, 0)) for x in (-0.05, 0.05)]
+    wall = trimesh.creation.box((0.03, 0.06, 0.06)).apply_translation((-0.086, 0, 0.01))
+    rows = {(150, 150 + round(x * 412 / 0.56)): q for x, q in ((-0.05, 1.0), (0.05, 0.8))}
+
+    def places(*meshes):
+        grasps = answered(look(trimesh.util.concatenate(meshes)), Stand(0.0, 0.3, rows))
+        return [round(grasp.center[0], 2) for grasp in grasps]
+
+    assert places(*pegs) == [-0.05, 0.05]
+    assert places(*pegs, wall) == [0.05]
+
+
+def every_pixel(angle):
+    """A network that is as certain everywhere as it can be."""
+    answer = np.ones((4, 300, 300), np.float32)
+    answer[1:] = np.array([np.cos(2 * angle), np.sin(2 * angle), 0.3])[:, None, None]
+    return lambda _: answer
+
+
+def heights_under(boxes, grasp, length, width, shift):
+    """The highest top of boxes under a rectangle in the axes of a grasp, point by point."""
+    x, y = np.meshgrid(np.linspace(-length / 2, length / 2, 41), np.linspace(-width, width, 41) / 2)
+    axis = np.array([np.cos(grasp.angle), np.sin(grasp.angle)])
+    across = np.array([-axis[1], axis[0]])
+    points = np.array(grasp.center[:2]) + (x[..., None] + shift) * axis + y[..., None] * across
+    under = [
+        top for low, (*high, top) in boxes if ((points > low[:2]) & (points < high)).all(-1).any()
+    ]
+    return max(under, default=0.0)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_hand_is_beside_and_above_all_that_stands(look, seed):
+    """Scenes of boxes, whose heights are known everywhere."""
+    rng = np.random.default_rng(seed)
+    low, size = rng.uniform(-0.08, 0.06, (6, 2)), rng.uniform(0.01, 0.04, (6, 2))
+    tops = rng.uniform(0.015, 0.09, 6)
+    boxes = [((*a, 0.0), (*(a + b), top)) for a, b, top in zip(low, size, tops, strict=True)]
+    scene = trimesh.util.concatenate([trimesh.creation.box(bounds=box) for box in boxes])
+    found = answered(look(scene), every_pixel(rng.uniform(-1.5, 1.5)))
+    for grasp in found:
+        off = (grasp.width + HAND.finger_thickness) / 2
+        jaws = HAND.finger_thickness, HAND.finger_width
+        met = max(heights_under(boxes, grasp, *jaws, side * off) for side in (-1, 1))
+        palm = heights_under(boxes, grasp, *HAND.palm[:2], 0.0) - HAND.finger_length
+        assert grasp.tip > max(met, palm)
+        assert grasp.depth >= LEAST_BITE / 2
+        assert grasp.center[2] <= tops.max() - LEAST_BITE / 2 + 1e-4
+    assert 0 < len(found) <= 10
+    assert sorted(found, key=lambda grasp: -grasp.quality) == found
 
 
 def test_the_hand_opens_no_wider_than_it_can(look):
-    found = answered(look(BAR), Stand(150, 150, 0.0, 2.0))[0]
-    assert found.width == HAND.opening
-    assert answered(look(BAR), Stand(150, 150, 0.0, -1.0))[0].width == 0
+    assert answered(look(BAR), at_middle(width=2.0))[0].width == HAND.opening
 
 
 def test_gaps_are_filled_from_the_nearest_pixel(look):
@@ -87,7 +175,7 @@ def test_gaps_are_filled_from_the_nearest_pixel(look):
     holes = view.depth.copy()
     holes[::7, ::5] = np.nan
     holes[100:104, 20:24] = np.inf
-    stand = Stand(150, 150, 0.0, 0.2)
+    stand = at_middle()
     answered(View(holes, view.intrinsics, view.pose), stand)
     assert np.isfinite(stand.seen).all()
     whole = prepare_input(middle(view.depth).depth)
@@ -106,7 +194,7 @@ def test_what_goes_in_has_no_mean_and_is_clipped():
 def test_a_blind_camera_gives_nothing(look):
     view = look(BAR)
     blind = View(np.full_like(view.depth, np.nan), view.intrinsics, view.pose)
-    assert answered(blind, Stand(150, 150, 0.0, 0.2)) == []
+    assert answered(blind, at_middle()) == []
 
 
 def test_without_weights_the_message_says_where_they_are():

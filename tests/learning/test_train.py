@@ -3,14 +3,16 @@
 import json
 import sys
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import egad.learning
-from egad.detectors.ggcnn import GGCNN, MapDetector
+from egad.detectors.ggcnn import GGCNN, middle
 from egad.errors import TableError, UserError
+from egad.learning import prepare_input
 from egad.pipeline.cli.common import app
-from egad.pipeline.config import GRIPPERS, Settings, Training
+from egad.pipeline.config import Settings, Training
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import train as stage
 from egad.pipeline.stages.train import TrainNetwork
@@ -89,12 +91,13 @@ def test_the_chart_is_drawn(trained):
 def test_the_detector_takes_the_weights(trained, view):
     safetensors = pytest.importorskip("safetensors.torch")
     networks = pytest.importorskip("egad.learning.networks")
-    path, hand = trained / "words/weights.safetensors", GRIPPERS["egad_75mm"]
+    path, seen = trained / "words/weights.safetensors", prepare_input(middle(view.depth).depth)
     network = networks.new_network("ggcnn", 0)
-    before = MapDetector(networks.inference(network))(view, hand, None)
+    before = networks.inference(network)(seen)
     network.load_state_dict(safetensors.load_file(path))
-    after = MapDetector(networks.inference(network))(view, hand, None)
-    assert GGCNN(str(path))(view, hand, None) == after != before
+    after = networks.inference(network)(seen)
+    assert not np.array_equal(before, after)
+    np.testing.assert_array_equal(GGCNN(str(path))._infer(seen), after)
 
 
 def test_settings_come_one_way_or_the_other(images, tmp_path):
