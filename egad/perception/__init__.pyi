@@ -18,6 +18,7 @@ from .image_shards import Images as Images
 from .image_shards import files as files
 from .image_shards import read as read
 from .image_shards import shards as shards
+from .noise import STEREO as STEREO
 from .noise import add_gamma_noise as add_gamma_noise
 from .noise import add_noise as add_noise
 from .noise import add_sensor_noise as add_sensor_noise

@@ -1,7 +1,8 @@
-"""The tables of a training, and of the experiment on training sets."""
+"""The tables of a training, and of the training study."""
 
 import pyarrow as pa
 
+from egad.tables.clutter import CLUTTER
 from egad.tables.columns import BOOL, FLOAT, INT, STRING, column
 from egad.tables.evaluation import RESULTS
 
@@ -39,11 +40,20 @@ SCORE = pa.schema(
     ]
 )
 
+_TESTED = [
+    column("test", STRING, "dataset whose evaluation set was used"),
+    column("training_set", STRING, "training set of the network; empty for other detectors"),
+    column("seed", INT, "number of the training; 0 for detectors that were not trained"),
+]
+
 COMPARED = pa.schema(
+    [*_TESTED, column("noise", STRING, "of the depth images: none or stereo"), *RESULTS]
+)
+
+CLEARED = pa.schema(
     [
-        column("test", STRING, "dataset whose evaluation set was used"),
-        column("training_set", STRING, "training set of the network; empty for other detectors"),
-        column("seed", INT, "number of the training; 0 for detectors that were not trained"),
-        *RESULTS,
+        *_TESTED,
+        column("detector", STRING, "name of the grasp detector"),
+        *(field for field in CLUTTER if field.name != "seed"),
     ]
 )
