@@ -1,6 +1,7 @@
 """Base classes of all sections, which are closed and immutable; their limits, also in words."""
 
 import operator
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, SupportsIndex, TypeVar
 
@@ -12,7 +13,6 @@ from pydantic import (
     StringConstraints,
     ValidationError,
 )
-from pydantic_core import CoreSchema
 from typing_extensions import TypedDict
 
 from egad.errors import UserError, check_name
@@ -72,7 +72,7 @@ class SomeOf:
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
+    ) -> Mapping[str, object]:
         del source
         fields: dict[str, Any] = {
             name: Annotated[
