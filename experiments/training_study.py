@@ -1,191 +1,106 @@
-"""Figures and tables of docs/training-study.md.
+"""Figure and tables of docs/training.md: `python experiments/training_study.py RESULTS`.
 
-Usage: `python experiments/training_study.py results.parquet`.
+RESULTS is the folder `results/training_study` of the study.
 """
 
-import string
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.patches import Rectangle
+from numpy.typing import NDArray
 
 from egad._util.files import write_text
-from egad.evalset import cell_of_label
-from egad.report.colors import ink_on
-from egad.report.drawing import new_figure
+from egad.pipeline.cli.common import settings_in
+from egad.pipeline.report.training_study import panels, rates_by_test
 from egad.report.page import p_value
-from egad.report.training import success_chart
-from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_color
-from egad.stats import (
-    Mean,
-    Rate,
-    TestAttempts,
-    TrialGrid,
-    by_set,
-    by_test,
-    references,
-    seed_variance,
-    set_pairs,
-    trial_grid,
-)
+from egad.report.training_study import Row, success_chart
+from egad.report.trial_charts import OUTCOMES, outcome_counts
+from egad.stats import Spread, compare_sets, pooled_spread
 from egad.tables import parquet
-from egad.tables.grasping import SCALES
-from egad.tables.objects import OBJECTS
-from egad.tables.training import COMPARED
+from egad.tables.training import CLEARED, COMPARED
 
-DOCS = Path(__file__).parents[1] / "docs"
-ACROSS = 5  # panels
-SIDES = [0.0, 0.02, 0.045, np.inf]  # metres
-SIZES = ["to 20 mm", "20 to 45 mm", "above 45 mm"]
+ROOT = Path(__file__).parents[1]
+CONFIG = ROOT / "config/training_study.yaml"
+Floats = NDArray[np.float64]
 
 
-def main(path: Path) -> None:
-    """Write the figures beside this file and print the tables."""
-    tests = by_test(parquet.read(path, COMPARED))
-    write_text(DOCS / "training-study.svg", success_chart(tests))
-    for name, tried in tests.items():
-        grids = grids_of(tried)
-        write_text(DOCS / f"training-study-{name}.svg", maps(grids))
-        tell(name, tried)
-        compare(tried)
-        of_trainings(tried)
-        along(name, grids)
-        ends(name, tried)
-        by_size(name, tried, shortest(path.parents[1] / name))
+def main(results: Path, comparisons: Iterable[tuple[str, str]], docs: Path = ROOT / "docs") -> None:
+    """Write the figure into docs and print the tables."""
+    trials = parquet.read(results / "results.parquet", COMPARED)
+    rates = rates_by_test(trials, parquet.read(results / "clutter.parquet", CLEARED))
+    shown = panels(rates, set(trials["training_set"]) - {""})
+    write_text(docs / "training.svg", success_chart(shown))
+    print_success(shown)
+    print_comparisons(trials, comparisons)
+    for key, found in rates.items():
+        print_spread(", ".join(key), found)
+    print_outcomes(trials)
 
 
-def everyone(tried: TestAttempts) -> dict[str, pd.DataFrame]:
-    """Attempts of the networks of each set, and of each other detector."""
-    return by_set(tried.rows) | references(tried.rows)
+def print_success(shown: Mapping[str, Mapping[str, Row]]) -> None:
+    """Success with single objects: means with intervals over networks, percent."""
+    print(
+        f"\n| trained on | networks | {' | '.join(shown)} |\n" + "| --- " * (len(shown) + 2) + "|"
+    )
+    for name, first in next(iter(shown.values())).items():
+        cells = [text(rows[name]) for rows in shown.values()]
+        print(f"| `{name}` | {len(first.values) if first.trained else ''} | {' | '.join(cells)} |")
 
 
-def grids_of(tried: TestAttempts) -> dict[str, TrialGrid]:
-    """Success of each object by its place in the evaluation set, the same places for all."""
-    places = [cell_of_label(label) for label in tried.rows["label"].unique()]
-    rows, columns = (1 + max(each) for each in zip(*places, strict=True))
-    return {key: trial_grid(own, rows, columns) for key, own in everyone(tried).items()}
+def text(row: Row) -> str:
+    """A mean with its interval, percent."""
+    low, high = row.interval
+    between = "" if np.isnan(low) else f" ({100 * low:.0f} to {100 * high:.0f})"
+    return f"{100 * row.mean:.0f}{between}"
 
 
-def maps(grids: Mapping[str, TrialGrid]) -> str:
-    """Success of each object, a panel a set, as SVG."""
-    down = -(-len(grids) // ACROSS)
-    with new_figure(2.4 * ACROSS, 2.6 * down) as drawing:
-        panels = list(drawing.figure.subplots(down, ACROSS, squeeze=False).flat)
-        for axes, (name, grid) in zip(panels, grids.items(), strict=False):
-            panel(axes, grid)
-            axes.set_title(f"{name}, {grid.overall.value:.0%}", fontsize=10)
-        for axes in panels[len(grids) :]:
-            axes.remove()
-    return drawing.svg
+def print_comparisons(trials: pd.DataFrame, comparisons: Iterable[tuple[str, str]]) -> None:
+    """The pre-registered comparisons, points."""
+    print("\n| pair | test | over networks | p | p, Holm | over objects |\n" + "| --- " * 6 + "|")
+    for row in compare_sets(trials, comparisons):
+        gain = row.difference.gain
+        cells = [
+            f"{row.test}, {row.noise}",
+            f"{100 * gain:.1f} ({points(row.difference.interval)})",
+        ]
+        cells += [p_value(row.difference.p), p_value(row.p_holm), points(row.by_objects)]
+        print(f"| `{row.first}` - `{row.second}` | {' | '.join(cells)} |")
 
 
-def panel(axes: Axes, grid: TrialGrid) -> None:
-    """One of them: one square per object, percent; the easiest row is at the bottom."""
-    for (row, column), rate in grid.cells.items():
-        color = rate_color(rate.value)
-        box = Rectangle((column - 0.48, row - 0.48), 0.96, 0.96, facecolor=color, lw=0)
-        axes.add_patch(box)
-        text, ink = f"{100 * rate.value:.0f}", ink_on(color)
-        axes.text(column, row, text, ha="center", va="center", fontsize=7, color=ink)
-    rows, columns = len(grid.rows), len(grid.columns)
-    axes.set(xlim=(-0.5, columns - 0.5), ylim=(-0.5, rows - 0.5), aspect="equal")
-    axes.set_xticks(range(columns))
-    axes.set_yticks(range(rows), list(string.ascii_uppercase[:rows]))
-    axes.tick_params(length=0, labelsize=8)
-    axes.spines[:].set_visible(False)
+def points(interval: tuple[float, float]) -> str:
+    """An interval of differences or standard deviations, points."""
+    return " to ".join(f"{100 * end:.1f}" for end in interval)
 
 
-def tell(test: str, tried: TestAttempts) -> None:
-    """Print the success of all sets in a test."""
-    print(f"\n| success on {test}, % | all networks | each |\n| --- | --- | --- |")
-    for name, found in tried.sets.items():
-        each = ", ".join(f"{100 * one.value:.0f}" for one in found.each.values())
-        print(f"| `{name}` | {text(found.pooled)} | {each} |")
-    for name, rate in tried.references.items():
-        print(f"| {name} | {text(rate)} | |")
+def print_spread(title: str, rates: Mapping[str, Floats]) -> None:
+    """Standard deviations between the networks of each set, and of all sets together, points."""
+    each = {name: pooled_spread([values]) for name, values in rates.items()}
+    shown = {f"`{name}`": found for name, found in each.items() if found}
+    print(f"\n| networks on {title} | standard deviation |\n| --- | --- |")
+    for name, found in [*shown.items(), ("all", pooled_spread(rates.values()))]:
+        print(f"| {name} | {deviation(found)} |")
 
 
-def compare(tried: TestAttempts) -> None:
-    """Print every pair of sets."""
-    print("\n| pair | points | each | began alike | p | p, Holm |\n" + "| --- " * 6 + "|")
-    for pair in set_pairs(by_set(tried.rows)):
-        gain, low, high = map(points, (pair.result.difference, *pair.result.interval))
-        each = ", ".join(map(points, pair.each))
-        alike = f"{pair.result.alike} of {pair.result.attempts}"
-        numbers = f"{each} | {alike} | {p_value(pair.result.p_objects)} | {p_value(pair.p_holm)}"
-        difference = f"{gain} ({low} to {high})"
-        print(f"| `{pair.first}` against `{pair.second}` | {difference} | {numbers} |")
+def deviation(spread: Spread | None) -> str:
+    """A standard deviation with its interval, points."""
+    return f"{100 * spread.sd:.1f} ({points(spread.interval)})" if spread else ""
 
 
-def of_trainings(tried: TestAttempts) -> None:
-    """Print whether sets differ by more than single trainings do."""
-    if found := seed_variance(tried.sets):
-        spread, p = 100 * found.spread, p_value(found.p)
-        print(f"\nwithin sets: standard deviation {spread:.1f} points; F {found.f:.1f}, p {p}")
-
-
-def along(test: str, grids: Mapping[str, TrialGrid]) -> None:
-    """Print the success of whole rows, then of whole columns."""
-    one = next(iter(grids.values()))
-    letters = list(string.ascii_uppercase[: len(one.rows)])
-    digits = [str(column) for column in range(len(one.columns))]
-    share(f"by row on {test}, %", letters, {key: grid.rows for key, grid in grids.items()})
-    share(f"by column on {test}, %", digits, {key: grid.columns for key, grid in grids.items()})
-
-
-def share(title: str, places: list[str], rates: Mapping[str, list[Mean]]) -> None:
-    """Print rates of places, one line per set."""
-    print(f"\n| {title} | {' | '.join(places)} |\n" + "| --- " * (len(places) + 1) + "|")
-    for name, found in rates.items():
-        cells = (f"{100 * rate.value:.0f}" if rate.attempts else "" for rate in found)
-        print(f"| `{name}` | {' | '.join(cells)} |")
-
-
-def ends(test: str, tried: TestAttempts) -> None:
-    """Print how attempts ended."""
-    counts = {name: outcome_counts(rows) for name, rows in everyone(tried).items()}
-    kinds = [kind for kind in OUTCOMES if any(kind in found for found in counts.values())]
-    print(f"\n| attempts on {test}, % | {' | '.join(kind.replace('_', ' ') for kind in kinds)} |")
-    print("| --- " * (len(kinds) + 1) + "|")
-    for name, found in counts.items():
-        parts = (f"{100 * found.get(kind, 0) / sum(found.values()):.1f}" for kind in kinds)
-        print(f"| `{name}` | {' | '.join(parts)} |")
-
-
-def shortest(dataset: Path) -> pd.Series:
-    """The shortest side of each object of a dataset as it is tried, metres, by id."""
-    ids = parquet.read(dataset / "objects.parquet", OBJECTS).set_index("label")["id"]
-    (scales,) = (dataset / "rescaled").glob("*/scales.parquet")
-    scaled = parquet.read(scales, SCALES)
-    return pd.Series(scaled["after_1"].to_numpy(), ids[scaled["label"]])
-
-
-def by_size(test: str, tried: TestAttempts, sides: pd.Series) -> None:
-    """Print success by the shortest side of the objects, and of how many of the dataset it is."""
-    parts = pd.cut(sides, SIDES, labels=SIZES)
-    print(f"\n| by shortest side on {test}, % | {' | '.join(SIZES)} |\n" + "| --- " * 4 + "|")
-    there = [f"{100 * (parts == size).mean():.0f}" for size in SIZES]
-    print(f"| objects of the dataset | {' | '.join(there)} |")
-    for name, rows in everyone(tried).items():
-        rates = rows.groupby(rows["id"].map(parts), observed=True)["success"].mean()
-        cells = (f"{100 * rates[size]:.0f}" if size in rates else "" for size in SIZES)
-        print(f"| `{name}` | {' | '.join(cells)} |")
-
-
-def points(gain: float) -> str:
-    """A difference of rates, percentage points."""
-    return str(round(100 * gain))
-
-
-def text(rate: Rate) -> str:
-    """A rate with its interval, percent."""
-    low, high = (100 * end for end in rate.interval)
-    return f"{100 * rate.value:.0f} ({low:.0f} to {high:.0f})"
+def print_outcomes(trials: pd.DataFrame) -> None:
+    """How attempts at single objects ended, percent."""
+    names = trials["training_set"].where(trials["training_set"] != "", trials["detector"])
+    for (test, noise), rows in trials.groupby(["test", "noise"], sort=False):
+        own = rows.groupby(names[rows.index], sort=False)
+        counts = {name: outcome_counts(each) for name, each in own}
+        kinds = [kind for kind in OUTCOMES if any(kind in found for found in counts.values())]
+        heads = " | ".join(kind.replace("_", " ") for kind in kinds)
+        print(f"\n| attempts on {test}, {noise} | {heads} |\n" + "| --- " * (len(kinds) + 1) + "|")
+        for name, found in counts.items():
+            parts = (f"{100 * found.get(kind, 0) / sum(found.values()):.1f}" for kind in kinds)
+            print(f"| `{name}` | {' | '.join(parts)} |")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), settings_in(CONFIG).training_study.comparisons)

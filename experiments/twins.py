@@ -1,4 +1,4 @@
-"""The table of docs/training-study.md on twins: `python experiments/twins.py results/egad GRIPPER`.
+"""Twins in training and test: `python experiments/twins.py results/egad GRIPPER`.
 
 Of each object of the evaluation set, and each object that a training set learns from, the voxels
 that both fill / those that either fills, as the two evolved, neither turned nor moved.
@@ -24,9 +24,9 @@ CONFIG = Path(__file__).parents[1] / "config/training_study.yaml"
 TWIN = 0.9
 
 
-def main(folder: Path, gripper: str) -> None:
+def main(folder: Path, gripper: str, config: Path = CONFIG) -> None:
     """Print a row for each set of the configuration that is taken from this dataset."""
-    settings = settings_in(CONFIG)
+    settings = settings_in(config)
     archive = parquet.read(folder / "archive.parquet", ARCHIVE)
     bits = [np.unpackbits(np.frombuffer(data, np.uint8)) for data in archive["voxels"]]
     solids = dict(zip(archive["id"], bits, strict=True))

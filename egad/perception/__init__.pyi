@@ -9,6 +9,7 @@ from .camera import Window as Window
 from .camera import camera_above as camera_above
 from .camera import table_depth as table_depth
 from .dataset_card import COLUMNS as COLUMNS
+from .dataset_card import NARROW as NARROW
 from .dataset_card import card as card
 from .dataset_card import summary as summary
 from .heightmap import Heightmap as Heightmap
@@ -23,6 +24,7 @@ from .image_shards import Images as Images
 from .image_shards import files as files
 from .image_shards import read as read
 from .image_shards import shards as shards
+from .noise import STEREO as STEREO
 from .noise import add_gamma_noise as add_gamma_noise
 from .noise import add_noise as add_noise
 from .noise import add_sensor_noise as add_sensor_noise

@@ -1,109 +1,233 @@
-"""Paired comparison of networks trained on different object sets, with the variance of seeds."""
+"""Comparison of training sets by the success of networks: the unit is the network."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import f_oneway
+from scipy.stats import chi2, t, ttest_1samp, ttest_ind
 
 from egad.errors import UserError
-from egad.stats.paired import Comparison, compare
-from egad.stats.rates import Mean, Rate, mean_rate, rate
+from egad.stats.clearing import cleared_shares
+from egad.stats.rates import Interval, bootstrap, by_object
+from egad.tables import parquet
 
 Floats = NDArray[np.float64]
+UNKNOWN: Interval = (float("nan"), float("nan"))
+TEST = ["test", "scene", "noise", "measure"]  # columns that name what is compared
 
 
 @dataclass(frozen=True)
-class SetRate:
-    """How often the networks of a training set succeeded.
+class Spread:
+    """Standard deviation between networks of the same set.
 
     Attributes:
-        pooled: All of them; its interval is for other objects of the same kind, and these networks.
-        each: Each of them, by its seed.
+        sd: Estimate, pooled over the sets.
+        interval: Its 95 % confidence interval, for normally distributed success.
+        freedom: Networks minus sets.
     """
 
-    pooled: Mean
-    each: dict[int, Rate]
+    sd: float
+    interval: Interval
+    freedom: int
 
 
 @dataclass(frozen=True)
-class TestAttempts:
-    """All that was tried in a test.
+class Difference:
+    """Mean success of the networks of one set minus that of another.
 
     Attributes:
-        rows: Its attempts, columns of `tables.training.COMPARED`.
-        sets: Success by training set, in the order of the table.
-        references: Success of the other detectors.
+        gain: The difference.
+        interval: 95 % confidence interval for other trainings.
+        p: Two-sided p-value; NaN if both have a single network.
     """
 
-    rows: pd.DataFrame
-    sets: dict[str, SetRate]
-    references: dict[str, Mean]
+    gain: float
+    interval: Interval
+    p: float
 
 
 @dataclass(frozen=True)
-class SetPair:
-    """Two training sets; the networks of the first have the higher rate.
+class SetComparison:
+    """A pre-registered comparison in one test with single objects.
 
     Attributes:
-        first: Name of the set.
-        second: Name of the other one.
-        result: Networks against networks, see `set_pairs`. Where one set has a single network, its
-            attempts count once for each network of the other, so look at the objects only.
-        each: The same difference of network 0 and network 0 and so on.
-        p_holm: The p-value over the objects, for as many pairs as there are.
+        test: Dataset of the evaluation set.
+        noise: Of the depth images.
+        first: Training set, or another detector.
+        second: The one that it is compared with.
+        networks: How many of each.
+        difference: First minus second, over networks.
+        p_holm: The p-value with Holm's correction for all pre-registered comparisons.
+        by_objects: The second interval of the difference: by resampling objects, for these
+            networks and other objects of the same kind.
     """
 
+    test: str
+    noise: str
     first: str
     second: str
-    result: Comparison
-    each: list[float]
+    networks: tuple[int, int]
+    difference: Difference
     p_holm: float
+    by_objects: Interval
 
 
-def by_test(table: pd.DataFrame) -> dict[str, TestAttempts]:
-    """Success in each test, in the order of the table.
+def network_rates(trials: pd.DataFrame, cleared: pd.DataFrame) -> pd.DataFrame:
+    """How well each network did in each test.
 
     Args:
-        table: Columns of `tables.training.COMPARED`.
+        trials: Columns of `tables.training.COMPARED`.
+        cleared: Columns of `tables.training.CLEARED`.
+
+    Returns:
+        Columns test, scene, noise, measure (success: of attempts; cleared: of objects), name
+        (training set, or other detector), trained (whether it is a set), seed, rate.
     """
-    return {
-        str(name): TestAttempts(
-            rows,
-            {key: set_rate(own) for key, own in by_set(rows).items()},
-            {key: mean_rate(own) for key, own in references(rows).items()},
+    made_by = ["test", "training_set", "detector", "seed"]
+    single = trials.groupby(["noise", *made_by], sort=False, as_index=False)["success"].mean()
+    parts = [single.assign(scene="single", measure="success").rename(columns={"success": "rate"})]
+    for _, rows in cleared.groupby(made_by, sort=False):
+        shares = cleared_shares(rows).melt(
+            ["scene", "noise"], var_name="measure", value_name="rate"
         )
-        for name, rows in table.groupby("test", sort=False)
+        parts.append(shares.assign(**parquet.records(rows[made_by].head(1))[0]))
+    table = pd.concat(parts, ignore_index=True)
+    trained = table["training_set"] != ""
+    table["name"] = table["training_set"].where(trained, table["detector"])
+    columns = [*TEST, "name", "trained", "seed", "rate"]
+    found: pd.DataFrame = table.assign(trained=trained).loc[:, columns]
+    return found
+
+
+def by_name(rates: pd.DataFrame) -> dict[str, Floats]:
+    """The rates of one test by training set or other detector, in the order of the table."""
+    return {
+        str(name): rows["rate"].to_numpy(np.float64)
+        for name, rows in rates.groupby("name", sort=False)
     }
 
 
-def by_set(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """The attempts of the networks of each training set, in the order of the table.
+def pooled_spread(groups: Iterable[Sequence[float] | Floats]) -> Spread | None:
+    """The standard deviation within sets, as if it were the same in all of them.
 
     Args:
-        table: Columns of `tables.training.COMPARED`, of one test.
+        groups: Success of the networks of each set.
+
+    Returns:
+        None if no set has several networks.
     """
-    trained = table[table["training_set"] != ""]
-    return {str(name): rows for name, rows in trained.groupby("training_set", sort=False)}
+    several = [np.asarray(values) for values in groups if len(values) > 1]
+    freedom = sum(len(values) - 1 for values in several)
+    if not freedom:
+        return None
+    squares = sum(float(np.square(values - values.mean()).sum()) for values in several)
+    low, high = np.sqrt(squares / chi2.ppf([0.975, 0.025], freedom))
+    return Spread(float(np.sqrt(squares / freedom)), (float(low), float(high)), freedom)
 
 
-def references(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """The attempts of the other detectors in the same table."""
-    others = table[table["training_set"] == ""]
-    return {str(name): rows for name, rows in others.groupby("detector", sort=False)}
+def mean_interval(values: Sequence[float] | Floats, spread: Spread | None) -> Interval:
+    """The 95 % confidence interval of the mean of all networks that could be trained on a set.
 
-
-def set_rate(rows: pd.DataFrame) -> SetRate:
-    """The success of the networks of a training set.
-
-    Objects are drawn for the interval, each with the attempts of all networks: those on one object
-    resemble each other, whichever network makes them.
+    Args:
+        values: Success of its networks.
+        spread: Between networks; pooled over all sets, it makes up for few networks per set.
     """
-    seeds = sorted(map(int, rows["seed"].unique()))
-    return SetRate(mean_rate(rows), {seed: rate(rows[rows["seed"] == seed]) for seed in seeds})
+    if spread is None:
+        return UNKNOWN
+    mean = float(np.mean(values))
+    reach = float(t.ppf(0.975, spread.freedom)) * spread.sd / len(values) ** 0.5
+    return mean - reach, mean + reach
+
+
+def difference(first: Sequence[float] | Floats, second: Sequence[float] | Floats) -> Difference:
+    """Compare the networks of two sets by Welch's t test.
+
+    If one has a single network, as given weights and other detectors do, the test is whether
+    networks of the other set are better or worse than this one (one-sample t test).
+
+    Args:
+        first: Success of the networks of a set.
+        second: Of the other set.
+    """
+    gain = float(np.mean(first) - np.mean(second))
+    if len(first) == len(second) == 1:
+        return Difference(gain, UNKNOWN, float("nan"))
+    if len(first) == 1:
+        turned = difference(second, first)
+        low, high = turned.interval
+        return Difference(gain, (-high, -low), turned.p)
+    if len(second) == 1:
+        found = ttest_1samp(np.asarray(first) - second[0], 0)
+    else:
+        found = ttest_ind(first, second, equal_var=False)
+    interval = found.confidence_interval(0.95)
+    return Difference(gain, (float(interval.low), float(interval.high)), float(found.pvalue))
+
+
+def compare_sets(
+    trials: pd.DataFrame, comparisons: Iterable[tuple[str, str]]
+) -> list[SetComparison]:
+    """The pre-registered comparisons in all tests with single objects, with Holm's correction.
+
+    Args:
+        trials: Columns of `tables.training.COMPARED`.
+        comparisons: Pairs of training sets or other detectors.
+    """
+    named = trials.assign(
+        name=trials["training_set"].where(trials["training_set"] != "", trials["detector"])
+    )
+    found = [
+        _compared(str(test), str(noise), rows, *pair)
+        for (test, noise), rows in named.groupby(["test", "noise"], sort=False)
+        for pair in comparisons
+    ]
+    corrected = holm(np.array([each.difference.p for each in found]))
+    return [replace(each, p_holm=float(p)) for each, p in zip(found, corrected, strict=True)]
+
+
+def _compared(test: str, noise: str, rows: pd.DataFrame, first: str, second: str) -> SetComparison:
+    """Two sets in a test, as if there were no other comparison."""
+    one, other = (rows[rows["name"] == name] for name in (first, second))
+    rates = [each.groupby("seed")["success"].mean().to_numpy() for each in (one, other)]
+    result = difference(*rates)
+    counts = len(rates[0]), len(rates[1])
+    by_objects = object_interval(one, other)
+    return SetComparison(test, noise, first, second, counts, result, result.p, by_objects)
+
+
+def object_interval(first: pd.DataFrame, second: pd.DataFrame) -> Interval:
+    """The interval of a difference of success for these networks and other objects.
+
+    Objects are drawn with replacement, each with all attempts of all networks (`bootstrap`).
+
+    Args:
+        first: Columns label and success.
+        second: The same; all objects have the same number of attempts within a table.
+    """
+    one, other = (by_object(rows) for rows in (first, second))
+    gains = (one["successes"] / one["attempts"] - other["successes"] / other["attempts"]).to_numpy()
+    return bootstrap(lambda drawn: gains[drawn].mean(axis=1), len(gains))
+
+
+def holm(p_values: Floats) -> Floats:
+    """P-values of several tests, so that one of all is below 0.05 by chance in one of 20 cases.
+
+    The smallest of n is multiplied by n, the next by n - 1 and so on, and none is less than one
+    before it (Holm 1979).
+
+    Args:
+        p_values: (n,); NaN counts as a test without a result.
+
+    Returns:
+        (n,) at most 1; NaN where it was.
+    """
+    order = np.argsort(p_values)  # NaN last
+    steps = p_values[order] * np.arange(len(p_values), 0, -1)
+    found = np.empty(len(p_values))
+    found[order] = np.minimum(np.maximum.accumulate(steps), 1.0)
+    return found
 
 
 def check_starts(rows: pd.DataFrame) -> None:
@@ -112,7 +236,7 @@ def check_starts(rows: pd.DataFrame) -> None:
     An attempt at an object that cannot be simulated has no initial pose.
 
     Args:
-        rows: Columns label, attempt, start and detector, of one test.
+        rows: Columns label, attempt, initial_pose and detector, of one test.
 
     Raises:
         UserError: A detector met an object in another pose than those before it.
@@ -126,123 +250,3 @@ def check_starts(rows: pd.DataFrame) -> None:
             f"{detector} started attempt {attempt} at {label} with a different drop than earlier "
             "detectors; with `trials.reset: redrop` all drops must be equal: repeat the trials"
         )
-
-
-def set_pairs(sets: Mapping[str, pd.DataFrame]) -> list[SetPair]:
-    """Every two training sets compared, network 0 with network 0 and so on.
-
-    The gain of an object is summed over the networks before objects are looked at (`compare`). If
-    one set has a single network, as that of given weights has, each network of the other set is
-    compared with that one.
-
-    Args:
-        sets: From `by_set`.
-
-    Raises:
-        UserError: They did not try the same objects, or have different numbers of networks, both
-            more than one.
-    """
-    found = [_pair(sets, *names) for names in combinations(sets, 2)]
-    corrected = holm(np.array([pair.p_holm for pair in found]))
-    return [replace(pair, p_holm=float(p)) for pair, p in zip(found, corrected, strict=True)]
-
-
-def _pair(sets: Mapping[str, pd.DataFrame], first: str, second: str) -> SetPair:
-    """Two sets compared, as if there were no others."""
-    networks = _opposite(sets, first, second)
-    one, other = (_numbered(parts) for parts in zip(*networks, strict=True))
-    result = compare(one, other)
-    if result.difference < 0:
-        return _pair(sets, second, first)
-    each = [compare(*parts).difference for parts in networks]
-    return SetPair(first, second, result, each, result.p_objects)
-
-
-def _opposite(
-    sets: Mapping[str, pd.DataFrame], first: str, second: str
-) -> list[tuple[pd.DataFrame, pd.DataFrame]]:
-    """Attempts of each network of a set and of that of the other set it is compared with."""
-    one, other = ([rows for _, rows in sets[name].groupby("seed")] for name in (first, second))
-    most = max(len(one), len(other))
-    if {len(one), len(other)} - {1, most}:
-        raise UserError(
-            f"{len(one)} networks of {first} and {len(other)} of {second} cannot be "
-            "paired: both sets need equal numbers, or one of them a single network"
-        )
-    return list(zip(one * (most // len(one)), other * (most // len(other)), strict=True))
-
-
-def _numbered(parts: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """Attempts of several networks in one table, under numbers of their own."""
-    numbered = [
-        rows.assign(attempt=rows["attempt"] * len(parts) + number)
-        for number, rows in enumerate(parts)
-    ]
-    return pd.concat(numbered)
-
-
-def holm(p_values: Floats) -> Floats:
-    """P-values of several tests, so that one of all is below 0.05 by chance in one of 20 cases.
-
-    The smallest of n is multiplied by n, the next by n - 1 and so on, and none is less than one
-    before it (Holm 1979).
-
-    Args:
-        p_values: (n,)
-
-    Returns:
-        (n,) at most 1.
-    """
-    order = np.argsort(p_values)
-    steps = p_values[order] * np.arange(len(p_values), 0, -1)
-    found = np.empty(len(p_values))
-    found[order] = np.minimum(np.maximum.accumulate(steps), 1.0)
-    return found
-
-
-@dataclass(frozen=True)
-class SeedVariance:
-    """How success differs within training sets and between them.
-
-    Attributes:
-        spread: Standard deviation of the success of a network of the same set, pooled over sets.
-        sets: How many sets have several networks; the others say nothing of it.
-        networks: How many networks these have.
-        f: The variance between sets over that within them, as if all sets were equal.
-        p: How often it is as large as that if all sets are equally good to learn from.
-    """
-
-    spread: float
-    sets: int
-    networks: int
-    f: float
-    p: float
-
-
-def seed_variance(rates: Mapping[str, SetRate]) -> SeedVariance | None:
-    """A one-way analysis of variance of the success of networks, by training set.
-
-    It takes each training for one draw, and knows nothing of attempts and objects: p is about other
-    trainings, on the same drops of the same objects. Few networks a set find large effects only.
-
-    Args:
-        rates: Success by training set.
-
-    Returns:
-        None if fewer than two sets have several networks, or those of a set never differ.
-    """
-    each = [[rate.value for rate in found.each.values()] for found in rates.values()]
-    several = [values for values in each if len(values) > 1]
-    if len(several) < 2 or all(len(set(values)) == 1 for values in several):
-        return None
-    networks = sum(map(len, several))
-    spread = np.sqrt(_within(several) / (networks - len(several)))
-    found = f_oneway(*several)
-    return SeedVariance(
-        float(spread), len(several), networks, float(found.statistic), float(found.pvalue)
-    )
-
-
-def _within(groups: list[list[float]]) -> float:
-    """The sum of squares about the mean of each group."""
-    return float(sum(np.square(np.subtract(values, np.mean(values))).sum() for values in groups))

@@ -1,14 +1,15 @@
-"""The tables of a training, and of the experiment on training sets."""
+"""The tables of a training, and of the training study."""
 
 import pyarrow as pa
 
+from egad.tables.clutter import CLUTTER
 from egad.tables.columns import FLOAT, INT, STRING, column
 from egad.tables.evaluation import RESULTS
 
 HISTORY = pa.schema(
     [
         column("epoch", INT, "number of the epoch, from 0"),
-        column("images", INT, "number of examples trained on so far"),
+        column("images", INT, "number of images trained on so far"),
         column("loss", FLOAT, "mean over the epoch of the summed squared errors of the maps"),
         column("quality_loss", FLOAT, "share of the quality map in the loss"),
         column("cosine_loss", FLOAT, "share of the cos 2a map in the loss"),
@@ -38,11 +39,20 @@ SCORE = pa.schema(
     ]
 )
 
+_TESTED = [
+    column("test", STRING, "dataset whose evaluation set was used"),
+    column("training_set", STRING, "training set of the network; empty for other detectors"),
+    column("seed", INT, "number of the training; 0 for detectors that were not trained"),
+]
+
 COMPARED = pa.schema(
+    [*_TESTED, column("noise", STRING, "of the depth images: none or stereo"), *RESULTS]
+)
+
+CLEARED = pa.schema(
     [
-        column("test", STRING, "dataset whose evaluation set was used"),
-        column("training_set", STRING, "training set of the network; empty for other detectors"),
-        column("seed", INT, "number of the training; 0 for detectors that were not trained"),
-        *RESULTS,
+        *_TESTED,
+        column("detector", STRING, "name of the grasp detector"),
+        *(field for field in CLUTTER if field.name != "seed"),
     ]
 )

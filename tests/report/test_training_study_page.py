@@ -5,15 +5,22 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import f_oneway
 
 from egad.pipeline.config import TrainingSet
 from egad.pipeline.config.check import check
 from egad.pipeline.config.stage_settings import TrainingStudyReport, select
 from egad.pipeline.config.training_study import networks_of
-from egad.pipeline.report.training_study import Images, Study, Training, describe, page
-from egad.report.trials import EvaluationSet
-from egad.tables.training import COMPARED, HISTORY
+from egad.pipeline.report.training_study import (
+    Images,
+    Study,
+    Training,
+    describe,
+    object_widths,
+    page,
+)
+from egad.stats import difference
+from egad.tables import parquet
+from egad.tables.training import CLEARED, COMPARED, HISTORY
 
 CONFIG = {
     "datasets": {
@@ -21,32 +28,47 @@ CONFIG = {
         "own": {"source": "meshes", "folder": ".", "units": "m"},
     },
     "training_study": {
-        "sets": ["simple", "own", "given"],
+        "sets": ["simple", "own", "both", "given"],
         "seeds": 2,
         "tests": ["egad", "own"],
+        "noise": ["none", "stereo"],
+        "clutter": ["pile"],
         "references": ["random"],
+        "comparisons": [["simple", "own"], ["simple", "random"]],
+        "curves": [["own", "simple", "both"]],
     },
     "training_sets": {
         "given": {"weights": "<given>.pt"},
-        "own": {"dataset": "own", "hold_out": False},
-        "simple": {"dataset": "egad", "complexity": [0.0, 0.333]},
+        "own": {"dataset": "own", "render": {"hold_out": False}},
+        "simple": {"dataset": "egad"},
+        "both": {"images": ["simple", "own"], "seeds": 3},
     },
 }
-RATES = {"simple": 0.9, "own": 0.6, "given": 0.3, "": 0.1}
+RATES = {"simple": 0.9, "own": 0.6, "both": 0.7, "given": 0.3, "": 0.1}
 LABELS = ["A0", "A1", "B0", "C2"]
+WIDTHS = {"A0": 0.01, "A1": 0.02, "B0": 0.03, "C2": 0.06}
 
 
-def tried(test, name, seed, detector):
-    rng = np.random.default_rng([len(test), len(name), seed])
+def tried(test, noise, name, seed, detector):
+    rng = np.random.default_rng([len(test), len(noise), len(name), seed])
     rows = [
-        (test, name, seed, label, f"{test} {label}", n, bool(won), detector, f"{n}")
+        (label, f"{label}", n, bool(won), f"{n}")
         for label in LABELS
         for n, won in enumerate(rng.random(10) < RATES[name])
     ]
-    columns = [*COMPARED.names[:6], "success", "detector", "initial_pose"]
-    table = pd.DataFrame(rows, columns=columns).assign(quality=0.5)
+    table = pd.DataFrame(rows, columns=["label", "id", "attempt", "success", "initial_pose"])
+    table = table.assign(test=test, noise=noise, training_set=name, seed=seed, quality=0.5)
     outcome = np.where(table["success"], "success", "collided")
-    return table.assign(outcome=outcome)[COMPARED.names]
+    return table.assign(outcome=outcome, detector=detector)[COMPARED.names]
+
+
+def cleared(test, name, seed, detector):
+    """One round, of which every second attempt succeeds."""
+    rows = [{"round": 0, "attempt": n, "n_objects": 4, "success": n % 2 == 0} for n in range(4)]
+    table = pd.DataFrame(rows).assign(test=test, training_set=name, seed=seed, detector=detector)
+    table = table.assign(scene="pile", noise="none", objects="a b c d", factors="1 1 1 1")
+    table["outcome"] = np.where(table["success"], "success", "collided")
+    return table.reindex(columns=CLEARED.names)
 
 
 def history(seed):
@@ -56,27 +78,31 @@ def history(seed):
 
 def study(config=CONFIG):
     whole = check(config)
+    asked = whole.training_study
     found = networks_of(whole)
     names = [(each.training_set, each.seed, each.name) for each in found] + [("", 0, "random")]
-    score = {
-        "n_correct": 6,
-        "n_images": 8,
-        "objects": 4,
-        "ci_low": 0.3,
-        "ci_high": 0.9,
-        "loss": 0.1,
-    }
+    score = {"n_correct": 6, "n_images": 8, "ci_low": 0.3, "ci_high": 0.9}
     trained = [each for each in found if each.training_set != "given"]
+    objects = {
+        "simple": {("egad", "A0")},
+        "own": {("own", "A0"), ("own", "A1")},
+        "both": {("egad", "A0"), ("own", "A0"), ("own", "A1")},
+    }
     settings = select(whole, TrainingStudyReport)
-    by_name = dict(sorted(settings.training_sets.items()))  # as the workflow hands them over
-    asked = whole.training_study
+    by_key = dict(sorted(settings.training_sets.items()))  # as the workflow hands them over
+    tables = [cleared(test, *name) for test in asked.tests for name in names if asked.clutter]
     return Study(
-        settings=settings.model_copy(update={"training_sets": by_name}),
-        table=pd.concat(tried(test, *name) for test in asked.tests for name in names),
-        tests={test: EvaluationSet(3, 3) for test in asked.tests},
+        settings=settings.model_copy(update={"training_sets": by_key}),
+        trials=pd.concat(
+            tried(test, noise, *name)
+            for test in asked.tests
+            for noise in asked.noise
+            for name in names
+        ),
+        cleared=pd.concat(tables) if tables else parquet.empty(CLEARED),
+        widths=dict.fromkeys(asked.tests, WIDTHS),
         images={
-            each.training_set: Images(frozenset({"own A0", "own A1", "egad A0"}), 44)
-            for each in trained
+            each.training_set: Images(frozenset(objects[each.training_set]), 44) for each in trained
         },
         trainings={each: Training(history(each.seed), score) for each in trained},
     )
@@ -92,7 +118,19 @@ def rows(text, heading):
     table = text.partition(heading)[2].partition("<tbody>")[2].partition("</tbody>")[0]
     lines = re.findall(r"<tr.*?</tr>", table, flags=re.DOTALL)
     cells = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", line, flags=re.DOTALL) for line in lines]
-    return [[cell.replace("\N{NO-BREAK SPACE}", " ") for cell in line] for line in cells]
+    return [[plain(cell) for cell in line] for line in cells]
+
+
+def plain(cell):
+    return re.sub(r"\s+", " ", cell.replace("\N{NO-BREAK SPACE}", " ")).strip()
+
+
+def percent(value):
+    return f"{100 * value:.1f} %".replace("-", "\N{MINUS SIGN}")
+
+
+def rate(test, noise, name, seed=0):
+    return tried(test, noise, name, seed, "")["success"].mean()
 
 
 def test_the_page_needs_no_other_file_and_is_the_same_every_time(text):
@@ -106,74 +144,83 @@ def test_the_page_needs_no_other_file_and_is_the_same_every_time(text):
 
 def test_the_sets_are_told_in_their_order(text):
     found = rows(text, "<h2>Training sets</h2>")
-    assert [line[0] for line in found] == ["simple", "own", "given"]
-    assert found[1][1:] == ["3", "44", "dataset <code>own</code>, all objects"]
-    assert found[2][1:3] == ["", ""]
+    assert [line[0] for line in found] == ["simple", "own", "both", "given"]
+    assert found[1][1:] == [
+        "2", "44", "dataset <code>own</code>; <code>render.hold_out: false</code>",
+    ]  # fmt: skip
+    assert found[2][3] == "images of <code>simple</code>, <code>own</code>"
+    assert found[3][1:3] == ["", ""]
 
 
-def test_every_set_is_in_every_test_with_its_networks(text):
+def test_every_set_is_in_every_test_with_the_mean_of_its_networks(text):
     for test in ("egad", "own"):
         found = rows(text, f"<h2>Tested on {test}</h2>")
-        assert [line[0] for line in found] == ["simple", "own", "given", "random"]
-        simple = pd.concat(tried(test, "simple", seed, "") for seed in (0, 1))
-        assert found[0][1] == f"{simple['success'].mean():.1%}".replace("%", " %")
-        each = simple.groupby("seed")["success"].mean()
-        assert found[0][3] == ", ".join(f"{rate:.1%}".replace("%", " %") for rate in each)
-        assert found[2][3].count("%") == 1
+        assert [line[0] for line in found] == ["simple", "own", "both", "given", "random"]
+        assert [line[1] for line in found] == ["2", "2", "3", "1", ""]
+        for column, noise in ((2, "none"), (3, "stereo")):
+            mean = np.mean([rate(test, noise, "both", seed) for seed in range(3)])
+            assert found[2][column].startswith(percent(mean))
+        assert [cell.partition(" <")[0] for cell in found[0][4:]] == ["50.0 %", "50.0 %"]
+        assert "objects:" in found[0][2]
+        assert "objects:" not in found[0][4]
 
 
 def test_what_was_learnt_from_is_said_where_it_is_tried(text):
     """Objects of other datasets may have the same names."""
-    own = text.partition("<h2>Tested on own</h2>")[2]
+    egad, own = (text.partition(f"<h2>Tested on {name}</h2>")[2] for name in ("egad", "own"))
     assert "<code>own</code> were trained on 2 of them" in own
-    assert [line[-1] for line in rows(own, "</p>")[:3]] == ["0", "2", "0"]
-    egad = text.partition("<h2>Tested on egad</h2>")[2].partition("<h2>Tested on own</h2>")[0]
+    assert "<code>both</code> were trained on 2 of them" in own
+    assert "<code>simple</code> were trained" not in own
+    egad = egad.partition("<h2>Tested on own</h2>")[0]
     assert "<code>simple</code> were trained on 1 of them" in egad
     assert "<code>own</code> were trained" not in egad
 
 
-def test_every_pair_is_tested_and_corrected(text):
-    found = rows(text.partition("<h2>Tested on egad</h2>")[2], "Differences between sets")
-    assert [line[0] for line in found] == [
-        "simple vs. own",
-        "simple vs. given",
-        "own vs. given",
+def test_pre_registered_comparisons_are_those_over_networks(text):
+    found = rows(text, "<h2>Pre-registered comparisons</h2>")
+    assert len(found) == 2 * 2 * 2
+    assert [line[0] for line in found[:2]] == ["simple &minus; own", "simple &minus; random"]
+    assert (found[0][1], found[2][1]) == ("egad, no noise", "egad, stereo noise")
+    assert (found[0][2], found[1][2]) == ("2, 2", "2, 1")
+    each = [[rate("egad", "none", name, seed) for seed in (0, 1)] for name in ("simple", "own")]
+    result = difference(*each)
+    assert found[0][3] == percent(result.gain)
+    assert found[0][4] == " to ".join(map(percent, result.interval))
+    assert "Pre-registered" not in page(
+        study({**CONFIG, "training_study": {**CONFIG["training_study"], "comparisons": []}})
+    )
+
+
+def test_the_spread_of_networks_is_told_for_each_set_and_for_all(text):
+    found = rows(text.partition("<h2>Tested on egad</h2>")[2], "Standard deviation between")
+    assert [line[0] for line in found] == ["simple", "own", "both", "all"]
+    each = [
+        [rate("egad", "none", name, seed) for seed in range(count)]
+        for name, count in (("simple", 2), ("own", 2), ("both", 3))
     ]
-    assert all(line[1] == str(len(LABELS)) for line in found)
-    assert all(line[2] == "80 of 80" for line in found)
+    assert found[2][1].startswith(percent(np.std(each[2], ddof=1)))
+    squares = sum(np.square(np.subtract(values, np.mean(values))).sum() for values in each)
+    assert found[3][1].startswith(percent(np.sqrt(squares / 4)))
 
 
-def test_a_pair_tells_the_difference_of_each_two_networks(text):
-    found = rows(text.partition("<h2>Tested on egad</h2>")[2], "Differences between sets")
-    simple, own = (
-        [tried("egad", name, seed, "")["success"].mean() for seed in (0, 1)]
-        for name in ("simple", "own")
-    )
-    gains = [100 * (one - other) for one, other in zip(simple, own, strict=True)]
-    assert found[0][4] == ", ".join(f"{gain:.1f} %" for gain in gains).replace(
-        "-", "\N{MINUS SIGN}"
-    )
-
-
-def test_the_luck_of_trainings_is_told_beside_them(text):
-    for test in ("egad", "own"):
-        each = [
-            [tried(test, name, seed, "")["success"].mean() for seed in (0, 1)]
-            for name in ("simple", "own")
-        ]
-        found = text.partition(f"<h2>Tested on {test}</h2>")[2].partition(
-            "Variance between training seeds"
-        )[2]
-        said = re.sub(r"\s+", " ", found.partition("</p>")[0]).replace("\N{NO-BREAK SPACE}", " ")
-        spread = np.sqrt(np.mean([np.var(rates, ddof=1) for rates in each]))
-        assert f"standard deviation of {spread:.1%}".replace("%", " %") in said
-        assert f"in {f_oneway(*each).pvalue:.1%}".replace("%", " %") in said
-        assert "all 2 sets with several networks" in said
+def test_success_is_told_by_row_column_and_width(text):
+    test = text.partition("<h2>Tested on egad</h2>")[2]
+    section = test.partition("Success by difficulty, complexity and width, no noise")[2]
+    head = re.findall(r"<th[^>]*>([^<]*)</th>", section.partition("</thead>")[0])
+    assert head == [
+        *("Training set", "A", "B", "C", "0", "1", "2"),
+        *("to 20 mm", "20 to 45 mm", "above 45 mm"),
+    ]
+    both = pd.concat(tried("egad", "none", "own", seed, "") for seed in (0, 1))
+    row = next(line for line in rows(section, "<table") if line[0] == "own")
+    for place, labels in ((1, ["A0", "A1"]), (4, ["A0", "B0"]), (7, ["A0", "A1"]), (8, ["B0"])):
+        mean = both[both["label"].isin(labels)]["success"].mean()
+        assert row[place] == f"{round(100 * mean)}"
 
 
 def test_trainings_are_told_with_their_last_epoch(text):
-    found = rows(text, 'alt="Validation loss and score of all networks"')
-    assert [line[0] for line in found] == ["simple-0", "simple-1", "own-0", "own-1"]
+    found = rows(text, "Losses and scores of all networks")
+    assert [line[0] for line in found][:3] == ["simple-0", "simple-1", "own-0"]
     assert found[1][1:3] == ["24", "0.1100"]
     assert found[1][4] == "75.0 %"
 
@@ -187,18 +234,22 @@ def test_given_weights_alone_have_no_training():
     alone = {"sets": ["given"], "tests": ["egad"]}
     found = page(study({**CONFIG, "training_study": alone}))
     assert "Validation loss" not in found
-    assert "Differences between sets" not in found
-    assert [line[0] for line in rows(found, "<h2>Tested on egad</h2>")] == ["given", "random"]
+    assert "Learning curves" not in found
+    assert [line[0] for line in rows(found, "<h2>Tested on egad</h2>")] == ["given"]
+    assert "nan" not in re.sub(r'src="[^"]*"', "", found)
 
 
 def test_sets_in_words():
-    assert describe(TrainingSet(dataset="egad")) == (
-        "dataset `egad`, all objects, without its evaluation set"
+    assert describe(TrainingSet(dataset="egad")) == "dataset `egad`"
+    part = TrainingSet(dataset="egad", render={"complexity": (0.667, 1.0)}, training={"batch": 4})
+    assert (
+        describe(part) == "dataset `egad`; `render.complexity: [0.667, 1.0]`; `training.batch: 4`"
     )
-    part = TrainingSet(dataset="egad", complexity=(0.667, 1.0), hold_out=False)
-    assert describe(part) == "dataset `egad`, complexity ranks 0.667 to 1"
-    few = TrainingSet(dataset="egad", subset=0.333)
-    assert describe(few) == (
-        "dataset `egad`, all objects, a random sample of 33.3%, without its evaluation set"
-    )
+    assert describe(TrainingSet(images=["a", "b"])) == "images of `a`, `b`"
     assert describe(TrainingSet(weights="w.pt")) == "given weights, `w.pt`, without training"
+
+
+def test_the_width_of_an_object_is_its_shortest_side():
+    evaluation = pd.DataFrame({"label": ["A0", "B1"], "object_label": ["x", "y"]})
+    scales = pd.DataFrame({"label": ["y", "z", "x"], "after_1": [0.02, 0.5, 0.01]})
+    assert object_widths(evaluation, scales) == {"A0": 0.01, "B1": 0.02}

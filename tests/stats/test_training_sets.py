@@ -1,28 +1,28 @@
 """Training sets compared: against slow and obvious twins, and against what must come out."""
 
-from itertools import combinations
-
 import numpy as np
 import pandas as pd
 import pytest
+from scipy import stats
 
 from egad.errors import UserError
-from egad.stats.paired import sign_flip
-from egad.stats.rates import Mean, Rate, mean_rate
+from egad.stats.clearing import clearing_rates
 from egad.stats.training_study import (
-    SetRate,
-    by_set,
-    by_test,
+    by_name,
     check_starts,
+    compare_sets,
+    difference,
     holm,
-    references,
-    seed_variance,
-    set_pairs,
-    set_rate,
+    mean_interval,
+    network_rates,
+    object_interval,
+    pooled_spread,
 )
+from egad.tables import parquet
+from egad.tables.training import CLEARED
 
 OBJECTS = [f"{letter}{digit}" for letter in "ABC" for digit in range(3)]
-SETS = {"poor": (0.2, 2), "good": (0.8, 2), "given": (0.5, 1)}
+SETS = {"poor": (0.2, 2), "good": (0.8, 3), "given": (0.5, 1)}
 
 
 def tried(name, seed, rate, rng, attempts=6):
@@ -33,7 +33,7 @@ def tried(name, seed, rate, rng, attempts=6):
     ]
     columns = ["training_set", "seed", "label", "id", "attempt", "success", "initial_pose"]
     detector = f"{name}-{seed}" if name else "random"
-    return pd.DataFrame(rows, columns=columns).assign(detector=detector)
+    return pd.DataFrame(rows, columns=columns).assign(detector=detector, test="egad", noise="none")
 
 
 @pytest.fixture(scope="module")
@@ -47,135 +47,169 @@ def table():
     return pd.concat([*networks, tried("", 0, 0.1, rng)], ignore_index=True)
 
 
-def test_the_table_is_taken_apart_in_its_order(table):
-    assert list(by_set(table)) == list(SETS)
-    assert list(references(table)) == ["random"]
-    parts = [*by_set(table).values(), *references(table).values()]
-    assert sum(map(len, parts)) == len(table)
+def cleared(name, seed, rng, rounds=4):
+    """Rounds of three objects; the last one has no attempt."""
+    rows = [
+        {"scene": scene, "noise": "none", "round": number, "attempt": n, "n_objects": 3}
+        | {"objects": "a b c", "factors": "1 1 1", "success": bool(rng.random() < 0.5)}
+        for scene in ("packed", "pile")
+        for number in range(rounds)
+        for n in range(1 if number == rounds - 1 else 4)
+    ]
+    frame = pd.DataFrame(rows).assign(
+        test="egad", training_set=name, seed=seed, detector=f"{name}-{seed}"
+    )
+    frame["outcome"] = np.where(frame["success"], "success", "collided")
+    last = frame["round"] == rounds - 1
+    return frame.assign(
+        success=frame["success"] & ~last, outcome=frame["outcome"].where(~last, "no_grasp")
+    )
 
 
-def test_each_test_has_its_own_rates(table):
-    found = by_test(pd.concat([table.assign(test="one"), table[::2].assign(test="two")]))
-    assert list(found) == ["one", "two"]
-    for tried, rows in ((found["one"], table), (found["two"], table[::2])):
-        assert len(tried.rows) == len(rows)
-        assert tried.sets == {name: set_rate(own) for name, own in by_set(rows).items()}
-        assert tried.references == {"random": mean_rate(references(rows)["random"])}
-
-
-def test_a_rate_is_that_of_all_networks_and_each_is_there(table):
-    rows = by_set(table)["good"]
-    found = set_rate(rows)
-    assert found.pooled == mean_rate(rows)
-    assert (found.pooled.attempts, list(found.each)) == (2 * 6 * len(OBJECTS), [0, 1])
-    assert np.mean([each.value for each in found.each.values()]) == found.pooled.value
-
-
-def test_a_second_network_that_answers_the_same_adds_no_certainty(table):
-    """Attempts on an object are no new objects: the interval by the objects stays as it is."""
-    alone = by_set(table)["good"].query("seed == 0")
-    alone = alone.assign(success=alone["label"].isin(["A0", "B1", "C2"]))
-    twice = pd.concat([alone, alone.assign(seed=1)])
-    assert set_rate(twice).pooled.interval == pytest.approx(set_rate(alone).pooled.interval)
-
-
-def gains(table, first, second):
-    """By object, network by network: the sum of successes of one set less that of the other."""
-    sets = by_set(table)
-    counts = {name: sets[name]["seed"].nunique() for name in (first, second)}
-    found = []
-    for label in OBJECTS:
-        gain = 0
-        for network in range(2):
-            for name, sign in ((first, 1), (second, -1)):
-                rows = sets[name]
-                own = rows[(rows["label"] == label) & (rows["seed"] == network % counts[name])]
-                gain += sign * int(own["success"].sum())
-        found.append(gain)
-    return np.array(found)
-
-
-def test_every_pair_is_compared_over_the_objects(table):
-    pairs = set_pairs(by_set(table))
-    assert {frozenset((pair.first, pair.second)) for pair in pairs} == {
-        frozenset(names) for names in combinations(SETS, 2)
+def test_every_network_has_its_own_rate_in_every_test(table):
+    both = pd.concat([table, table.assign(noise="stereo", success=~table["success"])])
+    found = network_rates(both, parquet.empty(CLEARED))
+    assert len(found) == 2 * (2 + 3 + 1 + 1)
+    for row in found.itertuples():
+        chosen = both[(both["noise"] == row.noise) & (both["seed"] == row.seed)]
+        names = chosen["training_set" if row.trained else "detector"]
+        assert row.rate == chosen.loc[names == row.name, "success"].mean()
+    assert list(by_name(found[found["noise"] == "none"])) == [*SETS, "random"]
+    assert found.groupby("name")["trained"].first().to_dict() == {
+        **dict.fromkeys(SETS, True),
+        "random": False,
     }
-    for pair in pairs:
-        found = gains(table, pair.first, pair.second)
-        assert pair.result.objects == len(OBJECTS)
-        assert pair.result.difference == pytest.approx(found.sum() / (2 * 6 * len(OBJECTS)))
-        assert pair.result.difference >= 0
-        assert pair.result.p_objects == pytest.approx(sign_flip(found))
-        assert pair.p_holm >= pair.result.p_objects
 
 
-def test_the_difference_is_that_of_the_rates(table):
-    """Also where one set has one network and the other two."""
-    rates = {name: set_rate(rows).pooled.value for name, rows in by_set(table).items()}
-    for pair in set_pairs(by_set(table)):
-        assert pair.result.difference == pytest.approx(rates[pair.first] - rates[pair.second])
+def test_scenes_of_several_objects_have_the_rates_of_the_benchmark(table):
+    rng = np.random.default_rng(2)
+    tables = {seed: cleared("good", seed, rng) for seed in (0, 1)}
+    found = network_rates(table, pd.concat(tables.values()))
+    for seed, rows in tables.items():
+        for rates in clearing_rates(rows):
+            for measure in ("success", "cleared"):
+                (one,) = found[
+                    (found["scene"] == rates.scene)
+                    & (found["measure"] == measure)
+                    & (found["seed"] == seed)
+                ]["rate"]
+                assert one == getattr(rates, measure).value
 
 
-def test_each_pair_of_networks_is_compared_alone(table):
-    rates = {name: set_rate(rows).each for name, rows in by_set(table).items()}
-    for pair in set_pairs(by_set(table)):
-        one, other = (
-            [each.value for each in rates[name].values()] for name in (pair.first, pair.second)
-        )
-        expected = np.subtract(one, other)  # a single network is against each of the other set
-        assert pair.each == pytest.approx(expected.tolist())
-        assert pair.result.difference == pytest.approx(np.mean(pair.each))
+ONE, OTHER = [0.61, 0.66, 0.58, 0.63, 0.6], [0.52, 0.57, 0.5, 0.56]
 
 
-def test_numbers_of_networks_that_make_no_pairs_are_refused(table):
-    sets = by_set(table)
-    third = sets["good"][sets["good"]["seed"] == 0].assign(seed=2)
-    three = pd.concat([sets["good"], third])
-    with pytest.raises(UserError, match="2 networks of poor and 3 of three cannot be paired"):
-        set_pairs({"poor": sets["poor"], "three": three})
-    (pair,) = set_pairs({"given": sets["given"], "three": three})
-    assert len(pair.each) == 3
+def test_welch_by_hand():
+    """Welch (1947) and Satterthwaite's degrees of freedom, written out."""
+    found = difference(ONE, OTHER)
+    parts = [np.var(each, ddof=1) / len(each) for each in (ONE, OTHER)]
+    error = np.sqrt(sum(parts))
+    freedom = sum(parts) ** 2 / sum(
+        part**2 / (len(each) - 1) for part, each in zip(parts, (ONE, OTHER), strict=True)
+    )
+    gain = np.mean(ONE) - np.mean(OTHER)
+    reach = stats.t.ppf(0.975, freedom) * error
+    assert found.gain == pytest.approx(gain)
+    assert found.interval == pytest.approx((gain - reach, gain + reach))
+    assert found.p == pytest.approx(2 * stats.t.sf(gain / error, freedom))
+    turned = difference(OTHER, ONE)
+    assert (turned.gain, turned.p) == pytest.approx((-found.gain, found.p))
+    assert turned.interval == pytest.approx((-found.interval[1], -found.interval[0]))
 
 
-def test_two_single_networks_count_once_whatever_the_other_sets_have(table):
-    sets = by_set(table)
-    alone = {name: sets[name][sets[name]["seed"] == 0] for name in ("good", "given")}
-    pairs = set_pairs({**alone, "poor": sets["poor"]})
-    attempts = {(pair.first, pair.second): pair.result.attempts for pair in pairs}
-    assert attempts["good", "given"] == 6 * len(OBJECTS)
-    assert attempts["good", "poor"] == 2 * 6 * len(OBJECTS)
+def test_p_of_networks_is_about_that_of_all_ways_to_deal_them_out():
+    """The slow twin: a permutation test of the t statistic."""
+    rng = np.random.default_rng(3)
+    values = rng.normal(0.6, 0.03, 16)
+    values[:8] += 0.03
+
+    def statistic(each):
+        return abs(stats.ttest_ind(each[:8], each[8:], equal_var=False).statistic)
+
+    least = statistic(values)
+    dealt = [statistic(rng.permutation(values)) >= least for _ in range(2000)]
+    assert difference(values[:8], values[8:]).p == pytest.approx(np.mean(dealt), abs=0.03)
 
 
-def test_what_began_alike_is_counted_and_what_should_have_is_refused(table):
-    sets = by_set(table)
-    moved = sets["poor"].copy()
+def test_a_difference_of_equal_sets_is_found_in_a_twentieth_of_the_cases():
+    rng = np.random.default_rng(4)
+    draws = rng.normal(0.6, 0.03, (600, 10))
+    found = [difference(values[:5], values[5:]) for values in draws]
+    assert np.mean([each.p < 0.05 for each in found]) == pytest.approx(0.05, abs=0.03)
+    covered = [each.interval[0] < 0 < each.interval[1] for each in found]
+    assert [each.p > 0.05 for each in found] == covered
+
+
+def test_a_single_network_is_a_fixed_number_for_the_others():
+    found, turned = difference(ONE, [0.5]), difference([0.5], ONE)
+    error = np.std(ONE, ddof=1) / np.sqrt(5)
+    gain = np.mean(ONE) - 0.5
+    assert found.p == pytest.approx(2 * stats.t.sf(gain / error, 4))
+    reach = stats.t.ppf(0.975, 4) * error
+    assert found.interval == pytest.approx((gain - reach, gain + reach))
+    assert (turned.gain, turned.p) == pytest.approx((-found.gain, found.p))
+    assert turned.interval == pytest.approx((-gain - reach, -gain + reach))
+    alone = difference([0.7], [0.5])
+    assert alone.gain == pytest.approx(0.2)
+    assert np.isnan([alone.p, *alone.interval]).all()
+
+
+def test_the_spread_is_that_within_sets():
+    found = pooled_spread([[0.5, 0.56], [0.6, 0.64, 0.62], [0.9]])
+    squares = 2 * 0.03**2 + 2 * 0.02**2
+    assert found.freedom == 3
+    assert found.sd == pytest.approx(np.sqrt(squares / 3))
+    alone = pooled_spread([[0.5, 0.56]])
+    assert alone.sd == pytest.approx(np.std([0.5, 0.56], ddof=1))
+    assert pooled_spread([[0.5], [0.6]]) is None
+    assert pooled_spread([]) is None
+
+
+def test_intervals_cover_the_truth_in_19_of_20_cases():
+    rng = np.random.default_rng(5)
+    draws = rng.normal([[0.5], [0.6], [0.8]], 0.03, (800, 3, 3))
+    spreads = [pooled_spread(sets) for sets in draws]
+    sd = [found.interval[0] < 0.03 < found.interval[1] for found in spreads]
+    assert np.mean(sd) == pytest.approx(0.95, abs=0.025)
+    ends = np.array(
+        [mean_interval(sets[0], found) for sets, found in zip(draws, spreads, strict=True)]
+    )
+    assert np.mean((ends[:, 0] < 0.5) & (ends[:, 1] > 0.5)) == pytest.approx(0.95, abs=0.025)
+    assert np.isnan(mean_interval([0.5], None)).all()
+
+
+def test_pre_registered_comparisons_alone_are_corrected(table):
+    both = pd.concat([table, table.assign(noise="stereo")])
+    pairs = [("good", "poor"), ("good", "given"), ("good", "random")]
+    found = compare_sets(both, pairs)
+    assert [(each.first, each.second) for each in found] == 2 * pairs
+    assert [each.noise for each in found] == ["none"] * 3 + ["stereo"] * 3
+    assert [each.networks for each in found[:3]] == [(3, 2), (3, 1), (3, 1)]
+    p_values = np.array([each.difference.p for each in found])
+    assert [each.p_holm for each in found] == pytest.approx(holm(p_values))
+    assert not compare_sets(both, [])
+
+
+def test_a_second_network_that_answers_the_same_adds_no_certainty_about_objects(table):
+    sets = {name: table[table["training_set"] == name] for name in SETS}
+    one, other = (sets[name].query("seed == 0") for name in ("good", "poor"))
+    twice = pd.concat([one, one.assign(seed=1)])
+    found = object_interval(one, other)
+    assert object_interval(twice, other) == pytest.approx(found)
+    low, high = object_interval(other, one)
+    assert (-high, -low) == pytest.approx(found)
+    gain = one["success"].mean() - other["success"].mean()
+    assert found[0] < gain < found[1]
+
+
+def test_what_should_have_begun_alike_is_refused(table):
+    moved = table[table["training_set"] == "poor"].copy()
     moved.iloc[:3, moved.columns.get_loc("initial_pose")] = "elsewhere"
-    (pair,) = set_pairs({"good": sets["good"], "poor": moved})
-    assert (pair.result.attempts, pair.result.alike) == (len(moved), len(moved) - 3)
+    good = table[table["training_set"] == "good"]
     check_starts(table)
     with pytest.raises(UserError, match="poor-0 started attempt 0 at A0 with a different drop"):
-        check_starts(pd.concat([sets["good"], moved]))
-
-
-def test_an_attempt_that_never_began_is_no_other_drop(table):
-    sets = by_set(table)
-    check_starts(pd.concat([sets["poor"].assign(start=""), sets["good"]]))
-
-
-def test_the_same_network_is_not_better_than_itself(table):
-    sets = by_set(table)
-    (pair,) = set_pairs({"good": sets["good"], "again": sets["good"]})
-    assert (pair.result.difference, pair.result.p_objects, pair.p_holm) == (0.0, 1.0, 1.0)
-
-
-def test_a_single_set_has_no_pairs(table):
-    assert set_pairs({"good": by_set(table)["good"]}) == []
-
-
-def test_other_objects_of_the_same_name_are_refused(table):
-    sets = by_set(table)
-    with pytest.raises(UserError, match="only trials of the same evaluation set can be compared"):
-        set_pairs({"good": sets["good"], "poor": sets["poor"].assign(id="another")})
+        check_starts(pd.concat([good, moved]))
+    check_starts(pd.concat([moved.assign(initial_pose=""), good]))
 
 
 def rejected_by_holm(p_values, level):
@@ -202,45 +236,4 @@ def test_holm_of_few():
     assert holm(np.array([])).tolist() == []
     assert holm(np.array([0.04, 0.01, 0.03])) == pytest.approx([0.06, 0.03, 0.06])
     assert holm(np.array([0.9, 0.8])).tolist() == [1.0, 1.0]
-
-
-ATTEMPTS = 1000
-
-
-def set_rates(**successes):
-    return {
-        name: SetRate(Mean(0, 0, 0, 0), {seed: Rate(n, ATTEMPTS) for seed, n in enumerate(counts)})
-        for name, counts in successes.items()
-    }
-
-
-def test_the_spread_is_that_within_sets_and_f_its_share_by_the_definition():
-    found = seed_variance(set_rates(few=[500, 560], many=[600, 640], given=[900]))
-    means, squares = [0.53, 0.62], 2 * 0.03**2 + 2 * 0.02**2
-    assert found.spread == pytest.approx(np.sqrt(squares / 2))
-    assert (found.sets, found.networks) == (2, 4)
-    between = 2 * sum((mean - np.mean(means)) ** 2 for mean in means)
-    assert found.f == pytest.approx(between / (squares / 2))
-
-
-def test_p_is_that_of_shuffled_networks():
-    """The twin: networks dealt to the sets at random, and how often they differ as much."""
-    rng = np.random.default_rng(1)
-    counts = np.sort(rng.integers(400, 700, 12))[[0, 3, 1, 2, 5, 8, 4, 6, 7, 9, 10, 11]]
-
-    def of(values):
-        return seed_variance(
-            set_rates(**{str(k): row for k, row in enumerate(values.reshape(3, 4))})
-        )
-
-    first = of(counts)
-    dealt = [of(rng.permutation(counts)).f >= first.f for _ in range(4000)]
-    assert first.p == pytest.approx(np.mean(dealt), abs=0.02)
-
-
-@pytest.mark.parametrize(
-    "rates",
-    [set_rates(a=[1], b=[2]), set_rates(a=[1, 2], b=[3]), set_rates(a=[5, 5], b=[7, 7]), {}],
-)
-def test_nothing_is_said_where_no_luck_was_seen(rates):
-    assert seed_variance(rates) is None
+    assert holm(np.array([np.nan, 0.01])) == pytest.approx([np.nan, 0.02], nan_ok=True)

@@ -16,7 +16,7 @@ rule clutter:
     input:
         bundle="results/{dataset}/bundle/{gripper}/bundle.parquet",
         grasps=labelled,
-        weights=learnt,
+        weights=weights_of_detector,
         hand=gripper_files,
     output:
         ensure(
@@ -35,6 +35,7 @@ rule clutter:
     params:
         settings=settings_of("clutter"),
         bundle=subpath(input.bundle, parent=True),
+        shard="{shard}",
         shards=len(SHARDS),
         grasps=each("--grasps", "grasps"),
         code=code_of("clutter"),
@@ -44,7 +45,7 @@ rule clutter:
         "Clearing tables with {wildcards.detector} and {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
         "egad clutter --settings {params.settings:q}"
-        " --shard {wildcards.shard} --shards {params.shards}"
+        " --shard {params.shard} --shards {params.shards}"
         " --bundle {params.bundle:q} {params.grasps:q} --out {output:q} > {log:q} 2>&1"
 
 

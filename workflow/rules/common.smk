@@ -36,7 +36,7 @@ from egad.perception import shard_count
 
 try:
     SETTINGS = with_engine(check(config))
-    # The same, with the networks of the experiment among the detectors.
+    # The same, with the networks of the training study among the detectors.
     TRIED = training_study.with_networks(SETTINGS)
     # The user's own measures by their code, so that editing it re-runs what they measure.
     MEASURES = [source_hash(measure) for measure in SETTINGS.measures.functions().values()]
@@ -57,7 +57,7 @@ CELLS = SETTINGS.select_eval.rows * SETTINGS.select_eval.columns
 EVALUATION_SHARDS = range(min(SETTINGS.shards, CELLS))
 IMAGE_SHARDS = range(shard_count(SETTINGS.render.images))
 NETWORKS = {network.name: network for network in training_study.networks_of(SETTINGS)}
-# The images of training sets, and the trials of the networks, are for the first target.
+# The training study is for the first target.
 GRIPPER = SETTINGS.targets.grippers[0]
 ISLANDS = range(SETTINGS.schedule.islands)
 # Some formats need them, e.g. ACRONYM: they say whether a grasp succeeded.
@@ -86,6 +86,7 @@ wildcard_constraints:
     island=r"\d+",
     shard=r"\d+",
     seed=r"\d+",
+    noise="none|stereo",
 
 
 def settings_of(stage):
@@ -143,7 +144,8 @@ def _as_json(part):
 def labelled(wildcards):
     """The labelled grasps for the detector `labels`; none for others."""
     knows = TRIED.detectors[wildcards.detector].detector == "labels"
-    return [f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"] if knows else []
+    gripper = wildcards.get("gripper", GRIPPER)
+    return [f"results/{wildcards.dataset}/grasps/{gripper}.parquet"] if knows else []
 
 
 def touched_surface(wildcards):
@@ -188,8 +190,8 @@ def parts_of_images(wildcards):
 
 
 def gripper_files(wildcards):
-    """The files that describe a gripper, if there are any."""
-    return files_of_gripper(wildcards.gripper)
+    """The files that describe a gripper, if there are any; default: the first target."""
+    return files_of_gripper(wildcards.get("gripper", GRIPPER))
 
 
 @cache

@@ -17,7 +17,7 @@ rule simulated_trial:
         evaluation="results/{dataset}/eval49.parquet",
         bundle="results/{dataset}/bundle/{gripper}/bundle.parquet",
         grasps=labelled,
-        weights=learnt,
+        weights=weights_of_detector,
         hand=gripper_files,
     output:
         ensure(
@@ -38,6 +38,7 @@ rule simulated_trial:
     params:
         settings=settings_of("simulate"),
         bundle=subpath(input.bundle, parent=True),
+        shard="{shard}",
         shards=len(EVALUATION_SHARDS),
         grasps=each("--grasps", "grasps"),
         code=code_of("simulate"),
@@ -47,7 +48,7 @@ rule simulated_trial:
         "Running trials of {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
         "egad simulate --settings {params.settings:q}"
-        " --shard {wildcards.shard} --shards {params.shards} --eval {input.evaluation:q}"
+        " --shard {params.shard} --shards {params.shards} --eval {input.evaluation:q}"
         " --bundle {params.bundle:q} {params.grasps:q} --out {output:q} > {log:q} 2>&1"
 
 

@@ -1,10 +1,13 @@
 """Training-study: networks trained on different object sets. Made only if named.
 
-Inputs: results/D/objects.parquet, results/D/rescaled/G and results/D/eval49.parquet of the datasets of the training sets, for the first target gripper G.
-Outputs: results/training_study/report.html and results.parquet; also images/SET, as from render, and
-networks/SET/SEED, as from `egad train`. See docs/training-study.md.
-Steps: the images of each set are rendered; a network is trained on them for each seed; the rules
-simulated_trial and join_trials run its trials as the detector SET-SEED; then the report.
+Inputs: results/D/objects.parquet, results/D/rescaled/G and results/D/eval49.parquet of the datasets
+of the training sets, results/D/convex_parts/G.parquet for scenes and simulated labels; also
+results/D/bundle/G of those of the tests; for the first target gripper G.
+Outputs: results/training_study/report.html, results.parquet and clutter.parquet; also images/SET, as
+from render, networks/SET/SEED, as from `egad train`, trials/D/NOISE and clutter/D, as from
+simulated_trial and clutter. See docs/training.md.
+Steps: the images of each set are rendered; a network is trained on them for each seed; it is tested
+as the detector SET-SEED with single objects and in clutter; then the report.
 """
 
 
@@ -17,8 +20,8 @@ use rule render as render_set with:
         objects=of_set("objects.parquet"),
         scales=of_set(f"rescaled/{GRIPPER}/scales.parquet"),
         evaluation=held_out_of_set,
-        convex_parts=parts_of_set,
-        hand=files_of_the_gripper,
+        convex_parts=convex_parts_of_set,
+        hand=gripper_files,
     output:
         images=ensure(
             "results/training_study/images/{training_set}/images-{shard}.parquet", non_empty=True
@@ -34,7 +37,7 @@ use rule render as render_set with:
     params:
         settings=settings_of_set("render"),
         meshes=subpath(input.scales, parent=True),
-        shards=len(IMAGE_SHARDS),
+        shards=count_shards_of_set,
         evaluation=each("--eval", "evaluation"),
         convex_parts=each("--convex-parts", "convex_parts"),
         code=code_of("render"),
@@ -44,11 +47,9 @@ use rule render as render_set with:
 
 use rule image_card as set_card with:
     input:
-        images=parts(
-            "results/training_study/images/{training_set}/images-{shard}.parquet", IMAGE_SHARDS
-        ),
-        rejects=parts(
-            "results/training_study/parts/unrendered-{training_set}-{shard}.parquet", IMAGE_SHARDS
+        images=parts_of_set("results/training_study/images/{training_set}/images-{shard}.parquet"),
+        rejects=parts_of_set(
+            "results/training_study/parts/unrendered-{training_set}-{shard}.parquet"
         ),
     output:
         card=ensure("results/training_study/images/{training_set}/card.md", non_empty=True),
@@ -65,7 +66,7 @@ use rule image_card as set_card with:
         dataset=lambda wildcards: SETTINGS.training_sets[wildcards.training_set].dataset,
         gripper=GRIPPER,
         folder=subpath(output.card, parent=True),
-        shards=len(IMAGE_SHARDS),
+        shards=count_shards_of_set,
         rejects=each("--rejects", "rejects"),
         code=code_of("image_card"),
     message:
@@ -75,7 +76,7 @@ use rule image_card as set_card with:
 rule train_network:
     """Train a network on the images of a set; training resumes from its last checkpoint."""
     input:
-        card="results/training_study/images/{training_set}/card.md",
+        images_of_set,
     output:
         weights="results/training_study/networks/{training_set}/{seed}/weights.safetensors",
         history="results/training_study/networks/{training_set}/{seed}/history.parquet",
@@ -95,7 +96,7 @@ rule train_network:
         **needs(mb=2000, mb_per_thread=500, minutes=60),
     params:
         settings=settings_of_set("train"),
-        images=subpath(input.card, parent=True),
+        images=lambda wildcards, input: [str(Path(card).parent) for card in input],
         folder=subpath(output.weights, parent=True),
         # The chart and the card of a network do not affect it.
         code=[
@@ -108,6 +109,57 @@ rule train_network:
         " {params.images:q} > {log:q} 2>&1"
 
 
+use rule simulated_trial as study_trial with:
+    input:
+        evaluation="results/{dataset}/eval49.parquet",
+        bundle=f"results/{{dataset}}/bundle/{GRIPPER}/bundle.parquet",
+        grasps=labelled,
+        weights=weights_of_detector,
+        hand=gripper_files,
+    output:
+        ensure("results/training_study/trials/{dataset}/{noise}/{detector}.parquet", non_empty=True),
+    log:
+        "logs/training_study/study_trial/{dataset}-{noise}-{detector}.log",
+    benchmark:
+        "benchmarks/training_study/study_trial/{dataset}-{noise}-{detector}.tsv"
+    params:
+        settings=settings_of_test("simulate"),
+        bundle=subpath(input.bundle, parent=True),
+        shard=0,
+        shards=1,
+        grasps=each("--grasps", "grasps"),
+        code=code_of("simulate"),
+        contents=contents_of(gripper_files),
+        detector=detector_code,
+    message:
+        "Running trials of {wildcards.detector} on {wildcards.dataset}, noise {wildcards.noise}"
+
+
+use rule clutter as study_clutter with:
+    input:
+        bundle=f"results/{{dataset}}/bundle/{GRIPPER}/bundle.parquet",
+        grasps=labelled,
+        weights=weights_of_detector,
+        hand=gripper_files,
+    output:
+        ensure("results/training_study/clutter/{dataset}/{detector}.parquet", non_empty=True),
+    log:
+        "logs/training_study/study_clutter/{dataset}-{detector}.log",
+    benchmark:
+        "benchmarks/training_study/study_clutter/{dataset}-{detector}.tsv"
+    params:
+        settings=settings_of_test("clutter"),
+        bundle=subpath(input.bundle, parent=True),
+        shard=0,
+        shards=1,
+        grasps=each("--grasps", "grasps"),
+        code=code_of("clutter"),
+        contents=contents_of(gripper_files),
+        detector=detector_code,
+    message:
+        "Clearing tables with {wildcards.detector} on {wildcards.dataset}"
+
+
 rule training_study:
     """Compare all networks."""
     input:
@@ -115,6 +167,7 @@ rule training_study:
     output:
         page=ensure("results/training_study/report.html", non_empty=True),
         table=ensure("results/training_study/results.parquet", non_empty=True),
+        clutter=ensure("results/training_study/clutter.parquet", non_empty=True),
     log:
         "logs/training_study/training_study.log",
     benchmark:
@@ -134,4 +187,4 @@ rule training_study:
     shell:
         "egad training-study --settings {params.settings:q} --gripper {params.gripper:q}"
         " --results {params.results:q} --out {output.page:q} --table {output.table:q}"
-        " {input:q} > {log:q} 2>&1"
+        " --clutter {output.clutter:q} {input:q} > {log:q} 2>&1"

@@ -14,7 +14,7 @@ import yaml
 
 from egad._util.files import write_text
 from egad._util.parameters import Node, allowed, keys_of
-from egad.pipeline.config import TRAINING_SETS, Settings
+from egad.pipeline.config import Settings
 from egad.pipeline.config.schema import node_at, schema
 
 WIDTH = 98
@@ -69,16 +69,26 @@ RELEASED_TEXT = """
 The released objects: the whole pipeline from the archive shipped with egad, without evolution.
 `snakemake --cores 2 --configfile config/released.yaml` merges this file into config/config.yaml.
 """
-TRAINING_STUDY_TEXT = """
-The training study: grasp networks trained on object sets of different diversity, as described in
-docs/training-study.md. It takes about five hours of CPU time; finished jobs are not repeated.
-Merge it into config/config.yaml:
+TRAINING_NEEDS = """
+It requires `pip install safetensors torch` and these files:
+  - the YCB meshes in data/ycb, see config/datasets/ycb.yaml
+"""
+TRAINING_STUDY_TEXT = f"""
+The training study: grasp networks trained on different object sets and in different ways, as
+pre-registered in docs/training.md. Finished jobs are not repeated. Merge it into
+config/config.yaml:
   snakemake --cores 2 --configfile config/training_study.yaml results/training_study/report.html
-It requires `pip install safetensors torch` and two downloads:
-  - the YCB meshes in data/ycb, see config/datasets/ycb.yaml (set and test `ycb`);
+{TRAINING_NEEDS.strip()}
   - weights/epoch_50_cornell_statedict.pt, the weights of GG-CNN2 that its authors trained on the
-    Cornell dataset, from the releases of the project dougsm/ggcnn (set `cornell`).
+    Cornell dataset, from the releases of the project dougsm/ggcnn (set `cornell`)
 To run without them, list fewer `sets` and `tests` in your own file, merged into this one.
+"""
+TRAINING_VARIANCE_TEXT = f"""
+The variance study, which comes before the training study: how much networks trained in the same
+way differ, and what makes them differ less. See docs/training.md. Run it in a folder of its own:
+  snakemake --cores 2 --configfile config/training_variance.yaml --directory runs/variance \\
+    results/training_study/report.html
+{TRAINING_NEEDS.strip()}
 """
 RELEASED: Values = {
     "shards": 32,
@@ -151,25 +161,90 @@ EGAD: Values = {
     "trials": {"attempts": 20},
 }
 
+ALL_IMAGES: Values = {
+    "widths": [0.01, 0.08],
+    "packed": 0.25,
+    "pile": 0.25,
+    "without_grasps": False,
+}
+STEREO: Values = {"disparity": 0.1, "holes": True}
+SIMULATED: Values = {"positive": "simulated"}
+AS_BEFORE: Values = {"without_grasps": True}
+TRAINING_BASE: Values = {
+    "shards": RELEASED["shards"],
+    "datasets": {**RELEASED["datasets"], **YCB["datasets"]},
+    "targets": {"grippers": ["panda"]},
+    "grasp_label": RELEASED["grasp_label"],
+    "trials": {"attempts": 10, "reset": "redrop"},
+}
+
+
+def _evolved(**render: object) -> Values:
+    """A set of evolved objects, rendered as in the first study but for some settings."""
+    return {"dataset": "egad", "render": {**AS_BEFORE, **render}}
+
+
+def _with_all(dataset: str, **render: object) -> Values:
+    """A set with all factors but simulated labels."""
+    return {"dataset": dataset, "render": {**ALL_IMAGES, **render}, "image_noise": STEREO}
+
+
+TRAINING_SETS_OF_STUDY: Values = {
+    "evolved": _evolved(),
+    "evolved-sizes": _evolved(widths=ALL_IMAGES["widths"]),
+    "evolved-scenes": _evolved(packed=0.25, pile=0.25),
+    "evolved-simulated": {**_evolved(simulate=True), "training": SIMULATED},
+    "evolved-noise": {**_evolved(), "image_noise": STEREO},
+    "evolved-grasps": _evolved(without_grasps=False),
+    "evolved-all": {**_with_all("egad"), "seeds": 8},
+    "evolved-all-simulated": {**_with_all("egad", simulate=True), "training": SIMULATED},
+    "third": _with_all("egad", subset=0.333),
+    "simple": _with_all("egad", complexity=[0.0, 0.333]),
+    "complex": _with_all("egad", complexity=[0.667, 1.0]),
+    "primitives": {"dataset": "primitives", "render": {**AS_BEFORE, "hold_out": False}},
+    "primitives-all": {**_with_all("primitives", hold_out=False), "seeds": 8},
+    "ycb-all": _with_all("ycb"),
+    "mixed-all": {"images": ["evolved-all", "primitives-all", "ycb-all"]},
+    "few": _with_all("egad", subset=0.03),
+    "tenth": _with_all("egad", subset=0.1),
+    "images-500": _with_all("egad", images=500),
+    "images-1000": _with_all("egad", images=1000),
+    "images-2000": _with_all("egad", images=2000),
+    "cornell": {"weights": "weights/epoch_50_cornell_statedict.pt"},
+}
 TRAINING_STUDY: Values = {
+    **TRAINING_BASE,
     "datasets": {
-        **RELEASED["datasets"],
-        **YCB["datasets"],
+        **TRAINING_BASE["datasets"],
         "primitives": {"source": "primitives", "objects": 500},
     },
-    "grasp_label": {"grasps": 500},
-    "trials": {"attempts": 20, "reset": "redrop"},
     "training_study": {
-        "sets": ["evolved", "third", "simple", "complex", "ycb", "primitives", "cornell"],
+        "sets": list(TRAINING_SETS_OF_STUDY),
         "seeds": 2,
         "tests": ["egad", "ycb"],
+        "noise": ["none", "stereo"],
+        "clutter": ["packed", "pile"],
+        "rounds": 20,
         "references": ["antipodal-depth", "labels", "random"],
+        "comparisons": [["evolved-all", "primitives-all"], ["evolved-all", "cornell"]],
+        "curves": [
+            ["few", "tenth", "third", "evolved-all"],
+            ["images-500", "images-1000", "images-2000", "evolved-all"],
+        ],
+    },
+    "training_sets": TRAINING_SETS_OF_STUDY,
+}
+TRAINING_VARIANCE: Values = {
+    **TRAINING_BASE,
+    "training_study": {
+        "sets": ["evolved", "evolved-longer", "evolved-images"],
+        "seeds": 6,
+        "tests": ["egad", "ycb"],
     },
     "training_sets": {
-        **{name: each.model_dump(exclude_none=True) for name, each in TRAINING_SETS.items()},
-        "ycb": {"dataset": "ycb", "hold_out": False},
-        "primitives": {"dataset": "primitives", "hold_out": False},
-        "cornell": {"weights": "weights/epoch_50_cornell_statedict.pt"},
+        "evolved": _evolved(),
+        "evolved-longer": {"images": ["evolved"], "training": {"images": 20_000}},
+        "evolved-images": _evolved(images=16_000),
     },
 }
 
@@ -183,6 +258,7 @@ def files() -> dict[Path, str]:
         "config/full.yaml": (FULL_TEXT, FULL),
         "config/released.yaml": (RELEASED_TEXT, RELEASED),
         "config/training_study.yaml": (TRAINING_STUDY_TEXT, TRAINING_STUDY),
+        "config/training_variance.yaml": (TRAINING_VARIANCE_TEXT, TRAINING_VARIANCE),
         "config/test.yaml": (TEST_TEXT, TEST),
         "config/datasets/ycb.yaml": (YCB_TEXT, YCB),
         "config/datasets/egad.yaml": (EGAD_TEXT, EGAD),

@@ -33,5 +33,5 @@ def _child(node: Node, key: str | int) -> Node | None:
     else:
         child = node.get("properties", {}).get(key)
     if child is not None and "$ref" in child:
-        child = schema()["$defs"][child["$ref"].rpartition("/")[2]]
+        child = child | schema()["$defs"][child["$ref"].rpartition("/")[2]]
     return child

@@ -1,22 +1,23 @@
 """Settings of the pipeline itself: datasets, targets, schedule, repair, training study."""
 
-from typing import Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from egad._util.parameters import (
     Fraction,
-    FractionRange,
     Length,
     Name,
     Parameters,
     PositiveFraction,
     ScaleRule,
-    check_ascending,
+    SomeOf,
 )
 from egad.exchange import PhysicsFormat
 from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
+from egad.learning import Training
 from egad.measures import MAX_CANDIDATES
+from egad.perception import ImageNoise, Render
 from egad.pipeline.exports import EVALUATION_SET, Format, ObjectSet
 
 
@@ -163,51 +164,61 @@ class Targets(Parameters):
     )
 
 
-WHOLE = (0.0, 1.0)
+SET_SECTIONS = ("render", "image_noise", "training")  # those that a training set may change
 
 
 class TrainingSet(Parameters):
-    """The images that a network is trained on, or existing weights."""
+    """What networks are trained on, and how; or existing weights."""
 
     dataset: Name | None = Field(None, description="dataset of the objects that are rendered")
-    complexity: FractionRange = Field(
-        WHOLE,
-        description="range of these objects by rank in complexity: [0, 0.33] is the simplest third",
-    )
-    subset: PositiveFraction = Field(
-        1.0, description="fraction of these objects, sampled at random"
-    )
-    hold_out: bool = Field(
-        True,
-        description="whether the objects of its evaluation set are excluded from training",
+    images: list[Name] = Field(
+        [],
+        description="instead of `dataset`: training sets whose images are used, one of them with "
+        "other settings of `training`, or several mixed",
     )
     weights: str | None = Field(
+        None, description="instead of `dataset`: file of existing weights; no network is trained"
+    )
+    seeds: int | None = Field(
         None,
-        description="file of existing weights, instead of all other keys; no network is trained",
+        ge=1,
+        le=100,
+        description="networks trained on this set; nothing: training_study.seeds",
+    )
+    render: Annotated[dict[str, Any], SomeOf(Render)] = Field(
+        {}, description="settings of the section `render` that are different for this set"
+    )
+    image_noise: Annotated[dict[str, Any], SomeOf(ImageNoise)] = Field(
+        {}, description="settings of the section `image_noise` that are different for this set"
+    )
+    training: Annotated[dict[str, Any], SomeOf(Training)] = Field(
+        {}, description="settings of the section `training` that are different for this set"
     )
 
     @model_validator(mode="after")
-    def _either_objects_or_weights(self) -> Self:
-        if (self.dataset is None) == (self.weights is None):
-            raise ValueError("a training set needs either `dataset` or `weights`")
-        if self.weights and (self.complexity != WHOLE or self.subset < 1 or not self.hold_out):
-            raise ValueError(
-                "a training set with `weights` takes no `complexity`, `subset` or `hold_out`"
-            )
-        check_ascending(self, "complexity")
+    def _keys_fit_together(self) -> Self:
+        sources = [name for name in ("dataset", "images", "weights") if getattr(self, name)]
+        if len(sources) != 1:
+            raise ValueError("a training set needs one of `dataset`, `images` and `weights`")
+        refused = {
+            "images": ("render", "image_noise"),
+            "weights": (*SET_SECTIONS, "seeds"),
+        }
+        if given := [key for key in refused.get(sources[0], ()) if getattr(self, key)]:
+            raise ValueError(f"a training set with `{sources[0]}` takes no `{given[0]}`")
         return self
 
 
 TRAINING_SETS = {
     "evolved": TrainingSet(dataset="egad"),
-    "third": TrainingSet(dataset="egad", subset=0.333),
-    "simple": TrainingSet(dataset="egad", complexity=(0.0, 0.333)),
-    "complex": TrainingSet(dataset="egad", complexity=(0.667, 1.0)),
+    "third": TrainingSet(dataset="egad", render={"subset": 0.333}),
+    "simple": TrainingSet(dataset="egad", render={"complexity": (0.0, 0.333)}),
+    "complex": TrainingSet(dataset="egad", render={"complexity": (0.667, 1.0)}),
 }
 
 
 class TrainingStudy(Parameters):
-    """Comparison of networks trained on different object sets: docs/training-study.md."""
+    """Comparison of networks trained on different object sets: docs/training.md."""
 
     sets: list[Name] = Field([], description="training sets to compare, from the table below")
     seeds: int = Field(
@@ -216,8 +227,26 @@ class TrainingStudy(Parameters):
     tests: list[Name] = Field(
         [], description="datasets on whose evaluation sets the networks are tested"
     )
+    noise: list[Literal["none", "stereo"]] = Field(
+        ["none"],
+        min_length=1,
+        description="of depth images in the tests; stereo: as with trials.depth_noise: 0.1",
+    )
+    clutter: list[Literal["packed", "pile"]] = Field(
+        [], description="scenes of several objects in which the networks are tested, too"
+    )
+    rounds: int = Field(20, ge=1, description="rounds of each of these scenes with each noise")
     references: list[Name] = Field(
         [], description="grasp detectors to compare with the networks, from the table above"
+    )
+    comparisons: list[tuple[Name, Name]] = Field(
+        [],
+        description="pairs of sets or references whose difference is tested, with Holm's "
+        "correction for all pairs and all tests with single objects; everything else is "
+        "exploratory",
+    )
+    curves: list[list[Name]] = Field(
+        [], description="learning curves: lists of sets, each from the smallest to the largest"
     )
 
 

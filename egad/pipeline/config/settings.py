@@ -1,9 +1,9 @@
 """The whole configuration."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from egad._util.parameters import Name, Parameters, Seed
 from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
@@ -18,6 +18,7 @@ from egad.map_elites import Evolution
 from egad.measures import Complexity, CustomMeasures, Difficulty, SizeEffect, Space
 from egad.perception import CAMERAS, Camera, ImageNoise, Render
 from egad.pipeline.config.sections import (
+    SET_SECTIONS,
     TRAINING_SETS,
     Dataset,
     Postprocess,
@@ -108,10 +109,7 @@ class Settings(Parameters):
                 [name] if (name := self.select_eval.gripper) else [],
                 self.grippers,
             ),
-            *_unknown("training_study.sets", self.training_study.sets, self.training_sets),
-            *_unknown("training_study.tests", self.training_study.tests, self.datasets),
-            *_unknown("training_study.references", self.training_study.references, self.detectors),
-            *self._unknown_datasets_of_sets(),
+            *self._unknown_in_study(),
             *self._unknown_in_release(),
         ]
         evolved = [name for name, data in self.datasets.items() if data.source == "evolved"]
@@ -127,15 +125,51 @@ class Settings(Parameters):
             raise ValueError("\n".join(problems))
         return self
 
-    def _unknown_datasets_of_sets(self) -> list[str]:
-        """Unknown datasets of the sets in use; unused default sets may name a missing dataset."""
-        used = [name for name in self.training_study.sets if name in self.training_sets]
+    def _unknown_in_study(self) -> list[str]:
+        """Unknown names of the training study, and settings of its sets that do not go together.
+
+        Training sets that are not used may name a missing dataset.
+        """
+        study, sets = self.training_study, self.training_sets
+        used = [name for name in study.sets if name in sets]
+        images = dict.fromkeys(name for key in used for name in sets[key].images if name in sets)
+        own = {name: each for name, each in sets.items() if each.dataset}
+        compared = dict.fromkeys([*study.sets, *study.references])
+        curves = [name for curve in study.curves for name in curve]
         return [
-            problem
-            for name in used
-            if (dataset := self.training_sets[name].dataset)
-            for problem in _unknown(f"training_sets.{name}.dataset", [dataset], self.datasets)
+            *_unknown("training_study.sets", study.sets, sets),
+            *_unknown("training_study.tests", study.tests, self.datasets),
+            *_unknown("training_study.references", study.references, self.detectors),
+            *_unknown("training_study.curves", curves, dict.fromkeys(study.sets)),
+            *(
+                p
+                for pair in study.comparisons
+                for p in _unknown("training_study.comparisons", pair, compared)
+            ),
+            *(
+                p
+                for name in used
+                for p in _unknown(f"training_sets.{name}.images", sets[name].images, own)
+            ),
+            *(p for name in dict.fromkeys([*used, *images]) for p in self._problems_of_set(name)),
         ]
+
+    def _problems_of_set(self, name: str) -> list[str]:
+        """What is wrong with a training set, apart from its images."""
+        chosen, path = self.training_sets[name], f"training_sets.{name}"
+        dataset = [chosen.dataset] if chosen.dataset else []
+        camera = [chosen.render["camera"]] if "camera" in chosen.render else []
+        problems = [
+            *_unknown(f"{path}.dataset", dataset, self.datasets),
+            *_unknown(f"{path}.render.camera", camera, self.cameras),
+        ]
+        for key in SET_SECTIONS:
+            section = getattr(self, key)
+            try:
+                type(section)(**section.model_dump() | getattr(chosen, key))
+            except ValidationError as error:
+                problems += [f"{path}.{key}: {each['ctx']['error']}" for each in error.errors()]
+        return problems
 
     def _unknown_in_release(self) -> list[str]:
         """Unknown names of the section, if it is given; its defaults may name what is missing."""
@@ -147,7 +181,7 @@ class Settings(Parameters):
         ]
 
 
-def _unknown(key: str, used: list[str], table: Mapping[str, Parameters]) -> list[str]:
+def _unknown(key: str, used: Iterable[str], table: Mapping[str, object]) -> list[str]:
     return [
         f"{key}: {name!r} is not defined; known: {', '.join(sorted(table))}"
         for name in used

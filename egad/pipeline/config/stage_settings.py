@@ -55,7 +55,7 @@ class TrainingStudyReport(StageSettings):
     """Networks that learnt from different objects side by side."""
 
     training_study: TrainingStudy
-    training_sets: dict[str, TrainingSet]  # those that are compared
+    training_sets: dict[str, TrainingSet]  # those that are compared, and those they show images of
     render: Render
     training: Training
     trials: Trials
@@ -82,9 +82,9 @@ def select(
     if issubclass(stage, MeasureParameters) and settings.difficulty.metric == "nominal":
         values["robust"] = None
     if "training_sets" in values:
-        values["training_sets"] = {
-            name: settings.training_sets[name] for name in settings.training_study.sets
-        }
+        sets = settings.training_sets
+        used = [[name, *sets[name].images] for name in settings.training_study.sets]
+        values["training_sets"] = {name: sets[name] for names in used for name in names}
     if "gripper" in stage.model_fields:
         chooses = "select_eval" in values
         own = _narrowest(settings) if chooses else settings.difficulty.gripper

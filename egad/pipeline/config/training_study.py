@@ -1,21 +1,23 @@
-"""The networks of the experiment on training sets, and the settings that each is made with."""
+"""The networks of the training study, and the settings that they are trained and tested with."""
 
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 from egad.errors import UserError
-from egad.pipeline.config import DetectorConfig, Settings, TrainingSet
+from egad.perception import STEREO
+from egad.pipeline.config import DetectorConfig, Settings, TrainingSet, TrainingStudy
+from egad.pipeline.config.sections import SET_SECTIONS
 
 FOLDER = Path("results/training_study")
 WEIGHTS = "weights.safetensors"
 
 
 class Network(NamedTuple):
-    """A network of the experiment.
+    """A network of the study.
 
     Attributes:
-        training_set: What it learnt from.
+        training_set: What it was trained on.
         seed: Number of its training, from 0; 0 for given weights.
     """
 
@@ -33,22 +35,22 @@ class Network(NamedTuple):
         return f"{self.training_set}/{self.seed}"
 
 
-def networks(sets: Mapping[str, TrainingSet], names: list[str], seeds: int) -> list[Network]:
-    """The networks of some training sets; of given weights there is one.
-
-    Args:
-        sets: All training sets.
-        names: Those that are compared.
-        seeds: Networks trained on each.
-    """
-    counts = {name: seeds if sets[name].dataset else 1 for name in names}
+def networks(sets: Mapping[str, TrainingSet], study: TrainingStudy) -> list[Network]:
+    """The networks of the training sets that are compared; of given weights there is one."""
+    counts = {
+        name: 1 if sets[name].weights else sets[name].seeds or study.seeds for name in study.sets
+    }
     return [Network(name, seed) for name, count in counts.items() for seed in range(count)]
 
 
 def networks_of(settings: Settings) -> list[Network]:
     """The networks that a configuration asks for."""
-    asked = settings.training_study
-    return networks(settings.training_sets, asked.sets, asked.seeds)
+    return networks(settings.training_sets, settings.training_study)
+
+
+def image_sets(name: str, sets: Mapping[str, TrainingSet]) -> list[str]:
+    """The training sets whose images a set consists of: itself, if it has a dataset."""
+    return [name] if sets[name].dataset else sets[name].images
 
 
 def with_networks(settings: Settings) -> Settings:
@@ -73,10 +75,29 @@ def with_networks(settings: Settings) -> Settings:
 def settings_for(settings: Settings, network: Network) -> Settings:
     """The settings that the images of a training set and a network are made with.
 
-    All sets have as many images, and their images the same seed; networks of a set differ in the
-    seed of the training.
+    The images of all sets have the same seed; networks of a set differ in that of the training.
     """
     chosen = settings.training_sets[network.training_set]
-    parts = {name: getattr(chosen, name) for name in ("complexity", "subset", "hold_out")}
-    render = settings.render.model_copy(update=parts)
-    return settings.model_copy(update={"render": render, "seed": settings.seed + network.seed})
+    sections = {
+        name: getattr(settings, name).model_copy(update=getattr(chosen, name))
+        for name in SET_SECTIONS
+    }
+    return settings.model_copy(update={**sections, "seed": settings.seed + network.seed})
+
+
+def settings_of_tests(settings: Settings, noise: str = "none") -> Settings:
+    """The settings that networks are tested with.
+
+    Args:
+        settings: The whole configuration.
+        noise: Of the depth images of trials with single objects: none or stereo. Cleared tables
+            have all kinds of noise of the study.
+    """
+    study = settings.training_study
+    depth_noise = STEREO.disparity if noise == "stereo" else 0.0
+    scenes = {"scenes": tuple(study.clutter), "noise": tuple(study.noise), "rounds": study.rounds}
+    parts = {
+        "trials": settings.trials.model_copy(update={"depth_noise": depth_noise}),
+        "clutter": settings.clutter.model_copy(update=scenes),
+    }
+    return settings.model_copy(update=parts)

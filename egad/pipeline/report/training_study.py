@@ -1,32 +1,41 @@
 """The page about networks that were trained on different object sets."""
 
+import json
+import string
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
-from egad.pipeline.config.sections import TrainingSet
+from egad.evalset import cell_of_label
+from egad.pipeline.config.sections import SET_SECTIONS, TrainingSet
 from egad.pipeline.config.stage_settings import TrainingStudyReport
 from egad.pipeline.config.training_study import Network
+from egad.report.colors import ink_on
 from egad.report.drawing import svg_uri
 from egad.report.page import render_template
-from egad.report.training import score_chart, set_colors, success_chart, training_curves
-from egad.report.trial_charts import outcome_chart, rate_bars, trial_heat_map
-from egad.report.trials import EvaluationSet
+from egad.report.training_study import Row, learning_chart, success_chart
+from egad.report.trial_charts import outcome_chart, rate_color
 from egad.stats import (
+    TEST,
     Mean,
-    SeedVariance,
-    SetPair,
-    SetRate,
-    TestAttempts,
-    TrialGrid,
-    by_set,
-    by_test,
-    references,
-    seed_variance,
-    set_pairs,
-    trial_grid,
+    SetComparison,
+    Spread,
+    by_name,
+    compare_sets,
+    mean_interval,
+    mean_rate,
+    network_rates,
+    pooled_spread,
 )
+from egad.tables import parquet
+
+NOISES = {"none": "no noise", "stereo": "stereo noise"}
+WIDTHS = {"to 20 mm": 0.02, "20 to 45 mm": 0.045, "above 45 mm": np.inf}  # upper ends, metres
+Floats = NDArray[np.float64]
+Rates = dict[tuple[str, str, str, str], dict[str, Floats]]
 
 
 @dataclass(frozen=True)
@@ -34,11 +43,11 @@ class Images:
     """The rendered images of a training set.
 
     Attributes:
-        objects: Ids of the objects that networks are trained on: those of the split train.
+        objects: Dataset and id of the objects that networks are trained on: of the split train.
         count: How many images show them.
     """
 
-    objects: frozenset[str]
+    objects: frozenset[tuple[str, str]]
     count: int
 
 
@@ -72,68 +81,99 @@ class Study:
 
     Attributes:
         settings: What was asked for.
-        table: Columns of `tables.training.COMPARED`.
-        tests: The evaluation sets, by their dataset.
+        trials: Columns of `tables.training.COMPARED`.
+        cleared: Columns of `tables.training.CLEARED`.
+        widths: Shortest side of each object of a test as it is tried, metres, by dataset and label.
         images: By training set, of those that are trained on.
         trainings: By network, of the same sets.
     """
 
     settings: TrainingStudyReport
-    table: pd.DataFrame
-    tests: Mapping[str, EvaluationSet]
+    trials: pd.DataFrame
+    cleared: pd.DataFrame
+    widths: Mapping[str, Mapping[str, float]]
     images: Mapping[str, Images]
     trainings: Mapping[Network, Training]
 
 
 @dataclass(frozen=True)
 class SetView:
-    """A training set in a test; the heat map is an address.
+    """A training set, or another detector, in all tests of a dataset.
 
     Attributes:
-        name: Of the set.
-        rate: Its success.
-        ends: Success in the first and in the last row: the easiest and the hardest objects.
-        seen: Objects of the test that its networks were trained on.
-        heat_map: Success of each object, all networks together.
+        rows: Its success, by column.
+        objects: The same with the interval by objects, for tests with single objects.
+    """
+
+    rows: dict[str, Row]
+    objects: dict[str, Mean]
+
+
+@dataclass(frozen=True)
+class NoiseView:
+    """Single objects with one kind of noise.
+
+    Attributes:
+        name: Of the noise.
+        outcomes: Address of a figure.
+        parts: Success by name and then row, column and width: value, color, color of the text.
     """
 
     name: str
-    rate: SetRate
-    ends: tuple[Mean, Mean]
-    seen: int
-    heat_map: str
+    outcomes: str
+    parts: dict[str, dict[str, tuple[float, str, str]]]
 
 
 @dataclass(frozen=True)
 class TestView:
-    """A test; figures are addresses, empty if there is none."""
+    """All tests with the objects of a dataset.
+
+    Attributes:
+        name: Of the dataset.
+        objects: How many there are.
+        seen: How many of them networks were trained on, by training set.
+        sets: By name of the set or other detector.
+        spreads: By column: standard deviation of each set by name, and of all together.
+        noises: Kinds of noise of the depth images.
+    """
 
     name: str
     objects: int
-    sets: list[SetView]
-    references: dict[str, Mean]
-    pairs: list[SetPair]
-    noise: SeedVariance | None
-    rows_figure: str
-    columns_figure: str
-    outcome_figure: str
-    score_figure: str
+    seen: dict[str, int]
+    sets: dict[str, SetView]
+    spreads: dict[str, tuple[dict[str, Spread], Spread | None]]
+    noises: list[NoiseView]
+
+    @property
+    def columns(self) -> list[str]:
+        """What is tested and measured."""
+        return list(self.spreads)
+
+
+@dataclass(frozen=True)
+class Comparisons:
+    """What was to be tested before anything was known."""
+
+    rows: list[SetComparison]
+    noises: Mapping[str, str]
 
 
 def page(study: Study) -> str:
     """The page about a study: HTML that needs no other file."""
-    settings, tests = study.settings, by_test(study.table)
-    sets = settings.training_study.sets
-    curves = training_curves(_histories(study), set_colors(sets)) if study.trainings else ""
+    settings = study.settings
+    asked = settings.training_study
+    rates = rates_by_test(study.trials, study.cleared)
     return render_template(
         "training_study",
         settings=settings,
-        descriptions={key: describe(settings.training_sets[key]) for key in sets},
+        descriptions={key: describe(settings.training_sets[key]) for key in asked.sets},
         images=study.images,
         trainings=study.trainings,
-        success_figure=svg_uri(success_chart(tests)),
-        curves=svg_uri(curves),
-        tests=[_test(name, tried, study) for name, tried in tests.items()],
+        success_figure=svg_uri(success_chart(panels(rates, set(asked.sets)))),
+        comparisons=Comparisons(compare_sets(study.trials, asked.comparisons), NOISES),
+        curves=[svg_uri(_curve(curve, rates, study.images)) for curve in asked.curves],
+        tests=[_test(name, rates, study) for name in asked.tests],
+        widths=list(WIDTHS),
     )
 
 
@@ -141,65 +181,156 @@ def describe(training_set: TrainingSet) -> str:
     """What a training set consists of, in words; a name stands between backticks."""
     if training_set.weights:
         return f"given weights, `{training_set.weights}`, without training"
-    low, high = training_set.complexity
-    objects = "all objects" if (low, high) == (0, 1) else f"complexity ranks {low:g} to {high:g}"
-    if training_set.subset < 1:
-        objects += f", a random sample of {training_set.subset:.1%}"
-    left_out = ", without its evaluation set" if training_set.hold_out else ""
-    return f"dataset `{training_set.dataset}`, {objects}{left_out}"
+    if training_set.images:
+        source = "images of " + ", ".join(f"`{name}`" for name in training_set.images)
+    else:
+        source = f"dataset `{training_set.dataset}`"
+    changes = [
+        f"`{section}.{key}: {json.dumps(value)}`"
+        for section in SET_SECTIONS
+        for key, value in getattr(training_set, section).items()
+    ]
+    return "; ".join([source, *changes])
 
 
-def _test(name: str, tried: TestAttempts, study: Study) -> TestView:
-    area = study.tests[name]
-    sets = by_set(tried.rows)
-    grids = {key: trial_grid(rows, area.rows, area.columns) for key, rows in sets.items()}
-    rows = {key: [*grid.rows, grid.overall] for key, grid in grids.items()}
-    columns = {key: [*grid.columns, grid.overall] for key, grid in grids.items()}
-    digits = [str(column) for column in range(area.columns)]
-    points = _points(tried.sets, study)
+def rates_by_test(trials: pd.DataFrame, cleared: pd.DataFrame) -> Rates:
+    """Success of each network, by test and then by training set or other detector.
+
+    Args:
+        trials: Columns of `tables.training.COMPARED`.
+        cleared: Columns of `tables.training.CLEARED`.
+    """
+    found: Rates = {}
+    groups = network_rates(trials, cleared).groupby(TEST, sort=False)
+    for (test, scene, noise, measure), rows in groups:
+        found[str(test), str(scene), str(noise), str(measure)] = by_name(rows)
+    return found
+
+
+def _spread(rates: Mapping[str, Floats]) -> Spread | None:
+    return pooled_spread(rates.values())
+
+
+def _rows(rates: Mapping[str, Floats], trained: set[str]) -> dict[str, Row]:
+    """Rows of a chart, with intervals by the standard deviation of all sets together."""
+    spread = _spread(rates)
+    unknown = (float("nan"), float("nan"))
+    return {
+        name: Row(
+            list(map(float, values)),
+            name in trained,
+            mean_interval(values, spread) if name in trained else unknown,
+        )
+        for name, values in rates.items()
+    }
+
+
+def panels(rates: Rates, trained: set[str]) -> dict[str, dict[str, Row]]:
+    """Success with single objects, a panel of the chart for each dataset and noise.
+
+    Args:
+        rates: From `rates_by_test`.
+        trained: Names of training sets; the others are other detectors.
+    """
+    return {
+        f"{test}, {NOISES[noise]}": _rows(found, trained)
+        for (test, scene, noise, _), found in rates.items()
+        if scene == "single"
+    }
+
+
+def _curve(curve: list[str], rates: Rates, images: Mapping[str, Images]) -> str:
+    """A learning curve over the number of objects; of images, if these differ."""
+    by_images = len({images[name].count for name in curve}) > 1
+    sizes = {
+        name: float(images[name].count if by_images else len(images[name].objects))
+        for name in curve
+    }
+    success = {
+        f"{test}, {NOISES[noise]}": {sizes[name]: found[name].tolist() for name in curve}
+        for (test, scene, noise, _), found in rates.items()
+        if scene == "single"
+    }
+    return learning_chart(success, "training images" if by_images else "training objects")
+
+
+def _test(name: str, rates: Rates, study: Study) -> TestView:
+    asked = study.settings.training_study
+    tried = study.trials[study.trials["test"] == name]
+    columns = {_title(*key[1:]): found for key, found in rates.items() if key[0] == name}
+    rows = {title: _rows(found, set(asked.sets)) for title, found in columns.items()}
+    by_noise = {str(noise): _by_name(own) for noise, own in tried.groupby("noise", sort=False)}
+    names = [*asked.sets, *asked.references]
+    known = {(name, each) for each in tried["id"]}
     return TestView(
         name=name,
-        objects=tried.rows["id"].nunique(),
-        sets=[_set(key, name, tried, grid, study) for key, grid in grids.items()],
-        references=tried.references,
-        pairs=set_pairs(sets),
-        noise=seed_variance(tried.sets),
-        rows_figure=svg_uri(rate_bars(rows)),
-        columns_figure=svg_uri(rate_bars(columns, digits)),
-        outcome_figure=svg_uri(outcome_chart({**sets, **references(tried.rows)})),
-        score_figure=svg_uri(score_chart(points, set_colors(list(tried.sets)))) if points else "",
+        objects=tried["id"].nunique(),
+        seen={key: len(known & found.objects) for key, found in study.images.items()},
+        sets={
+            key: SetView(
+                {title: found[key] for title, found in rows.items()},
+                {
+                    _title("single", n, "success"): mean_rate(own[key])
+                    for n, own in by_noise.items()
+                },
+            )
+            for key in names
+        },
+        spreads={title: _spreads(found) for title, found in columns.items()},
+        noises=[
+            NoiseView(
+                NOISES[noise],
+                svg_uri(outcome_chart(own)),
+                {key: _parts(own[key], study.widths[name]) for key in names},
+            )
+            for noise, own in by_noise.items()
+        ],
     )
 
 
-def _set(name: str, test: str, tried: TestAttempts, grid: TrialGrid, study: Study) -> SetView:
-    area, table = study.tests[test], tried.rows
-    present = set((table if area.objects is None else area.objects)["label"])
-    return SetView(
-        name=name,
-        rate=tried.sets[name],
-        ends=(grid.rows[0], grid.rows[-1]),
-        seen=_seen(name, test, set(table["id"]), study),
-        heat_map=svg_uri(trial_heat_map(grid, area.rows, area.columns, present, area.axes)),
-    )
+def _title(scene: str, noise: str, measure: str) -> str:
+    """What is tested and measured, as the head of a column."""
+    what = f"{scene}, {measure}" if scene != "single" else scene
+    return f"{what}, {NOISES[noise]}"
 
 
-def _seen(name: str, test: str, ids: set[str], study: Study) -> int:
-    """Objects of a test that the networks of a set were trained on; ids are those of a dataset."""
-    same = study.settings.training_sets[name].dataset == test
-    return len(ids & study.images[name].objects) if same else 0
+def _by_name(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Attempts by training set or other detector."""
+    names = rows["training_set"].where(rows["training_set"] != "", rows["detector"])
+    return {str(name): own for name, own in rows.groupby(names, sort=False)}
 
 
-def _points(rates: Mapping[str, SetRate], study: Study) -> dict[str, list[tuple[float, float]]]:
-    """Score and success of the networks that were trained, by training set."""
-    points: dict[str, list[tuple[float, float]]] = {}
-    for network, training in study.trainings.items():
-        success = rates[network.training_set].each[network.seed].value
-        points.setdefault(network.training_set, []).append((training.rate, success))
-    return points
+def _spreads(rates: Mapping[str, Floats]) -> tuple[dict[str, Spread], Spread | None]:
+    each = {name: pooled_spread([values]) for name, values in rates.items()}
+    return {name: found for name, found in each.items() if found}, _spread(rates)
 
 
-def _histories(study: Study) -> dict[str, list[pd.DataFrame]]:
-    histories: dict[str, list[pd.DataFrame]] = {}
-    for network, training in study.trainings.items():
-        histories.setdefault(network.training_set, []).append(training.history)
-    return histories
+def _parts(rows: pd.DataFrame, widths: Mapping[str, float]) -> dict[str, tuple[float, str, str]]:
+    """Success by row, by column and by the width of the object, with colors."""
+    cells = [cell_of_label(label) for label in rows["label"]]
+    sides = [widths[label] for label in rows["label"]]
+    index = np.digitize(sides, list(WIDTHS.values()), right=True)
+    by_width = _means(rows, [list(WIDTHS)[number] for number in index])
+    groups = {
+        **_means(rows, [string.ascii_uppercase[row] for row, _ in cells]),
+        **_means(rows, [str(column) for _, column in cells]),
+        **{name: by_width[name] for name in WIDTHS if name in by_width},
+    }
+    colors = {key: rate_color(value) for key, value in groups.items()}
+    return {key: (value, colors[key], ink_on(colors[key])) for key, value in groups.items()}
+
+
+def _means(rows: pd.DataFrame, groups: list[str]) -> dict[str, float]:
+    means = rows["success"].groupby(np.array(groups)).mean()
+    return {str(key): float(value) for key, value in means.items()}
+
+
+def object_widths(evaluation: pd.DataFrame, scales: pd.DataFrame) -> dict[str, float]:
+    """The shortest side of each object of an evaluation set as it is tried, metres, by its label.
+
+    Args:
+        evaluation: Columns of `tables.evaluation.EVAL49`.
+        scales: Columns of `tables.grasping.SCALES`.
+    """
+    sides = dict(zip(scales["label"], scales["after_1"], strict=True))
+    return {row["label"]: sides[row["object_label"]] for row in parquet.records(evaluation)}

@@ -10,15 +10,15 @@ import typer
 from egad._util.files import write_text
 from egad.perception import files
 from egad.pipeline.config.stage_settings import TrainingStudyReport
-from egad.pipeline.config.training_study import Network, networks
+from egad.pipeline.config.training_study import Network, image_sets, networks
 from egad.pipeline.parameters import Input, NotNoted, Output, command
-from egad.pipeline.report.training_study import Images, Study, Training, page
-from egad.report.axes import axis_pair
-from egad.report.trials import EvaluationSet
+from egad.pipeline.report.training_study import Images, Study, Training, object_widths, page
 from egad.stats import check_starts, read
 from egad.tables import parquet
+from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import EVAL49
-from egad.tables.training import COMPARED, HISTORY, SCORE
+from egad.tables.grasping import SCALES
+from egad.tables.training import CLEARED, COMPARED, HISTORY, SCORE
 
 log = logging.getLogger(__name__)
 
@@ -30,6 +30,7 @@ def run(
     results: Annotated[Path, NotNoted()],
     out: Annotated[Path, Output("training_study/report.html")],
     table: Annotated[Path, Output("training_study/results.parquet", COMPARED)],
+    clutter: Annotated[Path, Output("training_study/clutter.parquet", CLEARED)],
     reads: Annotated[list[Path] | None, typer.Argument(), Input()] = None,
 ) -> None:
     """Compare networks that were trained on different object sets.
@@ -39,64 +40,100 @@ def run(
         gripper: Name of the gripper of the trials.
         results: Folder of all results.
         out: Comparison of networks trained on different object sets. Made only if named. See
-            `docs/training-study.md`. The folder `training_study/images/SET/` contains the images of
-            a training set, with the same layout as `D/images/G/`.
-        table: All attempts of all networks, and of the reference detectors.
+            `docs/training.md`. The folder `training_study/images/SET/` contains the images of a
+            training set, with the same layout as `D/images/G/`; `training_study/trials/D/` the
+            trials by noise and detector, and `training_study/clutter/D/` the cleared tables, with
+            the columns of `D/trials/G/P.parquet` and `D/clutter/G/P.parquet`.
+        table: All attempts at single objects of all networks, and of the reference detectors.
+        clutter: Their attempts in scenes of several objects.
         reads: Files that the report shows, for the provenance.
 
     Raises:
         UserError: Attempts that should start with the same drop do not.
     """
     del reads
-    asked = settings.training_study
-    found = networks(settings.training_sets, asked.sets, asked.seeds)
-    trials = pd.concat(
-        _attempts(results / test / "trials" / gripper, test, found, asked.references)
+    asked, sets = settings.training_study, settings.training_sets
+    found = networks(sets, asked)
+    made = results / "training_study"
+    tried = pd.concat(
+        _attempts(made / "trials" / test / noise, test, noise, found, asked.references)
         for test in asked.tests
+        for noise in asked.noise
     )
     if settings.trials.reset == "redrop":
-        for _, rows in trials.groupby("test"):
+        for _, rows in tried.groupby("test"):
             check_starts(rows)
-    trained = [each for each in found if settings.training_sets[each.training_set].dataset]
-    made = results / "training_study"
+    parts = [parquet.empty(CLEARED)]
+    if asked.clutter:
+        parts = [
+            _cleared(made / "clutter" / test, test, found, asked.references) for test in asked.tests
+        ]
+    cleared = pd.concat(parts)
+    trained = [each for each in found if not sets[each.training_set].weights]
     study = Study(
         settings=settings,
-        table=trials,
-        tests={test: _set(results / test / "eval49.parquet", settings) for test in asked.tests},
-        images={each.training_set: _images(made, each.training_set) for each in trained},
+        trials=tried,
+        cleared=cleared,
+        widths={test: _widths(results / test, gripper) for test in asked.tests},
+        images={each.training_set: _images(made, each.training_set, settings) for each in trained},
         trainings={each: _training(made / "networks" / each.folder) for each in trained},
     )
     write_text(out, page(study))
-    parquet.write(trials, COMPARED, table)
-    log.info("%d networks, %d attempts", len(found), len(trials))
+    parquet.write(tried, COMPARED, table)
+    parquet.write(cleared, CLEARED, clutter)
+    log.info("%d networks, %d attempts", len(found), len(tried) + len(cleared))
 
 
-def _attempts(folder: Path, test: str, found: list[Network], references: list[str]) -> pd.DataFrame:
-    """All attempts of a test, columns of `COMPARED`."""
-    made_by = {each.name: (each.training_set, each.seed) for each in found}
-    made_by |= dict.fromkeys(references, ("", 0))
+def _made_by(found: list[Network], references: list[str]) -> dict[str, tuple[str, int]]:
+    """Training set and seed by name of the detector; an empty set for references."""
+    return {each.name: (each.training_set, each.seed) for each in found} | dict.fromkeys(
+        references, ("", 0)
+    )
+
+
+def _attempts(
+    folder: Path, test: str, noise: str, found: list[Network], references: list[str]
+) -> pd.DataFrame:
+    """All attempts at single objects of a test, columns of `COMPARED`."""
     parts = [
-        read(folder / f"{name}.parquet")[name].assign(test=test, training_set=chosen, seed=seed)
-        for name, (chosen, seed) in made_by.items()
+        read(folder / f"{name}.parquet")[name].assign(
+            test=test, noise=noise, training_set=chosen, seed=seed
+        )
+        for name, (chosen, seed) in _made_by(found, references).items()
     ]
     return pd.concat(parts, ignore_index=True).loc[:, list(COMPARED.names)]
 
 
-def _set(evaluation: Path, settings: TrainingStudyReport) -> EvaluationSet:
-    grid = settings.select_eval
-    chosen = parquet.read(evaluation, EVAL49)
-    return EvaluationSet(grid.rows, grid.columns, chosen, axis_pair(settings.measures))
-
-
-def _images(made: Path, name: str) -> Images:
-    batches = [
-        rows
-        for path in files(made / "images" / name)
-        for rows in parquet.batches(path, ["id", "split"])
+def _cleared(folder: Path, test: str, found: list[Network], references: list[str]) -> pd.DataFrame:
+    """All attempts in scenes of several objects of a test, columns of `CLEARED`."""
+    parts = [
+        parquet.read(folder / f"{name}.parquet", CLUTTER).assign(
+            test=test, training_set=chosen, seed=seed, detector=name
+        )
+        for name, (chosen, seed) in _made_by(found, references).items()
     ]
-    rows = pd.concat(batches)
-    train = rows.loc[rows["split"] == "train", "id"]
-    return Images(frozenset(train), len(train))
+    return pd.concat(parts, ignore_index=True).loc[:, list(CLEARED.names)]
+
+
+def _widths(dataset: Path, gripper: str) -> dict[str, float]:
+    chosen = parquet.read(dataset / "eval49.parquet", EVAL49)
+    return object_widths(
+        chosen, parquet.read(dataset / "rescaled" / gripper / "scales.parquet", SCALES)
+    )
+
+
+def _images(made: Path, name: str, settings: TrainingStudyReport) -> Images:
+    """The images of the split train that the networks of a set are trained on."""
+    objects: set[tuple[str, str]] = set()
+    count = 0
+    for source in image_sets(name, settings.training_sets):
+        dataset = str(settings.training_sets[source].dataset)
+        for path in files(made / "images" / source):
+            for rows in parquet.batches(path, ["id", "split"]):
+                train = rows.loc[rows["split"] == "train", "id"]
+                objects |= {(dataset, each) for each in train}
+                count += len(train)
+    return Images(frozenset(objects), count)
 
 
 def _training(folder: Path) -> Training:

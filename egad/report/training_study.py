@@ -1,0 +1,101 @@
+"""Charts of the training study: success of sets, each network as a point, and learning curves."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from egad.report.colors import INK, LINES, SOFT, line_color
+from egad.report.drawing import new_figure, show_percent
+from egad.stats import mean_interval, pooled_spread
+
+
+@dataclass(frozen=True)
+class Row:
+    """Success of a training set, or of another detector, in a test.
+
+    Attributes:
+        values: Of each network; of another detector, one.
+        trained: Whether it is a training set.
+        interval: 95 % confidence interval of the mean over networks; NaN if it is not known.
+    """
+
+    values: Sequence[float]
+    trained: bool
+    interval: tuple[float, float]
+
+    @property
+    def mean(self) -> float:
+        """Mean over the networks."""
+        return float(np.mean(self.values))
+
+
+def success_chart(tests: Mapping[str, Mapping[str, Row]]) -> str:
+    """Success of each training set, a panel a test.
+
+    Args:
+        tests: Rows by name, by title of the panel; the same names in all of them.
+
+    Returns:
+        SVG text: a filled dot is the mean of the networks of a set, with its interval of 95 %;
+        hollow dots are single networks; other detectors are grey.
+    """
+    names = list(next(iter(tests.values())))
+    across = min(len(tests), 2)
+    down = -(-len(tests) // across)
+    with new_figure(1.6 + 3.7 * across, down * (0.9 + 0.3 * len(names))) as drawing:
+        panels = drawing.figure.subplots(down, across, squeeze=False, sharey=True)
+        for axes, (title, rows) in zip(panels.flat, tests.items(), strict=False):
+            for number, row in enumerate(rows.values()):
+                _draw_row(axes, number, row)
+            axes.set(xlim=(0, 1), ylim=(len(names) - 0.5, -0.5))
+            axes.set_title(title, fontsize=10)
+            axes.set_yticks(range(len(names)), names)
+            show_percent(axes.xaxis)
+            axes.tick_params(axis="y", length=0)
+            axes.grid(axis="x")
+        for axes in panels.flat[len(tests) :]:
+            axes.remove()
+        drawing.figure.supxlabel("success rate", fontsize=10, color=INK)
+    return drawing.svg
+
+
+def _draw_row(axes: Axes, y: float, row: Row) -> None:
+    color = LINES[0] if row.trained else SOFT
+    axes.hlines(y, *row.interval, color=color, lw=1.6)
+    axes.plot([row.mean], [y], "o", ms=5.5, color=color)
+    if len(row.values) > 1:
+        dots = [y + 0.24] * len(row.values)
+        axes.plot(row.values, dots, "o", ms=3.5, color=INK, mfc="none", mew=0.7)
+
+
+def learning_chart(curves: Mapping[str, Mapping[float, Sequence[float]]], label: str) -> str:
+    """Success over the size of the training set.
+
+    Args:
+        curves: Success of each network by size of its set, by test.
+        label: What the size counts.
+
+    Returns:
+        SVG text: a line joins the means, with intervals of 95 % over networks, whose standard
+        deviation is pooled over the sizes; hollow dots are single networks.
+    """
+    with new_figure(7.6, 3.2) as drawing:
+        axes = drawing.figure.add_subplot()
+        for number, (name, sizes) in enumerate(curves.items()):
+            color, spread = line_color(number), pooled_spread(sizes.values())
+            means = [float(np.mean(values)) for values in sizes.values()]
+            axes.plot(list(sizes), means, "o-", ms=5, lw=1.4, color=color, label=name)
+            for size, values in sizes.items():
+                axes.vlines(size, *mean_interval(values, spread), color=color, lw=1)
+                axes.plot([size] * len(values), values, "o", ms=3.5, color=color, mfc="none")
+        ticks = sorted({size for each in curves.values() for size in each})
+        axes.set_xscale("log")
+        axes.set_xticks(ticks, [f"{size:,.0f}" for size in ticks])
+        axes.minorticks_off()
+        axes.set(ylim=(0, 1), xlabel=label, ylabel="success rate")
+        show_percent(axes.yaxis)
+        axes.grid(axis="y")
+        drawing.figure.legend(loc="outside upper center", ncols=4, fontsize=9)
+    return drawing.svg
