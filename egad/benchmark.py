@@ -25,17 +25,15 @@ from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper, as_gripper
 from egad.named_meshes import RULES, NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
-from egad.perception import NOISES, NoiseName
+from egad.perception import NOISES, SCENE_KINDS, NoiseName, SceneKind
 from egad.sim import (
     ENDINGS,
-    SCENE_KINDS,
     Clutter,
     ClutterParameters,
     EngineChoice,
     Model,
     Propose,
     Round,
-    SceneKind,
     SceneLabels,
     build,
     film_round,

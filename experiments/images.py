@@ -1,7 +1,7 @@
 """The picture of docs/images.md: `python experiments/images.py results/D/images/G`.
 
-Depth images around their objects, near is bright; in green some of the best free grasps, in red the
-best that collides.
+Depth images, near is bright, of objects that lie alone and of several; in green some of the best
+free grasps, in red one that collides.
 """
 
 import sys
@@ -12,23 +12,29 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from egad._util.files import atomic_output
-from egad.perception import Picture, read
+from egad.perception import SCENE_KINDS, Picture, read
 
 DOCS = Path(__file__).parents[1] / "docs"
-COLUMNS, ROWS, SCALE = 5, 2, 3
-SHOWN = 130  # pixels around the object, before they are enlarged
+COLUMNS, SCALE = 5, 2
+ROWS = (1, 1, 1)  # of each kind of scene
+SHOWN = 180  # pixels around the objects, before they are enlarged
 FREE, COLLIDING = (20, 190, 60), (220, 50, 40)
 JAW = 7  # pixels; half the breadth that is drawn
-DEEPEST = 0.06  # metres below the highest point that are drawn black
+DEEPEST = 0.08  # metres below the highest point that are drawn black
 
 
 def main(folder: str) -> None:
     """Write the picture beside this file."""
     images = read(folder)
-    first = images.table.drop_duplicates("id").index
-    chosen = [images[int(number)] for number in first[: COLUMNS * ROWS]]
+    table = images.table.drop_duplicates("id").reset_index()
+    kinds = [table.loc[table["scene"] == kind, "index"] for kind in SCENE_KINDS]
+    chosen = [
+        images[number]
+        for kind, rows in zip(kinds, ROWS, strict=True)
+        for number in kind[: rows * COLUMNS]
+    ]
     side = SHOWN * SCALE
-    sheet = Image.new("RGB", (COLUMNS * side, ROWS * side))
+    sheet = Image.new("RGB", (COLUMNS * side, sum(ROWS) * side))
     for place, picture in enumerate(chosen):
         row, column = divmod(place, COLUMNS)
         sheet.paste(drawn(picture), (column * side, row * side))
@@ -38,22 +44,25 @@ def main(folder: str) -> None:
 
 def drawn(picture: Picture) -> Image.Image:
     """An image around its object, with grasps."""
-    corner = _corner(picture.mask)
+    corner = _corner(picture.mask > 0)
     window = tuple(slice(low, low + SHOWN) for low in corner)
     image = Image.fromarray(_shades(picture)[window]).resize((SHOWN * SCALE,) * 2, Image.NEAREST)
     pen = ImageDraw.Draw(image)
     grasps = picture.grasps
     order = np.argsort(-grasps.quality, kind="stable")
-    for number in [*order[~grasps.free[order]][:1], *_apart(picture, order[grasps.free[order]])]:
+    for number in [
+        *order[~grasps.collision_free[order]][:1],
+        *_apart(picture, order[grasps.collision_free[order]]),
+    ]:
         ends = (grasps.ends()[number] - corner[::-1] + 0.5) * SCALE
-        color = FREE if grasps.free[number] else COLLIDING
+        color = FREE if grasps.collision_free[number] else COLLIDING
         pen.line([tuple(end) for end in ends.tolist()], fill=color, width=3)
         angle = grasps.angle[number]
         across = JAW * SCALE * np.array([np.sin(angle), np.cos(angle)])
         for end in ends:
             jaw = [tuple((end + sign * across).tolist()) for sign in (-1, 1)]
             pen.line(jaw, fill=color, width=3)
-    pen.text((6, 4), f"{picture.label}, pose {picture.pose}", "white")
+    pen.text((6, 4), f"{picture.label}, {picture.scene}", "white")
     return image
 
 
@@ -75,8 +84,8 @@ def _corner(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 def _shades(picture: Picture) -> NDArray[np.uint8]:
     depth = np.nan_to_num(picture.depth, nan=np.inf)
-    bright = np.clip(1 - (depth - depth[picture.mask].min()) / DEEPEST, 0, 1)
-    grey = np.where(picture.mask, 70 + 185 * bright, 45 + 20 * bright).astype(np.uint8)
+    bright = np.clip(1 - (depth - depth[picture.mask > 0].min()) / DEEPEST, 0, 1)
+    grey = np.where(picture.mask > 0, 70 + 185 * bright, 45 + 20 * bright).astype(np.uint8)
     return np.stack([grey] * 3, axis=-1)
 
 

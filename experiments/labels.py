@@ -33,7 +33,7 @@ def main(images: Path) -> None:
 
 def openings(row: tuple) -> np.ndarray:
     """Those of the positive grasps of an image, metres (n,)."""
-    good = positive(row.quality, row.collision_free, RULE)
+    good = positive(row._asdict(), RULE)
     return (np.asarray(row.opening) * np.asarray(row.depth_center) / row.focal)[good]
 
 

@@ -1,6 +1,7 @@
 from .bundle import SimulationObject as SimulationObject
 from .bundle import make_simulation_object as make_simulation_object
 from .bundle import part_rows as part_rows
+from .bundle import read_parts as read_parts
 from .bundle import simulation_object as simulation_object
 from .datasheet import ATTEMPTS as ATTEMPTS
 from .datasheet import ForGripper as ForGripper

@@ -117,6 +117,13 @@ def part_rows(made: SimulationObject) -> pd.DataFrame:
     )
 
 
+def read_parts(rows: pd.DataFrame) -> tuple[trimesh.Trimesh, ...]:
+    """The convex parts of an object, metres: columns of `tables.evaluation.CONVEX_PARTS`."""
+    corners = [np.reshape(vertices, (-1, 3)) for vertices in rows["vertices"]]
+    faces = [np.reshape(each, (-1, 3)) for each in rows["faces"]]
+    return tuple(trimesh.Trimesh(*part, process=False) for part in zip(corners, faces, strict=True))
+
+
 def simulation_object(
     mesh: trimesh.Trimesh, density: float, rows: pd.DataFrame
 ) -> SimulationObject:
@@ -132,14 +139,10 @@ def simulation_object(
     """
     solid = wind_outwards(mesh)
     physics = mass_properties(solid, density)
-    corners = [np.reshape(vertices, (-1, 3)) for vertices in rows["vertices"]]
-    faces = [np.reshape(each, (-1, 3)) for each in rows["faces"]]
     first = rows.iloc[0]
     return SimulationObject(
         mesh=solid,
-        parts=tuple(
-            trimesh.Trimesh(*part, process=False) for part in zip(corners, faces, strict=True)
-        ),
+        parts=read_parts(rows),
         physics=physics,
         poses=_resting_poses(solid, physics),
         volume_error=float(first["volume_error"]),

@@ -61,7 +61,7 @@ def write_gqcnn(pictures: Iterable[Picture], folder: Path) -> int:
     waiting = {name: np.empty((0, *shape), kind) for name, (kind, shape) in FIELDS.items()}
     for picture in pictures:
         number = objects.setdefault(picture.label, len(objects))
-        pose = poses.setdefault(f"{picture.label}/{picture.pose}", len(poses))
+        pose = poses.setdefault(f"{picture.label}/{picture.objects[0].pose}", len(poses))
         rows = tensors(picture, number, pose)
         waiting = {key: np.concatenate([waiting[key], rows[key]]) for key in FIELDS}
         splits += [picture.split] * len(picture.grasps.u)
@@ -95,7 +95,7 @@ def tensors(picture: Picture, object_number: int, pose_number: int) -> Tensors:
     ]
     depth, mask = (
         fill_missing(picture.depth),
-        np.where(picture.mask, np.float32(255), np.float32(0)),
+        np.where(picture.mask > 0, np.float32(255), np.float32(0)),
     )
     found = {
         "depth_ims_tf_table": cut_out(depth, picture, 1),

@@ -44,7 +44,7 @@ def write_jacquard(picture: Picture, gripper: Gripper, folder: Path) -> bool:
     name = f"{picture.image}_{picture.label}"
     scale = SIDE / width
     write_depth(_enlarged(picture.depth), place / f"{name}_perfect_depth.tiff")
-    write_mask(_enlarged(picture.mask), place / f"{name}_mask.png")
+    write_mask(_enlarged(picture.mask > 0), place / f"{name}_mask.png")
     grasps = picture.grasps.chosen(picture.grasps.collision_free)
     breadth = gripper.finger_width * picture.view.intrinsics.focal / grasps.depth_center
     columns = [

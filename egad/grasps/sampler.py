@@ -4,6 +4,7 @@ The rules are those of Dex-Net's antipodal sampler as EGAD used it (Mahler et al
 exact ray casting in place of a search along lines in a distance field.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 import numba
@@ -84,6 +85,7 @@ def sample_contacts(
     count: int,
     sampling: Sampling,
     rng: np.random.Generator,
+    wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> tuple[ContactPairs, SamplingStatistics]:
     """Find grasps that are well spread over an object.
 
@@ -100,6 +102,7 @@ def sample_contacts(
         sampling: Rules. A round draws twice as many candidates as grasps are wanted, if that is
             more than its setting.
         rng: Where chance comes from.
+        wanted: Which of n axes, (n, 3) unit vectors, are candidates; all by default.
 
     Returns:
         Up to `count` grasps, fewer if the rounds did not give more, and what became of the
@@ -108,7 +111,7 @@ def sample_contacts(
     grasps, tally = ContactPairs.empty(), SamplingStatistics()
     for _ in range(sampling.rounds):
         draws = max(sampling.candidates, 2 * count)
-        fresh, fate = valid_contacts(caster, opening, draws, sampling, rng)
+        fresh, fate = valid_contacts(caster, opening, draws, sampling, rng, wanted)
         spread = _keep_apart(grasps, fresh, sampling.spacing)
         grasps = join([grasps, fresh.take(spread)])
         tally += fate + SamplingStatistics(too_close=len(fresh) - len(spread))
@@ -123,6 +126,7 @@ def valid_contacts(
     candidates: int,
     sampling: Sampling,
     rng: np.random.Generator,
+    wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> tuple[ContactPairs, SamplingStatistics]:
     """Draw candidates as `sample_contacts` does and keep all that are grasps, however close.
 
@@ -135,6 +139,7 @@ def valid_contacts(
         candidates: How many to draw.
         sampling: Rules; rounds and spacing do not matter.
         rng: Where chance comes from.
+        wanted: Which of n axes, (n, 3) unit vectors, are candidates; all by default.
 
     Returns:
         The grasps among them, in the order drawn, and what became of the others.
@@ -142,6 +147,9 @@ def valid_contacts(
     starts, faces = _points(caster, candidates, rng)
     normals = caster.normals[faces]
     axes = _axes_in_cone(normals, sampling.cone, rng)
+    if wanted is not None:
+        kept = np.flatnonzero(wanted(axes))
+        starts, normals, axes = starts[kept], normals[kept], axes[kept]
     return _close(caster, starts, normals, axes, opening, sampling)
 
 

@@ -5,11 +5,10 @@ from .evaluation import Score as Score
 from .evaluation import count_correct as count_correct
 from .evaluation import score_table as score_table
 from .evaluation import total_score as total_score
+from .image_size import SIZE as SIZE
 from .model_card import TrainedNetwork as TrainedNetwork
-from .model_card import best_epoch as best_epoch
 from .model_card import card as card
 from .parameters import Training as Training
-from .targets import SIZE as SIZE
 from .targets import peaks as peaks
 from .targets import prepare_input as prepare_input
 from .targets import read_maps as read_maps

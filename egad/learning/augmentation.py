@@ -1,7 +1,8 @@
-"""Changed images that still show possible grasps: quarter turns, and a closer look.
+"""Changed images that still show possible grasps: quarter turns, a closer look, and a crop.
 
 As GG-CNN does: quarter turns, each equally likely, and a zoom that shows the middle of the image.
-The depths stay as they are.
+The depths stay as they are. Ours is the crop, a square of the changed image: only its pixels are
+computed.
 """
 
 from typing import NamedTuple
@@ -10,7 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad.learning.image_size import SIZE
 from egad.perception import Rectangles, half_turn
+
+AIMED = 0.75  # part of the crops that show a positive grasp, if the image has one
 
 
 class Change(NamedTuple):
@@ -25,6 +29,23 @@ class Change(NamedTuple):
     zoom: float = 1.0
 
 
+class Crop(NamedTuple):
+    """A square of an image.
+
+    Attributes:
+        row: Of its first pixel.
+        column: Of its first pixel.
+        side: Pixels along each side.
+    """
+
+    row: int = 0
+    column: int = 0
+    side: int = SIZE
+
+
+WHOLE = Crop()
+
+
 def sample_change(zoom: tuple[float, float], rng: np.random.Generator) -> Change:
     """Draw a change.
 
@@ -35,17 +56,56 @@ def sample_change(zoom: tuple[float, float], rng: np.random.Generator) -> Change
     return Change(int(rng.integers(4)), float(rng.uniform(*zoom)))
 
 
-def change_depth(depth: NDArray[np.floating], change: Change) -> NDArray[np.floating]:
-    """A square depth image without gaps after a change; linear between pixels."""
+def sample_crop(rectangles: Rectangles, side: int, rng: np.random.Generator) -> Crop:
+    """Draw a square of an image: three of four contain the center of one of its grasps (ours).
+
+    All squares that contain it are equally likely. The fourth, and those of an image without
+    grasps, are anywhere.
+
+    Args:
+        rectangles: (n, 5) grasps in the image.
+        side: Pixels along each side, at most 300.
+        rng: Source of chance.
+    """
+    centers = rectangles[(np.abs(rectangles[:, :2] - (SIZE - 1) / 2) < SIZE / 2).all(axis=1), :2]
+    low, high = np.zeros(2, int), np.full(2, SIZE - side)
+    if rng.random() < AIMED and len(centers):
+        pixel = np.round(centers[rng.integers(len(centers)), ::-1]).astype(int)
+        low, high = np.maximum(low, pixel - side + 1), np.minimum(high, pixel)
+    row, column = rng.integers(low, high + 1)
+    return Crop(int(row), int(column), side)
+
+
+def change_depth(
+    depth: NDArray[np.floating], change: Change, crop: Crop = WHOLE
+) -> NDArray[np.floating]:
+    """A crop of a square depth image without gaps after a change; linear between pixels."""
     turned = np.rot90(depth, change.turns)
+    row, column, side = crop
     if change.zoom == 1:
-        return turned
-    low = (len(depth) - 1) / 2 * (1 - change.zoom)
+        return turned[row : row + side, column : column + side]
+    first = _places(len(depth), change.zoom)[[row, column]]
     scale = [change.zoom, change.zoom]
     result: NDArray[np.floating] = ndimage.affine_transform(
-        turned, scale, (low, low), order=1, mode="nearest"
+        turned, scale, first, (side, side), order=1, mode="nearest"
     )
     return result
+
+
+def mean_depth(depth: NDArray[np.floating], change: Change) -> float:
+    """The mean of the whole image after a change, without computing its pixels."""
+    size = len(depth)
+    places = _places(size, change.zoom)
+    first = np.minimum(places.astype(int), size - 2)
+    part = places - first
+    weights = np.bincount(first, 1 - part, size) + np.bincount(first + 1, part, size)
+    return float(weights @ depth @ weights) / size**2  # the same for every turn: they are symmetric
+
+
+def _places(size: int, zoom: float) -> NDArray[np.float64]:
+    """Rows of an image that the rows of a closer look at its middle are."""
+    middle = (size - 1) / 2
+    return middle + zoom * (np.arange(size, dtype=np.float64) - middle)
 
 
 def change_rectangles(rectangles: Rectangles, change: Change, size: int) -> Rectangles:
@@ -62,3 +122,8 @@ def change_rectangles(rectangles: Rectangles, change: Change, size: int) -> Rect
             rectangles[:, 3:] / change.zoom,
         ]
     )
+
+
+def crop_rectangles(rectangles: Rectangles, crop: Crop) -> Rectangles:
+    """The rectangles (n, 5) of an image in a crop of it; they may lie outside."""
+    return rectangles - [crop.column, crop.row, 0, 0, 0]

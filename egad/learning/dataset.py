@@ -5,7 +5,7 @@ takes it as it is, with any number of workers, and training can go on anywhere.
 """
 
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock
@@ -16,13 +16,26 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad.errors import TableError, UserError
-from egad.learning.augmentation import Change, change_depth, change_rectangles, sample_change
-from egad.learning.targets import SIZE, prepare_input, targets
+from egad.learning.augmentation import (
+    WHOLE,
+    Change,
+    Crop,
+    change_depth,
+    change_rectangles,
+    crop_rectangles,
+    mean_depth,
+    sample_change,
+    sample_crop,
+)
+from egad.learning.image_size import SIZE
+from egad.learning.targets import prepare_input, targets
 from egad.perception import SPLITS, Rectangles, depth_of, files, fill_missing, half_turn, pixels
 from egad.random import generator
+from egad.tables import parquet
 from egad.tables.row_groups import RowGroups
 
-GRASP = ["u", "v", "angle", "opening", "depth_center", "quality", "collision_free"]
+GRASP = ["u", "v", "angle", "opening", "depth_center", "quality"]
+SIMULATED = "simulated_success"
 NAMES = ["image", "id", "split", "depth", "mask", "height", "width", "focal", *GRASP]
 WINDOW = 2048  # images that are shuffled together; about as many are kept in memory, packed
 FARTHEST = 1e5  # pixels; numbers of grasps beyond this are no pixels of an image
@@ -34,35 +47,44 @@ class PositiveFilter(NamedTuple):
     Attributes:
         quality: Robust quality that a grasp must have more of; it must be free of collision, too.
         breadth: Of the jaws, metres.
+        simulated: Whether a grasp must have succeeded in simulation, instead of the quality.
     """
 
     quality: float
     breadth: float
+    simulated: bool = False
+
+    @property
+    def columns(self) -> list[str]:
+        """The columns of the images that it reads."""
+        return ["collision_free", SIMULATED if self.simulated else "quality"]
 
 
 class Dataset:
-    """All images of a folder.
+    """All images of some folders, as one set.
 
     Attributes:
-        folder: Where they are.
-        index: One row per image: `shard`, `group` and `row` where it is stored; `image`, `id` and
-            `split`; `grasps`, how many it shows, and `positive`, how many of these are positive
-            by the rule.
+        folders: Where they are.
+        index: One row per image: `shard`, `group` and `row` where it is stored, shards counted
+            through all folders; `image`, `id` and `split`; `grasps`, how many it shows, and
+            `positive`, how many of these are positive by the rule.
     """
 
-    def __init__(self, folder: Path, rule: PositiveFilter) -> None:
+    def __init__(self, folders: Sequence[Path], rule: PositiveFilter) -> None:
         """Look through the shards; no image is decoded.
 
         Args:
-            folder: Holds `images-0.parquet`, `images-1.parquet` and so on.
+            folders: Each holds `images-0.parquet`, `images-1.parquet` and so on.
             rule: Which grasps are positive.
 
         Raises:
-            UserError: Some are missing, or are not all of one set.
+            UserError: Some are missing, or are not all of one set, or an object is in two splits.
             TableError: One cannot be read, or is not of this layout.
         """
-        self.folder, self.rule = folder, rule
-        self._files = [RowGroups(path, NAMES) for path in files(folder)]
+        self.folders, self.rule = folders, rule
+        self._names = list(dict.fromkeys([*NAMES, *rule.columns]))
+        self._paths = [path for folder in folders for path in files(folder)]
+        self._files = [RowGroups(path, self._names) for path in self._paths]
         self.index = pd.concat(
             [
                 self._indexed(shard, group)
@@ -73,13 +95,19 @@ class Dataset:
             ignore_index=True,
         )
         if unknown := set(self.index["split"]) - set(SPLITS):
-            raise UserError(f"{folder}: the split {unknown.pop()!r} is none of {', '.join(SPLITS)}")
+            raise UserError(f"{self}: the split {unknown.pop()!r} is none of {', '.join(SPLITS)}")
+        shared = self.index.groupby("id")["split"].nunique() > 1
+        if shared.any():
+            raise UserError(f"{self}: the object {shared.idxmax()} is in more than one split")
         self._kept: OrderedDict[tuple[int, int], pd.DataFrame] = OrderedDict()
         self._lock = Lock()
 
-    def __reduce__(self) -> tuple[type["Dataset"], tuple[Path, PositiveFilter]]:
+    def __reduce__(self) -> tuple[type["Dataset"], tuple[Sequence[Path], PositiveFilter]]:
         """A copy for another process looks through the shards anew."""
-        return Dataset, (self.folder, self.rule)
+        return Dataset, (self.folders, self.rule)
+
+    def __str__(self) -> str:
+        return ", ".join(map(str, self.folders))
 
     def indices(self, split: str) -> NDArray[np.int64]:
         """Rows of the index that belong to a split.
@@ -89,7 +117,7 @@ class Dataset:
         """
         found = np.flatnonzero(self.index["split"] == split)
         if len(found) == 0:
-            raise UserError(f"{self.folder}: no image in the split {split}")
+            raise UserError(f"{self}: no image in the split {split}")
         return found
 
     def image(self, number: int) -> tuple[NDArray[np.float32], Rectangles]:
@@ -118,14 +146,15 @@ class Dataset:
         try:
             yield {str(name): value for name, value in row.items()}
         except (ValueError, TypeError, TableError) as error:
-            raise TableError(f"{self.folder}: image {place['image']}: {error}") from error
+            folder = self._paths[place["shard"]].parent
+            raise TableError(f"{folder}: image {place['image']}: {error}") from error
 
     def _group(self, shard: int, group: int) -> pd.DataFrame:
         """The rows of a group; the last ones used stay in memory."""
         key = (shard, group)
         with self._lock:
             if key not in self._kept:
-                names = [name for name in NAMES if name not in ("id", "split")]
+                names = [name for name in self._names if name not in ("id", "split")]
                 self._kept[key] = self._files[shard].read(group, names)
                 while len(self._kept) > 1 and sum(map(len, self._kept.values())) > 2 * WINDOW:
                     self._kept.popitem(last=False)
@@ -133,26 +162,30 @@ class Dataset:
             return self._kept[key]
 
     def _indexed(self, shard: int, group: int) -> pd.DataFrame:
-        frame = self._files[shard].read(
-            group, ["image", "id", "split", "quality", "collision_free"]
-        )
-        good = [
-            int(positive(quality, free, self.rule).sum())
-            for quality, free in zip(frame["quality"], frame["collision_free"], strict=True)
-        ]
+        columns = self.rule.columns
+        frame = self._files[shard].read(group, ["image", "id", "split", *columns])
+        good = [int(positive(row, self.rule).sum()) for row in parquet.records(frame[columns])]
         return frame[["image", "id", "split"]].assign(
             shard=shard,
             group=group,
             row=np.arange(len(frame)),
-            grasps=frame["quality"].map(len),
+            grasps=frame["collision_free"].map(len),
             positive=good,
         )
 
 
-def positive(quality: Any, free: Any, rule: PositiveFilter) -> NDArray[np.bool_]:  # noqa: ANN401
-    """Which grasps of an image are free of collision and good enough, (n,)."""
-    good: NDArray[np.bool_] = np.asarray(free, bool) & (np.asarray(quality, float) > rule.quality)
-    return good
+def positive(shown: Mapping[str, Any], rule: PositiveFilter) -> NDArray[np.bool_]:
+    """Which grasps of an image are positive, (n,).
+
+    Args:
+        shown: The lists of its grasps, by the names in `rule.columns`; a grasp that was not
+            simulated has no value in `simulated_success`, and is not positive by it.
+        rule: Which are.
+    """
+    free, value = (np.asarray(shown[name]) for name in rule.columns)
+    good = value.astype(bool) if rule.simulated else value.astype(float) > rule.quality
+    both: NDArray[np.bool_] = free.astype(bool) & good
+    return both
 
 
 def _whole(shown: Mapping[str, Any]) -> NDArray[np.float32]:
@@ -171,11 +204,11 @@ def positives(shown: Mapping[str, Any], rule: PositiveFilter) -> Rectangles:
     Raises:
         ValueError: Lists are of unequal lengths, or numbers are no pixels.
     """
-    lists = [np.asarray(shown[name], dtype=np.float64) for name in GRASP]
-    if len(set(map(len, lists))) > 1:
+    names = [*GRASP, *rule.columns]
+    if len({len(shown[name]) for name in names}) > 1:
         raise ValueError("the lists of its grasps are not of equal lengths")
-    u, v, angle, opening, depth, quality, free = lists
-    rows = np.flatnonzero(positive(quality, free, rule))
+    u, v, angle, opening, depth, quality = (np.asarray(shown[name], float) for name in GRASP)
+    rows = np.flatnonzero(positive(shown, rule))
     rows = rows[np.argsort(quality[rows], kind="stable")]
     with np.errstate(divide="ignore", invalid="ignore"):
         breadth = rule.breadth * shown["focal"] / depth
@@ -202,6 +235,7 @@ class Stream:
         shards: Dataset,
         length: int,
         zoom: tuple[float, float] = (0.5, 1.0),
+        crop: int = SIZE,
         seed: int = 0,
     ) -> None:
         """Make a stream.
@@ -210,12 +244,14 @@ class Stream:
             shards: The images; those of the split `train` are shown.
             length: How many examples there are.
             zoom: Least and greatest part of an image's side that is shown.
+            crop: Side of the square of the changed image that is an example, pixels.
             seed: Order and changes follow from it.
 
         Raises:
             UserError: There are no such images.
         """
-        self._shards, self._length, self._zoom, self._seed = shards, length, zoom, seed
+        self._shards, self._length, self._seed = shards, length, seed
+        self._zoom, self._crop = zoom, crop
         self._index = shards.index.loc[shards.indices("train")]
         self._passes: dict[int, NDArray[np.int64]] = {}
 
@@ -223,14 +259,15 @@ class Stream:
         return self._length
 
     def __getitem__(self, number: int) -> Example:
-        """An example by its number: input (1, 300, 300) and target maps (4, 300, 300)."""
+        """An example by its number: input (1, crop, crop) and target maps (4, crop, crop)."""
         if not 0 <= number < self._length:
             raise IndexError(number)
         times, place = divmod(number, len(self._index))
         depth, rectangles = self._shards.image(self._order(times)[place])
-        return example(
-            depth, rectangles, sample_change(self._zoom, generator(self._seed, "view", number))
-        )
+        rng = generator(self._seed, "view", number)
+        change = sample_change(self._zoom, rng)
+        crop = sample_crop(change_rectangles(rectangles, change, SIZE), self._crop, rng)
+        return example(depth, rectangles, change, crop)
 
     def _order(self, times: int) -> NDArray[np.int64]:
         """The order of a pass; that of the last one is kept."""
@@ -242,11 +279,24 @@ class Stream:
 
 
 def example(
-    depth: NDArray[np.float32], rectangles: Rectangles, change: Change = UNCHANGED
+    depth: NDArray[np.float32],
+    rectangles: Rectangles,
+    change: Change = UNCHANGED,
+    crop: Crop = WHOLE,
 ) -> Example:
-    """What a network gets and should answer, (1, 300, 300) and (4, 300, 300), after a change."""
-    seen = change_depth(fill_missing(depth), change)
-    return prepare_input(seen)[None], targets(change_rectangles(rectangles, change, SIZE))
+    """What a network gets and should answer, (1, side, side) and (4, side, side).
+
+    Args:
+        depth: The whole image, (300, 300) metres; not a number where it is missing.
+        rectangles: (n, 5) positive grasps in it, from the worst to the best.
+        change: How it is changed.
+        crop: The part of the changed image that is shown. From its depths, the mean of the whole
+            changed image is subtracted, as it is where the network is used.
+    """
+    filled = fill_missing(depth)
+    seen = prepare_input(change_depth(filled, change, crop), mean_depth(filled, change))
+    wanted = crop_rectangles(change_rectangles(rectangles, change, SIZE), crop)
+    return seen[None], targets(wanted, crop.side)
 
 
 def order(index: pd.DataFrame, seed: int, times: int) -> NDArray[np.int64]:

@@ -38,12 +38,12 @@ not count. No object is in two splits.
 ## Data
 
 {data}
-Positive is a grasp that is free of collision and has a robust quality above {quality}. Images
-without a positive grasp are used too: as examples where nothing can be grasped.
+Positive is a grasp that is free of collision and {rule}. Images without a
+positive grasp are used too: as examples where nothing can be grasped.
 
 ## Training
 
-{images:,} images in {epochs} epochs. The weights are those after epoch {taken}.
+{images:,} examples in {epochs} epochs.
 
 ![Losses and score](history.svg)
 
@@ -65,7 +65,7 @@ class TrainedNetwork:
         history: Columns of `tables.training.HISTORY`.
         score: On the split `test`.
         plain: Images of these in which the outline alone suggests a right grasp.
-        settings: How it was trained, by name; among them `quality`.
+        settings: How it was trained, by name; among them `positive` and `quality`.
     """
 
     title: str
@@ -78,15 +78,9 @@ class TrainedNetwork:
     settings: Mapping[str, Any]
 
 
-def best_epoch(history: pd.DataFrame) -> pd.Series:
-    """The row of a history (`tables.training.HISTORY`) of the epoch whose weights were taken."""
-    return history[history["kept"]].iloc[0]
-
-
 def card(trained: TrainedNetwork) -> str:
     """The model card as Markdown; it holds no time, so the same training gives the same card."""
-    history, score = trained.history, trained.score
-    epoch = best_epoch(history)
+    score, last = trained.score, trained.history.iloc[-1]
     return PAGE.format(
         title=trained.title,
         parameters=trained.parameters,
@@ -99,15 +93,14 @@ def card(trained: TrainedNetwork) -> str:
         low=score.interval[0],
         high=score.interval[1],
         loss=score.loss,
-        validation=epoch["validation_loss"],
+        validation=last["validation_loss"],
         data=table(
             ["split", "objects", "images", "without a positive grasp", "grasps", "positive"],
             counts(trained.index),
         ),
-        quality=trained.settings["quality"],
-        images=int(history["images"].iloc[-1]),
-        epochs=len(history),
-        taken=int(epoch["epoch"]),
+        rule=_rule(trained.settings),
+        images=int(last["images"]),
+        epochs=len(trained.history),
         settings=table(["setting", "value"], trained.settings.items()),
         versions=table(["program", "version"], versions()),
     )
@@ -142,6 +135,13 @@ def table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """A table of Markdown; whole numbers have commas."""
     lines = [head, ["---"] * len(head), *rows]
     return "".join(f"| {' | '.join(map(_cell, line))} |\n" for line in lines)
+
+
+def _rule(settings: Mapping[str, Any]) -> str:
+    """What a positive grasp must have besides."""
+    if settings["positive"] == "simulated":
+        return "succeeded in simulation"
+    return f"has a robust quality above {settings['quality']}"
 
 
 def _cell(value: Any) -> str:  # noqa: ANN401 (whatever is told)

@@ -5,6 +5,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Length, Parameters, PositiveFraction
+from egad.learning.image_size import SIZE
 
 
 class Training(Parameters):
@@ -14,34 +15,45 @@ class Training(Parameters):
         "ggcnn2", description="GG-CNN (62,420 weights) or GG-CNN2 (66,676)"
     )
     images: int = Field(
-        16000,
-        ge=1,
-        description="largest number of training images, counted again in every pass; the default "
-        "takes at most 15 minutes on two cores",
+        10000, ge=1, description="number of training examples; each shows a crop of an image"
     )
     epoch: int = Field(
-        1000, ge=1, description="images between two evaluations on the validation set"
+        2000, ge=1, description="examples between two evaluations on the validation set"
     )
-    batch: int = Field(8, ge=1, description="images per step of the optimiser, Adam")
-    learning_rate: float = Field(0.001, gt=0, le=1, description="learning rate of Adam")
-    patience: int | None = Field(
-        5,
-        ge=1,
-        description="training stops after this many epochs without a lower validation loss, and "
-        "keeps the weights with the lowest; nothing: it does not stop early and keeps the last",
+    batch: int = Field(8, ge=1, description="examples per step of the optimiser, Adam")
+    learning_rate: float = Field(
+        0.001,
+        gt=0,
+        le=1,
+        description="learning rate of Adam at the beginning; it falls to 0 along half a cosine",
     )
     validation: int = Field(
-        250, ge=1, description="largest number of validation images that are evaluated"
+        100, ge=1, description="largest number of validation images that are evaluated"
     )
     test: int = Field(
         1000, ge=1, description="largest number of test images that the result is scored on"
     )
-    quality: float = Field(0.001, ge=0, description="grasps are positive above this robust quality")
+    positive: Literal["quality", "simulated"] = Field(
+        "quality",
+        description="which collision-free grasps are positive: those above `quality`, or those "
+        "that succeeded in simulation",
+    )
+    quality: float = Field(
+        0.001, ge=0, description="robust quality above which grasps are positive, if it decides"
+    )
     breadth: Length = Field(0.02, description="width of the jaws in the training labels, metres")
     zoom: tuple[PositiveFraction, PositiveFraction] = Field(
         (0.5, 1.0),
-        description="range of the fraction of an image's side that is shown; it is sampled anew "
-        "for every use of an image, as are quarter turns",
+        description="range of the fraction of an image's side that is enlarged to the whole side; "
+        "it is sampled anew for every example, as are quarter turns",
+    )
+    crop: int = Field(
+        192,
+        ge=60,
+        le=SIZE,
+        multiple_of=12,
+        description="side of the square of an enlarged image that an example shows, pixels, a "
+        "multiple of 12; its place is sampled, too",
     )
 
     @model_validator(mode="after")

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad.learning.image_size import SIZE
 from egad.perception import Rectangles
 
 Floats = NDArray[np.float64]
 
-SIZE = 300  # pixels along each side of the image that goes in, and of those that come out
 WIDEST = 150.0  # pixels; the width that the network calls 1
 SMOOTHING = 2.0  # pixels; of all four maps
 LEAST = 0.01  # quality; less is no grasp, and no width is read by it
@@ -37,9 +37,15 @@ class Answer(NamedTuple):
     opening: Floats
 
 
-def prepare_input(depth: NDArray[np.floating]) -> NDArray[np.float32]:
-    """Depths less their mean, clipped to [-1, 1] metre, as the networks are trained on."""
-    clipped: NDArray[np.float32] = np.clip(depth - depth.mean(), -1, 1).astype(np.float32)
+def prepare_input(depth: NDArray[np.floating], mean: float | None = None) -> NDArray[np.float32]:
+    """Depths less their mean, clipped to [-1, 1] metre, as the networks are trained on.
+
+    Args:
+        depth: Metres, without gaps.
+        mean: That of the whole image, if these depths are a crop of it.
+    """
+    middle = depth.mean() if mean is None else mean
+    clipped: NDArray[np.float32] = np.clip(depth - middle, -1, 1).astype(np.float32)
     return clipped
 
 

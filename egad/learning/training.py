@@ -1,8 +1,8 @@
-"""Training of a network: Adam on the sum of four mean squared errors, stopped early.
+"""Training of a network: Adam on the sum of four mean squared errors.
 
-As GG-CNN is trained (Morrison, Corke and Leitner, IJRR 2020). Ours are when it ends, which weights
-are taken, and that the same result comes out of any number of cores: each image has its gradient
-computed on one core, and gradients are added up in the order of the images. On a processor of
+As GG-CNN is trained (Morrison, Corke and Leitner, IJRR 2020). Ours are the learning rate, which
+falls to 0, and that the same result comes out of any number of cores: each example has its gradient
+computed on one core, and gradients are added up in the order of the examples. On a processor of
 another kind the last digits may differ.
 """
 
@@ -29,7 +29,6 @@ from egad.learning.evaluation import MAPS, ImageScore, map_losses, score, score_
 from egad.learning.parameters import Training
 
 log = logging.getLogger(__name__)
-Tensors = dict[str, torch.Tensor]
 Losses = NDArray[np.float64]
 Row = dict[str, Any]
 
@@ -42,13 +41,11 @@ class State:
         network: As it is now.
         optimizer: With all that it remembers.
         rows: The history, one row per epoch.
-        best: Weights at the lowest validation loss.
     """
 
     network: nn.Module
     optimizer: torch.optim.Optimizer
-    rows: list[dict[str, Any]] = field(default_factory=list)
-    best: Tensors = field(default_factory=dict)
+    rows: list[Row] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -70,7 +67,6 @@ class Checkpoint:
             "network": state.network.state_dict(),
             "optimizer": state.optimizer.state_dict(),
             "rows": state.rows,
-            "best": state.best,
         }
         with atomic_output(self.path) as temporary:
             torch.save(values, temporary)
@@ -94,7 +90,7 @@ class Checkpoint:
             return
         state.network.load_state_dict(values["network"])
         state.optimizer.load_state_dict(values["optimizer"])
-        state.rows[:], state.best = values["rows"], values["best"]
+        state.rows[:] = values["rows"]
         log.info("training resumes after epoch %d", len(state.rows))
 
 
@@ -106,10 +102,10 @@ def train(
     jobs: int = 1,
     checkpoint: Checkpoint | None = None,
 ) -> list[Row]:
-    """Train a network; it ends with the weights of one of its epochs (`settings.patience`).
+    """Train a network.
 
     Args:
-        network: From depths (n, 1, 300, 300) to maps (n, 4, 300, 300), without parts that draw
+        network: From depths (n, 1, side, side) to maps (n, 4, side, side), without parts that draw
             chance or look at a batch as a whole. It is changed.
         shards: The images.
         settings: How long, how fast, and on what.
@@ -126,7 +122,7 @@ def train(
     # Up to twice as fast as the usual order in memory.
     nn.utils.convert_conv2d_weight_memory_format(network, torch.channels_last)
     state = State(network, torch.optim.Adam(network.parameters(), lr=settings.learning_rate))
-    stream = Stream(shards, settings.images, settings.zoom, seed)
+    stream = Stream(shards, settings.images, settings.zoom, settings.crop, seed)
     if checkpoint:
         checkpoint.restore(state)
     with thread_pool(jobs) as workers:
@@ -135,10 +131,21 @@ def train(
         words = partial(_told, state.rows)
         for _ in progress(lesson.steps(), "learning", steps, scale=settings.batch, state=words):
             pass
-    if settings.patience is not None:
-        network.load_state_dict(state.best)
-    taken = len(state.rows) - 1 if settings.patience is None else _lowest(state.rows)
-    return [{**row, "kept": row["epoch"] == taken} for row in state.rows]
+    return state.rows
+
+
+def learning_rate(settings: Training, batch: range) -> float:
+    """The learning rate of a step: it falls along half a cosine from its largest value to 0.
+
+    Loshchilov and Hutter, "SGDR: stochastic gradient descent with warm restarts", ICLR 2017,
+    equation 5, without restarts.
+
+    Args:
+        settings: How long the training is, and the largest value.
+        batch: The examples of the step; the middle of them counts.
+    """
+    progress = (batch.start + batch.stop) / 2 / settings.images
+    return settings.learning_rate * (1 + math.cos(math.pi * progress)) / 2
 
 
 def evaluate(
@@ -192,15 +199,13 @@ class _Lesson:
         """Learn; there is a pause after each step of the optimiser."""
         held = spread(self.shards.indices("validation"), self.settings.validation)
         for numbers in self.epochs():
-            if _finished(self.state.rows, self.settings.patience):
-                return
             losses = np.zeros(len(MAPS))
             self.state.network.train()
             for batch in _cut(numbers, self.settings.batch):
                 losses += self._step(batch)
                 yield
             judgements = evaluate(self.state.network, self.shards, held, self.workers)
-            _note(self.state, numbers.stop, losses / len(numbers), judgements)
+            _note(self.state.rows, numbers.stop, losses / len(numbers), judgements)
             if self.checkpoint:
                 self.checkpoint.save(self.state)
 
@@ -210,6 +215,8 @@ class _Lesson:
         parts = zip(*(gradients for _, gradients in results), strict=True)
         for parameter, each in zip(self.state.network.parameters(), parts, strict=True):
             parameter.grad = torch.stack(each).mean(dim=0)
+        for group in self.state.optimizer.param_groups:
+            group["lr"] = learning_rate(self.settings, batch)
         self.state.optimizer.step()
         total: Losses = np.sum([losses for losses, _ in results], axis=0)
         return total
@@ -228,27 +235,15 @@ def _cut(numbers: range, size: int) -> list[range]:
     return [range(start, end) for start, end in pairwise(ends)]
 
 
-def _finished(rows: list[Row], patience: int | None) -> bool:
-    """Whether the validation loss has had no new minimum for `patience` epochs."""
-    return bool(rows) and patience is not None and len(rows) - 1 - _lowest(rows) >= patience
-
-
-def _lowest(rows: list[Row]) -> int:
-    """The epoch of the lowest validation loss."""
-    return int(np.argmin([row["validation_loss"] for row in rows]))
-
-
-def _note(state: State, images: int, losses: Losses, judgements: list[ImageScore]) -> None:
-    """Add an epoch to the history, and keep the weights if they are the best."""
+def _note(rows: list[Row], images: int, losses: Losses, judgements: list[ImageScore]) -> None:
+    """Add an epoch to the history."""
     validation = float(np.mean([each.losses.sum() for each in judgements]))
     if not math.isfinite(validation + losses.sum()):
         raise UserError("training: the loss is no longer finite; try a lower learning_rate")
     parts = {f"{name}_loss": float(loss) for name, loss in zip(MAPS, losses, strict=True)}
-    if all(validation < row["validation_loss"] for row in state.rows):
-        state.best = {key: value.clone() for key, value in state.network.state_dict().items()}
-    state.rows.append(
+    rows.append(
         {
-            "epoch": len(state.rows),
+            "epoch": len(rows),
             "images": images,
             "loss": float(losses.sum()),
             **parts,

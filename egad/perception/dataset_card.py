@@ -1,45 +1,87 @@
 """The card of a set of images: counts, balance, splits, camera and noise, as Markdown."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
-from egad.perception.parameters import Camera, ImageNoise, Render, RenderParameters
+from egad.perception.arrangement import is_good
+from egad.perception.parameters import SCENE_KINDS, Camera, ImageNoise, Render, RenderParameters
 from egad.perception.splits import SPLITS
 
-COUNTS = {
+COLUMNS = [
+    *("split", "scene", "draws", "objects", "focal"),
+    *("opening", "depth_center", "quality", "collision_free", "simulated_success"),
+]
+"""What a summary is made of."""
+
+COUNTS: dict[str, str] = {
     "objects": "objects",
     "images": "images",
-    "poses": "stable poses",
-    "without_reachable": "images without a reachable grasp",
+    **{kind: f"of them {kind}" for kind in SCENE_KINDS},
     "without_free": "images without a free grasp",
+    "without_good": "images without a good grasp",
     "grasps": "reachable grasps",
     "collision_free": "free grasps",
+    "good": "good grasps",
 }
+NARROW = 0.05  # metres
 
 
-def summary(rows: pd.DataFrame) -> pd.DataFrame:
-    """What each split and the whole have of `COUNTS`: a row each, also of splits without images.
+class Summary(NamedTuple):
+    """What there is in a set of images.
+
+    Attributes:
+        counts: What each split and the whole have of `COUNTS`: a row each, also of splits without
+            images.
+        openings: How far the hand opens for each good grasp, metres.
+        in_vain: Fraction of the drawn poses and sizes that showed no good grasp and were drawn
+            again; of the images there are.
+    """
+
+    counts: pd.DataFrame
+    openings: NDArray[np.float64]
+    in_vain: float
+
+
+def summary(rows: pd.DataFrame, quality: float) -> Summary:
+    """Count.
 
     Args:
-        rows: Columns `id`, `split`, `pose` and `collision_free` of `tables.images.IMAGES`.
+        rows: `COLUMNS` of `tables.images.IMAGES`.
+        quality: Robust quality that a good grasp has more of.
     """
-    flags = [np.asarray(each, dtype=bool) for each in rows["collision_free"]]
-    counted = rows[["id", "split", "pose"]].assign(
-        grasps=[len(each) for each in flags], collision_free=[int(each.sum()) for each in flags]
+    free = [np.asarray(each, dtype=bool) for each in rows["collision_free"]]
+    good = [
+        is_good(flags, np.asarray(values), list(held), quality)
+        for flags, values, held in zip(
+            free, rows["quality"], rows["simulated_success"], strict=True
+        )
+    ]
+    counted = rows[["split", "scene", "objects"]].assign(
+        grasps=[len(each) for each in free],
+        collision_free=[int(each.sum()) for each in free],
+        good=[int(each.sum()) for each in good],
     )
-    parts = {name: counted[counted["split"] == name] for name in SPLITS}
-    return pd.DataFrame({name: _counts(part) for name, part in {**parts, "all": counted}.items()}).T
+    parts = {**{name: counted[counted["split"] == name] for name in SPLITS}, "all": counted}
+    lengths = (rows["opening"] * rows["depth_center"] / rows["focal"]).tolist()
+    openings = [np.asarray(each, float)[which] for each, which in zip(lengths, good, strict=True)]
+    return Summary(
+        pd.DataFrame({name: _counts(part) for name, part in parts.items()}).T,
+        np.concatenate([np.empty(0), *openings]),
+        1 - len(rows) / max(int(rows["draws"].sum()), 1),
+    )
 
 
 def _counts(rows: pd.DataFrame) -> dict[str, int]:
     return {
-        "objects": rows["id"].nunique(),
+        "objects": rows["objects"].explode().nunique(),
         "images": len(rows),
-        "poses": len(rows.drop_duplicates(["id", "pose"])),
-        "without_reachable": int((rows["grasps"] == 0).sum()),
+        **{kind: int((rows["scene"] == kind).sum()) for kind in SCENE_KINDS},
         "without_free": int((rows["collision_free"] == 0).sum()),
-        "grasps": int(rows["grasps"].sum()),
-        "collision_free": int(rows["collision_free"].sum()),
+        "without_good": int((rows["good"] == 0).sum()),
+        **{name: int(rows[name].sum()) for name in ("grasps", "collision_free", "good")},
     }
 
 
@@ -47,8 +89,9 @@ def card(
     settings: RenderParameters,
     dataset: str,
     gripper: str,
-    counts: pd.DataFrame,
+    found: Summary,
     rejected: pd.DataFrame,
+    figure: str,
 ) -> str:
     """The card.
 
@@ -56,20 +99,24 @@ def card(
         settings: What the images were rendered with.
         dataset: Name of the dataset.
         gripper: Name of the gripper.
-        counts: As `summary` gives them.
+        found: What there is.
         rejected: Columns of `tables.objects.REJECTED`.
+        figure: Name of the file with the figure of the openings.
     """
     render = settings.render
     blocks = [
         f"# Depth images of {dataset} for {gripper}",
-        f"Each object at rest on a table, in its stable poses as often as it comes to rest in "
-        f"them, turned by chance; seed {settings.seed}. Splits are by object"
+        f"Objects at rest on a table, turned at random; seed {settings.seed}. One alone lies in a "
+        "stable pose, as often as it comes to rest in it; several are packed upright side by side "
+        f"or dropped to a pile, {render.objects} at most. Splits are by object"
         + (", and the evaluation set is for testing." if render.hold_out else "."),
-        _table(counts),
+        _table(found.counts),
         f"A grasp is reachable if its approach can be within {render.tilt:g} degrees of the "
-        f"vertical, and free if the hand, opening {1000 * settings.gripper.opening:g} mm at most, "
-        "touches neither object nor table. Images without a free grasp are kept: there is nothing "
-        "to grasp in them.",
+        f"vertical; of each object at most {render.grasps} are sampled. It is free if the hand, "
+        f"opening {1000 * settings.gripper.opening:g} mm at most, touches nothing else, and good "
+        f"if it also has a robust quality above {render.quality:g}"
+        + (", or rather held in simulation." if render.simulate else "."),
+        _sizes(render, found, figure),
         _objects(render),
         "## Camera",
         *_camera(settings.camera),
@@ -91,6 +138,27 @@ def _table(counts: pd.DataFrame) -> str:
     return "\n".join([*lines, f"| free, of the reachable | {shares} |"])
 
 
+def _sizes(render: Render, found: Summary, figure: str) -> str:
+    low, high = (1000 * width for width in render.widths or (0, 0))
+    sizes = (
+        f"Sizes are drawn such that the width of one grasp of an object is uniform from {low:g} to "
+        f"{high:g} mm."
+        if render.widths
+        else "Objects have the size that fits the gripper."
+    )
+    narrow = f"{100 * np.mean(found.openings < NARROW):.0f} %" if len(found.openings) else "None"
+    kept = (
+        "Images without a good grasp are kept."
+        if render.without_grasps
+        else f"Poses and sizes without a good grasp are drawn again, at most 10 times: "
+        f"{100 * found.in_vain:.0f} % of the draws showed none."
+    )
+    return (
+        f"{sizes} {kept} {narrow} of the good grasps have an opening below {1000 * NARROW:g} mm."
+        f"\n\n![Openings of the good grasps]({figure})"
+    )
+
+
 def _objects(render: Render) -> str:
     low, high = (100 * rank for rank in render.complexity)
     if (low, high, render.subset) == (0, 100, 1):
@@ -102,11 +170,11 @@ def _objects(render: Render) -> str:
 
 def _camera(camera: Camera) -> list[str]:
     width, height = camera.image
-    around = ", cut out around the object's center of mass" if camera.centered else ""
+    around = ", cut out around the first object's center of mass" if camera.centered else ""
     return [
         f"{width} x {height} pixels{around}; focal length {_range(camera.focal)} pixels; "
         f"{_range(camera.distance)} m from the middle of the table, {_range(camera.tilt)} degrees "
-        f"off the vertical, rolled by {_range(camera.roll)} degrees; the object lies up to "
+        f"off the vertical, rolled by {_range(camera.roll)} degrees; what lies there is up to "
         f"{camera.shift:g} m off the middle along x and y. Depth is in steps of 0.1 mm."
     ]
 

@@ -12,12 +12,13 @@ from scipy.spatial.transform import Rotation
 from egad.errors import TableError
 from egad.perception.camera import Intrinsics, View
 from egad.perception.rectangles import ImageGrasps
-from egad.perception.rendering import Picture
+from egad.perception.rendering import ImagedObject, Picture
 from egad.tables.columns import POSE_PARTS
 from egad.tables.images import LISTS
 
 UNIT = 1e-4  # metres; of the depths in the files
 LEVEL = 6  # of compression
+PLAIN = ("image", "scene", "id", "label", "split", "draws")
 Floats = NDArray[np.float64]
 
 
@@ -67,16 +68,19 @@ def encoded(picture: Picture) -> dict[str, Any]:
     intrinsics = picture.view.intrinsics
     grasps = picture.grasps
     return {
-        **{name: getattr(picture, name) for name in ("image", "id", "label", "split", "pose")},
+        **{name: getattr(picture, name) for name in PLAIN},
+        "objects": [each.id for each in picture.objects],
+        "factors": [each.factor for each in picture.objects],
+        "poses": [each.pose for each in picture.objects],
+        "placements": [n for each in picture.objects for n in pose_values(each.matrix)],
         "depth": png(coded(picture.depth)),
-        "mask": png(np.where(picture.mask, np.uint8(255), np.uint8(0))),
+        "mask": png(picture.mask),
         "height": height,
         "width": width,
         "focal": intrinsics.focal,
         "center_u": intrinsics.center[0],
         "center_v": intrinsics.center[1],
         **_pose_columns("camera", picture.view.pose),
-        **_pose_columns("object", picture.matrix),
         **{name: getattr(grasps, name) for name in LISTS},
     }
 
@@ -89,15 +93,17 @@ def decoded(row: Mapping[str, Any]) -> Picture:
     """
     center = (float(row["center_u"]), float(row["center_v"]))
     intrinsics = Intrinsics(row["width"], row["height"], float(row["focal"]), center)
+    placements = np.reshape(row["placements"], (-1, len(POSE_PARTS)))
     return Picture(
-        image=int(row["image"]),
-        id=row["id"],
-        label=row["label"],
-        split=row["split"],
-        pose=int(row["pose"]),
+        **{name: row[name] for name in PLAIN},
+        objects=tuple(
+            ImagedObject(name, float(factor), int(pose), _matrix(placement))
+            for name, factor, pose, placement in zip(
+                row["objects"], row["factors"], row["poses"], placements, strict=True
+            )
+        ),
         view=View(depth_of(row), intrinsics, _pose_matrix("camera", row)),
-        mask=pixels(row, "mask", "L") > 0,
-        matrix=_pose_matrix("object", row),
+        mask=pixels(row, "mask", "L").astype(np.uint8),
         grasps=ImageGrasps(*(np.asarray(row[name]) for name in LISTS)),
     )
 
@@ -114,7 +120,10 @@ def _pose_columns(name: str, matrix: Floats) -> dict[str, float]:
 
 
 def _pose_matrix(name: str, row: Mapping[str, Any]) -> Floats:
-    values = [float(row[f"{name}_{part}"]) for part in POSE_PARTS]
+    return _matrix(np.array([float(row[f"{name}_{part}"]) for part in POSE_PARTS]))
+
+
+def _matrix(values: Floats) -> Floats:
     matrix = np.eye(4)
     matrix[:3, :3] = Rotation.from_quat(values[3:]).as_matrix()
     matrix[:3, 3] = values[:3]

@@ -8,19 +8,21 @@ from egad._util.parameters import (
     Angle,
     Fraction,
     FractionRange,
+    Length,
     Name,
-    ParameterGroup,
     Parameters,
     Pixels,
     PositiveFraction,
     Range,
     check_ascending,
 )
-from egad.grasps import GraspLabel
-from egad.grippers import Gripper
+from egad.grasps import LabelParameters
 
 NoiseName = Literal["none", "stereo", "gamma"]
 NOISES: tuple[NoiseName, ...] = get_args(NoiseName)
+SceneKind = Literal["single", "packed", "pile"]
+SCENE_KINDS: tuple[SceneKind, ...] = get_args(SceneKind)
+"""How objects lie: each alone, packed upright side by side, or in a pile."""
 
 
 class Camera(Parameters):
@@ -75,11 +77,44 @@ class Render(Parameters):
         "distributed evenly over its objects",
     )
     camera: Name = Field("d435", description="camera of the table below")
+    grasps: int = Field(
+        100,
+        ge=1,
+        description="largest number of grasps that are sampled for each object in an image",
+    )
     tilt: float = Field(
         15.0,
         gt=0,
         lt=90,
         description="largest angle between approach and vertical of a reachable grasp, degrees",
+    )
+    widths: tuple[Length, Length] | None = Field(
+        None,
+        description="objects are shown in random sizes, such that the width of one of their grasps "
+        "is uniform in this range, metres; nothing: in the size that fits the gripper",
+    )
+    packed: Fraction = Field(
+        0.0, description="fraction of the images that show several objects, upright, side by side"
+    )
+    pile: Fraction = Field(
+        0.0, description="fraction of the images that show several objects in a pile"
+    )
+    objects: int = Field(5, ge=2, le=20, description="objects of a pile, or to be packed")
+    quality: float = Field(
+        0.001,
+        ge=0,
+        description="an image has a good grasp if one is free of collisions and has a higher "
+        "robust quality than this, or held in simulation if it was simulated",
+    )
+    without_grasps: bool = Field(
+        False,
+        description="whether images without a good grasp are kept; if not, another pose and size "
+        "is drawn, at most 10 times",
+    )
+    simulate: bool = Field(
+        False,
+        description="whether the grasps that are free of collisions are also closed, shaken and "
+        "lifted in simulation (section simulated_label)",
     )
     complexity: FractionRange = Field(
         (0.0, 1.0),
@@ -98,11 +133,20 @@ class Render(Parameters):
         "exceed its fraction",
     )
 
+    @property
+    def needs_convex_parts(self) -> bool:
+        """Whether the images are made with a simulation."""
+        return self.simulate or self.packed + self.pile > 0
+
     @model_validator(mode="after")
     def _something_is_left(self) -> Self:
         if self.validation + self.test >= 1:
             raise ValueError("validation and test together must be less than 1")
+        if self.packed + self.pile > 1:
+            raise ValueError("packed and pile together must be at most 1")
         check_ascending(self, "complexity")
+        if self.widths:
+            check_ascending(self, "widths")
         return self
 
 
@@ -126,12 +170,9 @@ class ImageNoise(Parameters):
     )
 
 
-class RenderParameters(ParameterGroup):
+class RenderParameters(LabelParameters):
     """The settings that rendered images depend on."""
 
-    seed: int
-    gripper: Gripper
-    grasp_label: GraspLabel
     render: Render
     camera: Camera
     image_noise: ImageNoise

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from egad.grasps import roomy
 from egad.grippers import Gripper
-from egad.perception.reachability import GraspCandidates
+from egad.perception.arrangement import TableGrasps
 from egad.perception.scenes import Scene
 
 Floats = NDArray[np.float64]
@@ -28,18 +28,19 @@ class ImageGrasps(NamedTuple):
     """Grasps in an image; pixel (0, 0) has its center at u = v = 0.
 
     Attributes:
-        grasp: (n,) numbers of the labels.
+        object: (n,) numbers of the objects in the image, from 0.
         u: (n,) column of the center, pixels.
         v: (n,) row of the center, pixels.
         angle: (n,) of the closing axis, anticlockwise as seen in the image, from its x axis
             (right), radians in [-pi/2, pi/2).
         opening: (n,) how far the hand opens, at the depth of the center, pixels.
         depth_center: (n,) of the center, along the optical axis, metres.
-        quality: (n,).
-        collision_free: (n,) whether the hand touches neither object nor table.
+        quality: (n,) robust quality; 0 of those that are not free of collisions.
+        collision_free: (n,) whether the hand touches nothing but the contacts.
+        simulated_success: (n,) whether the grasp held in simulation; None if it was not simulated.
     """
 
-    grasp: Ints
+    object: Ints
     u: Floats
     v: Floats
     angle: Floats
@@ -47,6 +48,7 @@ class ImageGrasps(NamedTuple):
     depth_center: Floats
     quality: Floats
     collision_free: Flags
+    simulated_success: NDArray[np.object_]
 
     def chosen(self, which: Flags | Ints) -> "ImageGrasps":
         """Some of them."""
@@ -60,15 +62,12 @@ class ImageGrasps(NamedTuple):
         return np.stack([middle - along, middle + along], axis=1)
 
 
-def project_grasps(
-    scene: Scene, grasps: GraspCandidates, free: Flags, gripper: Gripper
-) -> ImageGrasps:
+def project_grasps(scene: Scene, grasps: TableGrasps, gripper: Gripper) -> ImageGrasps:
     """Grasps in the image of a scene; those whose centers are beside it are left out.
 
     Args:
-        scene: Object and camera.
-        grasps: In the frame of the mesh.
-        free: (n,) which of them are free.
+        scene: Table and camera.
+        grasps: In the frame of the table.
         gripper: The hand, for how far it opens.
     """
     matrix, camera = np.linalg.inv(scene.camera) @ scene.matrix, scene.intrinsics
@@ -77,14 +76,15 @@ def project_grasps(
     u, v = camera.pixels(centers).T
     right, down = (camera.pixels(centers + aside) - camera.pixels(centers - aside)).T
     found = ImageGrasps(
-        grasp=grasps.indices,
+        object=grasps.objects,
         u=u,
         v=v,
         angle=half_turn(np.arctan2(-down, right)),
         opening=roomy(grasps.widths, gripper) * camera.focal / centers[:, 2],
         depth_center=centers[:, 2],
         quality=grasps.qualities,
-        collision_free=free,
+        collision_free=grasps.free,
+        simulated_success=grasps.success,
     )
     inside = (np.abs(u - (camera.width - 1) / 2) <= camera.width / 2) & (
         np.abs(v - (camera.height - 1) / 2) <= camera.height / 2

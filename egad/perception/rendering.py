@@ -1,52 +1,82 @@
-"""Depth images of an object in its stable poses, with the grasps that can be reached."""
+"""Depth images of objects at rest on a table, with the grasps that can be reached from above."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad.geometry import RayCaster, mass_properties
+from egad.geometry import RayCaster, StablePose, mass_properties
 from egad.geometry.stable_poses import stable_poses
 from egad.grippers import Body
+from egad.perception.arrangement import (
+    PlacedObject,
+    Simulate,
+    TableGrasps,
+    near_level,
+    sample_factor,
+    table_grasps,
+)
 from egad.perception.camera import DepthCamera, View, object_mask
 from egad.perception.noise import add_sensor_noise
-from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import GraspCandidates, reachable
+from egad.perception.parameters import RenderParameters, SceneKind
 from egad.perception.rectangles import ImageGrasps, project_grasps
 from egad.perception.scenes import sample_object_poses, sample_scene
 from egad.perception.splits import Share
 from egad.random import generator
 
 Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+DRAWS = 10  # of pose and size, until there is a good grasp
+
+Arrangement = tuple[PlacedObject, ...]
+Draw = Callable[[np.random.Generator, int], Arrangement]
+"""Puts objects on a table; the number of the draw is 0 for the first. Empty if that failed."""
+
+
+class ImagedObject(NamedTuple):
+    """An object in an image.
+
+    Attributes:
+        id: Of the object.
+        factor: Its size / that of the mesh scaled to the gripper.
+        pose: Number of its stable pose; -1 if it was dropped or packed.
+        matrix: (4, 4) from the frame of the mesh at this size to the world, whose table is z = 0.
+    """
+
+    id: str
+    factor: float
+    pose: int
+    matrix: Floats
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A depth image of an object on the table, with its grasps.
+    """A depth image of objects on a table, with their grasps.
 
     Attributes:
         image: Its number in the dataset.
-        id: Of the object.
-        label: Of the object.
+        scene: How the objects lie.
+        id: Of the object, or a name for several.
+        label: Of the object, or a name for several.
         split: `train`, `validation` or `test`.
-        pose: Number of the stable pose.
+        draws: How many times poses and sizes were drawn for it.
+        objects: The objects.
         view: Depth in metres, not a number where it is missing; the camera and its pose.
-        mask: (height, width) which pixels see the object.
-        matrix: (4, 4) from the frame of the scaled mesh to the world, whose table is z = 0.
+        mask: (height, width) k for pixels that see the k-th object, from 1; else 0.
         grasps: The grasps that can be reached from above, in the image.
     """
 
     image: int
+    scene: SceneKind
     id: str
     label: str
     split: str
-    pose: int
+    draws: int
+    objects: tuple[ImagedObject, ...]
     view: View
-    mask: Flags
-    matrix: Floats
+    mask: NDArray[np.uint8]
     grasps: ImageGrasps
 
     @property
@@ -55,23 +85,31 @@ class Picture:
         return self.view.depth
 
 
+class Labelled(NamedTuple):
+    """Objects on a table, their grasps, and how many times they were drawn."""
+
+    objects: Arrangement
+    grasps: TableGrasps
+    draws: int
+
+
 def pictures(
     mesh: trimesh.Trimesh,
-    grasps: GraspCandidates,
     share: Share,
     body: Body,
     settings: RenderParameters,
+    simulate: Simulate | None = None,
 ) -> Iterator[Picture]:
-    """All images of an object, in the order of their numbers: by pose, then by view.
+    """All images of an object that lies alone, in the order of their numbers.
 
     What chance decides comes from the seed, the object, the pose and the number of the view there.
 
     Args:
         mesh: The object as it is grasped, closed, metres.
-        grasps: Its labelled grasps; there may be none.
         share: Its names and how many images it gets.
         body: The hand that is to grasp it.
-        settings: Camera, noise, which grasps are reachable.
+        settings: Camera, noise, sizes, which grasps are sampled.
+        simulate: Finds out which grasps hold.
 
     Raises:
         RejectedError: It rests in no pose.
@@ -80,27 +118,137 @@ def pictures(
     with np.errstate(invalid="ignore", divide="ignore"):  # flat ones rest in no pose
         com = mass_properties(mesh, 1.0).com
     poses = stable_poses(mesh, com)
-    eye, caster = DepthCamera(mesh), RayCaster(mesh)
-    way = settings.grasp_label.approach_way
     numbers = sample_object_poses(poses, share.images, generator(seed, "render poses", name))
-    image = share.first
+    image, lying = share.first, _lying(mesh, com, poses, name, settings)
     for pose, count in zip(*np.unique(numbers, return_counts=True), strict=True):
-        resting = poses[pose].matrix
-        tilt = float(np.radians(settings.render.tilt))
-        found, free = reachable(caster, grasps, resting, body, tilt=tilt, way=way)
-        for view in range(count):
-            rng = generator(seed, "render", name, int(pose), view)
-            scene = sample_scene(resting, com, settings.camera, rng)
-            ideal = eye.render(*scene)
-            yield Picture(
-                image=image,
-                id=name,
-                label=share.label,
-                split=share.split,
-                pose=int(pose),
-                view=add_sensor_noise(ideal, settings.image_noise, rng),
-                mask=object_mask(ideal),
-                matrix=scene.matrix,
-                grasps=project_grasps(scene, found, free, settings.gripper),
-            )
-            image += 1
+        same = settings.render.widths is None  # views of one pose and size share their grasps
+        for view in range(1 if same else count):
+            way = (name, int(pose), view)
+            draw = lying(int(pose), draw_width(settings, *way))
+            labelled = first_good(draw, body, settings, way, simulate)
+            if labelled is not None:
+                views = count if same else 1
+                shown = share._replace(first=image + (0 if same else view), images=views)
+                yield from views_of(labelled, shown, settings, way)
+        image += int(count)
+
+
+def first_good(
+    draw: Draw,
+    body: Body,
+    settings: RenderParameters,
+    way: Sequence[str | int],
+    simulate: Simulate | None = None,
+) -> Labelled | None:
+    """The first of at most ten draws that shows a good grasp; the very first if any will do.
+
+    Args:
+        draw: Puts objects on a table.
+        body: The hand.
+        settings: What a good grasp is, and whether one is needed.
+        way: What the draws are for; chance follows from it and from the number of the draw.
+        simulate: Finds out which grasps hold.
+
+    Returns:
+        None if there is no such draw.
+    """
+    for number in range(DRAWS):
+        rng = generator(settings.seed, "render grasps", *way, number)
+        objects = draw(rng, number)
+        if not objects:
+            continue
+        grasps = table_grasps(objects, body, settings, rng, simulate)
+        if settings.render.without_grasps or grasps.is_good(settings.render.quality).any():
+            return Labelled(objects, grasps, number + 1)
+    return None
+
+
+def views_of(
+    labelled: Labelled, share: Share, settings: RenderParameters, way: Sequence[str | int]
+) -> Iterator[Picture]:
+    """Images of objects on a table, each from a camera of its own.
+
+    Args:
+        labelled: The objects and their grasps.
+        share: Names, number of the first image, and how many there are.
+        settings: Camera and noise.
+        way: As in `first_good`.
+    """
+    eyes = [DepthCamera(each.mesh) for each in labelled.objects]
+    first = labelled.objects[0]
+    center = first.matrix[:3, :3] @ first.com + first.matrix[:3, 3]
+    for view in range(share.images):
+        rng = generator(settings.seed, "render", *way, view)
+        scene = sample_scene(center, settings.camera, rng)
+        matrices = [scene.matrix @ each.matrix for each in labelled.objects]
+        each_alone = [
+            eye.render(matrix, scene.intrinsics, scene.camera)
+            for eye, matrix in zip(eyes, matrices, strict=True)
+        ]
+        ideal = replace(each_alone[0], depth=np.fmin.reduce([view.depth for view in each_alone]))
+        yield Picture(
+            image=share.first + view,
+            scene=share.scene,
+            id=share.id,
+            label=share.label,
+            split=share.split,
+            draws=labelled.draws,
+            objects=tuple(
+                ImagedObject(each.id, each.factor, each.pose, matrix)
+                for each, matrix in zip(labelled.objects, matrices, strict=True)
+            ),
+            view=add_sensor_noise(ideal, settings.image_noise, rng),
+            mask=_numbers(each_alone, ideal),
+            grasps=project_grasps(scene, labelled.grasps, settings.gripper),
+        )
+
+
+def draw_width(settings: RenderParameters, name: str, *way: str | int) -> float | None:
+    """The width of a grasp that decides on the size of an object, metres; None if none does.
+
+    Args:
+        settings: Its range.
+        name: Of the object.
+        way: Which view of it.
+    """
+    if settings.render.widths is None:
+        return None
+    return float(generator(settings.seed, "width", name, *way).uniform(*settings.render.widths))
+
+
+def _lying(
+    mesh: trimesh.Trimesh,
+    com: Floats,
+    poses: Sequence[StablePose],
+    name: str,
+    settings: RenderParameters,
+) -> Callable[[int, float | None], Draw]:
+    """Draws of an object alone in a stable pose, given the first pose and the width of a grasp."""
+    caster = RayCaster(mesh)
+    probabilities = np.array([each.probability for each in poses])
+    probabilities /= probabilities.sum()
+
+    def draws(first: int, width: float | None) -> Draw:
+        def draw(rng: np.random.Generator, number: int) -> Arrangement:
+            pose = int(rng.choice(len(poses), p=probabilities)) if number else first
+            resting, factor = poses[pose].matrix.copy(), 1.0
+            if width is not None:
+                level = near_level(resting[2, :3], settings.render.tilt)
+                factor = sample_factor(caster, width, settings.sampling, rng, level)
+            if factor == 0:
+                return ()
+            resting[:3, 3] *= factor
+            sized = mesh if factor == 1 else mesh.copy().apply_scale(factor)
+            return (PlacedObject(name, factor, sized, com * factor, resting, pose),)
+
+        return draw
+
+    return draws
+
+
+def _numbers(each_alone: Sequence[View], ideal: View) -> NDArray[np.uint8]:
+    """Which object each pixel sees, counted from 1; 0 is the table."""
+    numbers = np.zeros(ideal.depth.shape, dtype=np.uint8)
+    for number, view in enumerate(each_alone, start=1):
+        numbers[object_mask(view) & (view.depth <= ideal.depth)] = number
+    return numbers

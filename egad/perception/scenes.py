@@ -1,4 +1,4 @@
-"""A random pose of an object at rest on a table, with a random camera above it."""
+"""A table in a random pose, with a random camera above it."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -16,10 +16,10 @@ Ints = NDArray[np.int64]
 
 
 class Scene(NamedTuple):
-    """Where an object and a camera are; the table is z = 0.
+    """How a table is turned, and where a camera is; the table is z = 0.
 
     Attributes:
-        matrix: (4, 4) from the frame of the mesh to the world.
+        matrix: (4, 4) from the frame of the table, as objects were put on it, to the world.
         intrinsics: The camera.
         camera: (4, 4) from the frame of the camera (x right, y down, z forward) to the world.
     """
@@ -45,23 +45,19 @@ def sample_object_poses(poses: Sequence[StablePose], count: int, rng: np.random.
     return np.asarray(np.minimum(np.searchsorted(ends, levels, side="right"), len(poses) - 1))
 
 
-def sample_scene(
-    resting: Floats, center: Floats, settings: Camera, rng: np.random.Generator
-) -> Scene:
-    """An object turned and shifted on the table, and a camera that looks at the table's middle.
+def sample_scene(center: Floats, settings: Camera, rng: np.random.Generator) -> Scene:
+    """A table turned and shifted, and a camera that looks at the middle of the world.
 
     All is uniform within its range, as in Dex-Net (Mahler et al. 2017).
 
     Args:
-        resting: (4, 4) `StablePose.matrix`, center of mass above the origin.
-        center: (3,) center of mass in the frame of the mesh.
+        center: (3,) what a centered image shows in its middle, in the frame of the table.
         settings: The ranges.
         rng: Source of chance.
     """
     matrix = np.eye(4)
     matrix[:3, :3] = Rotation.from_rotvec([0, 0, rng.uniform(0, 2 * np.pi)]).as_matrix()
     matrix[:2, 3] = rng.uniform(-settings.shift, settings.shift, 2)
-    matrix = matrix @ resting
     camera = _camera(settings, rng)
     width, height = settings.image
     middle = np.array([(width - 1) / 2, (height - 1) / 2])

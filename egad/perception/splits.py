@@ -1,27 +1,31 @@
 """Who is trained on: splits by object, and how many images each object gets (ours)."""
 
 from collections.abc import Collection
+from itertools import count
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from egad.perception.parameters import Render
-from egad.random import entropy
+from egad.perception.parameters import Render, SceneKind
+from egad.random import entropy, generator
 
 SPLITS = ("train", "validation", "test")
 SHARD = 500  # images, about: how many shards there are follows from the settings alone
+VIEWS = 4  # images of a scene of several objects, at most
 
 
 class Share(NamedTuple):
-    """An object and its images.
+    """An object, or a scene of several, and its images.
 
     Attributes:
-        id: Of the object.
-        label: Of the object.
+        id: Of the object, or a name of the scene.
+        label: Of the object, or the same name.
         split: `train`, `validation` or `test`.
         first: Number of its first image in the dataset.
         images: How many it has.
+        scene: How the objects lie.
+        members: Labels of the objects.
     """
 
     id: str
@@ -29,6 +33,8 @@ class Share(NamedTuple):
     split: str
     first: int
     images: int
+    scene: SceneKind
+    members: tuple[str, ...]
 
 
 def shares(
@@ -36,7 +42,8 @@ def shares(
 ) -> list[Share]:
     """The images of all objects of a dataset, in the order of their numbers.
 
-    Objects are shuffled, so that any run of images is a fair sample. Splits are of all objects,
+    Objects are shuffled, so that any run of images is a fair sample. Scenes of several objects
+    come last; all of their objects are in one split. Splits are of all objects,
     then those that are wanted are taken: an object is in the same split whichever part of the
     dataset is rendered. A split has its part of the images even if it has more of the objects, so
     the number to train on does not depend on the dataset; without objects it has none.
@@ -53,17 +60,43 @@ def shares(
         zip(wanted["id"], wanted["label"], strict=True),
         key=lambda names: entropy(seed, "image order", names[0]),
     )
-    budgets = _budgets(settings)
-    counts = {
-        name: iter(evenly(budgets[name], sum(split[object_id] == name for object_id, _ in chosen)))
-        for name in SPLITS
-    }
-    found, first = [], 0
-    for object_id, label in chosen:
-        count = next(counts[split[object_id]])
-        found.append(Share(object_id, label, split[object_id], first, count))
-        first += count
-    return found
+    members = {name: [label for i, label in chosen if split[i] == name] for name in SPLITS}
+    kinds = _kinds(settings)
+    counts = {name: iter(evenly(kinds[name]["single"], len(members[name]))) for name in SPLITS}
+    found = [
+        Share(
+            object_id,
+            label,
+            split[object_id],
+            0,
+            next(counts[split[object_id]]),
+            "single",
+            (label,),
+        )
+        for object_id, label in chosen
+    ]
+    for kind in ("packed", "pile"):
+        for name in SPLITS:
+            found += _scenes(kind, name, members[name], kinds[name][kind], settings.objects, seed)
+    firsts = np.cumsum([0, *(share.images for share in found)]).tolist()
+    return [share._replace(first=first) for share, first in zip(found, firsts, strict=False)]
+
+
+def _scenes(
+    kind: SceneKind, split: str, labels: list[str], images: int, objects: int, seed: int
+) -> list[Share]:
+    """Scenes of several objects of a split, each with a few images."""
+    counts = evenly(images, -(-images // VIEWS)) if labels else []
+    names = (f"{kind}-{split}-{number}" for number in count())
+    return [
+        Share(name, name, split, 0, shown, kind, _members(labels, objects, name, seed))
+        for name, shown in zip(names, counts, strict=False)
+    ]
+
+
+def _members(labels: list[str], objects: int, name: str, seed: int) -> tuple[str, ...]:
+    order = generator(seed, "scene", name).permutation(len(labels))[:objects]
+    return tuple(labels[number] for number in order)
 
 
 def shard_count(images: int) -> int:
@@ -100,13 +133,16 @@ def _part(fraction: float, count: int) -> int:
     return max(round(fraction * count), int(fraction > 0 and count > 2))
 
 
-def _budgets(settings: Render) -> dict[str, int]:
+def _kinds(settings: Render) -> dict[str, dict[SceneKind, int]]:
+    """The number of images of each split and kind of scene."""
     test, validation = (round(p * settings.images) for p in (settings.test, settings.validation))
-    return {
-        "train": settings.images - test - validation,
-        "validation": validation,
-        "test": test,
-    }
+    budgets = {"train": settings.images - test - validation, "validation": validation, "test": test}
+    found: dict[str, dict[SceneKind, int]] = {}
+    for name, images in budgets.items():
+        packed, pile = (round(part * images) for part in (settings.packed, settings.pile))
+        pile = min(pile, images - packed)
+        found[name] = {"single": images - packed - pile, "packed": packed, "pile": pile}
+    return found
 
 
 def _drawn(objects: pd.DataFrame, part: float, seed: int) -> pd.DataFrame:

@@ -2,12 +2,13 @@
 
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
-from egad.learning import best_epoch
-from egad.report.colors import INK, LINES, SOFT
-from egad.report.drawing import DASHED, new_figure, show_percent
+from egad.report.colors import LINES
+from egad.report.drawing import new_figure, show_percent
 
 
 def training_chart(history: pd.DataFrame) -> str:
@@ -17,9 +18,9 @@ def training_chart(history: pd.DataFrame) -> str:
         history: Columns of `tables.training.HISTORY`, at least one row.
 
     Returns:
-        SVG text. A line marks the epoch whose weights were kept.
+        SVG text.
     """
-    images, kept = history["images"], best_epoch(history)["images"]
+    images = history["images"]
     dots: dict[str, Any] = {"marker": "o", "ms": 3}
     with new_figure(7.6, 3.0) as drawing:
         left, right = drawing.figure.subplots(1, 2)
@@ -28,17 +29,28 @@ def training_chart(history: pd.DataFrame) -> str:
         left.legend()
         right.plot(images, history["validation_score"], color=LINES[1], **dots)
         _label_axes(left, right, "loss")
-        for axes in (left, right):
-            axes.axvline(kept, color=SOFT, lw=0.8, ls=DASHED)
-        right.annotate(
-            "kept",
-            (kept, 0.02),
-            xytext=(-4, 0),
-            textcoords="offset points",
-            ha="right",
-            color=INK,
-            fontsize=8,
-        )
+    return drawing.svg
+
+
+def openings_chart(openings: NDArray[np.float64], most: float) -> str:
+    """How far the hand opens for the grasps in a set of images.
+
+    Args:
+        openings: Metres, (n,).
+        most: Opening of the gripper, metres.
+
+    Returns:
+        SVG text.
+    """
+    with new_figure(5.0, 2.4) as drawing:
+        axes = drawing.figure.subplots()
+        bins = np.linspace(0, 1000 * most, 17)
+        # At the full opening, some are a rounding error wider.
+        values = np.minimum(1000 * openings, bins[-1])
+        shares = np.full(len(values), 1 / max(len(values), 1))
+        axes.hist(values, bins.tolist(), weights=shares, color=LINES[0], edgecolor="white", lw=0.5)
+        axes.set(xlabel="opening of good grasps, mm", ylabel="of the grasps")
+        show_percent(axes.yaxis)
     return drawing.svg
 
 

@@ -15,6 +15,9 @@ from .film import Film as Film
 from .film import Pixels as Pixels
 from .film import write_film as write_film
 from .gripper import Hand as Hand
+from .image_scenes import model_at_size as model_at_size
+from .image_scenes import settle as settle
+from .image_scenes import simulate_contacts as simulate_contacts
 from .labelled_trials import execute_labelled_grasps as execute_labelled_grasps
 from .labelled_trials import failed_labelled_grasps as failed_labelled_grasps
 from .labelled_trials import sample_labelled_grasps as sample_labelled_grasps
@@ -23,7 +26,6 @@ from .model import Model as Model
 from .model import build as build
 from .model import model_of as model_of
 from .parameters import ENGINES as ENGINES
-from .parameters import SCENE_KINDS as SCENE_KINDS
 from .parameters import Agreement as Agreement
 from .parameters import Clutter as Clutter
 from .parameters import ClutterParameters as ClutterParameters
@@ -31,7 +33,6 @@ from .parameters import EngineChoice as EngineChoice
 from .parameters import EngineName as EngineName
 from .parameters import LabelTrialParameters as LabelTrialParameters
 from .parameters import Lifting as Lifting
-from .parameters import SceneKind as SceneKind
 from .parameters import SimulatedLabel as SimulatedLabel
 from .parameters import SimulatedLabelParameters as SimulatedLabelParameters
 from .parameters import TrialParameters as TrialParameters

@@ -15,6 +15,7 @@ from egad.perception import (
     Intrinsics,
     NoiseName,
     Observation,
+    SceneKind,
     View,
     add_noise,
     camera_above,
@@ -23,7 +24,7 @@ from egad.perception import (
 )
 from egad.random import generator
 from egad.sim.free_hand import execute_pose
-from egad.sim.parameters import Clutter, SceneKind
+from egad.sim.parameters import Clutter
 from egad.sim.scenes import WORKSPACE, Placed, make_scene, put, settle_from
 from egad.sim.world import UnstableError, World
 

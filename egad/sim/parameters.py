@@ -9,13 +9,11 @@ from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels, Se
 from egad.errors import UserError, check_name
 from egad.grasps import Quality
 from egad.grippers import Gripper
-from egad.perception import NOISES, NoiseName
+from egad.perception import NOISES, SCENE_KINDS, NoiseName, SceneKind
 
 EngineName = Literal["pybullet", "mujoco"]
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
 EngineChoice = Literal["auto", EngineName]
-SceneKind = Literal["single", "packed", "pile"]
-SCENE_KINDS: tuple[SceneKind, ...] = get_args(SceneKind)
 PlanningTime = Annotated[
     float,
     Field(

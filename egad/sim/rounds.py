@@ -11,12 +11,12 @@ from egad.detectors import PoseGrasp
 from egad.errors import UserError
 from egad.geometry import nearest
 from egad.outcomes import Outcome
-from egad.perception import NoiseName
+from egad.perception import NoiseName, SceneKind
 from egad.random import entropy, generator
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose
 from egad.sim.film import Film, Pixels
 from egad.sim.model import Model
-from egad.sim.parameters import ClutterParameters, SceneKind, installed_engine
+from egad.sim.parameters import ClutterParameters, installed_engine
 from egad.sim.robots import free_hand
 from egad.sim.scenes import BOX
 from egad.sim.world import World, open_world

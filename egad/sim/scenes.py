@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+from egad.perception import SceneKind
 from egad.sim.model import Model
-from egad.sim.parameters import SceneKind
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 
 Floats = NDArray[np.float64]

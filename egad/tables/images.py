@@ -2,7 +2,7 @@
 
 import pyarrow as pa
 
-from egad.tables.columns import BINARY, FLOAT, ID, INT, LABEL, STRING, column, pose
+from egad.tables.columns import BINARY, FLOAT, INT, STRING, column, pose
 
 SINGLE = pa.float32()
 
@@ -14,20 +14,37 @@ def _listed(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Fi
 IMAGES = pa.schema(
     [
         column("image", INT, "number of the image; images of an object are consecutive"),
-        ID,
-        LABEL,
+        column("scene", STRING, "single, packed or pile: how the objects lie"),
+        column("id", STRING, "id of the object; of several, a name of the scene"),
+        column("label", STRING, "label of the object; of several, a name of the scene"),
         column("split", STRING, "train, validation or test; the same for all images of an object"),
-        column("pose", pa.int16(), "number of the stable pose, 0 = most probable"),
+        column("draws", INT, "how many times poses and sizes were drawn for the image"),
+        column("objects", pa.list_(STRING), "ids of the objects"),
+        column(
+            "factors",
+            pa.list_(FLOAT),
+            "of each object: its size / that of the mesh scaled to the gripper",
+        ),
+        column(
+            "poses",
+            pa.list_(INT),
+            "of each object: number of the stable pose, 0 = most probable; -1 = packed or dropped",
+        ),
+        column(
+            "placements",
+            pa.list_(FLOAT),
+            "of each object, 7 numbers: position (m) and quaternion (x, y, z, w) of the frame of "
+            "the mesh in the world frame",
+        ),
         column("depth", BINARY, "16-bit PNG: depth along the optical axis; 0 = no value", "0.1 mm"),
-        column("mask", BINARY, "8-bit PNG: 255 = object, 0 = everything else"),
+        column("mask", BINARY, "8-bit PNG: k = the k-th object, 0 = everything else"),
         column("height", INT, "height of the image", "px"),
         column("width", INT, "width of the image", "px"),
         column("focal", FLOAT, "focal length", "px"),
         column("center_u", FLOAT, "column of the optical axis", "px"),
         column("center_v", FLOAT, "row of the optical axis", "px"),
         *pose("camera", "camera (x right, y down, z forward) in the world frame"),
-        *pose("object", "frame of the scaled mesh in the world frame"),
-        _listed("grasp", INT, "number of the grasp in the table of grasps"),
+        _listed("object", INT, "number of the object in the image, from 0"),
         _listed("u", SINGLE, "column of the center; the middle of the first pixel is 0", "px"),
         _listed("v", SINGLE, "row of the center; the middle of the first pixel is 0", "px"),
         _listed(
@@ -38,12 +55,14 @@ IMAGES = pa.schema(
         ),
         _listed("opening", SINGLE, "opening of the hand, at the depth of the center", "px"),
         _listed("depth_center", SINGLE, "depth of the center along the optical axis", "m"),
-        _listed("quality", SINGLE, "robust quality of the labelled grasp"),
+        _listed("quality", SINGLE, "robust quality; 0 if it is not free of collisions"),
+        _listed("collision_free", pa.bool_(), "whether the hand touches nothing but the contacts"),
         _listed(
-            "collision_free",
+            "simulated_success",
             pa.bool_(),
-            "whether the hand touches neither the object nor the table",
+            "whether it held in simulation; no value if it was not simulated",
         ),
     ]
 )
-LISTS = [field.name for field in IMAGES if pa.types.is_list(field.type)]
+LISTS = IMAGES.names[IMAGES.names.index("object") :]
+"""The columns that have one entry for each grasp."""

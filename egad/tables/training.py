@@ -3,13 +3,13 @@
 import pyarrow as pa
 
 from egad.tables.clutter import CLUTTER
-from egad.tables.columns import BOOL, FLOAT, INT, STRING, column
+from egad.tables.columns import FLOAT, INT, STRING, column
 from egad.tables.evaluation import RESULTS
 
 HISTORY = pa.schema(
     [
         column("epoch", INT, "number of the epoch, from 0"),
-        column("images", INT, "number of images trained on so far"),
+        column("images", INT, "number of examples trained on so far"),
         column("loss", FLOAT, "mean over the epoch of the summed squared errors of the maps"),
         column("quality_loss", FLOAT, "share of the quality map in the loss"),
         column("cosine_loss", FLOAT, "share of the cos 2a map in the loss"),
@@ -21,7 +21,6 @@ HISTORY = pa.schema(
             FLOAT,
             "fraction of the validation images whose best grasp agrees with a positive one",
         ),
-        column("kept", BOOL, "whether the weights of this epoch were kept"),
     ]
 )
 

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pandas as pd
 import pytest
 
@@ -11,13 +13,13 @@ from egad.report.training import training_chart
 def history():
     losses = {"loss": [0.03, 0.02, 0.01], "validation_loss": [0.04, 0.02, 0.03]}
     score = {"validation_score": [float("nan"), 0.5, 0.6]}
-    return pd.DataFrame(
-        {"epoch": [0, 1, 2], "images": [1000, 2000, 3000], **losses, **score}
-    ).assign(kept=[False, True, False])
+    return pd.DataFrame({"epoch": [0, 1, 2], "images": [1000, 2000, 3000], **losses, **score})
 
 
 def test_counts_are_of_objects_images_negatives_and_grasps(images, pictures):
-    found = {row[0]: row[1:] for row in counts(Dataset(images, PositiveFilter(0.002, 0.02)).index)}
+    found = {
+        row[0]: row[1:] for row in counts(Dataset([images], PositiveFilter(0.002, 0.02)).index)
+    }
     for split, (objects, shown, empty, grasps, positive) in found.items():
         rows = [row for row in pictures if row["split"] == split]
         assert objects == len({row["id"] for row in rows})
@@ -26,18 +28,20 @@ def test_counts_are_of_objects_images_negatives_and_grasps(images, pictures):
         assert positive == sum(len(row["u"]) - 2 for n, row in enumerate(rows) if n % 3)
 
 
-def test_the_card_names_the_epoch_that_was_taken_and_the_score(images, history):
-    index = Dataset(images, PositiveFilter(0.002, 0.02)).index
+def test_the_card_tells_the_score_and_the_losses_of_the_last_epoch(images, history):
+    index = Dataset([images], PositiveFilter(0.002, 0.02)).index
     score = Score(n_correct=30, n_images=40, objects=7, interval=(0.6, 0.85), loss=0.0234)
-    trained = TrainedNetwork(
-        "GG-CNN", 62420, "pictures", index, history, score, 22, {"quality": 0.002}
-    )
+    settings = {"positive": "quality", "quality": 0.002}
+    trained = TrainedNetwork("GG-CNN", 62420, "pictures", index, history, score, 22, settings)
     text = card(trained)
     assert "right in 30 of 40 images of 7 held-out objects" in text
     assert "75.0%, for other objects of the same kind 60.0% to 85.0%" in text
     assert "narrower side, was right in 22 of them" in text
-    assert "3,000 images in 3 epochs" in text
-    assert "those after epoch 1." in text
+    assert "3,000 examples in 3 epochs" in text
+    assert "validation set 0.0300" in text
+    assert "has a robust quality above 0.002." in text
+    simulated = replace(trained, settings=settings | {"positive": "simulated"})
+    assert "free of collision and succeeded in simulation." in card(simulated)
     assert text.count("| quality | 0.002 |") == 1
 
 
@@ -49,4 +53,3 @@ def test_tables_are_markdown():
 
 def test_the_chart_is_the_same_for_the_same_history(history):
     assert training_chart(history) == training_chart(history)
-    assert "kept" in training_chart(history)

@@ -17,7 +17,9 @@ from egad.pipeline.stages.train import TrainNetwork
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
 
-PLAN = Training(images=4, epoch=2, batch=2, validation=2, test=3, quality=0.002, network="ggcnn")
+PLAN = Training(
+    images=4, epoch=2, batch=2, validation=2, test=3, quality=0.002, network="ggcnn", crop=96
+)
 SETTINGS = TrainNetwork(seed=3, training=PLAN)
 
 
@@ -75,7 +77,7 @@ def test_the_card_says_what_it_learnt_from_and_how(trained, pictures):
         assert f"| {split} | {count // 3} | {count} | {count // 3} |" in text
     for words in ("62,420 weights", "| seed | 3 |", "| batch | 2 |", "| torch |", "history.svg"):
         assert words in text
-    assert "4 images in 2 epochs" in text
+    assert "4 examples in 2 epochs" in text
 
 
 def test_the_chart_is_drawn(trained):
@@ -114,18 +116,48 @@ def test_nothing_to_learn_from_is_a_mistake(write, pictures, tmp_path):
     with pytest.raises(
         UserError, match=r"no image of the split train has a collision-free grasp .*quality, 1\.0"
     ):
-        stage.open_dataset(write(tmp_path / "all", pictures), strict)
+        stage.open_dataset([write(tmp_path / "all", pictures)], strict)
     kept = [row for row in pictures if row["split"] != "test"]
     with pytest.raises(UserError, match="no image in the split test"):
-        stage.open_dataset(write(tmp_path / "some", kept), SETTINGS)
+        stage.open_dataset([write(tmp_path / "some", kept)], SETTINGS)
+
+
+def test_simulated_labels_are_asked_for_if_they_decide(write, pictures, tmp_path):
+    plan = PLAN.model_copy(update={"positive": "simulated"})
+    settings = SETTINGS.model_copy(update={"training": plan})
+    with pytest.raises(TableError, match="columns are missing: simulated_success"):
+        stage.open_dataset([write(tmp_path / "none", pictures)], settings)
+    rows = [
+        {**row, "simulated_success": [None if free else True for free in row["collision_free"]]}
+        for row in pictures
+    ]
+    folder = write(tmp_path / "colliding", rows)
+    with pytest.raises(UserError, match="collision-free grasp that succeeded in simulation"):
+        stage.open_dataset([folder], settings)
+
+
+def test_several_folders_are_trained_on_as_one_set(images, write, pictures, tmp_path):
+    """Also if one of them has no images of some splits."""
+    pytest.importorskip("torch")
+    others = [{**row, "id": f"other-{row['id']}"} for row in pictures[:30]]
+    assert {row["split"] for row in others} == {"train"}
+    both = [str(images), str(write(tmp_path / "others", others))]
+    out = tmp_path / "out"
+    words = ["--settings", SETTINGS.model_dump_json(), "--out", str(out)]
+    result = CliRunner().invoke(app, ["train", *both, *words])
+    assert result.exit_code == 0, result.output
+    count = [row["split"] for row in pictures].count("train") + 30
+    assert f"| train | {count // 3} | {count} |" in (out / "README.md").read_text()
+    origin = parquet.origin_of(out / "history.parquet")
+    assert len(origin["inputs"]) == 2
 
 
 def test_a_folder_of_something_else_is_a_mistake(tmp_path):
     with pytest.raises(UserError, match="no images found"):
-        stage.open_dataset(tmp_path, SETTINGS)
+        stage.open_dataset([tmp_path], SETTINGS)
     (tmp_path / "images-0.parquet").write_text("hello")
     with pytest.raises(TableError, match="not a readable Parquet file"):
-        stage.open_dataset(tmp_path, SETTINGS)
+        stage.open_dataset([tmp_path], SETTINGS)
 
 
 def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
@@ -134,4 +166,4 @@ def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
         monkeypatch.delattr(egad.learning, name, raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
     with pytest.raises(UserError, match=r"egad\[vision\]"):
-        stage.run(SETTINGS, tmp_path, tmp_path)
+        stage.run(SETTINGS, [tmp_path], tmp_path)

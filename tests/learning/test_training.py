@@ -16,12 +16,12 @@ torch = pytest.importorskip("torch")
 networks = pytest.importorskip("egad.learning.networks")
 training = pytest.importorskip("egad.learning.training")
 checkpoint = pytest.importorskip("egad.learning.training")
-SHORT = Training(network="ggcnn", images=10, epoch=4, batch=3, validation=2)
+SHORT = Training(network="ggcnn", images=10, epoch=4, batch=3, validation=2, crop=96)
 
 
 @pytest.fixture(scope="module")
 def shards(images):
-    return Dataset(images, PositiveFilter(0.002, 0.02))
+    return Dataset([images], PositiveFilter(0.002, 0.02))
 
 
 class InterruptionError(Exception):
@@ -92,45 +92,34 @@ def test_the_history_tells_every_epoch(undisturbed):
     np.testing.assert_allclose(parts, history["loss"])
 
 
-def test_the_weights_of_the_lowest_validation_loss_are_taken(shards):
-    """The later epochs go astray, for the steps are far too long."""
-    settings = SHORT.model_copy(update={"learning_rate": 0.3, "images": 16, "patience": 2})
+def test_the_last_weights_are_those_of_the_history(shards):
     network = Tiny()
-    rows = training.train(network, shards, settings, 0)
-    losses = [row["validation_loss"] for row in rows]
-    with training.thread_pool(1) as workers:
-        held = training.spread(shards.indices("validation"), settings.validation)
-        judgements = training.evaluate(network, shards, held, workers)
-    assert np.mean([each.losses.sum() for each in judgements]) == pytest.approx(min(losses))
-    assert int(np.argmin(losses)) < len(losses) - 1
-    assert [row["kept"] for row in rows] == [loss == min(losses) for loss in losses]
-
-
-def test_without_patience_it_goes_to_its_end_and_the_last_weights_are_taken(shards):
-    settings = SHORT.model_copy(update={"learning_rate": 0.3, "images": 16, "patience": None})
-    network = Tiny()
-    rows = training.train(network, shards, settings, 0)
-    losses = [row["validation_loss"] for row in rows]
-    held = training.spread(shards.indices("validation"), settings.validation)
+    rows = training.train(network, shards, SHORT, 0)
+    held = training.spread(shards.indices("validation"), SHORT.validation)
     with training.thread_pool(1) as workers:
         judgements = training.evaluate(network, shards, held, workers)
-    assert np.mean([each.losses.sum() for each in judgements]) == pytest.approx(losses[-1])
-    assert losses[-1] > min(losses)
-    assert [row["kept"] for row in rows] == [False] * (len(rows) - 1) + [True]
+    loss = np.mean([each.losses.sum() for each in judgements])
+    assert loss == pytest.approx(rows[-1]["validation_loss"])
 
 
-def test_it_ends_when_nothing_gets_better(shards, monkeypatch):
-    losses = iter([3.0, 2.0, 2.5, 2.0, 1.0])
+def test_the_learning_rate_falls_along_half_a_cosine():
+    """Values of a cosine that are known: the full rate, 3/4, half and 1/4 of it, and nothing."""
+    settings = SHORT.model_copy(update={"images": 600, "learning_rate": 0.04})
+    middles = [0, 200, 300, 400, 600]
+    rates = [training.learning_rate(settings, range(n - 1, n + 1)) for n in middles]
+    np.testing.assert_allclose(rates, [0.04, 0.03, 0.02, 0.01, 0], atol=1e-12)
 
-    def judge(*_):
-        return [scoring.ImageScore(np.full(4, next(losses) / 4), hit=None)]
 
-    monkeypatch.setattr(training, "evaluate", judge)
-    settings = SHORT.model_copy(update={"images": 20, "patience": 2})
-    rows = training.train(Tiny(), shards, settings, 0)
-    assert [row["validation_loss"] for row in rows] == [3, 2, 2.5, 2]
-    assert [row["kept"] for row in rows] == [False, True, False, False]
-    assert math.isnan(rows[0]["validation_score"])
+def test_each_step_has_its_learning_rate(shards, monkeypatch):
+    """Adam changes no weight by more than a few times the learning rate; without it, by nothing."""
+    network = Tiny()
+    before = network.weight.detach().clone()
+    monkeypatch.setattr(training, "learning_rate", lambda _, batch: 0.5 * (batch.start == 3))
+    settings = SHORT.model_copy(update={"images": 3})
+    training.train(network, shards, settings, 0)
+    assert torch.equal(network.weight, before)
+    training.train(network, shards, settings.model_copy(update={"images": 6, "epoch": 6}), 0)
+    assert (network.weight - before).abs().max() > 0.1
 
 
 def test_a_loss_that_is_not_finite_ends_it(shards):
@@ -143,12 +132,13 @@ def test_a_step_is_one_along_the_gradient_of_the_whole_batch(shards):
     settings = SHORT.model_copy(update={"images": 3, "epoch": 3})
     network, other = Tiny(), Tiny()
     training.train(network, shards, settings, 0)
-    stream = training.Stream(shards, 3, settings.zoom, 0)
+    stream = training.Stream(shards, 3, settings.zoom, settings.crop, 0)
     seen, wanted = (
         torch.from_numpy(np.stack(part))
         for part in zip(*(stream[n] for n in range(3)), strict=True)
     )
-    optimizer = torch.optim.Adam(other.parameters(), lr=settings.learning_rate)
+    rate = training.learning_rate(settings, range(3))
+    optimizer = torch.optim.Adam(other.parameters(), lr=rate)
     answer = other(seen)
     loss = sum(torch.nn.functional.mse_loss(answer[:, k], wanted[:, k]) for k in range(4))
     loss.backward()

@@ -1,12 +1,12 @@
-"""A block that a hand can grasp, and settings to render it with."""
+"""A block that a hand can grasp, lying on a table, and settings to render it with."""
 
 import numpy as np
 import pytest
 import trimesh
 
 from egad.grippers import BoxBody
+from egad.perception.arrangement import PlacedObject, TableGrasps
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import GraspCandidates
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 
@@ -18,12 +18,29 @@ def block():
 
 
 @pytest.fixture(scope="session")
-def grasped():
-    """Grasps of the block: across its 30 mm, its 40 mm, and a slanted one that no hand holds."""
-    axes = np.array([[1.0, 0, 0], [0, 0, 1.0], [1.0, 0, 0], [0.8, 0, 0.6]])
-    centers = np.array([[0, 0.01, 0.005], [0.002, 0.0, 0], [0, -0.02, 0.0], [0, 0, 0]])
-    widths = np.array([0.03, 0.04, 0.03, 0.0375])
-    return GraspCandidates(np.array([4, 7, 9, 11]), centers, axes, widths, np.arange(4) / 10)
+def lying(block):
+    """The block as an object on a table."""
+    place = trimesh.transformations.translation_matrix((0, 0, 0.02))
+    return PlacedObject("id-1", 1.0, block, np.zeros(3), place, 0)
+
+
+@pytest.fixture(scope="session")
+def known_grasps():
+    """Grasps on a table, all free and of quality 0.2, given centers, axes and widths."""
+
+    def grasps(centers, axes, widths) -> TableGrasps:
+        count = len(widths)
+        return TableGrasps(
+            objects=np.zeros(count, dtype=np.int64),
+            centers=np.array(centers, dtype=float),
+            axes=np.array(axes, dtype=float),
+            widths=np.array(widths, dtype=float),
+            free=np.ones(count, dtype=bool),
+            qualities=np.full(count, 0.2),
+            success=np.full(count, None),
+        )
+
+    return grasps
 
 
 @pytest.fixture(scope="session")
@@ -31,7 +48,8 @@ def rendering():
     """Settings of the stage, with what a test changes."""
 
     def settings(gripper="egad_75mm", **changed) -> RenderParameters:
-        return select(Settings.model_validate(changed), RenderParameters, gripper)
+        whole = Settings.model_validate({"robust": {"samples": 5}, **changed})
+        return select(whole, RenderParameters, gripper)
 
     return settings
 

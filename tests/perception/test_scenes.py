@@ -19,10 +19,10 @@ def poses():
 
 
 def scenes(poses, camera, count=300):
-    resting = poses[0].matrix
-    return [
-        sample_scene(resting, CENTER, camera, np.random.default_rng(seed)) for seed in range(count)
-    ]
+    """Scenes whose matrix is that of an object in its first pose."""
+    center = (poses[0].matrix @ [*CENTER, 1])[:3]
+    found = [sample_scene(center, camera, np.random.default_rng(seed)) for seed in range(count)]
+    return [scene._replace(matrix=scene.matrix @ poses[0].matrix) for scene in found]
 
 
 def test_poses_come_up_by_their_probabilities(poses):

@@ -96,3 +96,27 @@ def test_numbers_are_cut_evenly():
     assert evenly(2, 5) == [0, 0, 1, 0, 1]
     assert evenly(5, 0) == []
     assert (shard_count(1), shard_count(500), shard_count(501)) == (1, 1, 2)
+
+
+def test_scenes_have_their_share_of_the_images_and_objects_of_one_split():
+    table = objects(60)
+    split = {share.id: share.split for share in shares(table, [], RENDER, 0)}
+    settings = Render(images=1000, packed=0.2, pile=0.3, objects=4)
+    found = shares(table, [], settings, 0)
+    assert images_by_split(found) == {"train": 800, "validation": 100, "test": 100}
+    for kind, images in (("single", 500), ("packed", 200), ("pile", 300)):
+        assert sum(share.images for share in found if share.scene == kind) == images
+    several = [share for share in found if share.scene != "single"]
+    assert {len(share.members) for share in several} == {4}
+    for share in several:
+        assert len(set(share.members)) == 4
+        assert {split[name] for name in share.members} == {share.split}
+        assert 0 < share.images <= 4
+    assert len({share.id for share in found}) == len(found)
+    assert set().union(*(share.members for share in several)) > set(list(split)[:30])
+
+
+def test_without_objects_of_a_split_there_are_no_scenes_of_it():
+    settings = Render(images=100, pile=1.0, validation=0.0, test=0.0)
+    assert {share.split for share in shares(objects(5), [], settings, 0)} == {"train"}
+    assert shares(objects(0), [], settings, 0) == []

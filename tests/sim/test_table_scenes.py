@@ -6,11 +6,12 @@ import trimesh
 from scipy.spatial import ConvexHull
 from worlds import EACH_ENGINE
 
+from egad.perception.parameters import SCENE_KINDS, SceneKind
 from egad.pipeline.config import Bundle
 from egad.random import generator
 from egad.sim import scenes
 from egad.sim.model import build
-from egad.sim.parameters import SCENE_KINDS, EngineName, SceneKind
+from egad.sim.parameters import EngineName
 from egad.sim.scenes import BOX, WORKSPACE, Placed, make_scene, put, settle_from
 from egad.sim.world import UnstableError, World, open_world
 

@@ -498,7 +498,8 @@ def test_images_are_rendered_if_that_is_asked_for(copy):
     configs = ["config/test.yaml", copy.overlay("render.yaml", asked)]
     made = {"render": 2, "image_card": 1, "report": 1, "all": 1}
     assert copy.planned(configs=configs) == made
-    few = [*configs, copy.overlay("few.yaml", {"render": {"images": 60, "test": 0.5}})]
+    sixty = {"render": {"images": 60, "test": 0.5, "without_grasps": True}}
+    few = [*configs, copy.overlay("few.yaml", sixty)]
     target, folder = "results/egad/images/egad_75mm/card.md", copy.results / "egad/images/egad_75mm"
     folder.mkdir(parents=True)
     (folder / "images-1.parquet").touch()  # as of a larger set

@@ -183,6 +183,12 @@ def held_out(wildcards):
     return [file] if SETTINGS.render.hold_out else []
 
 
+def parts_of_images(wildcards):
+    """The convex parts of the objects, if images are made with a simulation."""
+    file = f"results/{wildcards.dataset}/convex_parts/{wildcards.gripper}.parquet"
+    return [file] if SETTINGS.render.needs_convex_parts else []
+
+
 def gripper_files(wildcards):
     """The files that describe a gripper, if there are any; default: the first target."""
     return files_of_gripper(wildcards.get("gripper", GRIPPER))

@@ -1,9 +1,10 @@
 """Render: depth images of the objects at rest, with their reachable grasps.
 
-Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet, and the
-held-out evaluation set results/D/eval49.parquet.
-Outputs: results/D/images/G/images-N.parquet; card.md, their description; rejected.parquet, the
-objects without images. Made if targets.render is true.
+Inputs: results/D/objects.parquet, results/D/rescaled/G, and the held-out evaluation set
+results/D/eval49.parquet; for scenes of several objects, and to simulate grasps, also
+results/D/convex_parts/G.parquet.
+Outputs: results/D/images/G/images-N.parquet; card.md and openings.svg, their description;
+rejected.parquet, the objects without images. Made if targets.render is true.
 Steps: shards of images are rendered (their number depends on that of the images); then the card.
 """
 
@@ -17,8 +18,8 @@ rule render:
     input:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
-        grasps="results/{dataset}/grasps/{gripper}.parquet",
         evaluation=held_out,
+        convex_parts=parts_of_images,
         hand=gripper_files,
     output:
         images=ensure("results/{dataset}/images/{gripper}/images-{shard}.parquet", non_empty=True),
@@ -40,13 +41,14 @@ rule render:
         meshes=subpath(input.scales, parent=True),
         shards=len(IMAGE_SHARDS),
         evaluation=each("--eval", "evaluation"),
+        convex_parts=each("--convex-parts", "convex_parts"),
         code=code_of("render"),
     message:
         "Rendering {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
     shell:
         "egad render --settings {params.settings:q} --shard {wildcards.shard}"
         " --shards {params.shards} --objects {input.objects:q} --meshes {params.meshes:q}"
-        " --grasps {input.grasps:q} {params.evaluation:q} --out {output.images:q}"
+        " {params.evaluation:q} {params.convex_parts:q} --out {output.images:q}"
         " --rejected {output.rejected:q} > {log:q} 2>&1"
 
 
@@ -57,6 +59,7 @@ rule image_card:
         rejects=parts("results/{dataset}/parts/unrendered-{gripper}-{shard}.parquet", IMAGE_SHARDS),
     output:
         card=ensure("results/{dataset}/images/{gripper}/card.md", non_empty=True),
+        figure=ensure("results/{dataset}/images/{gripper}/openings.svg", non_empty=True),
         rejected=ensure("results/{dataset}/images/{gripper}/rejected.parquet", non_empty=True),
     log:
         "logs/{dataset}/image_card/{gripper}.log",
@@ -81,4 +84,5 @@ rule image_card:
         "egad image-card --settings {params.settings:q} --dataset {params.dataset:q}"
         " --gripper {params.gripper:q} --images {params.folder:q} --shards {params.shards}"
         " {params.rejects:q}"
-        " --out {output.card:q} --rejected {output.rejected:q} > {log:q} 2>&1"
+        " --out {output.card:q} --figure {output.figure:q} --rejected {output.rejected:q}"
+        " > {log:q} 2>&1"

@@ -60,6 +60,12 @@ def held_out_of_set(wildcards):
     return [of_set("eval49.parquet")(wildcards)] if held else []
 
 
+def convex_parts_of_set(wildcards):
+    """The convex parts of its objects, if its images are made with a simulation."""
+    needed = _settings_of_set(wildcards).render.needs_convex_parts
+    return [of_set(f"convex_parts/{GRIPPER}.parquet")(wildcards)] if needed else []
+
+
 def shards_of_set(wildcards):
     """Numbers of the shards of the images of a training set."""
     return range(shard_count(_settings_of_set(wildcards).render.images))
@@ -70,7 +76,7 @@ def count_shards_of_set(wildcards):
     return len(shards_of_set(wildcards))
 
 
-def parts_of_set(pattern):
+def all_shards_of_set(pattern):
     """The files of all shards of a training set."""
     return lambda wildcards: expand(pattern, shard=shards_of_set(wildcards), **wildcards)
 

@@ -1,8 +1,8 @@
 """Training-study: networks trained on different object sets. Made only if named.
 
-Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/grasps/G.parquet and
-results/D/eval49.parquet of the datasets of the training sets; also results/D/bundle/G of those of
-the tests; for the first target gripper G.
+Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/eval49.parquet and, as for render,
+results/D/convex_parts/G.parquet of the datasets of the training sets; also results/D/bundle/G of
+those of the tests; for the first target gripper G.
 Outputs: results/training_study/report.html, results.parquet and clutter.parquet; also images/SET, as
 from render, networks/SET/SEED, as from `egad train`, trials/D/NOISE and clutter/D, as from
 simulated_trial and clutter. See docs/training.md.
@@ -19,8 +19,8 @@ use rule render as render_set with:
     input:
         objects=of_set("objects.parquet"),
         scales=of_set(f"rescaled/{GRIPPER}/scales.parquet"),
-        grasps=of_set(f"grasps/{GRIPPER}.parquet"),
         evaluation=held_out_of_set,
+        convex_parts=convex_parts_of_set,
         hand=gripper_files,
     output:
         images=ensure(
@@ -39,6 +39,7 @@ use rule render as render_set with:
         meshes=subpath(input.scales, parent=True),
         shards=count_shards_of_set,
         evaluation=each("--eval", "evaluation"),
+        convex_parts=each("--convex-parts", "convex_parts"),
         code=code_of("render"),
     message:
         "Rendering the training set {wildcards.training_set}, shard {wildcards.shard}"
@@ -46,12 +47,15 @@ use rule render as render_set with:
 
 use rule image_card as set_card with:
     input:
-        images=parts_of_set("results/training_study/images/{training_set}/images-{shard}.parquet"),
-        rejects=parts_of_set(
+        images=all_shards_of_set(
+            "results/training_study/images/{training_set}/images-{shard}.parquet"
+        ),
+        rejects=all_shards_of_set(
             "results/training_study/parts/unrendered-{training_set}-{shard}.parquet"
         ),
     output:
         card=ensure("results/training_study/images/{training_set}/card.md", non_empty=True),
+        figure=ensure("results/training_study/images/{training_set}/openings.svg", non_empty=True),
         rejected=ensure(
             "results/training_study/images/{training_set}/rejected.parquet", non_empty=True
         ),
@@ -91,7 +95,7 @@ rule train_network:
         ENVIRONMENT
     threads: 2
     resources:
-        **needs(mb=2000, mb_per_thread=500, minutes=120),
+        **needs(mb=2000, mb_per_thread=500, minutes=60),
     params:
         settings=settings_of_set("train"),
         images=lambda wildcards, input: [str(Path(card).parent) for card in input],

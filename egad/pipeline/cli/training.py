@@ -21,7 +21,7 @@ from egad.pipeline.cli.stages import PANEL
 
 @app.command(rich_help_panel=PANEL)
 def train(
-    images: Annotated[Path, typer.Argument(help="folder of rendered images")],
+    images: Annotated[list[Path], typer.Argument(help="folders of rendered images, as one set")],
     out: OutFolder,
     network: Annotated[
         str | None, typer.Option(help="ggcnn or ggcnn2; default: as in the settings")
@@ -31,7 +31,7 @@ def train(
     ] = None,
     budget: Annotated[
         int | None,
-        typer.Option(min=1, help="largest number of training images; default: as in the settings"),
+        typer.Option(min=1, help="number of training examples; default: as in the settings"),
     ] = None,
     config: Config = None,
     settings: Annotated[

@@ -8,14 +8,14 @@ import pandas as pd
 
 from egad._util.files import write_text
 from egad.errors import UserError
-from egad.perception import RenderParameters, card, files, summary
+from egad.perception import COLUMNS, RenderParameters, card, files, summary
 from egad.pipeline.parameters import Input, NotNoted, Output, command
 from egad.pipeline.stages.shards import join
+from egad.report.training import openings_chart
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
 
 log = logging.getLogger(__name__)
-COLUMNS = ["id", "split", "pose", "collision_free"]
 
 
 def tidy(images: Path, shards: int) -> list[Path]:
@@ -46,9 +46,10 @@ def run(
     shards: Annotated[int, NotNoted()],
     rejects: Annotated[list[Path], Input()],
     out: Annotated[Path, Output("D/images/G/card.md")],
+    figure: Annotated[Path, Output("D/images/G/openings.svg")],
     rejected: Annotated[Path, Output("D/images/G/rejected.parquet", REJECTED)],
 ) -> None:
-    """Write the card of a set of images: counts, splits, camera, noise.
+    """Write the card of a set of images: counts, splits, sizes, camera, noise.
 
     Args:
         settings: Settings that the images were rendered with.
@@ -58,11 +59,14 @@ def run(
         shards: Number of shards.
         rejects: Rejected objects of the shards.
         out: Description of the images for gripper G.
+        figure: How far the hand opens for the good grasps in them.
         rejected: The objects without images, with reasons.
     """
     batches = [rows for path in tidy(images, shards) for rows in parquet.batches(path, COLUMNS)]
     rows = pd.concat(batches) if batches else pd.DataFrame(columns=COLUMNS)
     left_out = join(rejects, REJECTED, ["id", "stage"])
-    write_text(out, card(settings, dataset, gripper, summary(rows), left_out))
+    found = summary(rows, settings.render.quality)
+    write_text(out, card(settings, dataset, gripper, found, left_out, figure.name))
+    write_text(figure, openings_chart(found.openings, settings.gripper.opening))
     parquet.write(left_out, REJECTED, rejected)
     log.info("%d images, %d objects without any", len(rows), len(left_out))

@@ -1,70 +1,108 @@
 """render: depth images of the objects of a dataset at rest, with their grasps."""
 
 import logging
+from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import pandas as pd
+import trimesh
 import typer
+from numpy.typing import NDArray
 
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError
+from egad.evalset import read_parts
 from egad.exchange import read_mesh
 from egad.exchange.hand_body import hand_body
-from egad.grasps import vectors
+from egad.geometry import RayCaster, mass_properties
+from egad.grasps import ContactPairs
+from egad.grippers import Body
 from egad.perception import (
-    GraspCandidates,
+    Picture,
+    PlacedObject,
     RenderParameters,
     Share,
+    draw_width,
     encoded,
+    first_good,
     pictures,
+    sample_factor,
     shares,
+    views_of,
 )
+from egad.pipeline.config import Material
 from egad.pipeline.parameters import Input, Output, Shard, command
 from egad.pipeline.stages.shards import rejection
+from egad.sim import (
+    Lifting,
+    SimulatedLabel,
+    SimulatedLabelParameters,
+    model_at_size,
+    settle,
+    simulate_contacts,
+)
 from egad.tables import parquet
-from egad.tables.columns import vector_names
+from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.images import IMAGES
 from egad.tables.objects import OBJECTS, REJECTED
 
 log = logging.getLogger(__name__)
+Floats = NDArray[np.float64]
+KEPT = 200  # objects that stay in memory
 
-GRASP_COLUMNS = [
-    "id",
-    "grasp",
-    *vector_names("center"),
-    *vector_names("axis"),
-    "width",
-    "robust_quality",
-]
+
+class RenderImages(RenderParameters):
+    """Depth images of objects at rest; some need a simulation."""
+
+    material: Material
+    trials: Lifting
+    simulated_label: SimulatedLabel
+
+    @property
+    def labels(self) -> SimulatedLabelParameters:
+        """What simulated labels depend on."""
+        names = SimulatedLabelParameters.model_fields
+        return SimulatedLabelParameters(**{name: getattr(self, name) for name in names})
+
+
+class KnownObject(NamedTuple):
+    """An object of the dataset, in the size that fits the gripper; parts may be missing."""
+
+    id: str
+    mesh: trimesh.Trimesh
+    com: Floats
+    parts: tuple[trimesh.Trimesh, ...]
 
 
 @command()
 def run(
-    settings: RenderParameters,
+    settings: RenderImages,
     objects: Annotated[Path, Input()],
     meshes: Annotated[Path, Input()],
-    grasps: Annotated[Path, Input()],
     shard: Shard,
     out: Annotated[Path, Output("D/images/G/images-N.parquet", IMAGES)],
     rejected: Annotated[Path, Output(schema=REJECTED)],
     evaluation: Annotated[Path | None, typer.Option("--eval"), Input()] = None,
+    convex_parts: Annotated[Path | None, Input()] = None,
 ) -> None:
     """Render the depth images of a shard, with their reachable grasps.
 
-    A shard contains all images of the objects whose first image is in it.
+    A shard contains all images of the objects and scenes whose first image is in it.
 
     Args:
         settings: Settings of this stage.
         objects: Objects of the dataset.
         meshes: Folder of the scaled meshes.
-        grasps: Labelled grasps.
         shard: Number of this shard, and number of shards.
         out: Depth images with grasps for gripper G. Made if `targets.render` is true. Read the
             folder with `egad.perception.image_shards.read`. See `docs/images.md`.
-        rejected: The objects without images, with reasons.
+        rejected: The objects and scenes without images, with reasons.
         evaluation: Evaluation set to hold out.
+        convex_parts: Convex parts of the objects; needed for scenes of several objects, and to
+            simulate grasps.
     """
     number, total = shard
     chosen = [
@@ -72,14 +110,14 @@ def run(
         for share in planned(settings, objects, meshes, evaluation)
         if share.images and share.first * total // settings.render.images == number
     ]
-    labelled = _labelled(grasps, {share.id for share in chosen})
-    body = hand_body(settings.gripper)
+    studio = Studio(settings, parquet.read(objects, OBJECTS), meshes, convex_parts)
     rows, left_out = [], []
     for share in progress(chosen, "rendering", len(chosen)):
         try:
-            mesh = read_mesh(meshes / f"{share.label}.obj", "m")
-            found = pictures(mesh, labelled[share.id], share, body, settings)
-            rows += [encoded(picture) for picture in found]
+            found = [encoded(picture) for picture in studio.pictures(share)]
+            if not found:
+                raise RejectedError("no pose and size with a good grasp was found")
+            rows += found
         except RejectedError as reason:
             left_out.append(rejection(share.id, "render", reason))
     notes = {"shard": number, "shards": total}
@@ -109,23 +147,103 @@ def planned(
     return shares(known, held_out, settings.render, settings.seed)
 
 
+class Studio:
+    """Makes the images of the objects of a dataset."""
+
+    def __init__(
+        self,
+        settings: RenderImages,
+        objects: pd.DataFrame,
+        meshes: Path,
+        convex_parts: Path | None,
+    ) -> None:
+        """Take what the images are made from; arguments as in `run`.
+
+        Raises:
+            UserError: Convex parts are needed and not given, or the sizes are too large.
+        """
+        if settings.render.needs_convex_parts and convex_parts is None:
+            raise UserError(
+                "render.packed, render.pile and render.simulate need convex parts "
+                "(--convex-parts results/D/convex_parts/G.parquet)"
+            )
+        opening = settings.gripper.opening
+        if settings.render.widths and settings.render.widths[1] > opening:
+            raise UserError(
+                f"render.widths ends at {settings.render.widths[1]:g} m; the gripper opens "
+                f"{opening:g} m"
+            )
+        self.settings = settings
+        self._body: Body = hand_body(settings.gripper)
+        self._ids = dict(zip(objects["label"], objects["id"], strict=True))
+        self._labels = dict(zip(objects["id"], objects["label"], strict=True))
+        self._meshes = meshes
+        table = parquet.read(convex_parts, CONVEX_PARTS) if convex_parts else pd.DataFrame()
+        self._parts = dict(iter(table.groupby("label"))) if len(table) else {}
+        self._known = lru_cache(KEPT)(self._read)
+
+    def pictures(self, share: Share) -> Iterator[Picture]:
+        """The images of an object, or of a scene of several.
+
+        Raises:
+            RejectedError: An object cannot be used.
+        """
+        simulate = self._simulate if self.settings.render.simulate else None
+        if share.scene == "single":
+            (label,) = share.members
+            known = self._known(label)
+            yield from pictures(known.mesh, share, self._body, self.settings, simulate)
+            return
+        way = (share.id,)
+        labelled = first_good(
+            lambda rng, _: self._arranged(share, rng), self._body, self.settings, way, simulate
+        )
+        if labelled is not None:
+            yield from views_of(labelled, share, self.settings, way)
+
+    def _arranged(self, share: Share, rng: np.random.Generator) -> tuple[PlacedObject, ...]:
+        """The objects of a scene in random sizes where they come to rest."""
+        found = [self._known(label) for label in share.members]
+        sizes = [self._size(each, share, rng) for each in found]
+        pairs = [pair for pair in zip(found, sizes, strict=True) if pair[1] and pair[0].parts]
+        if not pairs:
+            return ()
+        density = self.settings.material.density
+        models = [model_at_size(each.mesh, each.parts, size, density) for each, size in pairs]
+        placed = settle(models, share.scene, self.settings.simulated_label.engine, rng)
+        return tuple(
+            PlacedObject(each.id, size, each.mesh.copy().apply_scale(size), each.com * size, matrix)
+            for number, matrix in placed
+            for each, size in [pairs[number]]
+        )
+
+    def _size(self, known: KnownObject, share: Share, rng: np.random.Generator) -> float:
+        width = draw_width(self.settings, known.id, share.id)
+        if width is None:
+            return 1.0
+        return sample_factor(RayCaster(known.mesh), width, self.settings.sampling, rng)
+
+    def _simulate(
+        self, placed: PlacedObject, contacts: ContactPairs, approaches: Floats
+    ) -> list[bool | None]:
+        """Whether grasps hold; unknown for objects without convex parts."""
+        if len(contacts) == 0:
+            return []
+        known = self._known(self._labels[placed.id])
+        if not known.parts:
+            return [None] * len(contacts)
+        density = self.settings.material.density
+        model = model_at_size(known.mesh, known.parts, placed.factor, density)
+        return simulate_contacts(model, contacts, approaches, self.settings.labels)
+
+    def _read(self, label: str) -> KnownObject:
+        mesh = read_mesh(self._meshes / f"{label}.obj", "m")
+        with np.errstate(invalid="ignore", divide="ignore"):  # flat ones are rejected later
+            com = mass_properties(mesh, 1.0).com
+        rows = self._parts.get(label)
+        parts = () if rows is None else read_parts(rows)
+        return KnownObject(self._ids[label], mesh, com, parts)
+
+
 def _names(path: Path, column: str) -> set[str]:
     return {name for rows in parquet.batches(path, [column]) for name in rows[column]}
-
-
-def _labelled(path: Path, ids: set[str]) -> dict[str, GraspCandidates]:
-    """The grasps of some objects; of one without grasps, none."""
-    parts = [batch[batch["id"].isin(ids)] for batch in parquet.batches(path, GRASP_COLUMNS)]
-    table = pd.concat(parts) if parts else pd.DataFrame(columns=GRASP_COLUMNS)
-    groups = dict(list(table.groupby("id")))
-    return {name: _grasped(groups.get(name, table.iloc[:0])) for name in ids}
-
-
-def _grasped(rows: pd.DataFrame) -> GraspCandidates:
-    return GraspCandidates(
-        rows["grasp"].to_numpy(np.int64),
-        vectors(rows, "center"),
-        vectors(rows, "axis"),
-        rows["width"].to_numpy(np.float64),
-        rows["robust_quality"].to_numpy(np.float64),
-    )

@@ -2,6 +2,7 @@
 
 import json
 import logging
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -20,7 +21,7 @@ from egad.learning import (
     score_table,
     total_score,
 )
-from egad.perception import image_shards as folder
+from egad.perception import files
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config import Training
 from egad.pipeline.config.stage_settings import StageSettings
@@ -46,7 +47,7 @@ class TrainNetwork(StageSettings):
 
 def run(
     settings: TrainNetwork,
-    images: Annotated[Path, Input()],
+    images: Annotated[list[Path], Input()],
     out: Annotated[
         Path,
         Output("training_study/networks/SET/SEED/", files=(WEIGHTS, CHART, CARD)),
@@ -59,7 +60,7 @@ def run(
 
     Args:
         settings: Settings of this stage.
-        images: Folder of images in the compact layout.
+        images: Folders of images in the compact layout, used as one set.
         out: A trained network: `weights.safetensors`, its model card `README.md`, and
             `history.svg`; the training history, one epoch per row; and the score on images of
             held-out objects. See `docs/vision.md`.
@@ -69,7 +70,8 @@ def run(
         The score of the network on the split `test`.
 
     Raises:
-        UserError: PyTorch, the images of a split, or all positive grasps are missing.
+        UserError: PyTorch, the images of a split, or all positive grasps are missing; or an object
+            is in two splits.
         TableError: A shard cannot be read.
     """
     try:
@@ -87,7 +89,7 @@ def run(
     trained = TrainedNetwork(
         networks.TITLES[plan.network],
         networks.parameters(network),
-        images.name if images.is_absolute() else images.as_posix(),
+        ", ".join(path.name if path.is_absolute() else path.as_posix() for path in images),
         shards.index,
         pd.DataFrame(rows),
         score,
@@ -99,32 +101,38 @@ def run(
     return score
 
 
-def open_dataset(images: Path, settings: TrainNetwork) -> Dataset:
+def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> Dataset:
     """The training images.
 
     Raises:
-        UserError: A split has no images, or no training image has a positive grasp.
+        UserError: A split has no images, an object is in two, or no training image has a positive
+            grasp.
         TableError: A shard cannot be read.
     """
     plan = settings.training
-    shards = Dataset(images, PositiveFilter(plan.quality, plan.breadth))
+    by_simulation = plan.positive == "simulated"
+    shards = Dataset(images, PositiveFilter(plan.quality, plan.breadth, by_simulation))
     for split in ("validation", "test"):
         shards.indices(split)
     if not shards.index.loc[shards.indices("train"), "positive"].any():
+        wanted = (
+            "that succeeded in simulation"
+            if by_simulation
+            else f"with a robust quality above training.quality, {plan.quality}"
+        )
         raise UserError(
-            f"{images}: no image of the split train has a collision-free grasp with a "
-            f"robust quality above training.quality, {plan.quality}"
+            f"{shards}: no image of the split train has a collision-free grasp {wanted}"
         )
     return shards
 
 
-def meaning(settings: TrainNetwork, images: Path) -> str:
+def meaning(settings: TrainNetwork, images: Sequence[Path]) -> str:
     """Everything that the result of a training depends on, as text."""
     import torch  # noqa: PLC0415 (an extra)
 
     known = {
         "settings": settings.model_dump(mode="json"),
-        "images": [checksum(path) for path in folder.files(images)],
+        "images": [checksum(path) for folder in images for path in files(folder)],
         "torch": torch.__version__,
         "code": [code_version(f"egad.learning.{name}") for name in ("networks", "training")],
     }

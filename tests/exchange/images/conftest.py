@@ -5,40 +5,63 @@ import pytest
 import trimesh
 
 from egad.grasps.collision import SIDE_CLEARANCE
-from egad.grippers import BoxBody
+from egad.perception.arrangement import PlacedObject, TableGrasps
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import GraspCandidates
-from egad.perception.rendering import pictures
+from egad.perception.rendering import Labelled, views_of
 from egad.perception.splits import Share
-from egad.pipeline.config import CAMERAS, GRIPPERS, Settings
+from egad.pipeline.config import CAMERAS, Settings
 from egad.pipeline.config.stage_settings import select
 
 SIDES = np.array([0.03, 0.06, 0.04])
 AXES = np.vstack([np.eye(3), [[1.0, 0, 0]]])
 WIDTHS = np.append(SIDES, 0.01)
+QUALITIES = np.array([0.003, 0.004, 0.005, 0.006])
 
 
 @pytest.fixture(scope="session")
 def sets():
     """Pictures of a block by camera; a grasp across each pair of its sides, and a narrow one.
 
-    The latter collides: the fingers would stand in the block.
+    The latter collides: the fingers would stand in the block. Of a block on a side, the grasp
+    across that side is not reachable. The quality of a grasp tells its number.
     """
-    block = trimesh.creation.box(SIDES)
-    grasps = GraspCandidates(np.arange(4), np.zeros((4, 3)), AXES, WIDTHS, np.full(4, 0.003))
-    hand = BoxBody(GRIPPERS["egad_75mm"])
 
     def made(camera, **noise):
         changed = {"render": {"camera": camera}, "image_noise": noise}
         settings = select(Settings.model_validate(changed), RenderParameters, "egad_75mm")
+        kinds = [("A1", "train")] * 4 + [("B2", "validation")] * 2 + [("C3", "test")] * 2
         shares = [
-            Share("id-1", "A1", "train", 0, 4),
-            Share("id-2", "B2", "validation", 4, 2),
-            Share("id-3", "C3", "test", 6, 2),
+            Share(f"id-{name}", name, split, number, 1, "single", (name,))
+            for number, (name, split) in enumerate(kinds)
         ]
-        return [p for share in shares for p in pictures(block, grasps, share, hand, settings)]
+        # lying on each of its sides, which is the one along this axis
+        return [
+            picture
+            for share in shares
+            for picture in views_of(labelled(share.first % 3), share, settings, (share.first,))
+        ]
 
     return {name: made(name) for name in CAMERAS} | {"noisy": made("d435", missing=0.02)}
+
+
+def labelled(upright):
+    """The block with one of its axes upright, and its reachable grasps."""
+    block = trimesh.creation.box(SIDES)
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.roll(np.eye(3), 2 - upright, axis=0)
+    matrix[2, 3] = SIDES[upright] / 2
+    numbers = np.flatnonzero(np.abs(AXES[:, upright]) < 0.5)
+    grasps = TableGrasps(
+        objects=np.zeros(len(numbers), dtype=np.int64),
+        centers=np.tile(matrix[:3, 3], (len(numbers), 1)),
+        axes=AXES[numbers] @ matrix[:3, :3].T,
+        widths=WIDTHS[numbers],
+        free=numbers < 3,
+        qualities=QUALITIES[numbers],
+        success=np.full(len(numbers), None),
+    )
+    placed = PlacedObject("id-1", 1.0, block, np.zeros(3), matrix, upright)
+    return Labelled((placed,), grasps, 1)
 
 
 @pytest.fixture(scope="session")
@@ -46,8 +69,8 @@ def contacts():
     """From a picture to where the contacts of each of its grasps are in it, pixels, (n, 2, 2)."""
 
     def found(picture):
-        to_camera = np.linalg.inv(picture.view.pose) @ picture.matrix
-        numbers = picture.grasps.grasp
+        to_camera = np.linalg.inv(picture.view.pose) @ picture.objects[0].matrix
+        numbers = np.searchsorted(QUALITIES, picture.grasps.quality)
         ends = np.array([-0.5, 0.5])[:, None] * (WIDTHS[:, None] * AXES)[numbers, None]
         seen = ends.reshape(-1, 3) @ to_camera[:3, :3].T + to_camera[:3, 3]
         return picture.view.intrinsics.pixels(seen).reshape(-1, 2, 2)

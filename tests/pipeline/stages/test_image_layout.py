@@ -1,6 +1,5 @@
 """A set of images in other layouts, by the command: splits, the same bytes, and what stops it."""
 
-import numpy as np
 import pandas as pd
 import pytest
 import trimesh
@@ -8,7 +7,6 @@ import trimesh
 from egad.grippers import BoxBody
 from egad.perception.image_rows import encoded
 from egad.perception.parameters import RenderParameters
-from egad.perception.reachability import GraspCandidates
 from egad.perception.rendering import pictures
 from egad.perception.splits import SPLITS, Share
 from egad.pipeline.cli import main
@@ -25,14 +23,11 @@ def dataset(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results") / "mine"
     settings = select(Settings(), RenderParameters, "egad_75mm")
     block, hand = trimesh.creation.box((0.03, 0.03, 0.03)), BoxBody(settings.gripper)
-    same = np.full(3, 0.03), np.full(3, 0.002)
-    grasps = GraspCandidates(np.arange(3), np.zeros((3, 3)), np.eye(3), *same)
     rows = [
         encoded(picture)
         for number, split in enumerate(SPLITS)
-        for picture in pictures(
-            block, grasps, Share(f"id-{split}", split, split, 2 * number, 2), hand, settings
-        )
+        for share in [Share(f"id-{split}", split, split, 2 * number, 2, "single", (split,))]
+        for picture in pictures(block, share, hand, settings)
     ]
     for number, part in enumerate((rows[:4], rows[4:])):
         path = folder / "images" / "egad_75mm" / f"images-{number}.parquet"

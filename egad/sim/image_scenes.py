@@ -1,0 +1,90 @@
+"""Objects for training images: put on a table by simulation, and grasped in it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+import trimesh
+from numpy.typing import NDArray
+
+from egad.geometry import mass_properties
+from egad.grasps import ContactPairs
+from egad.perception import SceneKind
+from egad.sim.model import Model, model_of
+from egad.sim.parameters import EngineChoice, SimulatedLabelParameters
+from egad.sim.scenes import BOX, make_scene
+from egad.sim.simulated_labels import simulate_labels
+from egad.sim.world import UnstableError, open_world
+from egad.tables.columns import vector_names
+
+Floats = NDArray[np.float64]
+
+
+def model_at_size(
+    mesh: trimesh.Trimesh, parts: Sequence[trimesh.Trimesh], factor: float, density: float
+) -> Model:
+    """An object in another size, as the engine needs it; its frame is that of the scaled mesh.
+
+    Args:
+        mesh: Its surface, closed, metres.
+        parts: Convex meshes that stand for it in contacts, metres.
+        factor: New size / size.
+        density: kg/m3.
+    """
+    sized = mesh.copy().apply_scale(factor)
+    scaled = [part.copy().apply_scale(factor) for part in parts]
+    return model_of(sized, scaled, mass_properties(sized, density), 0.0)
+
+
+def settle(
+    models: Sequence[Model], kind: SceneKind, engine: EngineChoice, rng: np.random.Generator
+) -> list[tuple[int, Floats]]:
+    """Put objects on a table as `make_scene` does.
+
+    Args:
+        models: The objects.
+        kind: How they are put there.
+        engine: Physics engine.
+        rng: Source of chance.
+
+    Returns:
+        Of each object that lies in the workspace, its number and the transform, (4, 4), from the
+        frame that its model was made in to the world. Nothing if the simulation went wrong.
+    """
+    with open_world(engine, models, None, BOX if kind == "pile" else None) as world:
+        try:
+            present = make_scene(world, kind, rng)
+        except UnstableError:
+            return []
+    return [(number, pose.matrix @ models[number].to_principal) for number, pose in present]
+
+
+def simulate_contacts(
+    model: Model, contacts: ContactPairs, approaches: Floats, settings: SimulatedLabelParameters
+) -> list[bool | None]:
+    """Whether grasps hold, each closed on the floating object, shaken and lifted.
+
+    Args:
+        model: The object.
+        contacts: n grasps that are free of collisions, in the frame that the model was made in.
+        approaches: (n, 3) unit vectors along which the hand moves.
+        settings: As of `simulate_labels`.
+
+    Returns:
+        For each of the n grasps; None if it was not simulated or the engine failed.
+    """
+    columns = {"center": contacts.centers, "axis": contacts.axes, "approach": approaches}
+    grasps = pd.DataFrame(
+        {
+            **{
+                name: vectors[:, part]
+                for key, vectors in columns.items()
+                for part, name in enumerate(vector_names(key))
+            },
+            "width": contacts.widths,
+            "robust_quality": 0.0,
+            "collision_free": True,
+        }
+    )
+    held = simulate_labels(model, grasps, settings)["simulated_success"]
+    return [None if pd.isna(each) else bool(each) for each in held]
