@@ -76,7 +76,7 @@ def count_shards_of_set(wildcards):
     return len(shards_of_set(wildcards))
 
 
-def parts_of_set(pattern):
+def all_shards_of_set(pattern):
     """The files of all shards of a training set."""
     return lambda wildcards: expand(pattern, shard=shards_of_set(wildcards), **wildcards)
 

@@ -1,8 +1,8 @@
 """Training-study: networks trained on different object sets. Made only if named.
 
-Inputs: results/D/objects.parquet, results/D/rescaled/G and results/D/eval49.parquet of the datasets
-of the training sets, results/D/convex_parts/G.parquet for scenes and simulated labels; also
-results/D/bundle/G of those of the tests; for the first target gripper G.
+Inputs: results/D/objects.parquet, results/D/rescaled/G, results/D/eval49.parquet and, as for render,
+results/D/convex_parts/G.parquet of the datasets of the training sets; also results/D/bundle/G of
+those of the tests; for the first target gripper G.
 Outputs: results/training_study/report.html, results.parquet and clutter.parquet; also images/SET, as
 from render, networks/SET/SEED, as from `egad train`, trials/D/NOISE and clutter/D, as from
 simulated_trial and clutter. See docs/training.md.
@@ -47,8 +47,10 @@ use rule render as render_set with:
 
 use rule image_card as set_card with:
     input:
-        images=parts_of_set("results/training_study/images/{training_set}/images-{shard}.parquet"),
-        rejects=parts_of_set(
+        images=all_shards_of_set(
+            "results/training_study/images/{training_set}/images-{shard}.parquet"
+        ),
+        rejects=all_shards_of_set(
             "results/training_study/parts/unrendered-{training_set}-{shard}.parquet"
         ),
     output:

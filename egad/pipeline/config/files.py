@@ -208,7 +208,6 @@ TRAINING_SETS_OF_STUDY: Values = {
     "few": _with_all("egad", subset=0.03),
     "tenth": _with_all("egad", subset=0.1),
     "images-500": _with_all("egad", images=500),
-    "images-1000": _with_all("egad", images=1000),
     "images-2000": _with_all("egad", images=2000),
     "cornell": {"weights": "weights/epoch_50_cornell_statedict.pt"},
 }
@@ -224,12 +223,12 @@ TRAINING_STUDY: Values = {
         "tests": ["egad", "ycb"],
         "noise": ["none", "stereo"],
         "clutter": ["packed", "pile"],
-        "rounds": 20,
+        "rounds": 10,
         "references": ["antipodal-depth", "labels", "random"],
         "comparisons": [["evolved-all", "primitives-all"], ["evolved-all", "cornell"]],
         "curves": [
             ["few", "tenth", "third", "evolved-all"],
-            ["images-500", "images-1000", "images-2000", "evolved-all"],
+            ["images-500", "images-2000", "evolved-all"],
         ],
     },
     "training_sets": TRAINING_SETS_OF_STUDY,
@@ -237,13 +236,13 @@ TRAINING_STUDY: Values = {
 TRAINING_VARIANCE: Values = {
     **TRAINING_BASE,
     "training_study": {
-        "sets": ["evolved", "evolved-longer", "evolved-images"],
-        "seeds": 6,
+        "sets": ["evolved", "evolved-batches", "evolved-images"],
+        "seeds": 5,
         "tests": ["egad", "ycb"],
     },
     "training_sets": {
         "evolved": _evolved(),
-        "evolved-longer": {"images": ["evolved"], "training": {"images": 20_000}},
+        "evolved-batches": {"images": ["evolved"], "training": {"batch": 32}},
         "evolved-images": _evolved(images=16_000),
     },
 }

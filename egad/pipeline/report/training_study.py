@@ -133,7 +133,8 @@ class TestView:
         objects: How many there are.
         seen: How many of them networks were trained on, by training set.
         sets: By name of the set or other detector.
-        spreads: By column: standard deviation of each set by name, and of all together.
+        spreads: By column: standard deviation of each set of more than two networks, by name, and
+            of all sets together.
         noises: Kinds of noise of the depth images.
     """
 
@@ -301,7 +302,8 @@ def _by_name(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def _spreads(rates: Mapping[str, Floats]) -> tuple[dict[str, Spread], Spread | None]:
-    each = {name: pooled_spread([values]) for name, values in rates.items()}
+    several = {name: values for name, values in rates.items() if len(values) > 2}
+    each = {name: pooled_spread([values]) for name, values in several.items()}
     return {name: found for name, found in each.items() if found}, _spread(rates)
 
 

@@ -12,10 +12,16 @@ from egad.pipeline.config import Settings
 from egad.pipeline.config import files as config_files
 from egad.pipeline.config.check import check
 from egad.pipeline.config.schema import node_at, schema
+from egad.pipeline.config.training_study import networks_of, with_networks
 
 ROOT = Path(__file__).parents[3]
 DATASETS = ["datasets/ycb.yaml", "datasets/egad.yaml"]
-FILES = ["config.yaml", "paper.yaml", "first_edition.yaml", "full.yaml", "test.yaml", *DATASETS]
+STUDIES = ["training_study.yaml", "training_variance.yaml"]
+FILES = [
+    *("config.yaml", "paper.yaml", "first_edition.yaml", "full.yaml", "test.yaml"),
+    *DATASETS,
+    *STUDIES,
+]
 
 
 def load(name):
@@ -96,6 +102,14 @@ def test_a_dataset_of_others_stands_alone_or_beside_the_evolved_one(name):
     assert [dataset.source for dataset in alone.datasets.values()] == ["meshes"]
     assert [dataset.source for dataset in beside.datasets.values()] == ["evolved", "meshes"]
     assert alone.targets.datasets == beside.targets.datasets == list(alone.datasets)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_study_can_be_run_over_the_defaults(name):
+    settings = check(merged(load("config.yaml"), load(name)))
+    names = [network.name for network in networks_of(settings)]
+    assert len(names) == len(set(names)) > len(settings.training_study.sets)
+    with_networks(settings)
 
 
 def merged(below, above):
