@@ -126,9 +126,9 @@ class MapDetector:
         seen there. Without a bite of 5 mm there is no grasp; otherwise its quality is that of the
         network times min(bite / 20 mm, 1). Proposed is the best of 21 x 21 pixels.
 
-        The hand opens as wide as the network says or as it can. Its center is on the ray of the
-        pixel, 10 mm below the surface, or half as deep as the fingertips can get there if that is
-        less. Surfaces and heights are those of the image without holes and noise
+        The hand opens as wide as the network says or as it can. It is where the ray of the pixel
+        is 10 mm below the surface, or half way down to the table if that is less. There its
+        contacts are 10 mm below the surface, or half as deep as the fingertips get. Surfaces and heights are those of the image without holes and noise
         (`egad.perception.restore`); the network sees the noise.
         """
         if not np.isfinite(view.depth).any():

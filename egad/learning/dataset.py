@@ -36,7 +36,7 @@ from egad.tables.row_groups import RowGroups
 
 GRASP = ["u", "v", "angle", "opening", "depth_center", "quality"]
 SIMULATED = "simulated_success"
-NAMES = ["image", "id", "split", "depth", "mask", "height", "width", "focal", *GRASP]
+NAMES = ["image", "id", "objects", "split", "depth", "mask", "height", "width", "focal", *GRASP]
 WINDOW = 2048  # images that are shuffled together; about as many are kept in memory, packed
 FARTHEST = 1e5  # pixels; numbers of grasps beyond this are no pixels of an image
 
@@ -66,8 +66,8 @@ class Dataset:
     Attributes:
         folders: Where they are.
         index: One row per image: `shard`, `group` and `row` where it is stored, shards counted
-            through all folders; `image`, `id` and `split`; `grasps`, how many it shows, and
-            `positive`, how many of these are positive by the rule.
+            through all folders; `image`, `id`, `objects` and `split`; `grasps`, how many it shows,
+            and `positive`, how many of these are positive by the rule.
     """
 
     def __init__(self, folders: Sequence[Path], rule: PositiveFilter) -> None:
@@ -96,7 +96,7 @@ class Dataset:
         )
         if unknown := set(self.index["split"]) - set(SPLITS):
             raise UserError(f"{self}: the split {unknown.pop()!r} is none of {', '.join(SPLITS)}")
-        shared = self.index.groupby("id")["split"].nunique() > 1
+        shared = self.index.explode("objects").groupby("objects")["split"].nunique() > 1
         if shared.any():
             raise UserError(f"{self}: the object {shared.idxmax()} is in more than one split")
         self._kept: OrderedDict[tuple[int, int], pd.DataFrame] = OrderedDict()
@@ -134,9 +134,9 @@ class Dataset:
             return _whole(shown), positives(shown, self.rule)
 
     def mask(self, number: int) -> NDArray[np.bool_]:
-        """Which pixels of it see the object, (300, 300); errors as `image`."""
+        """Which pixels of it see the first object, (300, 300); errors as `image`."""
         with self._named(number) as shown:
-            return pixels(shown, "mask", "L") > 0
+            return pixels(shown, "mask", "L") == 1
 
     @contextmanager
     def _named(self, number: int) -> Iterator[dict[str, Any]]:
@@ -154,7 +154,7 @@ class Dataset:
         key = (shard, group)
         with self._lock:
             if key not in self._kept:
-                names = [name for name in self._names if name not in ("id", "split")]
+                names = [name for name in self._names if name not in ("id", "objects", "split")]
                 self._kept[key] = self._files[shard].read(group, names)
                 while len(self._kept) > 1 and sum(map(len, self._kept.values())) > 2 * WINDOW:
                     self._kept.popitem(last=False)
@@ -163,9 +163,9 @@ class Dataset:
 
     def _indexed(self, shard: int, group: int) -> pd.DataFrame:
         columns = self.rule.columns
-        frame = self._files[shard].read(group, ["image", "id", "split", *columns])
+        frame = self._files[shard].read(group, ["image", "id", "objects", "split", *columns])
         good = [int(positive(row, self.rule).sum()) for row in parquet.records(frame[columns])]
-        return frame[["image", "id", "split"]].assign(
+        return frame[["image", "id", "objects", "split"]].assign(
             shard=shard,
             group=group,
             row=np.arange(len(frame)),
@@ -219,7 +219,7 @@ def positives(shown: Mapping[str, Any], rule: PositiveFilter) -> Rectangles:
 
 
 def _no_images() -> pd.DataFrame:
-    names = ["image", "id", "split", "shard", "group", "row", "grasps", "positive"]
+    names = ["image", "id", "objects", "split", "shard", "group", "row", "grasps", "positive"]
     return pd.DataFrame({name: [] for name in names})
 
 

@@ -107,8 +107,14 @@ def card(
     blocks = [
         f"# Depth images of {dataset} for {gripper}",
         f"Objects at rest on a table, turned at random; seed {settings.seed}. One alone lies in a "
-        "stable pose, as often as it comes to rest in it; several are packed upright side by side "
-        f"or dropped to a pile, {render.objects} at most. Splits are by object"
+        "stable pose, as often as it comes to rest in it"
+        + (
+            "; several are packed upright side by side or dropped to a pile, "
+            f"{render.objects} at most"
+            if render.packed + render.pile
+            else ""
+        )
+        + ". Splits are by object"
         + (", and the evaluation set is for testing." if render.hold_out else "."),
         _table(found.counts),
         f"A grasp is reachable if its approach can be within {render.tilt:g} degrees of the "
@@ -151,7 +157,9 @@ def _sizes(render: Render, found: Summary, figure: str) -> str:
         "Images without a good grasp are kept."
         if render.without_grasps
         else f"Poses and sizes without a good grasp are drawn again, at most 10 times: "
-        f"{100 * found.in_vain:.0f} % of the draws showed none."
+        f"{100 * found.in_vain:.0f} % of the draws for these images showed none, and "
+        f"{render.images - found.counts.at['all', 'images']} of {render.images} images were left "
+        "out after ten."
     )
     return (
         f"{sizes} {kept} {narrow} of the good grasps have an opening below {1000 * NARROW:g} mm."

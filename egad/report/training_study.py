@@ -70,11 +70,15 @@ def _draw_row(axes: Axes, y: float, row: Row) -> None:
         axes.plot(row.values, dots, "o", ms=3.5, color=INK, mfc="none", mew=0.7)
 
 
-def learning_chart(curves: Mapping[str, Mapping[float, Sequence[float]]], label: str) -> str:
+Point = tuple[float, Sequence[float]]
+"""Size of a set, and the success of each of its networks."""
+
+
+def learning_chart(curves: Mapping[str, Sequence[Point]], label: str) -> str:
     """Success over the size of the training set.
 
     Args:
-        curves: Success of each network by size of its set, by test.
+        curves: By test: sizes of sets, and the success of each network of such a set.
         label: What the size counts.
 
     Returns:
@@ -83,14 +87,15 @@ def learning_chart(curves: Mapping[str, Mapping[float, Sequence[float]]], label:
     """
     with new_figure(7.6, 3.2) as drawing:
         axes = drawing.figure.add_subplot()
-        for number, (name, sizes) in enumerate(curves.items()):
-            color, spread = line_color(number), pooled_spread(sizes.values())
-            means = [float(np.mean(values)) for values in sizes.values()]
-            axes.plot(list(sizes), means, "o-", ms=5, lw=1.4, color=color, label=name)
-            for size, values in sizes.items():
+        for number, (name, points) in enumerate(curves.items()):
+            color, spread = line_color(number), pooled_spread([values for _, values in points])
+            means = [float(np.mean(values)) for _, values in points]
+            sizes = [size for size, _ in points]
+            axes.plot(sizes, means, "o-", ms=5, lw=1.4, color=color, label=name)
+            for size, values in points:
                 axes.vlines(size, *mean_interval(values, spread), color=color, lw=1)
                 axes.plot([size] * len(values), values, "o", ms=3.5, color=color, mfc="none")
-        ticks = sorted({size for each in curves.values() for size in each})
+        ticks = sorted({size for each in curves.values() for size, _ in each})
         axes.set_xscale("log")
         axes.set_xticks(ticks, [f"{size:,.0f}" for size in ticks])
         axes.minorticks_off()

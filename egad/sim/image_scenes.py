@@ -68,10 +68,10 @@ def simulate_contacts(
         model: The object.
         contacts: n grasps that are free of collisions, in the frame that the model was made in.
         approaches: (n, 3) unit vectors along which the hand moves.
-        settings: As of `simulate_labels`.
+        settings: As of `simulate_labels`; all grasps are simulated.
 
     Returns:
-        For each of the n grasps; None if it was not simulated or the engine failed.
+        For each of the n grasps; None if the engine failed.
     """
     columns = {"center": contacts.centers, "axis": contacts.axes, "approach": approaches}
     grasps = pd.DataFrame(
@@ -86,5 +86,7 @@ def simulate_contacts(
             "collision_free": True,
         }
     )
-    held = simulate_labels(model, grasps, settings)["simulated_success"]
+    every = settings.simulated_label.model_copy(update={"grasps": max(len(contacts), 1)})
+    whole = settings.model_copy(update={"simulated_label": every})
+    held = simulate_labels(model, grasps, whole)["simulated_success"]
     return [None if pd.isna(each) else bool(each) for each in held]

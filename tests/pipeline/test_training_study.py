@@ -165,8 +165,16 @@ def of_set(**keys):
             "training_study.comparisons: 'b' is not defined; known: a",
         ),
         (
-            {**of_set(dataset="egad"), **study(curves=[["a", "b"]])},
-            "training_study.curves: 'b' is not defined; known: a",
+            {**of_set(dataset="egad"), **study(image_curve=["a", "b"])},
+            "training_study.image_curve: 'b' is not defined; known: a",
+        ),
+        (
+            {**of_set(weights="w.pt"), **study(object_curve=["a"])},
+            "training_study.object_curve: 'a' is not defined; known: ",
+        ),
+        (
+            {**of_set(dataset="egad", training={"positive": "simulated"})},
+            "training_sets.a.training.positive: simulated needs images with render.simulate",
         ),
         (
             {"training_study": {"noise": ["gamma"]}},

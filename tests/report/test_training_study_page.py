@@ -35,7 +35,7 @@ CONFIG = {
         "clutter": ["pile"],
         "references": ["random"],
         "comparisons": [["simple", "own"], ["simple", "random"]],
-        "curves": [["own", "simple", "both"]],
+        "object_curve": ["own", "simple", "both"],
     },
     "training_sets": {
         "given": {"weights": "<given>.pt"},

@@ -190,7 +190,7 @@ def _with_all(dataset: str, **render: object) -> Values:
 
 
 TRAINING_SETS_OF_STUDY: Values = {
-    "evolved": _evolved(),
+    "evolved": {"images": ["evolved-simulated"]},
     "evolved-sizes": _evolved(widths=ALL_IMAGES["widths"]),
     "evolved-scenes": _evolved(packed=0.25, pile=0.25),
     "evolved-simulated": {**_evolved(simulate=True), "training": SIMULATED},
@@ -226,10 +226,8 @@ TRAINING_STUDY: Values = {
         "rounds": 10,
         "references": ["antipodal-depth", "labels", "random"],
         "comparisons": [["evolved-all", "primitives-all"], ["evolved-all", "cornell"]],
-        "curves": [
-            ["few", "tenth", "third", "evolved-all"],
-            ["images-500", "images-2000", "evolved-all"],
-        ],
+        "object_curve": ["few", "tenth", "third", "evolved-all"],
+        "image_curve": ["images-500", "images-2000", "evolved-all"],
     },
     "training_sets": TRAINING_SETS_OF_STUDY,
 }
@@ -243,7 +241,7 @@ TRAINING_VARIANCE: Values = {
     "training_sets": {
         "evolved": _evolved(),
         "evolved-batches": {"images": ["evolved"], "training": {"batch": 32}},
-        "evolved-images": _evolved(images=16_000),
+        "evolved-images": _evolved(images=8_000),
     },
 }
 

@@ -245,8 +245,11 @@ class TrainingStudy(Parameters):
         "correction for all pairs and all tests with single objects; everything else is "
         "exploratory",
     )
-    curves: list[list[Name]] = Field(
-        [], description="learning curves: lists of sets, each from the smallest to the largest"
+    object_curve: list[Name] = Field(
+        [], description="sets of a learning curve over the number of objects"
+    )
+    image_curve: list[Name] = Field(
+        [], description="sets of a learning curve over the number of images"
     )
 
 

@@ -135,12 +135,19 @@ class Settings(Parameters):
         images = dict.fromkeys(name for key in used for name in sets[key].images if name in sets)
         own = {name: each for name, each in sets.items() if each.dataset}
         compared = dict.fromkeys([*study.sets, *study.references])
-        curves = [name for curve in study.curves for name in curve]
+        trained = [name for name in study.sets if name in sets and not sets[name].weights]
+        curves = {key: getattr(study, key) for key in ("object_curve", "image_curve")}
+        twice = sorted({*study.sets} & {*study.references})
         return [
             *_unknown("training_study.sets", study.sets, sets),
             *_unknown("training_study.tests", study.tests, self.datasets),
             *_unknown("training_study.references", study.references, self.detectors),
-            *_unknown("training_study.curves", curves, dict.fromkeys(study.sets)),
+            *(f"training_study.references: {name!r} is a training set, too" for name in twice),
+            *(
+                p
+                for key, names in curves.items()
+                for p in _unknown(f"training_study.{key}", names, dict.fromkeys(trained))
+            ),
             *(
                 p
                 for pair in study.comparisons
@@ -169,6 +176,15 @@ class Settings(Parameters):
                 type(section)(**section.model_dump() | getattr(chosen, key))
             except ValidationError as error:
                 problems += [f"{path}.{key}: {each['ctx']['error']}" for each in error.errors()]
+        positive = chosen.training.get("positive", self.training.positive)
+        shown = [name for name in (chosen.images or [name]) if name in self.training_sets]
+        simulated = [
+            self.training_sets[name].render.get("simulate", self.render.simulate) for name in shown
+        ]
+        if positive == "simulated" and not chosen.weights and not all(simulated):
+            problems.append(
+                f"{path}.training.positive: simulated needs images with render.simulate: true"
+            )
         return problems
 
     def _unknown_in_release(self) -> list[str]:

@@ -11,12 +11,9 @@ from egad._util.parameters import ParameterGroup
 from egad.grasps import LabelParameters
 from egad.measures import MeasureParameters
 from egad.pipeline.config import (
-    CustomMeasures,
     Material,
     Postprocess,
-    Render,
     Rescale,
-    SelectEval,
     Settings,
     Shape,
     Space,
@@ -56,11 +53,8 @@ class TrainingStudyReport(StageSettings):
 
     training_study: TrainingStudy
     training_sets: dict[str, TrainingSet]  # those that are compared, and those they show images of
-    render: Render
     training: Training
     trials: Trials
-    select_eval: SelectEval
-    measures: CustomMeasures
 
 
 S = TypeVar("S", bound=ParameterGroup)

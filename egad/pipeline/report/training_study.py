@@ -172,7 +172,7 @@ def page(study: Study) -> str:
         trainings=study.trainings,
         success_figure=svg_uri(success_chart(panels(rates, set(asked.sets)))),
         comparisons=Comparisons(compare_sets(study.trials, asked.comparisons), NOISES),
-        curves=[svg_uri(_curve(curve, rates, study.images)) for curve in asked.curves],
+        curves=[svg_uri(chart) for chart in _curves(rates, study)],
         tests=[_test(name, rates, study) for name in asked.tests],
         widths=list(WIDTHS),
     )
@@ -240,19 +240,26 @@ def panels(rates: Rates, trained: set[str]) -> dict[str, dict[str, Row]]:
     }
 
 
-def _curve(curve: list[str], rates: Rates, images: Mapping[str, Images]) -> str:
-    """A learning curve over the number of objects; of images, if these differ."""
-    by_images = len({images[name].count for name in curve}) > 1
-    sizes = {
-        name: float(images[name].count if by_images else len(images[name].objects))
-        for name in curve
-    }
+def _curves(rates: Rates, study: Study) -> list[str]:
+    """The learning curves that are asked for."""
+    asked, images = study.settings.training_study, study.images
+    objects = {name: len(each.objects) for name, each in images.items()}
+    counts = {name: each.count for name, each in images.items()}
+    both = [
+        (asked.object_curve, objects, "training objects"),
+        (asked.image_curve, counts, "training images"),
+    ]
+    return [_curve(names, rates, sizes, label) for names, sizes, label in both if names]
+
+
+def _curve(names: list[str], rates: Rates, sizes: Mapping[str, int], label: str) -> str:
+    """A learning curve over the sizes of sets."""
     success = {
-        f"{test}, {NOISES[noise]}": {sizes[name]: found[name].tolist() for name in curve}
+        f"{test}, {NOISES[noise]}": [(float(sizes[name]), found[name].tolist()) for name in names]
         for (test, scene, noise, _), found in rates.items()
         if scene == "single"
     }
-    return learning_chart(success, "training images" if by_images else "training objects")
+    return learning_chart(success, label)
 
 
 def _test(name: str, rates: Rates, study: Study) -> TestView:

@@ -129,9 +129,9 @@ def _images(made: Path, name: str, settings: TrainingStudyReport) -> Images:
     for source in image_sets(name, settings.training_sets):
         dataset = str(settings.training_sets[source].dataset)
         for path in files(made / "images" / source):
-            for rows in parquet.batches(path, ["id", "split"]):
-                train = rows.loc[rows["split"] == "train", "id"]
-                objects |= {(dataset, each) for each in train}
+            for rows in parquet.batches(path, ["objects", "split"]):
+                train = rows.loc[rows["split"] == "train", "objects"]
+                objects |= {(dataset, name) for names in train for name in names}
                 count += len(train)
     return Images(frozenset(objects), count)
 

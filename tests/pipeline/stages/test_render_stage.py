@@ -137,7 +137,7 @@ def test_scenes_show_several_objects_of_a_split_at_rest(dataset, tmp_path):
         assert picture.mask.max() == len(picture.objects)
         heights = [lowest(dataset, each) for each in picture.objects]
         assert min(heights) > -0.002
-        assert min(heights) < 0.002
+        assert (max if picture.scene == "packed" else min)(heights) < 0.002
 
 
 def lowest(dataset, imaged):
@@ -198,7 +198,8 @@ def test_the_card_counts_what_is_there(dataset, images, tmp_path):
         cells = [int(cell) for cell in line.split("|")[2:-1]]
         assert cells[-1] == sum(cells[:-1]) == number
     draws = int(images.table["draws"].sum())
-    assert f"{100 * (1 - len(images) / draws):.0f} % of the draws showed none" in text
+    in_vain = f"{100 * (1 - len(images) / draws):.0f} % of the draws"
+    assert f"{in_vain} for these images showed none, and 10 of 40" in text
     assert "`id-B7`" in text
     assert "(openings.svg)" in text
     assert figure.read_text().rstrip().endswith("</svg>")
