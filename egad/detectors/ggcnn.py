@@ -128,8 +128,9 @@ class MapDetector:
 
         The hand opens as wide as the network says or as it can. It is where the ray of the pixel
         is 10 mm below the surface, or half way down to the table if that is less. There its
-        contacts are 10 mm below the surface, or half as deep as the fingertips get. Surfaces and heights are those of the image without holes and noise
-        (`egad.perception.restore`); the network sees the noise.
+        contacts are 10 mm below the surface, or half as deep as the fingertips get. Surfaces and
+        heights are those of the image without holes and noise (`egad.perception.restore`); the
+        network sees the noise.
         """
         if not np.isfinite(view.depth).any():
             return []

@@ -136,7 +136,7 @@ class Dataset:
     def mask(self, number: int) -> NDArray[np.bool_]:
         """Which pixels of it see the first object, (300, 300); errors as `image`."""
         with self._named(number) as shown:
-            return pixels(shown, "mask", "L") == 1
+            return np.asarray(pixels(shown, "mask", "L") == 1)
 
     @contextmanager
     def _named(self, number: int) -> Iterator[dict[str, Any]]:

@@ -36,12 +36,14 @@ class Summary(NamedTuple):
         counts: What each split and the whole have of `COUNTS`: a row each, also of splits without
             images.
         openings: How far the hand opens for each good grasp, metres.
+        images: How many images there are.
         in_vain: Fraction of the drawn poses and sizes that showed no good grasp and were drawn
             again; of the images there are.
     """
 
     counts: pd.DataFrame
     openings: NDArray[np.float64]
+    images: int
     in_vain: float
 
 
@@ -70,6 +72,7 @@ def summary(rows: pd.DataFrame, quality: float) -> Summary:
     return Summary(
         pd.DataFrame({name: _counts(part) for name, part in parts.items()}).T,
         np.concatenate([np.empty(0), *openings]),
+        len(rows),
         1 - len(rows) / max(int(rows["draws"].sum()), 1),
     )
 
@@ -158,8 +161,7 @@ def _sizes(render: Render, found: Summary, figure: str) -> str:
         if render.without_grasps
         else f"Poses and sizes without a good grasp are drawn again, at most 10 times: "
         f"{100 * found.in_vain:.0f} % of the draws for these images showed none, and "
-        f"{render.images - found.counts.at['all', 'images']} of {render.images} images were left "
-        "out after ten."
+        f"{render.images - found.images} of {render.images} images were left out after ten."
     )
     return (
         f"{sizes} {kept} {narrow} of the good grasps have an opening below {1000 * NARROW:g} mm."

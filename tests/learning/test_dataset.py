@@ -134,6 +134,13 @@ def test_an_object_in_two_splits_is_a_mistake(write, pictures, tmp_path):
         Dataset(parts, RULE)
 
 
+def test_an_object_of_a_scene_in_another_split_is_a_mistake(write, pictures, tmp_path):
+    scene = {**pictures[-1], "id": "pile-0", "objects": ["id19", "id0"], "split": "test"}
+    parts = [write(tmp_path / "a", pictures), write(tmp_path / "b", [scene], 1)]
+    with pytest.raises(UserError, match="the object id"):
+        Dataset(parts, RULE)
+
+
 def test_few_images_are_kept_in_memory(images, monkeypatch):
     monkeypatch.setattr("egad.learning.dataset.WINDOW", 16)
     shards = Dataset([images], RULE)

@@ -190,7 +190,7 @@ def _with_all(dataset: str, **render: object) -> Values:
 
 
 TRAINING_SETS_OF_STUDY: Values = {
-    "evolved": {"images": ["evolved-simulated"]},
+    "evolved": _evolved(),
     "evolved-sizes": _evolved(widths=ALL_IMAGES["widths"]),
     "evolved-scenes": _evolved(packed=0.25, pile=0.25),
     "evolved-simulated": {**_evolved(simulate=True), "training": SIMULATED},

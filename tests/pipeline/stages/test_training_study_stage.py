@@ -86,7 +86,7 @@ def results(tmp_path):
             parquet.write(attempts(name), TRIALS, path)
         parquet.write(rounds(name), CLUTTER, made / "clutter/egad" / f"{name}.parquet")
     splits = [("id-A0", "train"), ("else", "train"), ("other", "validation"), ("id-B1", "test")]
-    parts = [{"id": name, "split": split} for name, split in splits]
+    parts = [{"id": name, "objects": [name], "split": split} for name, split in splits]
     notes = {"shard": 0, "shards": 1}
     parquet.write(blank(IMAGES, parts), IMAGES, made / "images/all/images-0.parquet", notes)
     for network in ("all/0", "all/1", "longer/0"):
