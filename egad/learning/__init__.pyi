@@ -5,9 +5,9 @@ from .evaluation import Score as Score
 from .evaluation import count_correct as count_correct
 from .evaluation import score_table as score_table
 from .evaluation import total_score as total_score
-from .image_size import SIZE as SIZE
 from .model_card import TrainedNetwork as TrainedNetwork
 from .model_card import card as card
+from .parameters import SIZE as SIZE
 from .parameters import Training as Training
 from .targets import Answer as Answer
 from .targets import peaks as peaks

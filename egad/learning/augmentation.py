@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from egad.learning.image_size import SIZE
+from egad.learning.parameters import SIZE
 from egad.perception import Rectangles, half_turn
 
 AIMED = 0.75  # part of the crops that show a positive grasp, if the image has one

@@ -27,7 +27,7 @@ from egad.learning.augmentation import (
     sample_change,
     sample_crop,
 )
-from egad.learning.image_size import SIZE
+from egad.learning.parameters import SIZE
 from egad.learning.targets import prepare_input, targets
 from egad.perception import SPLITS, Rectangles, depth_of, files, fill_missing, half_turn, pixels
 from egad.random import generator

@@ -5,7 +5,8 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Length, Parameters, PositiveFraction
-from egad.learning.image_size import SIZE
+
+SIZE = 300  # pixels along each side of the image that goes in, and of those that come out
 
 
 class Training(Parameters):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from egad.learning.image_size import SIZE
+from egad.learning.parameters import SIZE
 from egad.perception import Rectangles
 
 Floats = NDArray[np.float64]
