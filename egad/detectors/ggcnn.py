@@ -181,13 +181,14 @@ def middle(depth: NDArray[np.float32]) -> Crop:
 
 
 def _spots(answer: Answer, view: View, gripper: Gripper) -> _Spots:
-    """The pixels that see something higher than the hand must reach below it."""
+    """The pixels with some quality that see something higher than the hand must reach below it."""
     crop = middle(view.depth)
     row, column = (each.ravel() for each in np.indices((SIZE, SIZE)))
     rays = _rays(row, column, crop, view)
     depth = crop.depth[row, column]
     top = view.pose[2, 3] + depth * rays[:, 2]
-    seen = np.flatnonzero((top >= TABLE_CLEARANCE + LEAST_BITE) & (rays[:, 2] < 0))
+    hopeful = (top >= TABLE_CLEARANCE + LEAST_BITE) & (answer.quality.ravel() > 0)
+    seen = np.flatnonzero(hopeful & (rays[:, 2] < 0))
     row, column = row[seen], column[seen]
     rays, depth, top = rays[seen], depth[seen], top[seen]
     level = (top + np.maximum(top - FULL_BITE, TABLE_CLEARANCE)) / 2

@@ -1,6 +1,7 @@
 from .arrangement import PlacedObject as PlacedObject
 from .arrangement import Simulate as Simulate
 from .arrangement import TableGrasps as TableGrasps
+from .arrangement import place as place
 from .arrangement import sample_factor as sample_factor
 from .camera import DepthCamera as DepthCamera
 from .camera import Intrinsics as Intrinsics

@@ -69,24 +69,39 @@ class TableGrasps(NamedTuple):
     qualities: Floats
     success: NDArray[np.object_]
 
-    def is_good(self, quality: float) -> Flags:
-        """Which of them are free and hold, (n,).
-
-        Those that were simulated hold if they did then, others if they have a higher robust
-        quality.
-
-        Args:
-            quality: Robust quality.
-        """
-        return is_good(self.free, self.qualities, self.success, quality)
-
 
 def is_good(free: Flags, qualities: Floats, success: Iterable[Any], quality: float) -> Flags:
-    """`TableGrasps.is_good` of lists of attributes."""
+    """Which of n grasps are free and hold, (n,).
+
+    Those that were simulated hold if they did then, others if they have a higher robust quality.
+
+    Args:
+        free: (n,) attribute of `TableGrasps`.
+        qualities: (n,) likewise.
+        success: (n,) likewise.
+        quality: Robust quality.
+    """
     outcomes = list(success)
     known = np.array([each is not None for each in outcomes], dtype=bool)
     held = np.array([bool(each) for each in outcomes], dtype=bool)
     return free & np.where(known, held, qualities > quality)
+
+
+def place(
+    name: str, mesh: trimesh.Trimesh, com: Floats, factor: float, matrix: Floats, pose: int = -1
+) -> PlacedObject:
+    """An object in another size.
+
+    Args:
+        name: Its id.
+        mesh: Its surface, closed, metres.
+        com: (3,) its center of mass, metres.
+        factor: New size / size.
+        matrix: (4, 4) from the frame of the mesh at the new size to that of the table.
+        pose: Number of its stable pose.
+    """
+    sized = mesh if factor == 1 else mesh.copy().apply_scale(factor)
+    return PlacedObject(name, factor, sized, com * factor, matrix, pose)
 
 
 Simulate = Callable[[PlacedObject, ContactPairs, Floats], Sequence[bool | None]]

@@ -1,7 +1,7 @@
 """What cameras around a table see of a scene: depth images, their point cloud and their TSDF."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -107,4 +107,9 @@ def render_scene(
         camera.render(matrix, intrinsics, pose)
         for camera, matrix in zip(cameras, matrices, strict=True)
     ]
-    return View(np.fmin.reduce([view.depth for view in views]), intrinsics, pose)
+    return overlaid(views)
+
+
+def overlaid(views: Sequence[View]) -> View:
+    """What a camera sees of all objects, given its views of each one: the nearest depths."""
+    return replace(views[0], depth=np.fmin.reduce([view.depth for view in views]))

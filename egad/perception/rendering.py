@@ -1,7 +1,8 @@
 """Depth images of objects at rest on a table, with the grasps that can be reached from above."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,12 +16,15 @@ from egad.perception.arrangement import (
     PlacedObject,
     Simulate,
     TableGrasps,
+    is_good,
     near_level,
+    place,
     sample_factor,
     table_grasps,
 )
 from egad.perception.camera import DepthCamera, View, object_mask
 from egad.perception.noise import add_sensor_noise
+from egad.perception.observation import overlaid
 from egad.perception.parameters import RenderParameters, SceneKind
 from egad.perception.rectangles import ImageGrasps, project_grasps
 from egad.perception.scenes import sample_object_poses, sample_scene
@@ -119,17 +123,17 @@ def pictures(
         com = mass_properties(mesh, 1.0).com
     poses = stable_poses(mesh, com)
     numbers = sample_object_poses(poses, share.images, generator(seed, "render poses", name))
-    image, lying = share.first, _lying(mesh, com, poses, name, settings)
+    image, alone = share.first, _LyingAlone(name, mesh, com, poses, settings)
     for pose, count in zip(*np.unique(numbers, return_counts=True), strict=True):
         same = settings.render.widths is None  # views of one pose and size share their grasps
         for view in range(1 if same else count):
-            way = (name, int(pose), view)
-            draw = lying(int(pose), draw_width(settings, *way))
-            labelled = first_good(draw, body, settings, way, simulate)
+            key = (name, int(pose), view)
+            draw = partial(alone.draw, int(pose), draw_width(settings, *key))
+            labelled = first_good(draw, body, settings, key, simulate)
             if labelled is not None:
                 views = count if same else 1
                 shown = share._replace(first=image + (0 if same else view), images=views)
-                yield from views_of(labelled, shown, settings, way)
+                yield from views_of(labelled, shown, settings, key)
         image += int(count)
 
 
@@ -137,7 +141,7 @@ def first_good(
     draw: Draw,
     body: Body,
     settings: RenderParameters,
-    way: Sequence[str | int],
+    key: Sequence[str | int],
     simulate: Simulate | None = None,
 ) -> Labelled | None:
     """The first of at most ten draws that shows a good grasp; the very first if any will do.
@@ -146,25 +150,26 @@ def first_good(
         draw: Puts objects on a table.
         body: The hand.
         settings: What a good grasp is, and whether one is needed.
-        way: What the draws are for; chance follows from it and from the number of the draw.
+        key: What the draws are for; chance follows from it and from the number of the draw.
         simulate: Finds out which grasps hold.
 
     Returns:
         None if there is no such draw.
     """
     for number in range(DRAWS):
-        rng = generator(settings.seed, "render grasps", *way, number)
+        rng = generator(settings.seed, "render grasps", *key, number)
         objects = draw(rng, number)
         if not objects:
             continue
         grasps = table_grasps(objects, body, settings, rng, simulate)
-        if settings.render.without_grasps or grasps.is_good(settings.render.quality).any():
+        good = is_good(grasps.free, grasps.qualities, grasps.success, settings.render.quality)
+        if settings.render.without_grasps or good.any():
             return Labelled(objects, grasps, number + 1)
     return None
 
 
 def views_of(
-    labelled: Labelled, share: Share, settings: RenderParameters, way: Sequence[str | int]
+    labelled: Labelled, share: Share, settings: RenderParameters, key: Sequence[str | int]
 ) -> Iterator[Picture]:
     """Images of objects on a table, each from a camera of its own.
 
@@ -172,20 +177,20 @@ def views_of(
         labelled: The objects and their grasps.
         share: Names, number of the first image, and how many there are.
         settings: Camera and noise.
-        way: As in `first_good`.
+        key: As in `first_good`.
     """
     eyes = [DepthCamera(each.mesh) for each in labelled.objects]
     first = labelled.objects[0]
     center = first.matrix[:3, :3] @ first.com + first.matrix[:3, 3]
     for view in range(share.images):
-        rng = generator(settings.seed, "render", *way, view)
+        rng = generator(settings.seed, "render", *key, view)
         scene = sample_scene(center, settings.camera, rng)
         matrices = [scene.matrix @ each.matrix for each in labelled.objects]
         each_alone = [
             eye.render(matrix, scene.intrinsics, scene.camera)
             for eye, matrix in zip(eyes, matrices, strict=True)
         ]
-        ideal = replace(each_alone[0], depth=np.fmin.reduce([view.depth for view in each_alone]))
+        ideal = overlaid(each_alone)
         yield Picture(
             image=share.first + view,
             scene=share.scene,
@@ -203,47 +208,49 @@ def views_of(
         )
 
 
-def draw_width(settings: RenderParameters, name: str, *way: str | int) -> float | None:
+def draw_width(settings: RenderParameters, name: str, *key: str | int) -> float | None:
     """The width of a grasp that decides on the size of an object, metres; None if none does.
 
     Args:
         settings: Its range.
         name: Of the object.
-        way: Which view of it.
+        key: Which view of it.
     """
     if settings.render.widths is None:
         return None
-    return float(generator(settings.seed, "width", name, *way).uniform(*settings.render.widths))
+    return float(generator(settings.seed, "width", name, *key).uniform(*settings.render.widths))
 
 
-def _lying(
-    mesh: trimesh.Trimesh,
-    com: Floats,
-    poses: Sequence[StablePose],
-    name: str,
-    settings: RenderParameters,
-) -> Callable[[int, float | None], Draw]:
-    """Draws of an object alone in a stable pose, given the first pose and the width of a grasp."""
-    caster = RayCaster(mesh)
-    probabilities = np.array([each.probability for each in poses])
-    probabilities /= probabilities.sum()
+@dataclass(frozen=True)
+class _LyingAlone:
+    """An object alone on a table, in its stable poses."""
 
-    def draws(first: int, width: float | None) -> Draw:
-        def draw(rng: np.random.Generator, number: int) -> Arrangement:
-            pose = int(rng.choice(len(poses), p=probabilities)) if number else first
-            resting, factor = poses[pose].matrix.copy(), 1.0
-            if width is not None:
-                level = near_level(resting[2, :3], settings.render.tilt)
-                factor = sample_factor(caster, width, settings.sampling, rng, level)
-            if factor == 0:
-                return ()
-            resting[:3, 3] *= factor
-            sized = mesh if factor == 1 else mesh.copy().apply_scale(factor)
-            return (PlacedObject(name, factor, sized, com * factor, resting, pose),)
+    name: str
+    mesh: trimesh.Trimesh
+    com: Floats
+    poses: Sequence[StablePose]
+    settings: RenderParameters
 
-        return draw
+    @cached_property
+    def caster(self) -> RayCaster:
+        """Of the mesh; only random sizes need it."""
+        return RayCaster(self.mesh)
 
-    return draws
+    def draw(
+        self, first: int, width: float | None, rng: np.random.Generator, number: int
+    ) -> Arrangement:
+        """The object in the first pose, or after the first draw in any, in its random size."""
+        probabilities = np.array([each.probability for each in self.poses])
+        shares = probabilities / probabilities.sum()
+        pose = int(rng.choice(len(self.poses), p=shares)) if number else first
+        resting, factor = self.poses[pose].matrix.copy(), 1.0
+        if width is not None:
+            level = near_level(resting[2, :3], self.settings.render.tilt)
+            factor = sample_factor(self.caster, width, self.settings.sampling, rng, level)
+        if factor == 0:
+            return ()
+        resting[:3, 3] *= factor
+        return (place(self.name, self.mesh, self.com, factor, resting, pose),)
 
 
 def _numbers(each_alone: Sequence[View], ideal: View) -> NDArray[np.uint8]:

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from egad.report.colors import LINES
@@ -28,7 +27,13 @@ def training_chart(history: pd.DataFrame) -> str:
         left.plot(images, history["validation_loss"], color=LINES[1], label="validation", **dots)
         left.legend()
         right.plot(images, history["validation_score"], color=LINES[1], **dots)
-        _label_axes(left, right, "loss")
+        left.set(xlabel="images", ylabel="loss")
+        right.set(xlabel="images", ylabel="correct grasps, validation", ylim=(0, 1.02))
+        show_percent(right.yaxis)
+        for axes in (left, right):
+            axes.set_xlim(left=0)
+            axes.grid(axis="y")
+        left.set_ylim(bottom=0)
     return drawing.svg
 
 
@@ -52,14 +57,3 @@ def openings_chart(openings: NDArray[np.float64], most: float) -> str:
         axes.set(xlabel="opening of good grasps, mm", ylabel="of the grasps")
         show_percent(axes.yaxis)
     return drawing.svg
-
-
-def _label_axes(left: Axes, right: Axes, loss: str) -> None:
-    """Axes of losses, to the left, and of scores."""
-    left.set(xlabel="images", ylabel=loss)
-    right.set(xlabel="images", ylabel="correct grasps, validation", ylim=(0, 1.02))
-    show_percent(right.yaxis)
-    for axes in (left, right):
-        axes.set_xlim(left=0)
-        axes.grid(axis="y")
-    left.set_ylim(bottom=0)

@@ -40,3 +40,4 @@ from .training_study import difference as difference
 from .training_study import mean_interval as mean_interval
 from .training_study import network_rates as network_rates
 from .training_study import pooled_spread as pooled_spread
+from .training_study import set_or_detector as set_or_detector

@@ -94,11 +94,15 @@ def network_rates(trials: pd.DataFrame, cleared: pd.DataFrame) -> pd.DataFrame:
         )
         parts.append(shares.assign(**parquet.records(rows[made_by].head(1))[0]))
     table = pd.concat(parts, ignore_index=True)
-    trained = table["training_set"] != ""
-    table["name"] = table["training_set"].where(trained, table["detector"])
     columns = [*TEST, "name", "trained", "seed", "rate"]
-    found: pd.DataFrame = table.assign(trained=trained).loc[:, columns]
+    named = table.assign(trained=table["training_set"] != "", name=set_or_detector(table))
+    found: pd.DataFrame = named.loc[:, columns]
     return found
+
+
+def set_or_detector(rows: pd.DataFrame) -> "pd.Series[str]":
+    """Of each row the training set, or the detector where there is none."""
+    return rows["training_set"].where(rows["training_set"] != "", rows["detector"])
 
 
 def by_name(rates: pd.DataFrame) -> dict[str, Floats]:
@@ -175,9 +179,7 @@ def compare_sets(
         trials: Columns of `tables.training.COMPARED`.
         comparisons: Pairs of training sets or other detectors.
     """
-    named = trials.assign(
-        name=trials["training_set"].where(trials["training_set"] != "", trials["detector"])
-    )
+    named = trials.assign(name=set_or_detector(trials))
     found = [
         _compared(str(test), str(noise), rows, *pair)
         for (test, noise), rows in named.groupby(["test", "noise"], sort=False)

@@ -29,6 +29,7 @@ from egad.stats import (
     mean_rate,
     network_rates,
     pooled_spread,
+    set_or_detector,
 )
 from egad.tables import parquet
 
@@ -208,19 +209,14 @@ def rates_by_test(trials: pd.DataFrame, cleared: pd.DataFrame) -> Rates:
     return found
 
 
-def _spread(rates: Mapping[str, Floats]) -> Spread | None:
-    return pooled_spread(rates.values())
-
-
 def _rows(rates: Mapping[str, Floats], trained: set[str]) -> dict[str, Row]:
     """Rows of a chart, with intervals by the standard deviation of all sets together."""
-    spread = _spread(rates)
-    unknown = (float("nan"), float("nan"))
+    spread = pooled_spread(rates.values())
     return {
         name: Row(
             list(map(float, values)),
             name in trained,
-            mean_interval(values, spread) if name in trained else unknown,
+            mean_interval(values, spread if name in trained else None),
         )
         for name, values in rates.items()
     }
@@ -304,14 +300,13 @@ def _title(scene: str, noise: str, measure: str) -> str:
 
 def _by_name(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Attempts by training set or other detector."""
-    names = rows["training_set"].where(rows["training_set"] != "", rows["detector"])
-    return {str(name): own for name, own in rows.groupby(names, sort=False)}
+    return {str(name): own for name, own in rows.groupby(set_or_detector(rows), sort=False)}
 
 
 def _spreads(rates: Mapping[str, Floats]) -> tuple[dict[str, Spread], Spread | None]:
     several = {name: values for name, values in rates.items() if len(values) > 2}
     each = {name: pooled_spread([values]) for name, values in several.items()}
-    return {name: found for name, found in each.items() if found}, _spread(rates)
+    return {name: found for name, found in each.items() if found}, pooled_spread(rates.values())
 
 
 def _parts(rows: pd.DataFrame, widths: Mapping[str, float]) -> dict[str, tuple[float, str, str]]:

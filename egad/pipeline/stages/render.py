@@ -2,9 +2,10 @@
 
 import logging
 from collections.abc import Iterator
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
@@ -29,6 +30,7 @@ from egad.perception import (
     encoded,
     first_good,
     pictures,
+    place,
     sample_factor,
     shares,
     views_of,
@@ -68,13 +70,23 @@ class RenderImages(RenderParameters):
         return SimulatedLabelParameters(**{name: getattr(self, name) for name in names})
 
 
-class KnownObject(NamedTuple):
+@dataclass(frozen=True)
+class KnownObject:
     """An object of the dataset, in the size that fits the gripper; parts may be missing."""
 
     id: str
     mesh: trimesh.Trimesh
-    com: Floats
     parts: tuple[trimesh.Trimesh, ...]
+
+    @cached_property
+    def com(self) -> Floats:
+        """Its center of mass, (3,), metres."""
+        return mass_properties(self.mesh, 1.0).com
+
+    @cached_property
+    def caster(self) -> RayCaster:
+        """Of its mesh."""
+        return RayCaster(self.mesh)
 
 
 @command()
@@ -194,12 +206,12 @@ class Studio:
             known = self._known(label)
             yield from pictures(known.mesh, share, self._body, self.settings, simulate)
             return
-        way = (share.id,)
+        key = (share.id,)
         labelled = first_good(
-            lambda rng, _: self._arranged(share, rng), self._body, self.settings, way, simulate
+            lambda rng, _: self._arranged(share, rng), self._body, self.settings, key, simulate
         )
         if labelled is not None:
-            yield from views_of(labelled, share, self.settings, way)
+            yield from views_of(labelled, share, self.settings, key)
 
     def _arranged(self, share: Share, rng: np.random.Generator) -> tuple[PlacedObject, ...]:
         """The objects of a scene in random sizes where they come to rest."""
@@ -212,7 +224,7 @@ class Studio:
         models = [model_at_size(each.mesh, each.parts, size, density) for each, size in pairs]
         placed = settle(models, share.scene, self.settings.simulated_label.engine, rng)
         return tuple(
-            PlacedObject(each.id, size, each.mesh.copy().apply_scale(size), each.com * size, matrix)
+            place(each.id, each.mesh, each.com, size, matrix)
             for number, matrix in placed
             for each, size in [pairs[number]]
         )
@@ -221,7 +233,7 @@ class Studio:
         width = draw_width(self.settings, known.id, share.id)
         if width is None:
             return 1.0
-        return sample_factor(RayCaster(known.mesh), width, self.settings.sampling, rng)
+        return sample_factor(known.caster, width, self.settings.sampling, rng)
 
     def _simulate(
         self, placed: PlacedObject, contacts: ContactPairs, approaches: Floats
@@ -238,11 +250,9 @@ class Studio:
 
     def _read(self, label: str) -> KnownObject:
         mesh = read_mesh(self._meshes / f"{label}.obj", "m")
-        with np.errstate(invalid="ignore", divide="ignore"):  # flat ones are rejected later
-            com = mass_properties(mesh, 1.0).com
         rows = self._parts.get(label)
         parts = () if rows is None else read_parts(rows)
-        return KnownObject(self._ids[label], mesh, com, parts)
+        return KnownObject(self._ids[label], mesh, parts)
 
 
 def _names(path: Path, column: str) -> set[str]:
