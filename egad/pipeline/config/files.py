@@ -77,7 +77,7 @@ TRAINING_STUDY_TEXT = f"""
 The training study: grasp networks trained on different object sets and in different ways, as
 pre-registered in docs/training.md. Finished jobs are not repeated. Merge it into
 config/config.yaml:
-  snakemake --cores 2 --configfile config/training_study.yaml results/training_study/report.html
+  snakemake --cores 2 --configfile config/training_study.yaml -- results/training_study/report.html
 {TRAINING_NEEDS.strip()}
   - weights/epoch_50_cornell_statedict.pt, the weights of GG-CNN2 that its authors trained on the
     Cornell dataset, from the releases of the project dougsm/ggcnn (set `cornell`)
