@@ -99,6 +99,9 @@ def replay(
     detector: Annotated[
         str | None, typer.Option(help="detector; default: the first target detector")
     ] = None,
+    table: Annotated[
+        Path | None, typer.Option(help="table of other attempts at the objects of this dataset")
+    ] = None,
     config: Config = None,
 ) -> None:
     """Repeat a simulated attempt exactly, and film it."""
@@ -116,7 +119,7 @@ def replay(
     detector = check_name("detector", detector or settings.targets.detectors[0], settings.detectors)
     outcome = stage.run(
         select(settings, SimulatedTrials, hand, detector),
-        dataset / "trials" / hand / f"{detector}.parquet",
+        table or dataset / "trials" / hand / f"{detector}.parquet",
         dataset / "bundle" / hand,
         label,
         attempt,

@@ -1,7 +1,7 @@
 """The whole configuration."""
 
 from collections.abc import Iterable, Mapping
-from typing import Self
+from typing import Any, Self, TypeVar
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -31,6 +31,8 @@ from egad.pipeline.config.sections import (
 )
 from egad.reeb import Similarity
 from egad.sim import Agreement, Clutter, SimulatedLabel, Trials
+
+P = TypeVar("P", bound=Parameters)
 
 
 class Settings(Parameters):
@@ -171,9 +173,8 @@ class Settings(Parameters):
             *_unknown(f"{path}.render.camera", camera, self.cameras),
         ]
         for key in SET_SECTIONS:
-            section = getattr(self, key)
             try:
-                type(section)(**section.model_dump() | getattr(chosen, key))
+                changed(getattr(self, key), getattr(chosen, key))
             except ValidationError as error:
                 problems += [f"{path}.{key}: {each['ctx']['error']}" for each in error.errors()]
         positive = chosen.training.get("positive", self.training.positive)
@@ -195,6 +196,15 @@ class Settings(Parameters):
             *_unknown("release.dataset", [self.release.dataset], self.datasets),
             *_unknown("release.gripper", [self.release.gripper], self.grippers),
         ]
+
+
+def changed(section: P, changes: Mapping[str, Any]) -> P:
+    """A section of which some settings are different.
+
+    Raises:
+        ValidationError: They do not go together.
+    """
+    return type(section)(**section.model_dump() | changes)
 
 
 def _unknown(key: str, used: Iterable[str], table: Mapping[str, object]) -> list[str]:

@@ -8,6 +8,7 @@ from egad.errors import UserError
 from egad.perception import STEREO
 from egad.pipeline.config import DetectorConfig, Settings, TrainingSet, TrainingStudy
 from egad.pipeline.config.sections import SET_SECTIONS
+from egad.pipeline.config.settings import changed
 
 FOLDER = Path("results/training_study")
 WEIGHTS = "weights.safetensors"
@@ -79,8 +80,7 @@ def settings_for(settings: Settings, network: Network) -> Settings:
     """
     chosen = settings.training_sets[network.training_set]
     sections = {
-        name: getattr(settings, name).model_copy(update=getattr(chosen, name))
-        for name in SET_SECTIONS
+        name: changed(getattr(settings, name), getattr(chosen, name)) for name in SET_SECTIONS
     }
     return settings.model_copy(update={**sections, "seed": settings.seed + network.seed})
 

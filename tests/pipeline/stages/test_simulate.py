@@ -1,5 +1,6 @@
 """Trials of a bundle, whatever is in it; and any attempt again, as a film."""
 
+import shutil
 import sys
 from pathlib import Path
 
@@ -149,13 +150,15 @@ def test_an_attempt_is_filmed(dataset, table, tmp_path):
     assert np.abs(frames[0] - frames[-1]).max() > 50
 
 
-@pytest.mark.usefixtures("table")
-def test_a_replay_from_the_command_line(dataset, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_a_replay_from_the_command_line(dataset, table, tmp_path, monkeypatch, capsys, elsewhere):
     monkeypatch.chdir(tmp_path)
     config = tmp_path / "mine.yaml"
     config.write_text("trials: {attempts: 3}\n")
+    shutil.copy(table, tmp_path / "network.parquet")
+    where = ["--table", "network.parquet", "--detector", "random"] if elsewhere else []
     arguments = ["trials", "replay", "A1", "0", "--in", str(dataset), "--config", str(config)]
-    monkeypatch.setattr("sys.argv", ["egad", *arguments])
+    monkeypatch.setattr("sys.argv", ["egad", *arguments, *where])
     with pytest.raises(SystemExit) as stop:
         main()
     assert not stop.value.code
