@@ -76,17 +76,17 @@ def draw(bundle: Path, gripper: str, trials: pd.DataFrame) -> None:
             (4, top + 2), f"{row['outcome']}: {row['label']}, attempt {row['attempt']}", "black"
         )
         _, frames = repeat_attempt(settings, row, bundle)
-        for column, number in enumerate(chosen(frames)):
+        for column, number in enumerate(chosen(frames, FRAMES)):
             small = Image.fromarray(frames[number]).resize((WIDTH, HEIGHT))
             sheet.paste(small, (column * WIDTH, top + TEXT))
     with atomic_output(DOCS / "trials.png") as out:
         sheet.quantize(64).save(out, "png", optimize=True)
 
 
-def chosen(frames: list[Pixels]) -> list[int]:
+def chosen(frames: list[Pixels], count: int) -> list[int]:
     """Numbers of the frames that are shown."""
     first = next(number for number, frame in enumerate(frames) if shows_hand(frame))
-    found: list[int] = np.linspace(first, len(frames) - 1, FRAMES).astype(int).tolist()
+    found: list[int] = np.linspace(first, len(frames) - 1, count).astype(int).tolist()
     return found
 
 

@@ -1,0 +1,92 @@
+"""Pictures of typical failures: `python experiments/failures.py STUDY TEST NOISE SET`.
+
+STUDY is the folder `results/training_study`. Of each way to lose an object that is more than 1 % of
+the failures of the networks of SET in this test, the object with most of them is shown by its first
+attempt: the depth image without noise, with the grasp as a line between the fingertips, and frames
+of the attempt from when the hand comes to the end. Writes docs/training_failures.png.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+from trials import HEIGHT, TEXT, WIDTH, chosen
+
+from egad._util.files import atomic_output
+from egad.detectors import Grasp
+from egad.perception import DepthCamera, Intrinsics, camera_above
+from egad.pipeline.cli.common import settings_in
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.stages.bundled import model_in, rows_by_id
+from egad.pipeline.stages.replay import repeat_attempt
+from egad.pipeline.stages.simulate import SimulatedTrials
+from egad.sim import Model, Pose, Trials
+from egad.tables import parquet
+from egad.tables.evaluation import TRIALS
+
+ROOT = Path(__file__).parents[1]
+FRAMES = 5
+SHARE = 0.01  # of all failures, for an outcome to be shown
+CROP = 270, 300  # pixels of the depth image that are shown
+HIGHEST = 0.05  # metres; objects less high are not white
+Pixels = NDArray[np.uint8]
+
+
+def main(study: Path, test: str, noise: str, name: str) -> None:
+    """Draw the picture."""
+    settings = settings_in(ROOT / "config/training_study.yaml")
+    tables = sorted((study / "trials" / test / noise).glob(f"{name}-?.parquet"))
+    shown = typical(pd.concat([parquet.read(path, TRIALS) for path in tables]))
+    hand = settings.targets.grippers[0]
+    bundle = study.parent / test / "bundle" / hand
+    trials = select(settings, SimulatedTrials, hand)
+    sheet = Image.new("RGB", ((FRAMES + 1) * WIDTH, len(shown) * (HEIGHT + TEXT)), "white")
+    for place, row in enumerate(parquet.records(shown)):
+        again, frames = repeat_attempt(trials, row, bundle)
+        model = model_in(bundle, rows_by_id(bundle)[row["id"]])
+        pictures = [frames[number] for number in chosen(frames, FRAMES)]
+        if again.rest and again.grasp:
+            pictures.insert(0, depth_picture(model, again.rest, again.grasp, trials.trials))
+        top = place * (HEIGHT + TEXT)
+        ImageDraw.Draw(sheet).text((4, top + 2), f"{row['outcome']}: {row['label']}", "black")
+        for column, picture in enumerate(pictures):
+            small = Image.fromarray(picture).resize((WIDTH, HEIGHT))
+            sheet.paste(small, (column * WIDTH, top + TEXT))
+    with atomic_output(ROOT / "docs/training_failures.png") as out:
+        sheet.quantize(64).save(out, "png", optimize=True)
+
+
+def typical(trials: pd.DataFrame) -> pd.DataFrame:
+    """The attempts that are shown, the most frequent outcome first."""
+    lost = trials[~trials["success"] & trials["width"].notna()]
+    shown = []
+    for outcome, count in lost["outcome"].value_counts().items():
+        own = lost[lost["outcome"] == outcome]
+        worst = own["label"].value_counts().index[0]
+        if count > SHARE * len(lost):
+            shown.append(own[own["label"] == worst].head(1))
+    found: pd.DataFrame = pd.concat(shown)
+    return found
+
+
+def depth_picture(model: Model, rest: Pose, grasp: Grasp, trials: Trials) -> Pixels:
+    """The middle of the depth image, higher parts brighter, with the line of the grasp."""
+    camera = Intrinsics.spanning(*trials.image, trials.field_of_view)
+    pose = camera_above(trials.camera_height)
+    depth = DepthCamera(model.mesh).render(rest.matrix, camera, pose).depth
+    height = np.clip((trials.camera_height - depth) / max(HIGHEST, float(np.ptp(depth))), 0, 1)
+    picture = Image.fromarray((60 + 195 * height).astype(np.uint8)).convert("RGB")
+    pen = ImageDraw.Draw(picture)
+    reach = grasp.width / 2 * np.array([np.cos(grasp.angle), np.sin(grasp.angle), 0])
+    ends = np.add(grasp.center, np.stack([-reach, reach]))
+    (u, v), (u2, v2) = camera.pixels((ends - pose[:3, 3]) @ pose[:3, :3])
+    pen.line([(u, v), (u2, v2)], "red", 3)
+    left, top = (camera.width - CROP[0]) // 2, (camera.height - CROP[1]) // 2
+    return np.asarray(picture.crop((left, top, left + CROP[0], top + CROP[1])))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), *sys.argv[2:])
