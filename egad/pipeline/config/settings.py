@@ -204,7 +204,7 @@ def changed(section: P, changes: Mapping[str, Any]) -> P:
     Raises:
         ValidationError: They do not go together.
     """
-    return type(section)(**section.model_dump() | changes)
+    return type(section)(**{**section.model_dump(), **changes})
 
 
 def _unknown(key: str, used: Iterable[str], table: Mapping[str, object]) -> list[str]:
