@@ -4,6 +4,7 @@ Morrison, Corke and Leitner, "Learning robust, real-time, reactive robotic grasp
 layers have the names that they have in the published weights.
 """
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -13,6 +14,8 @@ from torch import nn
 
 from egad.random import entropy
 
+TYPICAL_SPREAD = 0.01  # metres; standard deviation of the depths in images of objects on a table
+SMALL = 0.1  # times the usual weights of a layer
 OUTPUTS = ("pos_output", "cos_output", "sin_output", "width_output")
 Image = NDArray[np.float32]
 Infer = Callable[[Image], Image]
@@ -75,12 +78,19 @@ def gg_cnn2() -> Heads:
     return Heads({"features": nn.Sequential(*layers)}, 16, 1)
 
 
+Convolution = nn.Conv2d | nn.ConvTranspose2d
 MAKERS = {"ggcnn": gg_cnn, "ggcnn2": gg_cnn2}
 TITLES = {"ggcnn": "GG-CNN", "ggcnn2": "GG-CNN2"}
 
 
 def new_network(name: str, seed: int) -> Heads:
-    """A network as it is before training: weights by Xavier's rule, biases as PyTorch has them.
+    """A network as it is before training.
+
+    Weights are by the rule of He et al. ("Delving deep into rectifiers", ICCV 2015, section 2.2),
+    and biases are 0. Ours is that the first layer expects an input that varies by 1 cm instead of
+    1, and that the heads have a tenth of these weights, so that all answers are small. With
+    Xavier's rule and the biases of PyTorch, as in GG-CNN, biases outweigh such an input, and up to
+    half of the channels of a layer are 0 for every image from the beginning.
 
     Args:
         name: `ggcnn` or `ggcnn2`.
@@ -89,10 +99,25 @@ def new_network(name: str, seed: int) -> Heads:
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(entropy(seed, "weights") % 2**63)
         network = MAKERS[name]()
-        for layer in network.modules():
-            if isinstance(layer, nn.Conv2d | nn.ConvTranspose2d):
-                nn.init.xavier_uniform_(layer.weight)
+        layers = {
+            layer_name: layer
+            for layer_name, layer in network.named_modules()
+            if isinstance(layer, Convolution)
+        }
+        scale = {next(iter(layers)): 1 / TYPICAL_SPREAD, **dict.fromkeys(OUTPUTS, SMALL)}
+        for layer_name, layer in layers.items():
+            nn.init.normal_(
+                layer.weight, std=scale.get(layer_name, 1) * math.sqrt(2 / _inputs(layer))
+            )
+            if layer.bias is not None:
+                nn.init.zeros_(layer.bias)
     return network
+
+
+def _inputs(layer: Convolution) -> float:
+    """How many values an output value is the sum of."""
+    values = layer.in_channels * math.prod(layer.kernel_size)
+    return values / math.prod(layer.stride) if layer.transposed else values
 
 
 def parameters(network: nn.Module) -> int:

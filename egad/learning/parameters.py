@@ -49,7 +49,7 @@ class Training(Parameters):
         "it is sampled anew for every example, as are quarter turns",
     )
     crop: int = Field(
-        192,
+        144,
         ge=60,
         le=SIZE,
         multiple_of=12,
