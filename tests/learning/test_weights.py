@@ -9,6 +9,7 @@ import pytest
 
 from egad.detectors.ggcnn import GGCNN
 from egad.errors import UserError
+from egad.learning import prepare_input
 
 torch = pytest.importorskip("torch")
 safetensors = pytest.importorskip("safetensors.torch")
@@ -63,6 +64,28 @@ def test_untrained_weights_follow_from_the_seed_and_leave_chance_alone():
     torch.testing.assert_close(torch.rand(3), expected)
     assert all(torch.equal(one[name], same[name]) for name in one)
     assert not torch.equal(one["conv1.weight"], other["conv1.weight"])
+
+
+@pytest.mark.parametrize("name", ["ggcnn", "ggcnn2"])
+@pytest.mark.parametrize("seed", range(3))
+def test_hardly_a_channel_of_an_untrained_network_is_dead(name, seed):
+    """As many as half were, when biases outweighed depths that vary by centimetres."""
+    random = np.random.default_rng(seed)
+    depth = np.full((8, 300, 300), 0.6)
+    depth[:, 100:200, 120:180] -= random.uniform(0.02, 0.08, (8, 1, 60))
+    network = networks.new_network(name, seed)
+    channels = []
+    for layer in network.modules():
+        if isinstance(layer, networks.Convolution) and layer.out_channels > 1:
+            layer.register_forward_hook(
+                lambda _layer, _input, output: channels.append(output.amax(dim=(0, 2, 3)) > 0)
+            )
+    inputs = np.stack([prepare_input(each) for each in depth])
+    with torch.inference_mode():
+        answers = network(torch.from_numpy(inputs)[:, None])
+    alive = [float(layer.double().mean()) for layer in channels]
+    assert min(alive) >= 0.8, alive
+    assert 0.001 < answers.std() < 0.5
 
 
 def test_the_same_weights_give_the_same_bytes_and_keep_their_notes(tmp_path):
