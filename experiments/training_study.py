@@ -1,6 +1,7 @@
 """Figure and tables of docs/training.md: `python experiments/training_study.py RESULTS`.
 
-RESULTS is the folder `results/training_study` of the study.
+RESULTS is the folder `results/training_study` of the study, or of a part of it. The outcomes of its
+attempts go into docs/training.parquet, and the figure and the tables are of all attempts there.
 """
 
 import sys
@@ -17,18 +18,23 @@ from egad.pipeline.report.training_study import panels, rates_by_test
 from egad.report.page import p_value
 from egad.report.training_study import Row, success_chart
 from egad.report.trial_charts import OUTCOMES, outcome_counts
-from egad.stats import Spread, compare_sets, pooled_spread
+from egad.stats import Spread, compare_sets, pooled_spread, set_or_detector
 from egad.tables import parquet
 from egad.tables.training import CLEARED, COMPARED
 
 ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "config/training_study.yaml"
+NOTED = [
+    *("test", "noise", "training_set", "seed", "detector"),
+    *("label", "attempt", "success", "outcome"),
+]
 Floats = NDArray[np.float64]
 
 
 def main(results: Path, comparisons: Iterable[tuple[str, str]], docs: Path = ROOT / "docs") -> None:
     """Write the figure into docs and print the tables."""
-    trials = parquet.read(results / "results.parquet", COMPARED)
+    made = parquet.read(results / "results.parquet", COMPARED)
+    trials = with_earlier(made[NOTED], docs / "training.parquet")
     rates = rates_by_test(trials, parquet.read(results / "clutter.parquet", CLEARED))
     shown = panels(rates, set(trials["training_set"]) - {""})
     write_text(docs / "training.svg", success_chart(shown))
@@ -37,6 +43,21 @@ def main(results: Path, comparisons: Iterable[tuple[str, str]], docs: Path = ROO
     for key, found in rates.items():
         print_spread(", ".join(key), found)
     print_outcomes(trials)
+
+
+def with_earlier(made: pd.DataFrame, path: Path) -> pd.DataFrame:
+    """The attempts of a run and those of other networks and detectors that were noted before.
+
+    Args:
+        made: Columns `NOTED`.
+        path: The table of all attempts, which is written anew.
+    """
+    if path.is_file():
+        whole = pd.concat([pd.read_parquet(path), made])
+        made = whole.drop_duplicates(NOTED[:-2], keep="last")
+    made = made.reset_index(drop=True)
+    made.to_parquet(path, compression="zstd", index=False)
+    return made
 
 
 def print_success(shown: Mapping[str, Mapping[str, Row]]) -> None:
@@ -57,7 +78,9 @@ def text(row: Row) -> str:
 
 
 def print_comparisons(trials: pd.DataFrame, comparisons: Iterable[tuple[str, str]]) -> None:
-    """The pre-registered comparisons, points."""
+    """The pre-registered comparisons of which both sides were tested, points."""
+    tested = set(set_or_detector(trials))
+    comparisons = [pair for pair in comparisons if tested.issuperset(pair)]
     print("\n| pair | test | over networks | p | p, Holm | over objects |\n" + "| --- " * 6 + "|")
     for row in compare_sets(trials, comparisons):
         gain = row.difference.gain

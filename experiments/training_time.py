@@ -14,7 +14,7 @@ from egad.learning.dataset import Stream
 from egad.learning.evaluation import map_losses
 from egad.pipeline.config import Training
 
-CROPS = (120, 168, 192, 300)
+CROPS = (96, 144, 192, 300)
 TOGETHER = (1, 4)
 REPEATS = 9
 

@@ -181,3 +181,20 @@ def test_tables_of_the_study_are_counts_of_its_attempts(tried, capsys):
     gain = rate - table[table["training_set"] == "many"]["success"].mean()
     assert said["pair"]["`few` - `many`"][1].startswith(f"{100 * gain:.1f} (")
     assert "own, no noise" in (folder / "training.svg").read_text()
+
+
+def test_a_later_part_of_the_study_is_added_to_the_earlier_ones(tried, tmp_path, capsys):
+    folder, table = tried
+    program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
+    program["main"](folder, [], tmp_path)
+    whole = tables(capsys.readouterr().out)
+    parquet.write(parquet.empty(CLEARED), CLEARED, tmp_path / "clutter.parquet")
+    (tmp_path / "training.parquet").unlink()
+    for names in (["few"], ["many", ""], ["few"]):
+        part = table[table["training_set"].isin(names)]
+        parquet.write(part[COMPARED.names], COMPARED, tmp_path / "results.parquet")
+        program["main"](tmp_path, [], tmp_path)
+        last = tables(capsys.readouterr().out)
+    assert last.keys() == whole.keys()
+    for name, rows in whole.items():
+        assert {key: last[name][key] for key in rows} == rows

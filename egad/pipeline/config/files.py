@@ -234,14 +234,17 @@ TRAINING_STUDY: Values = {
 TRAINING_VARIANCE: Values = {
     **TRAINING_BASE,
     "training_study": {
-        "sets": ["evolved", "evolved-batches", "evolved-images"],
+        "sets": ["evolved", "evolved-short"],
         "seeds": 5,
         "tests": ["egad", "ycb"],
     },
     "training_sets": {
         "evolved": _evolved(),
-        "evolved-batches": {"images": ["evolved"], "training": {"batch": 32}},
-        "evolved-images": _evolved(images=8_000),
+        "evolved-short": {
+            "images": ["evolved"],
+            "training": {"images": 5_000, "epoch": 1_000},
+            "seeds": 3,
+        },
     },
 }
 
