@@ -16,7 +16,7 @@ from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.api import dataset_grasps
-from egad.detectors import IN_SCENES, DetectorConfig, opened, with_checked_answers
+from egad.detectors import IN_SCENES, SHIPPED_NETWORK, DetectorConfig, opened, with_checked_answers
 from egad.errors import RejectedError, UserError, check_name
 from egad.evalset import Bundle
 from egad.exchange import check_ending
@@ -161,8 +161,9 @@ def run_benchmark(
     Args:
         detect: A function or object that is called with what it asks for, the gripper and a random
             generator (`egad.detectors.wanted_input`) and returns poses, widths and scores
-            (`egad.detectors.GraspPoses`), or grasps from above; or the name of one without weights:
-            `antipodal-cloud`, `antipodal-depth`, `random`; or `labels`, which knows where the
+            (`egad.detectors.GraspPoses`), or grasps from above; or the name of one that needs no
+            file: `antipodal-cloud`, `antipodal-depth`, `random`, `ggcnn2-evolved` (the network that
+            egad ships; it needs PyTorch); or `labels`, which knows where the
             objects are and proposes the best of 100 sampled grasps of each. With several jobs it
             must be importable.
         objects: A dataset, or meshes in metres by name.
@@ -198,7 +199,9 @@ def run_benchmark(
     )
     settings = from_arguments(ClutterParameters, seed=seed, gripper=hand, clutter=clutter)
     if isinstance(detect, str):
-        detect = DetectorConfig(detector=check_name("detector", detect, (LABELS, *IN_SCENES)))
+        detect = DetectorConfig(
+            detector=check_name("detector", detect, (LABELS, SHIPPED_NETWORK, *IN_SCENES))
+        )
     elif not callable(detect) and not isinstance(detect, DetectorConfig):
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")
     label_seed = seed if _knows(detect) else None

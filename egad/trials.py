@@ -14,9 +14,12 @@ from egad._util.workers import workers
 from egad.api import dataset_grasps
 from egad.detectors import (
     QUICK,
+    SHIPPED_NETWORK,
     Detector,
+    DetectorConfig,
     Labels,
     check_views_will_do,
+    make_detector,
     with_checked_answers,
 )
 from egad.errors import RejectedError, UserError, check_name
@@ -102,8 +105,9 @@ def run_trials(
 
     Args:
         detect: A function or object that is called with `(view, gripper, rng)` and returns grasps
-            (`egad.detectors.Detector`); or the name of one without weights: `antipodal-depth`,
-            `random`; or `labels`, which knows where the object is and proposes the best of 100
+            (`egad.detectors.Detector`); or the name of one that needs no file:
+            `antipodal-depth`, `random`, `ggcnn2-evolved` (the network that egad ships; it needs
+            PyTorch); or `labels`, which knows where the object is and proposes the best of 100
             grasps that are sampled with the seed. With several jobs it must be a function or class
             that can be imported.
         objects: A dataset, or meshes in metres by name.
@@ -141,7 +145,7 @@ def run_trials(
     parameters = from_arguments(TrialParameters, seed=seed, gripper=hand, trials=trials)
     targets = named_meshes(objects)
     if isinstance(detect, str):
-        check_name("detector", detect, (LABELS, *QUICK))
+        check_name("detector", detect, (LABELS, SHIPPED_NETWORK, *QUICK))
     elif not callable(detect):
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")
     else:
@@ -183,7 +187,7 @@ def _detector(
     if not isinstance(detect, str):
         return with_checked_answers(detect)
     if detect != LABELS:
-        return QUICK[detect]
+        return make_detector(DetectorConfig(detector=detect))
     try:
         wanted = label_parameters(parameters.gripper, GraspLabel().grasps, parameters.seed)
         grasps = dataset_grasps(mesh, name, wanted)

@@ -18,23 +18,21 @@ from egad.pipeline.report.training_study import panels, rates_by_test
 from egad.report.page import p_value
 from egad.report.training_study import Row, success_chart
 from egad.report.trial_charts import OUTCOMES, outcome_counts
-from egad.stats import Spread, compare_sets, pooled_spread, set_or_detector
+from egad.stats import Spread, check_starts, compare_sets, pooled_spread, set_or_detector
 from egad.tables import parquet
 from egad.tables.training import CLEARED, COMPARED
 
 ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "config/training_study.yaml"
-NOTED = [
-    *("test", "noise", "training_set", "seed", "detector"),
-    *("label", "attempt", "success", "outcome"),
-]
+NETWORK = ["test", "noise", "training_set", "seed", "detector"]  # and in what it was tested
+COLUMNS = [*NETWORK, "label", "attempt", "initial_pose", "success", "outcome"]
 Floats = NDArray[np.float64]
 
 
 def main(results: Path, comparisons: Iterable[tuple[str, str]], docs: Path = ROOT / "docs") -> None:
     """Write the figure into docs and print the tables."""
     made = parquet.read(results / "results.parquet", COMPARED)
-    trials = with_earlier(made[NOTED], docs / "training.parquet")
+    trials = update_attempts(made[COLUMNS], docs / "training.parquet")
     rates = rates_by_test(trials, parquet.read(results / "clutter.parquet", CLEARED))
     shown = panels(rates, set(trials["training_set"]) - {""})
     write_text(docs / "training.svg", success_chart(shown))
@@ -45,17 +43,23 @@ def main(results: Path, comparisons: Iterable[tuple[str, str]], docs: Path = ROO
     print_outcomes(trials)
 
 
-def with_earlier(made: pd.DataFrame, path: Path) -> pd.DataFrame:
-    """The attempts of a run and those of other networks and detectors that were noted before.
+def update_attempts(made: pd.DataFrame, path: Path) -> pd.DataFrame:
+    """Write the attempts of a run into the table of all attempts, and return it.
 
     Args:
-        made: Columns `NOTED`.
-        path: The table of all attempts, which is written anew.
+        made: Columns `COLUMNS`. Its networks and detectors replace those of the same names.
+        path: The table.
+
+    Raises:
+        UserError: Attempts that should start with the same drop do not.
     """
     if path.is_file():
-        whole = pd.concat([pd.read_parquet(path), made])
-        made = whole.drop_duplicates(NOTED[:-2], keep="last")
-    made = made.reset_index(drop=True)
+        earlier = pd.read_parquet(path)
+        known = pd.MultiIndex.from_frame(earlier[NETWORK])
+        stays = ~known.isin(pd.MultiIndex.from_frame(made[NETWORK]))
+        made = pd.concat([earlier[stays], made], ignore_index=True)
+    for _, rows in made.groupby("test"):
+        check_starts(rows)
     made.to_parquet(path, compression="zstd", index=False)
     return made
 
@@ -78,9 +82,11 @@ def text(row: Row) -> str:
 
 
 def print_comparisons(trials: pd.DataFrame, comparisons: Iterable[tuple[str, str]]) -> None:
-    """The pre-registered comparisons of which both sides were tested, points."""
+    """The pre-registered comparisons, points; none before both sides of all were tested."""
     tested = set(set_or_detector(trials))
-    comparisons = [pair for pair in comparisons if tested.issuperset(pair)]
+    comparisons = list(comparisons)
+    if not tested.issuperset(name for pair in comparisons for name in pair):
+        return
     print("\n| pair | test | over networks | p | p, Holm | over objects |\n" + "| --- " * 6 + "|")
     for row in compare_sets(trials, comparisons):
         gain = row.difference.gain

@@ -118,6 +118,12 @@ def test_scenes_without_objects_do_not_end_the_run(monkeypatch):
     assert found.rates() == []
 
 
+def test_the_shipped_network_lifts_boxes():
+    pytest.importorskip("torch")
+    found = egad.run_benchmark("ggcnn2-evolved", OBJECTS, **{**FEW, "scenes": ["single"]})
+    assert found.table["success"].mean() > 0.5
+
+
 def test_a_round_is_filmed_and_compared(first, tmp_path):
     first.film("packed", 1, tmp_path / "film.gif")
     assert Image.open(tmp_path / "film.gif").n_frames > 20

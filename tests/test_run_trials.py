@@ -65,6 +65,12 @@ def test_a_detector_that_asks_for_more_than_a_view_is_told_where_to_go():
         egad.run_trials(detect, {"bar": BAR}, "panda", attempts=1)
 
 
+def test_the_shipped_network_lifts_a_bar():
+    pytest.importorskip("torch")
+    trials = egad.run_trials("ggcnn2-evolved", {"bar": BAR}, "panda", attempts=4, seed=2)
+    assert trials.table["success"].sum() >= 3
+
+
 @pytest.mark.parametrize(("detector", "outcome"), [(broken, "error"), (blind, "no_grasp")])
 def test_what_a_detector_does_wrong_is_the_outcome(good, detector, outcome):
     trials = egad.run_trials(detector, {"bar": BAR}, "panda", attempts=2, seed=2)

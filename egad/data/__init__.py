@@ -1,4 +1,4 @@
-"""The released dataset: archive, ancestors, simulated grasps and evaluation set."""
+"""The released dataset: archive, ancestors, simulated grasps, evaluation set and a network."""
 
 from pathlib import Path
 
@@ -24,6 +24,11 @@ def released_simulated() -> Path:
 def evaluation_set() -> Path:
     """The evaluation set of the released objects: columns label and id."""
     return Path(__file__).with_name("evaluation_set.csv")
+
+
+def released_network() -> Path:
+    """The folder of the network of the detector `ggcnn2-evolved`, as `egad train` writes it."""
+    return Path(__file__).with_name("ggcnn2-evolved")
 
 
 def archive_path(archive: Path) -> Path:

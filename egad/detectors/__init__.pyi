@@ -12,6 +12,7 @@ from .base import best_grasp as best_grasp
 from .ggcnn import GGCNN as GGCNN
 from .labels import Labels as Labels
 from .parameters import DETECTORS as DETECTORS
+from .parameters import SHIPPED_NETWORK as SHIPPED_NETWORK
 from .parameters import DetectorConfig as DetectorConfig
 from .poses import Detector as Detector
 from .poses import GraspPoses as GraspPoses
@@ -19,6 +20,7 @@ from .poses import PoseGrasp as PoseGrasp
 from .registry import IN_SCENES as IN_SCENES
 from .registry import QUICK as QUICK
 from .registry import fingerprint as fingerprint
+from .registry import make_detector as make_detector
 from .registry import with_checked_answers as with_checked_answers
 from .subprocess import STARTING_TIME as STARTING_TIME
 from .subprocess import Child as Child

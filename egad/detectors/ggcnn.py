@@ -159,7 +159,7 @@ class GGCNN(MapDetector):
             from egad.learning import networks  # noqa: PLC0415 (an extra)
             from egad.learning import weights as files  # noqa: PLC0415
         except ModuleNotFoundError as error:
-            raise UserError("ggcnn needs PyTorch: pip install 'egad[vision]'") from error
+            raise UserError("GG-CNN needs PyTorch: pip install 'egad[vision]'") from error
         try:
             super().__init__(networks.inference(files.read(path)))
         except files.WeightsError as error:

@@ -6,7 +6,16 @@ from pydantic import Field, model_validator
 
 from egad._util.parameters import Parameters
 
-SHIPPED = ("antipodal-cloud", "antipodal-depth", "ggcnn", "labels", "random", "vgn")
+SHIPPED_NETWORK = "ggcnn2-evolved"  # the network that is shipped
+SHIPPED = (
+    "antipodal-cloud",
+    "antipodal-depth",
+    "ggcnn",
+    SHIPPED_NETWORK,
+    "labels",
+    "random",
+    "vgn",
+)
 GRASPGEN = "graspgen"  # shipped, but without an address it is nothing
 KNOWN = f"{', '.join(SHIPPED)}, {GRASPGEN}"
 

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from egad import data
 from egad import plugins as own_code
 from egad.detectors.antipodal import antipodal_depth
 from egad.detectors.base import WHERE, Grasp
 from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.graspgen import GraspGen
-from egad.detectors.parameters import GRASPGEN, DetectorConfig
+from egad.detectors.parameters import GRASPGEN, SHIPPED_NETWORK, DetectorConfig
 from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.vgn import Vgn
@@ -44,6 +45,8 @@ def make_detector(config: DetectorConfig) -> Detector:
         raise UserError("labels: knows where the object is and answers in simulated trials only")
     if name == GRASPGEN and config.address:
         return GraspGen(config.address)
+    if name == SHIPPED_NETWORK:
+        return GGCNN(_shipped_weights())
     networks: dict[str, Callable[[str | None], Detector]] = {"ggcnn": GGCNN, "vgn": Vgn}
     made = networks[name](config.weights) if name in networks else _own(config)
     return with_checked_answers(made)
@@ -104,5 +107,9 @@ def fingerprint(config: DetectorConfig) -> list[str]:
         files = [word for word in config.command if Path(word).is_file()]
         return [own_code.file_hash(file, WHERE) for file in files]
     own = [own_code.source_hash(config.name, WHERE)] if ":" in config.name else []
-    weights = [own_code.file_hash(config.weights, WHERE)] if config.weights else []
-    return [*own, *weights]
+    weights = _shipped_weights() if config.detector == SHIPPED_NETWORK else config.weights
+    return [*own, *([own_code.file_hash(weights, WHERE)] if weights else [])]
+
+
+def _shipped_weights() -> str:
+    return str(data.released_network() / "weights.safetensors")

@@ -47,6 +47,12 @@ OTHER_FILES = (
         "application/zip",
     ),
     Files(
+        "network",
+        "grasp network that egad ships as the detector `ggcnn2-evolved`, with its model card",
+        "networks/*/weights.safetensors",
+        "application/octet-stream",
+    ),
+    Files(
         "gallery",
         "page to look at the objects in a browser, with its data in the folder `gallery`",
         "index.html",

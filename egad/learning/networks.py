@@ -115,7 +115,7 @@ def new_network(name: str, seed: int) -> Heads:
 
 
 def _inputs(layer: Convolution) -> float:
-    """How many values an output value is the sum of."""
+    """Number of inputs that are summed into each output."""
     values = layer.in_channels * math.prod(layer.kernel_size)
     return values / math.prod(layer.stride) if layer.transposed else values
 

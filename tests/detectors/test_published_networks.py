@@ -1,4 +1,7 @@
-"""GG-CNN itself. EGAD_GGCNN names a folder of its published weights; it needs the extra."""
+"""The shipped network, and GG-CNN itself; they need the extra.
+
+EGAD_GGCNN names a folder of the published weights of GG-CNN.
+"""
 
 import os
 from pathlib import Path
@@ -7,7 +10,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.detectors.ggcnn import GGCNN
+from egad.detectors.parameters import SHIPPED_NETWORK
+from egad.detectors.registry import make_detector
 from egad.detectors.subprocess import Child
 from egad.pipeline.config import GRIPPERS, DetectorConfig
 
@@ -15,14 +19,15 @@ pytest.importorskip("torch")
 FOLDER = os.environ.get("EGAD_GGCNN")
 HAND = GRIPPERS["egad_75mm"]
 FIRST, SECOND = "ggcnn_epoch_23_cornell_statedict.pt", "epoch_50_cornell_statedict.pt"
-pytestmark = [
+SLOW = [
     pytest.mark.slow,
     pytest.mark.skipif(FOLDER is None, reason="EGAD_GGCNN names no folder"),
 ]
+SHIPPED = DetectorConfig(detector=SHIPPED_NETWORK)
 
 
 def published(name):
-    return str(Path(FOLDER or "") / name)
+    return DetectorConfig(detector="ggcnn", weights=str(Path(FOLDER or "") / name))
 
 
 def off(angle):
@@ -30,9 +35,15 @@ def off(angle):
     return abs((angle + np.pi / 2) % np.pi - np.pi / 2)
 
 
-@pytest.mark.parametrize(("name", "most"), [(FIRST, 0.2), (SECOND, 0.5)])
-def test_a_bar_is_grasped_across(look, name, most):
-    detect = GGCNN(published(name))
+@pytest.mark.parametrize(
+    ("config", "most"),
+    [
+        pytest.param(published(FIRST), 0.2, marks=SLOW),
+        pytest.param(published(SECOND), 0.5, marks=SLOW),
+    ],
+)
+def test_a_bar_is_grasped_across(look, config, most):
+    detect = make_detector(config)
     bar = trimesh.creation.box((0.03, 0.12, 0.04))
     for turn in (0.0, 0.4, 1.0, -0.7):
         first = detect(look(bar, 0.02, -0.03, turn), HAND, np.random.default_rng(0))[0]
@@ -44,8 +55,9 @@ def test_a_bar_is_grasped_across(look, name, most):
         assert first.quality > 0.6
 
 
-def test_it_answers_from_a_process_of_its_own(look):
+@pytest.mark.parametrize("config", [SHIPPED, pytest.param(published(FIRST), marks=SLOW)])
+def test_it_answers_from_a_process_of_its_own(look, config):
     view = look(trimesh.creation.box((0.03, 0.12, 0.04)))
     rng = np.random.default_rng(0)
-    with Child(DetectorConfig(detector="ggcnn", weights=published(FIRST)), 60) as child:
-        assert child(view, HAND, rng) == GGCNN(published(FIRST))(view, HAND, rng)
+    with Child(config, 60) as child:
+        assert child(view, HAND, rng) == make_detector(config)(view, HAND, rng)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.data import released_network
 from egad.detectors.base import Grasp
 from egad.detectors.parameters import SHIPPED
 from egad.detectors.registry import QUICK, fingerprint, make_detector
@@ -137,6 +138,10 @@ def test_edited_code_or_weights_have_another_fingerprint(tmp_path):
     weights.write_text("2")
     assert len({tuple(before), tuple(edited), tuple(fingerprint(detector))}) == 3
     assert fingerprint(DETECTORS["random"]) == []
+    shipped = str(released_network() / "weights.safetensors")
+    assert fingerprint(DETECTORS["ggcnn2-evolved"]) == fingerprint(
+        DetectorConfig(detector="ggcnn", weights=shipped)
+    )
 
 
 @pytest.mark.parametrize(

@@ -85,7 +85,7 @@ def test_hardly_a_channel_of_an_untrained_network_is_dead(name, seed):
         answers = network(torch.from_numpy(inputs)[:, None])
     alive = [float(layer.double().mean()) for layer in channels]
     assert min(alive) >= 0.8, alive
-    assert 0.001 < answers.std() < 0.5
+    assert 0.01 < answers.std() < 0.5
 
 
 def test_the_same_weights_give_the_same_bytes_and_keep_their_notes(tmp_path):

@@ -10,6 +10,7 @@ import pytest
 import yaml
 from scipy import stats
 
+from egad.errors import UserError
 from egad.pipeline.cli.common import settings_in
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
@@ -183,18 +184,31 @@ def test_tables_of_the_study_are_counts_of_its_attempts(tried, capsys):
     assert "own, no noise" in (folder / "training.svg").read_text()
 
 
-def test_a_later_part_of_the_study_is_added_to_the_earlier_ones(tried, tmp_path, capsys):
+def test_a_later_part_of_the_study_replaces_networks_and_keeps_the_others(tried, tmp_path, capsys):
     folder, table = tried
     program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
-    program["main"](folder, [], tmp_path)
+    pairs = [("few", "many")]
+    program["main"](folder, pairs, tmp_path)
     whole = tables(capsys.readouterr().out)
-    parquet.write(parquet.empty(CLEARED), CLEARED, tmp_path / "clutter.parquet")
     (tmp_path / "training.parquet").unlink()
-    for names in (["few"], ["many", ""], ["few"]):
-        part = table[table["training_set"].isin(names)]
+    parquet.write(parquet.empty(CLEARED), CLEARED, tmp_path / "clutter.parquet")
+    earlier = table[table["training_set"] == "few"].assign(success=False, outcome="missed")
+    parts = [earlier, table[table["training_set"] != "few"], table[table["training_set"] == "few"]]
+    said = []
+    for part in parts:
         parquet.write(part[COMPARED.names], COMPARED, tmp_path / "results.parquet")
-        program["main"](tmp_path, [], tmp_path)
-        last = tables(capsys.readouterr().out)
-    assert last.keys() == whole.keys()
-    for name, rows in whole.items():
-        assert {key: last[name][key] for key in rows} == rows
+        program["main"](tmp_path, pairs, tmp_path)
+        said.append(tables(capsys.readouterr().out))
+    assert "pair" not in said[0]
+    assert said[1]["pair"] != whole["pair"]
+    assert said[2] == whole
+
+
+def test_a_part_with_other_drops_is_refused(tried, tmp_path):
+    _, table = tried
+    program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
+    path = tmp_path / "training.parquet"
+    few, many = (table[table["training_set"] == name] for name in ("few", "many"))
+    program["update_attempts"](few[program["COLUMNS"]], path)
+    with pytest.raises(UserError, match="different drop"):
+        program["update_attempts"](many.assign(initial_pose="7")[program["COLUMNS"]], path)

@@ -143,6 +143,7 @@ rule release_card:
         licence=ensure("results/release/LICENSE", non_empty=True),
         provenance=ensure("results/release/provenance.json", non_empty=True),
         sums=ensure("results/release/SHA256SUMS", non_empty=True),
+        networks=directory("results/release/networks"),
     log:
         "logs/release/release_card.log",
     benchmark:

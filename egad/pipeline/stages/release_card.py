@@ -1,6 +1,7 @@
 """release-card: what explains a dataset release, for people and for programs."""
 
 import json
+import shutil
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated
@@ -8,7 +9,8 @@ from typing import Annotated
 import pandas as pd
 
 from egad import __version__
-from egad._util.files import write_text
+from egad._util.files import atomic_output, write_text
+from egad.data import released_network
 from egad.errors import UserError
 from egad.exchange import (
     ABSTRACT,
@@ -56,6 +58,7 @@ def run(
         Output("release/LICENSE"),
         Output("release/provenance.json"),
         Output("release/SHA256SUMS"),
+        Output("release/networks/"),
     ],
 ) -> None:
     """Write the card of a release, its licence, citation, provenance and checksums.
@@ -72,6 +75,9 @@ def run(
         UserError: The folder has archives of an earlier release.
     """
     _check_archives(out, pieces)
+    with atomic_output(out / "networks") as folder:
+        network = released_network()
+        shutil.copytree(network, folder / network.name)
     release = settings.release
     objects = pd.concat(
         parquet.read(out / "data/objects" / f"{split}.parquet", RELEASED_OBJECTS)
