@@ -38,6 +38,7 @@ def make_detector(config: DetectorConfig) -> Detector:
     Raises:
         UserError: It cannot be found or made.
     """
+    config = _with_shipped_weights(config)
     name = config.name
     if name in IN_SCENES:
         return IN_SCENES[name]
@@ -45,8 +46,6 @@ def make_detector(config: DetectorConfig) -> Detector:
         raise UserError("labels: knows where the object is and answers in simulated trials only")
     if name == GRASPGEN and config.address:
         return GraspGen(config.address)
-    if name == SHIPPED_NETWORK:
-        return GGCNN(_shipped_weights())
     networks: dict[str, Callable[[str | None], Detector]] = {"ggcnn": GGCNN, "vgn": Vgn}
     made = networks[name](config.weights) if name in networks else _own(config)
     return with_checked_answers(made)
@@ -101,15 +100,20 @@ def fingerprint(config: DetectorConfig) -> list[str]:
     Raises:
         UserError: A file is missing.
     """
+    config = _with_shipped_weights(config)
     if config.detector == "ggcnn":
         check_ggcnn(config.weights)
     if config.command:
         files = [word for word in config.command if Path(word).is_file()]
         return [own_code.file_hash(file, WHERE) for file in files]
     own = [own_code.source_hash(config.name, WHERE)] if ":" in config.name else []
-    weights = _shipped_weights() if config.detector == SHIPPED_NETWORK else config.weights
-    return [*own, *([own_code.file_hash(weights, WHERE)] if weights else [])]
+    weights = [own_code.file_hash(config.weights, WHERE)] if config.weights else []
+    return [*own, *weights]
 
 
-def _shipped_weights() -> str:
-    return str(data.released_network() / "weights.safetensors")
+def _with_shipped_weights(config: DetectorConfig) -> DetectorConfig:
+    """The shipped network as `ggcnn` with its weights; any other detector as it is."""
+    if config.detector != SHIPPED_NETWORK:
+        return config
+    weights = data.released_network() / "weights.safetensors"
+    return DetectorConfig(detector="ggcnn", weights=str(weights))

@@ -68,8 +68,8 @@ def run(
         pieces: Files and folders that were made before.
         out: What explains the folder `release`: a dataset card as Hugging Face reads it, the same
             tables for tools that read Croissant, how to cite it, the licence of the data, what each
-            file was made from, and the checksums of all files. The rule `release` makes the folder.
-            See `docs/release.md`.
+            file was made from, the checksums of all files, and the network that egad ships. The
+            rule `release` makes the folder. See `docs/release.md`.
 
     Raises:
         UserError: The folder has archives of an earlier release.
