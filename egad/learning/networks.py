@@ -78,7 +78,6 @@ def gg_cnn2() -> Heads:
     return Heads({"features": nn.Sequential(*layers)}, 16, 1)
 
 
-Convolution = nn.Conv2d | nn.ConvTranspose2d
 MAKERS = {"ggcnn": gg_cnn, "ggcnn2": gg_cnn2}
 TITLES = {"ggcnn": "GG-CNN", "ggcnn2": "GG-CNN2"}
 
@@ -102,7 +101,7 @@ def new_network(name: str, seed: int) -> Heads:
         layers = {
             layer_name: layer
             for layer_name, layer in network.named_modules()
-            if isinstance(layer, Convolution)
+            if isinstance(layer, nn.Conv2d | nn.ConvTranspose2d)
         }
         scale = {next(iter(layers)): 1 / TYPICAL_SPREAD, **dict.fromkeys(OUTPUTS, SMALL)}
         for layer_name, layer in layers.items():
@@ -114,7 +113,7 @@ def new_network(name: str, seed: int) -> Heads:
     return network
 
 
-def _inputs(layer: Convolution) -> float:
+def _inputs(layer: nn.Conv2d | nn.ConvTranspose2d) -> float:
     """Number of inputs that are summed into each output."""
     values = layer.in_channels * math.prod(layer.kernel_size)
     return values / math.prod(layer.stride) if layer.transposed else values
