@@ -1,13 +1,14 @@
-"""Pictures of typical failures: `python experiments/failures.py STUDY TEST NOISE SET`.
+"""Pictures of typical failures: `python experiments/failures.py STUDY NOISE SET`.
 
 STUDY is the folder `results/training_study`. Of each way to lose an object that is more than 1 % of
-the failures of the networks of SET in this test, the object with most of them is shown by its first
+the failures of the networks of SET in a test, the object with most of them is shown by its first
 attempt: the depth image without noise, with the grasp as a line between the fingertips, and frames
-of the attempt from when the hand comes to the end. Writes docs/training_failures.png.
+of the attempt from when the hand comes to when it leaves. Writes docs/training_failures.png.
 """
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -35,28 +36,37 @@ HIGHEST = 0.05  # metres; objects less high are not white
 Pixels = NDArray[np.uint8]
 
 
-def main(study: Path, test: str, noise: str, name: str) -> None:
+def main(study: Path, noise: str, name: str) -> None:
     """Draw the picture."""
     settings = settings_in(ROOT / "config/training_study.yaml")
-    tables = sorted((study / "trials" / test / noise).glob(f"{name}-?.parquet"))
-    shown = typical(pd.concat([parquet.read(path, TRIALS) for path in tables]))
     hand = settings.targets.grippers[0]
-    bundle = study.parent / test / "bundle" / hand
     trials = select(settings, SimulatedTrials, hand)
-    sheet = Image.new("RGB", ((FRAMES + 1) * WIDTH, len(shown) * (HEIGHT + TEXT)), "white")
-    for place, row in enumerate(parquet.records(shown)):
-        again, frames = repeat_attempt(trials, row, bundle)
-        model = model_in(bundle, rows_by_id(bundle)[row["id"]])
-        pictures = [frames[number] for number in chosen(frames, FRAMES)]
-        if again.rest and again.grasp:
-            pictures.insert(0, depth_picture(model, again.rest, again.grasp, trials.trials))
+    rows: list[tuple[str, list[Pixels]]] = []
+    for test in settings.training_study.tests:
+        tables = sorted((study / "trials" / test / noise).glob(f"{name}-?.parquet"))
+        shown = typical(pd.concat([parquet.read(path, TRIALS) for path in tables]))
+        for attempt in parquet.records(shown):
+            title = f"{test}, {attempt['label']}: {attempt['outcome'].replace('_', ' ')}"
+            rows.append((title, pictures(trials, attempt, study.parent / test / "bundle" / hand)))
+    sheet = Image.new("RGB", ((FRAMES + 1) * WIDTH, len(rows) * (HEIGHT + TEXT)), "white")
+    for place, (title, row) in enumerate(rows):
         top = place * (HEIGHT + TEXT)
-        ImageDraw.Draw(sheet).text((4, top + 2), f"{row['outcome']}: {row['label']}", "black")
-        for column, picture in enumerate(pictures):
+        ImageDraw.Draw(sheet).text((4, top + 2), title, "black")
+        for column, picture in enumerate(row):
             small = Image.fromarray(picture).resize((WIDTH, HEIGHT))
             sheet.paste(small, (column * WIDTH, top + TEXT))
     with atomic_output(ROOT / "docs/training_failures.png") as out:
-        sheet.quantize(64).save(out, "png", optimize=True)
+        sheet.quantize(256).save(out, "png", optimize=True)
+
+
+def pictures(trials: SimulatedTrials, attempt: dict[str, Any], bundle: Path) -> list[Pixels]:
+    """The depth image of an attempt and frames of its film."""
+    again, frames = repeat_attempt(trials, attempt, bundle)
+    found = [frames[number] for number in chosen(frames, FRAMES)]
+    if again.rest and again.grasp:
+        model = model_in(bundle, rows_by_id(bundle)[attempt["id"]])
+        found.insert(0, depth_picture(model, again.rest, again.grasp, trials.trials))
+    return found
 
 
 def typical(trials: pd.DataFrame) -> pd.DataFrame:

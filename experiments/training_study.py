@@ -1,11 +1,14 @@
 """Figure and tables of docs/training.md: `python experiments/training_study.py RESULTS`.
 
-RESULTS is the folder `results/training_study` of the study, or of a part of it. The outcomes of its
-attempts go into docs/training.parquet, and the figure and the tables are of all attempts there.
+RESULTS is the folder `results/training_study` of the study, or of a part of it. The outcomes of all
+attempts that are there go into docs/training.parquet, and those in clutter into
+docs/training_clutter.parquet. The figure and the tables are of all attempts in these.
 """
 
+import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -14,52 +17,83 @@ from numpy.typing import NDArray
 
 from egad._util.files import write_text
 from egad.pipeline.cli.common import settings_in
+from egad.pipeline.config import Settings
+from egad.pipeline.config.training_study import networks_of
 from egad.pipeline.report.training_study import panels, rates_by_test
 from egad.report.page import p_value
 from egad.report.training_study import Row, success_chart
 from egad.report.trial_charts import OUTCOMES, outcome_counts
-from egad.stats import Spread, check_starts, compare_sets, pooled_spread, set_or_detector
+from egad.stats import Spread, check_starts, compare_sets, pooled_spread, read, set_or_detector
 from egad.tables import parquet
-from egad.tables.training import CLEARED, COMPARED
+from egad.tables.clutter import CLUTTER
+from egad.tables.training import CLEARED
 
 ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "config/training_study.yaml"
-NETWORK = ["test", "noise", "training_set", "seed", "detector"]  # and in what it was tested
+NO_NETWORK: dict[str, str | int] = {"training_set": "", "seed": 0}
+TESTED = ["test", "training_set", "seed", "detector"]
+NETWORK = [*TESTED, "noise"]
 COLUMNS = [*NETWORK, "label", "attempt", "initial_pose", "success", "outcome"]
+CLEARING = [*TESTED, "scene", "noise", "round", "attempt", "objects", "factors", "n_objects"]
+CLEARING += ["success", "outcome"]
 Floats = NDArray[np.float64]
 
 
-def main(results: Path, comparisons: Iterable[tuple[str, str]], docs: Path = ROOT / "docs") -> None:
+def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> None:
     """Write the figure into docs and print the tables."""
-    made = parquet.read(results / "results.parquet", COMPARED)
-    trials = update_attempts(made[COLUMNS], docs / "training.parquet")
-    rates = rates_by_test(trials, parquet.read(results / "clutter.parquet", CLEARED))
+    trials = merged(single_objects(results), NETWORK, docs / "training.parquet")
+    for _, rows in trials.groupby("test"):
+        check_starts(rows)
+    cleared = merged(clutter(results), TESTED, docs / "training_clutter.parquet")
+    rates = rates_by_test(trials, cleared)
     shown = panels(rates, set(trials["training_set"]) - {""})
     write_text(docs / "training.svg", success_chart(shown))
     print_success(shown)
-    print_comparisons(trials, comparisons)
+    print_comparisons(trials, settings_in(config))
     for key, found in rates.items():
         print_spread(", ".join(key), found)
     print_outcomes(trials)
 
 
-def update_attempts(made: pd.DataFrame, path: Path) -> pd.DataFrame:
-    """Write the attempts of a run into the table of all attempts, and return it.
+def single_objects(results: Path) -> pd.DataFrame:
+    """The attempts at single objects that were made, columns `COLUMNS`."""
+    parts = [
+        read(path)[path.stem].assign(
+            **made_by(path.stem), test=path.parts[-3], noise=path.parts[-2]
+        )
+        for path in sorted(results.glob("trials/*/*/*.parquet"))
+    ]
+    return pd.concat(parts, ignore_index=True)[COLUMNS]
+
+
+def clutter(results: Path) -> pd.DataFrame:
+    """The attempts in clutter that were made, columns `CLEARING`."""
+    parts = [parquet.empty(CLEARED)]
+    for path in sorted(results.glob("clutter/*/*.parquet")):
+        own = parquet.read(path, CLUTTER)
+        parts.append(own.assign(**made_by(path.stem), detector=path.stem, test=path.parts[-2]))
+    return pd.concat(parts, ignore_index=True)[CLEARING]
+
+
+def made_by(name: str) -> dict[str, str | int]:
+    """The training set and the seed of a network by its name; of other detectors, none and 0."""
+    found = re.fullmatch(r"(.+)-(\d+)", name)
+    return {"training_set": found[1], "seed": int(found[2])} if found else NO_NETWORK
+
+
+def merged(made: pd.DataFrame, key: list[str], path: Path) -> pd.DataFrame:
+    """Add the attempts of a run to a table of all attempts, and return that.
 
     Args:
-        made: Columns `COLUMNS`. Its networks and detectors replace those of the same names.
+        made: Columns of the table. They replace those there that have the same `key`.
+        key: Columns.
         path: The table.
-
-    Raises:
-        UserError: Attempts that should start with the same drop do not.
     """
     if path.is_file():
         earlier = pd.read_parquet(path)
-        known = pd.MultiIndex.from_frame(earlier[NETWORK])
-        stays = ~known.isin(pd.MultiIndex.from_frame(made[NETWORK]))
+        known = pd.MultiIndex.from_frame(earlier[key])
+        stays = ~known.isin(pd.MultiIndex.from_frame(made[key]))
         made = pd.concat([earlier[stays], made], ignore_index=True)
-    for _, rows in made.groupby("test"):
-        check_starts(rows)
     made.to_parquet(path, compression="zstd", index=False)
     return made
 
@@ -81,14 +115,17 @@ def text(row: Row) -> str:
     return f"{100 * row.mean:.0f}{between}"
 
 
-def print_comparisons(trials: pd.DataFrame, comparisons: Iterable[tuple[str, str]]) -> None:
-    """The pre-registered comparisons, points; none before both sides of all were tested."""
-    tested = set(set_or_detector(trials))
-    comparisons = list(comparisons)
-    if not tested.issuperset(name for pair in comparisons for name in pair):
+def print_comparisons(trials: pd.DataFrame, settings: Settings) -> None:
+    """The pre-registered comparisons, points; none before all networks of them were tested."""
+    study = settings.training_study
+    names = {name for pair in study.comparisons for name in pair}
+    asked = Counter(each.training_set for each in networks_of(settings))
+    tested = Counter(set_or_detector(trials.drop_duplicates(NETWORK)))
+    tests = len(study.tests) * len(study.noise)
+    if any(tested[name] < tests * asked[name] for name in names):
         return
     print("\n| pair | test | over networks | p | p, Holm | over objects |\n" + "| --- " * 6 + "|")
-    for row in compare_sets(trials, comparisons):
+    for row in compare_sets(trials, study.comparisons):
         gain = row.difference.gain
         cells = [
             f"{row.test}, {row.noise}",
@@ -132,4 +169,4 @@ def print_outcomes(trials: pd.DataFrame) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), settings_in(CONFIG).training_study.comparisons)
+    main(Path(sys.argv[1]))

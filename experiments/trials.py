@@ -84,9 +84,9 @@ def draw(bundle: Path, gripper: str, trials: pd.DataFrame) -> None:
 
 
 def chosen(frames: list[Pixels], count: int) -> list[int]:
-    """Numbers of the frames that are shown."""
-    first = next(number for number, frame in enumerate(frames) if shows_hand(frame))
-    found: list[int] = np.linspace(first, len(frames) - 1, count).astype(int).tolist()
+    """Numbers of frames at equal distances, from the first that shows the hand to the last."""
+    shown = [number for number, frame in enumerate(frames) if shows_hand(frame)]
+    found: list[int] = np.linspace(shown[0], shown[-1], count).astype(int).tolist()
     return found
 
 

@@ -39,7 +39,7 @@ not count. No object is in two splits.
 
 {data}
 Positive is a grasp that is free of collision and {rule}. Images without a
-positive grasp are used too: as examples where nothing can be grasped.
+positive grasp, if there are any, are examples where nothing can be grasped.
 
 ## Training
 

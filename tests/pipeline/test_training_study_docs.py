@@ -13,11 +13,10 @@ from scipy import stats
 from egad.errors import UserError
 from egad.pipeline.cli.common import settings_in
 from egad.tables import parquet
-from egad.tables.evaluation import EVAL49
+from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.evolution import ARCHIVE
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS
-from egad.tables.training import CLEARED, COMPARED
 
 ROOT = Path(__file__).parents[2]
 EXPERIMENTS = ROOT / "experiments"
@@ -137,7 +136,7 @@ def tried(tmp_path_factory):
     labels = [f"{row}{column}" for row in "ABG" for column in range(3)]
     rows = [
         {"test": "own", "noise": "none", "training_set": name, "seed": seed, "id": label}
-        | {"label": label, "attempt": attempt, "initial_pose": str(attempt)}
+        | {"label": label, "attempt": attempt, "initial_x": attempt / 100}
         | {"detector": f"{name or 'random'}-{seed}"}
         | {"outcome": "success" if rng.random() < 0.7 - 0.1 * seed else "missed"}
         for name, seed in names
@@ -147,9 +146,34 @@ def tried(tmp_path_factory):
     table = pd.DataFrame(rows).assign(quality=0.5)
     table = table.assign(success=table["outcome"] == "success")
     folder = tmp_path_factory.mktemp("tried")
-    parquet.write(table[COMPARED.names], COMPARED, folder / "results.parquet")
-    parquet.write(parquet.empty(CLEARED), CLEARED, folder / "clutter.parquet")
+    keep_trials(table, folder)
     return folder, table
+
+
+def keep_trials(table, folder):
+    """The tables of the trials, one of each network and detector."""
+    for name, rows in table.groupby("detector"):
+        kept = rows.drop(columns="seed").to_dict("records")
+        write(TRIALS, kept, folder / f"trials/own/none/{name}.parquet")
+
+
+@pytest.fixture
+def pair(tmp_path):
+    """A study of two sets of two networks, to be compared."""
+    values = {
+        "datasets": {"own": {"source": "primitives", "objects": 9}},
+        "training_sets": {name: {"dataset": "own"} for name in ("few", "many")},
+        "training_study": {
+            "sets": ["few", "many"],
+            "seeds": 2,
+            "tests": ["own"],
+            "noise": ["none"],
+            "comparisons": [["few", "many"]],
+        },
+    }
+    path = tmp_path / "study.yaml"
+    path.write_text(yaml.safe_dump(values))
+    return path
 
 
 def tables(text):
@@ -163,10 +187,10 @@ def tables(text):
     return found
 
 
-def test_tables_of_the_study_are_counts_of_its_attempts(tried, capsys):
+def test_tables_of_the_study_are_counts_of_its_attempts(tried, pair, capsys):
     folder, table = tried
     program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
-    program["main"](folder, [("few", "many")], folder)
+    program["main"](folder, pair, folder)
     said = tables(capsys.readouterr().out)
     few = table[table["training_set"] == "few"]
     rate = few["success"].mean()
@@ -184,31 +208,44 @@ def test_tables_of_the_study_are_counts_of_its_attempts(tried, capsys):
     assert "own, no noise" in (folder / "training.svg").read_text()
 
 
-def test_a_later_part_of_the_study_replaces_networks_and_keeps_the_others(tried, tmp_path, capsys):
+def test_a_later_part_of_the_study_replaces_networks_and_keeps_the_others(
+    tried, pair, tmp_path, capsys
+):
     folder, table = tried
     program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
-    pairs = [("few", "many")]
-    program["main"](folder, pairs, tmp_path)
-    whole = tables(capsys.readouterr().out)
-    (tmp_path / "training.parquet").unlink()
-    parquet.write(parquet.empty(CLEARED), CLEARED, tmp_path / "clutter.parquet")
-    earlier = table[table["training_set"] == "few"].assign(success=False, outcome="missed")
-    parts = [earlier, table[table["training_set"] != "few"], table[table["training_set"] == "few"]]
+    whole, docs = tmp_path / "whole", tmp_path / "docs"
+    whole.mkdir()
+    docs.mkdir()
+    program["main"](folder, pair, whole)
+    expected = tables(capsys.readouterr().out)
+    few = table["training_set"] == "few"
+    worse = table[few].assign(success=False, outcome="missed")
     said = []
-    for part in parts:
-        parquet.write(part[COMPARED.names], COMPARED, tmp_path / "results.parquet")
-        program["main"](tmp_path, pairs, tmp_path)
+    for number, part in enumerate([worse, table[~few], table[few]]):
+        keep_trials(part, tmp_path / str(number))
+        program["main"](tmp_path / str(number), pair, docs)
         said.append(tables(capsys.readouterr().out))
     assert "pair" not in said[0]
-    assert said[1]["pair"] != whole["pair"]
-    assert said[2] == whole
+    assert said[1]["pair"] != expected["pair"]
+    assert said[2] == expected
 
 
-def test_a_part_with_other_drops_is_refused(tried, tmp_path):
+def test_nothing_is_compared_before_all_networks_are_tested(tried, pair, tmp_path, capsys):
+    _, table = tried
+    keep_trials(table[table["detector"] != "many-1"], tmp_path)
+    program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
+    program["main"](tmp_path, pair, tmp_path)
+    said = tables(capsys.readouterr().out)
+    assert "pair" not in said
+    assert "trained on" in said
+
+
+def test_a_part_with_other_drops_is_refused(tried, pair, tmp_path):
     _, table = tried
     program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
-    path = tmp_path / "training.parquet"
     few, many = (table[table["training_set"] == name] for name in ("few", "many"))
-    program["update_attempts"](few[program["COLUMNS"]], path)
+    keep_trials(few, tmp_path / "0")
+    keep_trials(many.assign(initial_x=0.07), tmp_path / "1")
+    program["main"](tmp_path / "0", pair, tmp_path)
     with pytest.raises(UserError, match="different drop"):
-        program["update_attempts"](many.assign(initial_pose="7")[program["COLUMNS"]], path)
+        program["main"](tmp_path / "1", pair, tmp_path)
