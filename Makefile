@@ -65,7 +65,7 @@ slurm: has-slurm
 	pytest -m slurm tests/workflow
 
 vision: has-torch
-	pytest tests/learning tests/perception tests/detectors/test_ggcnn.py
+	pytest tests/learning tests/perception tests/detectors tests/test_run_trials.py tests/test_run_benchmark.py
 
 has-slicer: tools
 	@command -v prusa-slicer >/dev/null || { echo "prusa-slicer is needed" >&2; exit 1; }

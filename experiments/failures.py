@@ -1,9 +1,9 @@
 """Pictures of typical failures: `python experiments/failures.py STUDY NOISE SET`.
 
 STUDY is the folder `results/training_study`. Of each way to lose an object that is more than 1 % of
-the failures of the networks of SET in a test, the object with most of them is shown by its first
-attempt: the depth image without noise, with the grasp as a line between the fingertips, and frames
-of the attempt from when the hand comes to when it leaves. Writes docs/training_failures.png.
+the failed grasps of the networks of SET in a test, the object with most of them is shown by its
+first attempt: the depth image without noise, with the grasp as a line between the fingertips, and
+frames of the attempt from when the hand comes to when it leaves. Writes docs/training_failures.png.
 """
 
 import sys
@@ -44,7 +44,8 @@ def main(study: Path, noise: str, name: str) -> None:
     rows: list[tuple[str, list[Pixels]]] = []
     for test in settings.training_study.tests:
         tables = sorted((study / "trials" / test / noise).glob(f"{name}-?.parquet"))
-        shown = typical(pd.concat([parquet.read(path, TRIALS) for path in tables]))
+        parts = [parquet.empty(TRIALS), *(parquet.read(path, TRIALS) for path in tables)]
+        shown = typical(pd.concat(parts))
         for attempt in parquet.records(shown):
             title = f"{test}, {attempt['label']}: {attempt['outcome'].replace('_', ' ')}"
             rows.append((title, pictures(trials, attempt, study.parent / test / "bundle" / hand)))
@@ -72,7 +73,7 @@ def pictures(trials: SimulatedTrials, attempt: dict[str, Any], bundle: Path) -> 
 def typical(trials: pd.DataFrame) -> pd.DataFrame:
     """The attempts that are shown, the most frequent outcome first."""
     lost = trials[~trials["success"] & trials["width"].notna()]
-    shown = []
+    shown = [lost.head(0)]
     for outcome, count in lost["outcome"].value_counts().items():
         own = lost[lost["outcome"] == outcome]
         worst = own["label"].value_counts().index[0]

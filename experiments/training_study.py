@@ -2,12 +2,12 @@
 
 RESULTS is the folder `results/training_study` of the study, or of a part of it. The outcomes of all
 attempts that are there go into docs/training.parquet, and those in clutter into
-docs/training_clutter.parquet. The figure and the tables are of all attempts in these.
+docs/training_clutter.parquet. The figure and the tables are of all attempts in these. The first
+sets of the pre-registered comparisons are left out before all networks of these are tested.
 """
 
 import re
 import sys
-from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad._util.files import write_text
+from egad._util.files import atomic_output, write_text
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.config import Settings
 from egad.pipeline.config.training_study import networks_of
@@ -40,19 +40,43 @@ Floats = NDArray[np.float64]
 
 
 def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> None:
-    """Write the figure into docs and print the tables."""
+    """Write tables and figure into docs, and print tables."""
     trials = merged(single_objects(results), NETWORK, docs / "training.parquet")
     for _, rows in trials.groupby("test"):
         check_starts(rows)
+    keep(trials, docs / "training.parquet")
     cleared = merged(clutter(results), TESTED, docs / "training_clutter.parquet")
+    if len(cleared):
+        keep(cleared, docs / "training_clutter.parquet")
+    study = settings_in(config)
+    ready = all_tested(trials, study)
+    if not ready:
+        hidden = [first for first, _ in study.training_study.comparisons]
+        trials, cleared = (each[~set_or_detector(each).isin(hidden)] for each in (trials, cleared))
     rates = rates_by_test(trials, cleared)
     shown = panels(rates, set(trials["training_set"]) - {""})
     write_text(docs / "training.svg", success_chart(shown))
     print_success(shown)
-    print_comparisons(trials, settings_in(config))
+    if ready:
+        print_comparisons(trials, study)
     for key, found in rates.items():
         print_spread(", ".join(key), found)
     print_outcomes(trials)
+
+
+def all_tested(trials: pd.DataFrame, settings: Settings) -> bool:
+    """Whether all networks of the pre-registered comparisons have been in all their tests."""
+    study = settings.training_study
+    compared = {name for pair in study.comparisons for name in pair}
+    wanted = {
+        (each.training_set, each.seed, test, noise)
+        for each in networks_of(settings)
+        if each.training_set in compared
+        for test in study.tests
+        for noise in study.noise
+    }
+    known = trials[["training_set", "seed", "test", "noise"]].drop_duplicates()
+    return wanted <= set(known.itertuples(index=False, name=None))
 
 
 def single_objects(results: Path) -> pd.DataFrame:
@@ -82,20 +106,25 @@ def made_by(name: str) -> dict[str, str | int]:
 
 
 def merged(made: pd.DataFrame, key: list[str], path: Path) -> pd.DataFrame:
-    """Add the attempts of a run to a table of all attempts, and return that.
+    """The attempts of a run and those of a table, if there is one.
 
     Args:
         made: Columns of the table. They replace those there that have the same `key`.
         key: Columns.
         path: The table.
     """
-    if path.is_file():
-        earlier = pd.read_parquet(path)
-        known = pd.MultiIndex.from_frame(earlier[key])
-        stays = ~known.isin(pd.MultiIndex.from_frame(made[key]))
-        made = pd.concat([earlier[stays], made], ignore_index=True)
-    made.to_parquet(path, compression="zstd", index=False)
-    return made
+    if not path.is_file():
+        return made
+    earlier = pd.read_parquet(path)
+    known = pd.MultiIndex.from_frame(earlier[key])
+    stays = ~known.isin(pd.MultiIndex.from_frame(made[key]))
+    return pd.concat([earlier[stays], made], ignore_index=True)
+
+
+def keep(attempts: pd.DataFrame, path: Path) -> None:
+    """Write a table of attempts."""
+    with atomic_output(path) as out:
+        attempts.to_parquet(out, compression="zstd", index=False)
 
 
 def print_success(shown: Mapping[str, Mapping[str, Row]]) -> None:
@@ -116,16 +145,9 @@ def text(row: Row) -> str:
 
 
 def print_comparisons(trials: pd.DataFrame, settings: Settings) -> None:
-    """The pre-registered comparisons, points; none before all networks of them were tested."""
-    study = settings.training_study
-    names = {name for pair in study.comparisons for name in pair}
-    asked = Counter(each.training_set for each in networks_of(settings))
-    tested = Counter(set_or_detector(trials.drop_duplicates(NETWORK)))
-    tests = len(study.tests) * len(study.noise)
-    if any(tested[name] < tests * asked[name] for name in names):
-        return
+    """The pre-registered comparisons, points."""
     print("\n| pair | test | over networks | p | p, Holm | over objects |\n" + "| --- " * 6 + "|")
-    for row in compare_sets(trials, study.comparisons):
+    for row in compare_sets(trials, settings.training_study.comparisons):
         gain = row.difference.gain
         cells = [
             f"{row.test}, {row.noise}",

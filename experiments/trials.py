@@ -3,7 +3,7 @@
 The table has success in percent with 95 % intervals for other objects, and the rank correlations
 of success with difficulty and complexity. For each outcome that came to a grasp, the first attempt
 of these detectors that ended so is repeated; a row shows frames of it, evenly spaced from when the
-hand comes to the end.
+hand comes to when it leaves.
 """
 
 import sys

@@ -26,11 +26,6 @@ def evaluation_set() -> Path:
     return Path(__file__).with_name("evaluation_set.csv")
 
 
-def released_network() -> Path:
-    """The folder of the network of the detector `ggcnn2-evolved`, as `egad train` writes it."""
-    return Path(__file__).with_name("ggcnn2-evolved")
-
-
 def archive_path(archive: Path) -> Path:
     """The file that a person means by an archive: `released` is the one shipped."""
     return released() if str(archive) == "released" else archive

@@ -1,12 +1,15 @@
 """Settings of grasp detectors."""
 
+from pathlib import Path
 from typing import Self
 
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Parameters
 
-SHIPPED_NETWORK = "ggcnn2-evolved"  # the network that is shipped
+SHIPPED_NETWORK = "ggcnn2-evolved"
+# What `egad train` wrote; without `egad.data`, whose other files change no answer of a detector.
+SHIPPED_WEIGHTS = Path(__file__).parents[1] / "data" / SHIPPED_NETWORK / "weights.safetensors"
 SHIPPED = (
     "antipodal-cloud",
     "antipodal-depth",

@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from egad import data
 from egad import plugins as own_code
 from egad.detectors.antipodal import antipodal_depth
 from egad.detectors.base import WHERE, Grasp
 from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.graspgen import GraspGen
-from egad.detectors.parameters import GRASPGEN, SHIPPED_NETWORK, DetectorConfig
+from egad.detectors.parameters import GRASPGEN, SHIPPED_NETWORK, SHIPPED_WEIGHTS, DetectorConfig
 from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.vgn import Vgn
@@ -115,5 +114,4 @@ def _with_shipped_weights(config: DetectorConfig) -> DetectorConfig:
     """The shipped network as `ggcnn` with its weights; any other detector as it is."""
     if config.detector != SHIPPED_NETWORK:
         return config
-    weights = data.released_network() / "weights.safetensors"
-    return DetectorConfig(detector="ggcnn", weights=str(weights))
+    return DetectorConfig(detector="ggcnn", weights=str(SHIPPED_WEIGHTS))

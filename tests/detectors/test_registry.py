@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.data import released_network
 from egad.detectors.base import Grasp
-from egad.detectors.parameters import SHIPPED
+from egad.detectors.parameters import SHIPPED, SHIPPED_WEIGHTS
 from egad.detectors.registry import QUICK, fingerprint, make_detector
 from egad.detectors.subprocess import Child, DetectorError, DetectorTimeoutError
 from egad.errors import UserError
@@ -138,10 +137,8 @@ def test_edited_code_or_weights_have_another_fingerprint(tmp_path):
     weights.write_text("2")
     assert len({tuple(before), tuple(edited), tuple(fingerprint(detector))}) == 3
     assert fingerprint(DETECTORS["random"]) == []
-    shipped = str(released_network() / "weights.safetensors")
-    assert fingerprint(DETECTORS["ggcnn2-evolved"]) == fingerprint(
-        DetectorConfig(detector="ggcnn", weights=shipped)
-    )
+    shipped = DetectorConfig(detector="ggcnn", weights=str(SHIPPED_WEIGHTS))
+    assert fingerprint(DETECTORS["ggcnn2-evolved"]) == fingerprint(shipped)
 
 
 @pytest.mark.parametrize(

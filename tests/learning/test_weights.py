@@ -15,6 +15,7 @@ torch = pytest.importorskip("torch")
 safetensors = pytest.importorskip("safetensors.torch")
 networks = pytest.importorskip("egad.learning.networks")
 weights = pytest.importorskip("egad.learning.weights")
+CONVOLUTIONS = torch.nn.Conv2d | torch.nn.ConvTranspose2d
 
 
 def saved(path, state):
@@ -76,7 +77,7 @@ def test_hardly_a_channel_of_an_untrained_network_is_dead(name, seed):
     network = networks.new_network(name, seed)
     channels = []
     for layer in network.modules():
-        if isinstance(layer, networks.Convolution) and layer.out_channels > 1:
+        if isinstance(layer, CONVOLUTIONS) and layer.out_channels > 1:
             layer.register_forward_hook(
                 lambda _layer, _input, output: channels.append(output.amax(dim=(0, 2, 3)) > 0)
             )

@@ -187,10 +187,14 @@ def tables(text):
     return found
 
 
-def test_tables_of_the_study_are_counts_of_its_attempts(tried, pair, capsys):
+@pytest.fixture(scope="module")
+def study():
+    return runpy.run_path(str(EXPERIMENTS / "training_study.py"))
+
+
+def test_tables_of_the_study_are_counts_of_its_attempts(study, tried, pair, capsys):
     folder, table = tried
-    program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
-    program["main"](folder, pair, folder)
+    study["main"](folder, pair, folder)
     said = tables(capsys.readouterr().out)
     few = table[table["training_set"] == "few"]
     rate = few["success"].mean()
@@ -208,44 +212,34 @@ def test_tables_of_the_study_are_counts_of_its_attempts(tried, pair, capsys):
     assert "own, no noise" in (folder / "training.svg").read_text()
 
 
-def test_a_later_part_of_the_study_replaces_networks_and_keeps_the_others(
-    tried, pair, tmp_path, capsys
-):
+def test_parts_of_the_study_add_up(study, tried, pair, tmp_path, capsys):
+    """A network that is tested again replaces the earlier one."""
     folder, table = tried
-    program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
     whole, docs = tmp_path / "whole", tmp_path / "docs"
     whole.mkdir()
     docs.mkdir()
-    program["main"](folder, pair, whole)
+    study["main"](folder, pair, whole)
     expected = tables(capsys.readouterr().out)
-    few = table["training_set"] == "few"
+    few, last = table["training_set"] == "few", table["detector"] == "many-1"
     worse = table[few].assign(success=False, outcome="missed")
     said = []
-    for number, part in enumerate([worse, table[~few], table[few]]):
+    for number, part in enumerate([table[~few & ~last], worse, table[last], table[few]]):
         keep_trials(part, tmp_path / str(number))
-        program["main"](tmp_path / str(number), pair, docs)
+        study["main"](tmp_path / str(number), pair, docs)
         said.append(tables(capsys.readouterr().out))
-    assert "pair" not in said[0]
-    assert said[1]["pair"] != expected["pair"]
-    assert said[2] == expected
+    assert ["pair" in each for each in said] == [False, False, True, True]
+    assert ["`few`" in each["trained on"] for each in said] == [False, False, True, True]
+    assert said[2]["pair"] != expected["pair"]
+    assert said[3] == expected
 
 
-def test_nothing_is_compared_before_all_networks_are_tested(tried, pair, tmp_path, capsys):
+def test_a_part_with_other_drops_is_refused(study, tried, pair, tmp_path):
     _, table = tried
-    keep_trials(table[table["detector"] != "many-1"], tmp_path)
-    program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
-    program["main"](tmp_path, pair, tmp_path)
-    said = tables(capsys.readouterr().out)
-    assert "pair" not in said
-    assert "trained on" in said
-
-
-def test_a_part_with_other_drops_is_refused(tried, pair, tmp_path):
-    _, table = tried
-    program = runpy.run_path(str(EXPERIMENTS / "training_study.py"))
     few, many = (table[table["training_set"] == name] for name in ("few", "many"))
-    keep_trials(few, tmp_path / "0")
-    keep_trials(many.assign(initial_x=0.07), tmp_path / "1")
-    program["main"](tmp_path / "0", pair, tmp_path)
+    keep_trials(many, tmp_path / "0")
+    keep_trials(few.assign(initial_x=0.07), tmp_path / "1")
+    study["main"](tmp_path / "0", pair, tmp_path)
+    before = (tmp_path / "training.parquet").read_bytes()
     with pytest.raises(UserError, match="different drop"):
-        program["main"](tmp_path / "1", pair, tmp_path)
+        study["main"](tmp_path / "1", pair, tmp_path)
+    assert (tmp_path / "training.parquet").read_bytes() == before

@@ -10,7 +10,7 @@ import pandas as pd
 
 from egad import __version__
 from egad._util.files import atomic_output, write_text
-from egad.data import released_network
+from egad.detectors.parameters import SHIPPED_WEIGHTS
 from egad.errors import UserError
 from egad.exchange import (
     ABSTRACT,
@@ -76,7 +76,7 @@ def run(
     """
     _check_archives(out, pieces)
     with atomic_output(out / "networks") as folder:
-        network = released_network()
+        network = SHIPPED_WEIGHTS.parent
         shutil.copytree(network, folder / network.name)
     release = settings.release
     objects = pd.concat(
