@@ -132,9 +132,11 @@ def print_success(shown: Mapping[str, Mapping[str, Row]]) -> None:
     print(
         f"\n| trained on | networks | {' | '.join(shown)} |\n" + "| --- " * (len(shown) + 2) + "|"
     )
-    for name, first in next(iter(shown.values())).items():
-        cells = [text(rows[name]) for rows in shown.values()]
-        print(f"| `{name}` | {len(first.values) if first.trained else ''} | {' | '.join(cells)} |")
+    for name in {name: None for rows in shown.values() for name in rows}:
+        rows = [panel.get(name) for panel in shown.values()]
+        counts = {len(row.values) for row in rows if row and row.trained}
+        cells = [text(row) if row else "" for row in rows]
+        print(f"| `{name}` | {max(counts, default='')} | {' | '.join(cells)} |")
 
 
 def text(row: Row) -> str:
