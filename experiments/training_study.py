@@ -18,19 +18,18 @@ from numpy.typing import NDArray
 from egad._util.files import atomic_output, write_text
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.config import Settings
-from egad.pipeline.config.training_study import networks_of
+from egad.pipeline.config.training_study import Network, networks_of
 from egad.pipeline.report.training_study import panels, rates_by_test
+from egad.pipeline.stages.training_study import attempts, cleared_tables
 from egad.report.page import p_value
 from egad.report.training_study import Row, success_chart
 from egad.report.trial_charts import OUTCOMES, outcome_counts
-from egad.stats import Spread, check_starts, compare_sets, pooled_spread, read, set_or_detector
+from egad.stats import Spread, check_starts, compare_sets, pooled_spread, set_or_detector
 from egad.tables import parquet
-from egad.tables.clutter import CLUTTER
 from egad.tables.training import CLEARED
 
 ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "config/training_study.yaml"
-NO_NETWORK: dict[str, str | int] = {"training_set": "", "seed": 0}
 TESTED = ["test", "training_set", "seed", "detector"]
 NETWORK = [*TESTED, "noise"]
 COLUMNS = [*NETWORK, "label", "attempt", "initial_pose", "success", "outcome"]
@@ -82,9 +81,7 @@ def all_tested(trials: pd.DataFrame, settings: Settings) -> bool:
 def single_objects(results: Path) -> pd.DataFrame:
     """The attempts at single objects that were made, columns `COLUMNS`."""
     parts = [
-        read(path)[path.stem].assign(
-            **made_by(path.stem), test=path.parts[-3], noise=path.parts[-2]
-        )
+        attempts(path, path.parts[-3], path.parts[-2], made_by(path.stem))
         for path in sorted(results.glob("trials/*/*/*.parquet"))
     ]
     return pd.concat(parts, ignore_index=True)[COLUMNS]
@@ -92,17 +89,17 @@ def single_objects(results: Path) -> pd.DataFrame:
 
 def clutter(results: Path) -> pd.DataFrame:
     """The attempts in clutter that were made, columns `CLEARING`."""
-    parts = [parquet.empty(CLEARED)]
-    for path in sorted(results.glob("clutter/*/*.parquet")):
-        own = parquet.read(path, CLUTTER)
-        parts.append(own.assign(**made_by(path.stem), detector=path.stem, test=path.parts[-2]))
-    return pd.concat(parts, ignore_index=True)[CLEARING]
+    parts = [
+        cleared_tables(path, path.parts[-2], made_by(path.stem))
+        for path in sorted(results.glob("clutter/*/*.parquet"))
+    ]
+    return pd.concat([parquet.empty(CLEARED), *parts], ignore_index=True)[CLEARING]
 
 
-def made_by(name: str) -> dict[str, str | int]:
-    """The training set and the seed of a network by its name; of other detectors, none and 0."""
+def made_by(name: str) -> Network:
+    """The network of this name; for another detector, one without a training set."""
     found = re.fullmatch(r"(.+)-(\d+)", name)
-    return {"training_set": found[1], "seed": int(found[2])} if found else NO_NETWORK
+    return Network(found[1], int(found[2])) if found else Network("", 0)
 
 
 def merged(made: pd.DataFrame, key: list[str], path: Path) -> pd.DataFrame:
@@ -132,7 +129,7 @@ def print_success(shown: Mapping[str, Mapping[str, Row]]) -> None:
     print(
         f"\n| trained on | networks | {' | '.join(shown)} |\n" + "| --- " * (len(shown) + 2) + "|"
     )
-    for name in {name: None for rows in shown.values() for name in rows}:
+    for name in dict.fromkeys(name for panel in shown.values() for name in panel):
         rows = [panel.get(name) for panel in shown.values()]
         counts = {len(row.values) for row in rows if row and row.trained}
         cells = [text(row) if row else "" for row in rows]
@@ -180,7 +177,7 @@ def deviation(spread: Spread | None) -> str:
 
 def print_outcomes(trials: pd.DataFrame) -> None:
     """How attempts at single objects ended, percent."""
-    names = trials["training_set"].where(trials["training_set"] != "", trials["detector"])
+    names = set_or_detector(trials)
     for (test, noise), rows in trials.groupby(["test", "noise"], sort=False):
         own = rows.groupby(names[rows.index], sort=False)
         counts = {name: outcome_counts(each) for name, each in own}

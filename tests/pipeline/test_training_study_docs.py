@@ -13,6 +13,7 @@ from scipy import stats
 from egad.errors import UserError
 from egad.pipeline.cli.common import settings_in
 from egad.tables import parquet
+from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.evolution import ARCHIVE
 from egad.tables.grasping import SCALES
@@ -231,6 +232,27 @@ def test_parts_of_the_study_add_up(study, tried, pair, tmp_path, capsys):
     assert ["`few`" in each["trained on"] for each in said] == [False, False, True, True]
     assert said[2]["pair"] != expected["pair"]
     assert said[3] == expected
+
+
+def test_clutter_is_kept_with_the_rest(study, tried, pair, tmp_path, capsys):
+    _, table = tried
+    keep_trials(table, tmp_path)
+    for seed in range(2):
+        won = {"outcome": "success", "success": True}
+        lost = {"outcome": "missed", "success": False}
+        rows = [
+            {"scene": "pile", "noise": "none", "round": number, "n_objects": 4, "seed": "ab"} | end
+            for number in range(2)
+            for end in [won] * (1 + seed) + [lost]
+        ]
+        write(CLUTTER, rows, tmp_path / f"clutter/own/few-{seed}.parquet")
+    for _ in range(2):
+        study["main"](tmp_path, pair, tmp_path)
+        said = tables(capsys.readouterr().out)
+        cleared = pd.Series([1 / 4, 2 / 4])
+        found = said["networks on own, pile, none, cleared"]["`few`"][0]
+        assert found.startswith(f"{100 * cleared.std():.1f} (")
+    assert len(pd.read_parquet(tmp_path / "training_clutter.parquet")) == 10
 
 
 def test_a_part_with_other_drops_is_refused(study, tried, pair, tmp_path):

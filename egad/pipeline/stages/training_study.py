@@ -55,10 +55,15 @@ def run(
     asked, sets = settings.training_study, settings.training_sets
     found = networks(sets, asked)
     made = results / "training_study"
+    by_name = _made_by(found, asked.references)
     tried = pd.concat(
-        _attempts(made / "trials" / test / noise, test, noise, found, asked.references)
-        for test in asked.tests
-        for noise in asked.noise
+        [
+            attempts(made / "trials" / test / noise / f"{name}.parquet", test, noise, network)
+            for test in asked.tests
+            for noise in asked.noise
+            for name, network in by_name.items()
+        ],
+        ignore_index=True,
     )
     if settings.trials.reset == "redrop":
         for _, rows in tried.groupby("test"):
@@ -66,9 +71,11 @@ def run(
     parts = [parquet.empty(CLEARED)]
     if asked.clutter:
         parts = [
-            _cleared(made / "clutter" / test, test, found, asked.references) for test in asked.tests
+            cleared_tables(made / "clutter" / test / f"{name}.parquet", test, network)
+            for test in asked.tests
+            for name, network in by_name.items()
         ]
-    cleared = pd.concat(parts)
+    cleared = pd.concat(parts, ignore_index=True)
     trained = [each for each in found if not sets[each.training_set].weights]
     study = Study(
         settings=settings,
@@ -84,35 +91,21 @@ def run(
     log.info("%d networks, %d attempts", len(found), len(tried) + len(cleared))
 
 
-def _made_by(found: list[Network], references: list[str]) -> dict[str, tuple[str, int]]:
-    """Training set and seed by name of the detector; an empty set for references."""
-    return {each.name: (each.training_set, each.seed) for each in found} | dict.fromkeys(
-        references, ("", 0)
-    )
+def _made_by(found: list[Network], references: list[str]) -> dict[str, Network]:
+    """Networks by name of the detector; references stand for themselves, with no training set."""
+    return {each.name: each for each in found} | dict.fromkeys(references, Network("", 0))
 
 
-def _attempts(
-    folder: Path, test: str, noise: str, found: list[Network], references: list[str]
-) -> pd.DataFrame:
-    """All attempts at single objects of a test, columns of `COMPARED`."""
-    parts = [
-        read(folder / f"{name}.parquet")[name].assign(
-            test=test, noise=noise, training_set=chosen, seed=seed
-        )
-        for name, (chosen, seed) in _made_by(found, references).items()
-    ]
-    return pd.concat(parts, ignore_index=True).loc[:, list(COMPARED.names)]
+def attempts(path: Path, test: str, noise: str, network: Network) -> pd.DataFrame:
+    """The attempts at single objects of one detector, columns of `COMPARED`."""
+    table = read(path)[path.stem].assign(test=test, noise=noise, **network._asdict())
+    return table.loc[:, list(COMPARED.names)]
 
 
-def _cleared(folder: Path, test: str, found: list[Network], references: list[str]) -> pd.DataFrame:
-    """All attempts in scenes of several objects of a test, columns of `CLEARED`."""
-    parts = [
-        parquet.read(folder / f"{name}.parquet", CLUTTER).assign(
-            test=test, training_set=chosen, seed=seed, detector=name
-        )
-        for name, (chosen, seed) in _made_by(found, references).items()
-    ]
-    return pd.concat(parts, ignore_index=True).loc[:, list(CLEARED.names)]
+def cleared_tables(path: Path, test: str, network: Network) -> pd.DataFrame:
+    """The attempts of one detector in scenes of several objects, columns of `CLEARED`."""
+    table = parquet.read(path, CLUTTER).assign(test=test, detector=path.stem, **network._asdict())
+    return table.loc[:, list(CLEARED.names)]
 
 
 def _widths(dataset: Path, gripper: str) -> dict[str, float]:
