@@ -1,14 +1,15 @@
-"""Figure and tables of docs/training.md: `python experiments/training_study.py RESULTS`.
+"""Figures and tables of docs/training.md: `python experiments/training_study.py RESULTS`.
 
 RESULTS is the folder `results/training_study` of the study, or of a part of it. The outcomes of all
 attempts that are there go into docs/training.parquet, and those in clutter into
-docs/training_clutter.parquet. The figure and the tables are of all attempts in these. The first
-sets of the pre-registered comparisons are left out before all networks of these are tested.
+docs/training_clutter.parquet. The figures and tables are of all attempts in these; a learning curve
+also needs the images of all its sets. The first sets of the pre-registered comparisons are left out
+before all networks of these are tested.
 """
 
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +20,10 @@ from egad._util.files import atomic_output, write_text
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.config import Settings
 from egad.pipeline.config.training_study import Network, networks_of
-from egad.pipeline.report.training_study import panels, rates_by_test
-from egad.pipeline.stages.training_study import attempts, cleared_tables
+from egad.pipeline.report.training_study import Rates, learning_curve, panels, rates_by_test
+from egad.pipeline.stages.training_study import attempts, cleared_tables, images_of
 from egad.report.page import p_value
 from egad.report.training_study import Row, success_chart
-from egad.report.trial_charts import OUTCOMES, outcome_counts
 from egad.stats import Spread, check_starts, compare_sets, pooled_spread, set_or_detector
 from egad.tables import parquet
 from egad.tables.training import CLEARED
@@ -40,6 +40,7 @@ Floats = NDArray[np.float64]
 
 def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> None:
     """Write tables and figure into docs, and print tables."""
+    study = settings_in(config)
     trials = merged(single_objects(results), NETWORK, docs / "training.parquet")
     for _, rows in trials.groupby("test"):
         check_starts(rows)
@@ -47,20 +48,40 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
     cleared = merged(clutter(results), TESTED, docs / "training_clutter.parquet")
     if len(cleared):
         keep(cleared, docs / "training_clutter.parquet")
-    study = settings_in(config)
     ready = all_tested(trials, study)
     if not ready:
         hidden = [first for first, _ in study.training_study.comparisons]
         trials, cleared = (each[~set_or_detector(each).isin(hidden)] for each in (trials, cleared))
     rates = rates_by_test(trials, cleared)
+    order = [*study.training_study.sets, *study.training_study.references]
+    rates = {key: in_order(found, order) for key, found in rates.items()}
     shown = panels(rates, set(trials["training_set"]) - {""})
     write_text(docs / "training.svg", success_chart(shown))
+    draw_curves(rates, results, study, docs)
     print_success(shown)
     if ready:
         print_comparisons(trials, study)
     for key, found in rates.items():
         print_spread(", ".join(key), found)
-    print_outcomes(trials)
+
+
+def in_order(rates: Mapping[str, Floats], names: Sequence[str]) -> dict[str, Floats]:
+    """Rates in the order of the names, and then those of other names."""
+    return {name: rates[name] for name in dict.fromkeys([*names, *rates]) if name in rates}
+
+
+def draw_curves(rates: Rates, results: Path, settings: Settings, docs: Path) -> None:
+    """The learning curves whose sets are tested in all tests."""
+    asked = settings.training_study
+    tests = [set(found) for (_, scene, _, _), found in rates.items() if scene == "single"]
+    for kind, names in [("objects", asked.object_curve), ("images", asked.image_curve)]:
+        if not names or not all(set(names) <= found for found in tests):
+            continue
+        images = {name: images_of(results, name, settings.training_sets) for name in names}
+        count = {"objects": lambda each: len(each.objects), "images": lambda each: each.count}[kind]
+        sizes = {name: count(each) for name, each in images.items()}
+        chart = learning_curve(names, rates, sizes, f"training {kind}")
+        write_text(docs / f"training-{kind}.svg", chart)
 
 
 def all_tested(trials: pd.DataFrame, settings: Settings) -> bool:
@@ -173,20 +194,6 @@ def print_spread(title: str, rates: Mapping[str, Floats]) -> None:
 def deviation(spread: Spread | None) -> str:
     """A standard deviation with its interval, points."""
     return f"{100 * spread.sd:.1f} ({points(spread.interval)})" if spread else ""
-
-
-def print_outcomes(trials: pd.DataFrame) -> None:
-    """How attempts at single objects ended, percent."""
-    names = set_or_detector(trials)
-    for (test, noise), rows in trials.groupby(["test", "noise"], sort=False):
-        own = rows.groupby(names[rows.index], sort=False)
-        counts = {name: outcome_counts(each) for name, each in own}
-        kinds = [kind for kind in OUTCOMES if any(kind in found for found in counts.values())]
-        heads = " | ".join(kind.replace("_", " ") for kind in kinds)
-        print(f"\n| attempts on {test}, {noise} | {heads} |\n" + "| --- " * (len(kinds) + 1) + "|")
-        for name, found in counts.items():
-            parts = (f"{100 * found.get(kind, 0) / sum(found.values()):.1f}" for kind in kinds)
-            print(f"| `{name}` | {' | '.join(parts)} |")
 
 
 if __name__ == "__main__":

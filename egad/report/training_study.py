@@ -1,14 +1,18 @@
 """Charts of the training study: success of sets, each network as a point, and learning curves."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from egad.report.colors import INK, LINES, SOFT, line_color
 from egad.report.drawing import new_figure, show_percent
 from egad.stats import mean_interval, pooled_spread
+
+LEFT = "\N{LEFTWARDS ARROW}"
 
 
 @dataclass(frozen=True)
@@ -35,23 +39,32 @@ def success_chart(tests: Mapping[str, Mapping[str, Row]]) -> str:
     """Success of each training set, a panel a test.
 
     Args:
-        tests: Rows by name, by title of the panel; the same names in all of them.
+        tests: Rows by name, by title of the panel. A panel may lack some of the names.
 
     Returns:
         SVG text: a filled dot is the mean of the networks of a set, with its interval of 95 %;
-        hollow dots are single networks; other detectors are grey.
+        hollow dots are single networks; other detectors are grey. The axis begins below the lowest
+        training set; detectors that are lower stand at its beginning, as numbers.
     """
-    names = list(next(iter(tests.values())))
+    names = list(dict.fromkeys(name for rows in tests.values() for name in rows))
+    lowest = _axis_start(
+        value
+        for rows in tests.values()
+        for row in rows.values()
+        if row.trained
+        for value in (*row.values, row.interval[0])
+    )
     across = min(len(tests), 2)
     down = -(-len(tests) // across)
     with new_figure(1.6 + 3.7 * across, down * (0.9 + 0.3 * len(names))) as drawing:
         panels = drawing.figure.subplots(down, across, squeeze=False, sharey=True)
         for axes, (title, rows) in zip(panels.flat, tests.items(), strict=False):
-            for number, row in enumerate(rows.values()):
-                _draw_row(axes, number, row)
-            axes.set(xlim=(0, 1), ylim=(len(names) - 0.5, -0.5))
+            axes.set(xlim=(lowest, 1), ylim=(len(names) - 0.5, -0.5))
+            for name, row in rows.items():
+                _draw_row(axes, names.index(name), row)
             axes.set_title(title, fontsize=10)
             axes.set_yticks(range(len(names)), names)
+            axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
             show_percent(axes.xaxis)
             axes.tick_params(axis="y", length=0)
             axes.grid(axis="x")
@@ -61,8 +74,18 @@ def success_chart(tests: Mapping[str, Mapping[str, Row]]) -> str:
     return drawing.svg
 
 
+def _axis_start(values: Iterable[float]) -> float:
+    """The lowest value, rounded down to a tenth, so that small differences are seen."""
+    known = [value for value in values if not np.isnan(value)]
+    return max(0.0, math.floor(10 * min(known, default=0)) / 10)
+
+
 def _draw_row(axes: Axes, y: float, row: Row) -> None:
     color = LINES[0] if row.trained else SOFT
+    start = axes.get_xlim()[0]
+    if row.mean < start:
+        axes.text(start, y, f" {LEFT} {row.mean:.0%}", va="center", fontsize=9, color=color)
+        return
     axes.hlines(y, *row.interval, color=color, lw=1.6)
     axes.plot([row.mean], [y], "o", ms=5.5, color=color)
     if len(row.values) > 1:
@@ -99,7 +122,9 @@ def learning_chart(curves: Mapping[str, Sequence[Point]], label: str) -> str:
         axes.set_xscale("log")
         axes.set_xticks(ticks, [f"{size:,.0f}" for size in ticks])
         axes.minorticks_off()
-        axes.set(ylim=(0, 1), xlabel=label, ylabel="success rate")
+        lowest = _axis_start(v for each in curves.values() for _, values in each for v in values)
+        axes.set(ylim=(lowest, 1), xlabel=label, ylabel="success rate")
+        axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
         show_percent(axes.yaxis)
         axes.grid(axis="y")
         drawing.figure.legend(loc="outside upper center", ncols=4, fontsize=9)

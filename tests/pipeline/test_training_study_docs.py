@@ -206,8 +206,6 @@ def test_tables_of_the_study_are_counts_of_its_attempts(study, tried, pair, caps
     deviations = said["networks on own, single, none, success"]
     assert deviations["`few`"][0].startswith(f"{100 * each.std():.1f} (")
     assert set(deviations) == {"`few`", "`many`", "all"}
-    outcomes = said["attempts on own, none"]["`few`"]
-    assert outcomes == [f"{100 * rate:.1f}", f"{100 - 100 * rate:.1f}"]
     gain = rate - table[table["training_set"] == "many"]["success"].mean()
     assert said["pair"]["`few` - `many`"][1].startswith(f"{100 * gain:.1f} (")
     assert "own, no noise" in (folder / "training.svg").read_text()
@@ -265,3 +263,34 @@ def test_a_part_with_other_drops_is_refused(study, tried, pair, tmp_path):
     with pytest.raises(UserError, match="different drop"):
         study["main"](tmp_path / "1", pair, tmp_path)
     assert (tmp_path / "training.parquet").read_bytes() == before
+
+
+def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path, capsys):
+    folder, table = tried
+    study["main"](folder, pair, tmp_path)
+    labels = sorted(set(table["label"]))
+    sides = [0.01 if label == "A0" else 0.03 for label in labels]
+    write(
+        EVAL49, [{"label": e, "object_label": e} for e in labels], tmp_path / "own/eval49.parquet"
+    )
+    scales = [{"label": e, "after_1": side} for e, side in zip(labels, sides, strict=True)]
+    write(SCALES, scales, tmp_path / "own/rescaled/egad_75mm/scales.parquet")
+    capsys.readouterr()
+    runpy.run_path(str(EXPERIMENTS / "training_limits.py"))["main"](tmp_path, pair, tmp_path)
+    blocks = [tables(each)["own, no noise"] for each in capsys.readouterr().out.split("\n\n")]
+    outcomes, parts, objects = blocks
+    few = table[table["training_set"] == "few"]
+    rate = few["success"].mean()
+    assert outcomes["`few`"] == [f"{100 * rate:.1f}", f"{100 - 100 * rate:.1f}"]
+    assert list(parts) == ["A", "B", "G", "0", "1", "2", "to 20 mm", "20 to 45 mm"]
+    for part, own in [("B", ["B0", "B1", "B2"]), ("1", ["A1", "B1", "G1"]), ("to 20 mm", ["A0"])]:
+        mean = few[few["label"].isin(own)]["success"].mean()
+        assert parts[part][0] == f"{100 * mean:.0f}"
+    failures = (~few["success"]).groupby(few["label"]).sum()
+    first, second, *_ = list(objects)
+    assert failures[first] == failures.max()
+    assert float(objects[second][0]) == pytest.approx(
+        100 * (failures[first] + failures[second]) / failures.sum(), abs=0.5
+    )
+    assert objects[first][1] == f"{100 - 100 * failures[first] / 8:.0f}"
+    assert (tmp_path / "training-labels.svg").is_file()

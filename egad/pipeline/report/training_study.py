@@ -2,7 +2,7 @@
 
 import json
 import string
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -245,11 +245,18 @@ def _curves(rates: Rates, study: Study) -> list[str]:
         (asked.object_curve, objects, "training objects"),
         (asked.image_curve, counts, "training images"),
     ]
-    return [_curve(names, rates, sizes, label) for names, sizes, label in both if names]
+    return [learning_curve(names, rates, sizes, label) for names, sizes, label in both if names]
 
 
-def _curve(names: list[str], rates: Rates, sizes: Mapping[str, int], label: str) -> str:
-    """A learning curve over the sizes of sets."""
+def learning_curve(names: Sequence[str], rates: Rates, sizes: Mapping[str, int], label: str) -> str:
+    """A learning curve with single objects over the sizes of sets, SVG text.
+
+    Args:
+        names: Of the sets, from the smallest.
+        rates: From `rates_by_test`.
+        sizes: By name.
+        label: What the size counts.
+    """
     success = {
         f"{test}, {NOISES[noise]}": [(float(sizes[name]), found[name].tolist()) for name in names]
         for (test, scene, noise, _), found in rates.items()
@@ -285,7 +292,7 @@ def _test(name: str, rates: Rates, study: Study) -> TestView:
             NoiseView(
                 NOISES[noise],
                 svg_uri(outcome_chart(own)),
-                {key: _parts(own[key], study.widths[name]) for key in names},
+                {key: _colored(by_part(own[key], study.widths[name])) for key in names},
             )
             for noise, own in by_noise.items()
         ],
@@ -309,19 +316,28 @@ def _spreads(rates: Mapping[str, Floats]) -> tuple[dict[str, Spread], Spread | N
     return {name: found for name, found in each.items() if found}, pooled_spread(rates.values())
 
 
-def _parts(rows: pd.DataFrame, widths: Mapping[str, float]) -> dict[str, tuple[float, str, str]]:
-    """Success by row, by column and by the width of the object, with colors."""
+def _colored(parts: Mapping[str, float]) -> dict[str, tuple[float, str, str]]:
+    """Success of parts with colors of the cell and of its text."""
+    colors = {key: rate_color(value) for key, value in parts.items()}
+    return {key: (value, colors[key], ink_on(colors[key])) for key, value in parts.items()}
+
+
+def by_part(rows: pd.DataFrame, widths: Mapping[str, float]) -> dict[str, float]:
+    """Success by row and column of the evaluation set and by the width of the object.
+
+    Args:
+        rows: Attempts, with the columns `label` and `success`.
+        widths: Metres, by label.
+    """
     cells = [cell_of_label(label) for label in rows["label"]]
     sides = [widths[label] for label in rows["label"]]
     index = np.digitize(sides, list(WIDTHS.values()), right=True)
     by_width = _means(rows, [list(WIDTHS)[number] for number in index])
-    groups = {
+    return {
         **_means(rows, [string.ascii_uppercase[row] for row, _ in cells]),
         **_means(rows, [str(column) for _, column in cells]),
         **{name: by_width[name] for name in WIDTHS if name in by_width},
     }
-    colors = {key: rate_color(value) for key, value in groups.items()}
-    return {key: (value, colors[key], ink_on(colors[key])) for key, value in groups.items()}
 
 
 def _means(rows: pd.DataFrame, groups: list[str]) -> dict[str, float]:

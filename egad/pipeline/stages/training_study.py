@@ -1,6 +1,7 @@
 """training-study: networks trained on different object sets, compared."""
 
 import logging
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -9,6 +10,7 @@ import typer
 
 from egad._util.files import write_text
 from egad.perception import files
+from egad.pipeline.config import TrainingSet
 from egad.pipeline.config.stage_settings import TrainingStudyReport
 from egad.pipeline.config.training_study import Network, image_sets, networks
 from egad.pipeline.parameters import Input, NotNoted, Output, command
@@ -81,8 +83,8 @@ def run(
         settings=settings,
         trials=tried,
         cleared=cleared,
-        widths={test: _widths(results / test, gripper) for test in asked.tests},
-        images={each.training_set: _images(made, each.training_set, settings) for each in trained},
+        widths={test: widths_of(results / test, gripper) for test in asked.tests},
+        images={each.training_set: images_of(made, each.training_set, sets) for each in trained},
         trainings={each: _training(made / "networks" / each.folder) for each in trained},
     )
     write_text(out, page(study))
@@ -108,19 +110,20 @@ def cleared_tables(path: Path, test: str, network: Network) -> pd.DataFrame:
     return table.loc[:, list(CLEARED.names)]
 
 
-def _widths(dataset: Path, gripper: str) -> dict[str, float]:
+def widths_of(dataset: Path, gripper: str) -> dict[str, float]:
+    """The shortest side of each object of a test, metres, by label; from the dataset's results."""
     chosen = parquet.read(dataset / "eval49.parquet", EVAL49)
     return object_widths(
         chosen, parquet.read(dataset / "rescaled" / gripper / "scales.parquet", SCALES)
     )
 
 
-def _images(made: Path, name: str, settings: TrainingStudyReport) -> Images:
+def images_of(made: Path, name: str, training_sets: Mapping[str, TrainingSet]) -> Images:
     """The images of the split train that the networks of a set are trained on."""
     objects: set[tuple[str, str]] = set()
     count = 0
-    for source in image_sets(name, settings.training_sets):
-        dataset = str(settings.training_sets[source].dataset)
+    for source in image_sets(name, training_sets):
+        dataset = str(training_sets[source].dataset)
         for path in files(made / "images" / source):
             for rows in parquet.batches(path, ["objects", "split"]):
                 train = rows.loc[rows["split"] == "train", "objects"]

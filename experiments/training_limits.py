@@ -1,0 +1,136 @@
+"""What limits the networks of docs/training.md: `python experiments/training_limits.py RESULTS`.
+
+Prints how the attempts of docs/training.parquet ended; and for the sets of the pre-registered
+comparisons and the references: success by row, column and width of the objects, and the objects at
+which the first set fails most often. Draws docs/training-labels.svg, the success at each object.
+RESULTS is the folder `results` of the study, for the widths of the objects.
+"""
+
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+
+from egad._util.files import write_text
+from egad.evalset import cell_of_label
+from egad.pipeline.cli.common import settings_in
+from egad.pipeline.report.training_study import NOISES, by_part
+from egad.pipeline.stages.training_study import widths_of
+from egad.report.colors import ink_on
+from egad.report.drawing import new_figure
+from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_color
+from egad.stats import set_or_detector
+
+ROOT = Path(__file__).parents[1]
+CONFIG = ROOT / "config/training_study.yaml"
+WORST = 12
+Attempts = dict[str, pd.DataFrame]
+
+
+def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> None:
+    """Print the tables and draw the figure."""
+    settings = settings_in(config)
+    hand = settings.targets.grippers[0]
+    study = settings.training_study
+    names = [*(name for pair in study.comparisons for name in pair), *study.references]
+    trials = pd.read_parquet(docs / "training.parquet")
+    rates = {}
+    for (test, noise), rows in trials.groupby(["test", "noise"], sort=False):
+        found = {str(name): own for name, own in rows.groupby(set_or_detector(rows), sort=False)}
+        title = f"{test}, {NOISES[str(noise)]}"
+        print_outcomes(title, found)
+        shown = {name: found[name] for name in dict.fromkeys(names) if name in found}
+        print_parts(title, shown, widths_of(results / str(test), hand))
+        print_objects(title, shown)
+        rates[title] = {name: by_label(own) for name, own in shown.items()}
+    clean = {title: each for title, each in rates.items() if title.endswith(NOISES["none"])}
+    write_text(docs / "training-labels.svg", label_maps(clean))
+
+
+def print_outcomes(title: str, found: Attempts) -> None:
+    """How attempts at single objects ended, percent."""
+    counts = {name: outcome_counts(each) for name, each in found.items()}
+    kinds = [kind for kind in OUTCOMES if any(kind in each for each in counts.values())]
+    print_table([title, *(kind.replace("_", " ") for kind in kinds)])
+    for name, each in counts.items():
+        total = sum(each.values())
+        print_row(f"`{name}`", [f"{100 * each.get(kind, 0) / total:.1f}" for kind in kinds])
+
+
+def print_parts(title: str, found: Attempts, widths: Mapping[str, float]) -> None:
+    """Success by row, column and width, percent."""
+    parts = {name: by_part(own, widths) for name, own in found.items()}
+    print_table([title, *(f"`{name}`" for name in parts)])
+    for part in next(iter(parts.values())):
+        print_row(part, [f"{100 * each[part]:.0f}" for each in parts.values()])
+
+
+def print_objects(title: str, found: Attempts) -> None:
+    """The objects that the first set loses most often: part of its failures so far, and success."""
+    rates = {name: by_label(own) for name, own in found.items()}
+    lost = 1 - pd.Series(next(iter(rates.values())))
+    shares = (lost / lost.sum()).sort_values(ascending=False, kind="stable").cumsum()
+    print_table([title, "failures up to here", *(f"`{name}`" for name in rates)])
+    for label, share in shares.head(WORST).items():
+        success = [f"{100 * each[str(label)]:.0f}" for each in rates.values()]
+        print_row(str(label), [f"{100 * share:.0f}", *success])
+    rest = shares.index[WORST:]
+    success = [f"{100 * pd.Series(each)[rest].mean():.0f}" for each in rates.values()]
+    print_row(f"the other {len(rest)}", ["100", *success])
+
+
+def print_table(heads: Iterable[str]) -> None:
+    """The first lines of a table."""
+    cells = list(heads)
+    print(f"\n| {' | '.join(cells)} |\n" + "| --- " * len(cells) + "|")
+
+
+def print_row(head: str, cells: Iterable[str]) -> None:
+    """A line of a table."""
+    print(f"| {' | '.join([head, *cells])} |")
+
+
+def by_label(rows: pd.DataFrame) -> dict[str, float]:
+    """Success at each object."""
+    return {str(key): float(rate) for key, rate in rows.groupby("label")["success"].mean().items()}
+
+
+def label_maps(tests: Mapping[str, Mapping[str, Mapping[str, float]]]) -> str:
+    """Success at each object in percent, SVG text: a row of maps a test, a map a set.
+
+    Args:
+        tests: Success by label, by set, by title of the test.
+    """
+    names = list(dict.fromkeys(name for sets in tests.values() for name in sets))
+    with new_figure(2 * len(names), 2.2 * len(tests)) as drawing:
+        panels = drawing.figure.subplots(len(tests), len(names), squeeze=False)
+        for line, (title, sets) in zip(panels, tests.items(), strict=True):
+            line[0].set_ylabel(title, fontsize=10)
+            for axes, name in zip(line, names, strict=True):
+                draw_map(axes, sets.get(name, {}))
+        for axes, name in zip(panels[0], names, strict=True):
+            axes.set_title(name, fontsize=10)
+    return drawing.svg
+
+
+def draw_map(axes: Axes, rates: Mapping[str, float]) -> None:
+    """A map of the evaluation set."""
+    for label, rate in rates.items():
+        row, column = cell_of_label(label)
+        color = rate_color(rate)
+        axes.add_patch(Rectangle((column + 0.02, row + 0.02), 0.96, 0.96, facecolor=color, lw=0))
+        text = {"ha": "center", "va": "center", "fontsize": 7, "color": ink_on(color)}
+        axes.text(column + 0.5, row + 0.5, f"{100 * rate:.0f}", **text)
+    ticks = [each + 0.5 for each in range(7)]
+    axes.set(xlim=(0, 7), ylim=(0, 7), aspect="equal")
+    axes.set_xticks(ticks, list("0123456"))
+    axes.set_yticks(ticks, list("ABCDEFG"))
+    axes.tick_params(length=0, labelsize=8)
+    axes.spines[:].set_visible(False)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
