@@ -1,4 +1,4 @@
-"""Channels that are 0 in every image before training: `python experiments/initial_weights.py IMAGES`.
+"""Idle channels before training: `python experiments/initial_weights.py IMAGES`.
 
 For GG-CNN2 with its published initial weights (Xavier's rule, the biases of PyTorch) and with those
 of egad, by seed: the most channels of a layer that are 0 everywhere in all images, as a part of the
