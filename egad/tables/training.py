@@ -9,7 +9,7 @@ from egad.tables.evaluation import RESULTS
 HISTORY = pa.schema(
     [
         column("epoch", INT, "number of the epoch, from 0"),
-        column("images", INT, "number of images trained on so far"),
+        column("images", INT, "number of training examples so far"),
         column("loss", FLOAT, "mean over the epoch of the summed squared errors of the maps"),
         column("quality_loss", FLOAT, "share of the quality map in the loss"),
         column("cosine_loss", FLOAT, "share of the cos 2a map in the loss"),
