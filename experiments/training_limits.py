@@ -1,9 +1,10 @@
 """What limits the networks of docs/training.md: `python experiments/training_limits.py RESULTS`.
 
-Prints how the attempts of docs/training.parquet ended; and for the sets of the pre-registered
-comparisons and the references: success by row, column and width of the objects, and the objects at
-which the first set fails most often. Draws docs/training-labels.svg, the success at each object.
-RESULTS is the folder `results` of the study, for the widths of the objects.
+Prints how the attempts of docs/training.parquet ended, and for the sets of the pre-registered
+comparisons and the references: success by row, column and width of the objects; the objects at
+which the first set fails most often; and success with and without a labelled grasp within reach.
+Draws docs/training-labels.svg, the success at each object. RESULTS is the folder `results` of the
+study, for the widths of the objects.
 """
 
 import sys
@@ -27,6 +28,8 @@ from egad.stats import set_or_detector
 ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "config/training_study.yaml"
 WORST = 12
+LABELS = "labels"
+DROP = ["label", "attempt"]
 Attempts = dict[str, pd.DataFrame]
 
 
@@ -45,6 +48,8 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
         shown = {name: found[name] for name in dict.fromkeys(names) if name in found}
         print_parts(title, shown, widths_of(results / str(test), hand))
         print_objects(title, shown)
+        if LABELS in found:
+            print_reachable(title, shown, found[LABELS])
         rates[title] = {name: by_label(own) for name, own in shown.items()}
     clean = {title: each for title, each in rates.items() if title.endswith(NOISES["none"])}
     write_text(docs / "training-labels.svg", label_maps(clean))
@@ -80,6 +85,22 @@ def print_objects(title: str, found: Attempts) -> None:
     rest = shares.index[WORST:]
     success = [f"{100 * pd.Series(each)[rest].mean():.0f}" for each in rates.values()]
     print_row(f"the other {len(rest)}", ["100", *success])
+
+
+def print_reachable(title: str, found: Attempts, labels: pd.DataFrame) -> None:
+    """Success where a labelled grasp can be reached from above and where none can, percent.
+
+    Args:
+        title: Of the test.
+        found: Attempts of sets and detectors.
+        labels: Those of the detector `labels`, from the same poses.
+    """
+    none = labels.set_index(DROP)["outcome"] == "no_grasp"
+    print_table([title, "attempts", *(f"`{name}`" for name in found)])
+    for head, drops in [("labelled grasp", none[~none].index), ("none", none[none].index)]:
+        rates = (own.set_index(DROP)["success"] for own in found.values())
+        cells = [f"{100 * rate[rate.index.isin(drops)].mean():.0f}" for rate in rates]
+        print_row(head, [f"{100 * len(drops) / len(none):.0f}", *cells])
 
 
 def print_table(heads: Iterable[str]) -> None:

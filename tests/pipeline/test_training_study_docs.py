@@ -267,21 +267,24 @@ def test_a_part_with_other_drops_is_refused(study, tried, pair, tmp_path):
 
 def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path, capsys):
     folder, table = tried
+    few = table[table["training_set"] == "few"]
+    reached = few["label"].isin(["A0", "B1"]) & (few["attempt"] < 3)
+    outcome = np.where(reached, "success", "no_grasp")
+    best = few[few["seed"] == 0].assign(training_set="", detector="labels", success=reached)
+    keep_trials(best.assign(outcome=outcome[: len(best)]), tmp_path)
     study["main"](folder, pair, tmp_path)
+    study["main"](tmp_path, pair, tmp_path)
     labels = sorted(set(table["label"]))
-    sides = [0.01 if label == "A0" else 0.03 for label in labels]
-    write(
-        EVAL49, [{"label": e, "object_label": e} for e in labels], tmp_path / "own/eval49.parquet"
-    )
-    scales = [{"label": e, "after_1": side} for e, side in zip(labels, sides, strict=True)]
+    objects = [{"label": label, "object_label": label} for label in labels]
+    write(EVAL49, objects, tmp_path / "own/eval49.parquet")
+    scales = [{"label": label, "after_1": 0.01 if label == "A0" else 0.03} for label in labels]
     write(SCALES, scales, tmp_path / "own/rescaled/egad_75mm/scales.parquet")
     capsys.readouterr()
     runpy.run_path(str(EXPERIMENTS / "training_limits.py"))["main"](tmp_path, pair, tmp_path)
     blocks = [tables(each)["own, no noise"] for each in capsys.readouterr().out.split("\n\n")]
-    outcomes, parts, objects = blocks
-    few = table[table["training_set"] == "few"]
+    outcomes, parts, objects, reach = blocks
     rate = few["success"].mean()
-    assert outcomes["`few`"] == [f"{100 * rate:.1f}", f"{100 - 100 * rate:.1f}"]
+    assert outcomes["`few`"] == [f"{100 * rate:.1f}", f"{100 - 100 * rate:.1f}", "0.0"]
     assert list(parts) == ["A", "B", "G", "0", "1", "2", "to 20 mm", "20 to 45 mm"]
     for part, own in [("B", ["B0", "B1", "B2"]), ("1", ["A1", "B1", "G1"]), ("to 20 mm", ["A0"])]:
         mean = few[few["label"].isin(own)]["success"].mean()
@@ -293,4 +296,8 @@ def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path
         100 * (failures[first] + failures[second]) / failures.sum(), abs=0.5
     )
     assert objects[first][1] == f"{100 - 100 * failures[first] / 8:.0f}"
+    for head, chosen in [("labelled grasp", reached), ("none", ~reached)]:
+        share, success, *_ = reach[head]
+        assert share == f"{100 * chosen.mean():.0f}"
+        assert success == f"{100 * few[chosen]['success'].mean():.0f}"
     assert (tmp_path / "training-labels.svg").is_file()
