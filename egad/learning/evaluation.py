@@ -98,7 +98,7 @@ class Score:
         n_correct: Images in which its best grasp agrees with a positive one.
         n_images: Images with a positive grasp.
         objects: Objects in these.
-        interval: Of the part that is right, for other objects of the same kind, 95 %.
+        interval: Of the part that is right, for other objects and scenes of the same kind, 95 %.
         loss: Mean over all images.
     """
 
@@ -122,11 +122,12 @@ def total_score(index: pd.DataFrame, judgements: Sequence[ImageScore]) -> Score:
         judgements: and what was answered to each.
     """
     hits = [each.hit for each in judgements]
-    table = pd.DataFrame({"label": index["id"].to_numpy(), "success": hits})
+    table = pd.DataFrame({"label": index["id"], "objects": index["objects"], "success": hits})
     table = table[[hit is not None for hit in hits]]
     mean = mean_rate(table)
+    objects = table["objects"].explode().nunique()
     loss = float(np.mean([each.losses.sum() for each in judgements]))
-    return Score(mean.successes, mean.attempts, table["label"].nunique(), mean.interval, loss)
+    return Score(mean.successes, mean.attempts, objects, mean.interval, loss)
 
 
 def score_table(score: Score) -> pd.DataFrame:

@@ -112,7 +112,7 @@ def counts(index: pd.DataFrame) -> list[tuple[str, int, int, int, int, int]]:
     return [
         (
             split,
-            part["id"].nunique(),
+            part["objects"].explode().nunique(),
             len(part),
             int((part["positive"] == 0).sum()),
             int(part["grasps"].sum()),

@@ -1,10 +1,11 @@
 from dataclasses import replace
 
+import numpy as np
 import pandas as pd
 import pytest
 
 from egad.learning.dataset import Dataset, PositiveFilter
-from egad.learning.evaluation import Score
+from egad.learning.evaluation import ImageScore, Score, total_score
 from egad.learning.model_card import TrainedNetwork, card, counts, table
 from egad.report.training import training_chart
 
@@ -26,6 +27,20 @@ def test_counts_are_of_objects_images_negatives_and_grasps(images, pictures):
         assert (shown, empty) == (len(rows), len(rows) // 3)
         assert grasps == sum(len(row["u"]) for row in rows)
         assert positive == sum(len(row["u"]) - 2 for n, row in enumerate(rows) if n % 3)
+
+
+def test_a_scene_is_not_an_object():
+    """Images of scenes have an id of their own, and the objects that they show."""
+    rows = [("a", ["a"]), ("b", ["b"]), ("scene", ["a", "b", "c"]), ("scene", ["a", "b", "c"])]
+    index = pd.DataFrame(rows, columns=["id", "objects"]).assign(split="test", grasps=4, positive=2)
+    found = {split: objects for split, objects, *_ in counts(index)}
+    assert found == {"train": 0, "validation": 0, "test": 3}
+    hits = [True, False, True, None]
+    score = total_score(index, [ImageScore(np.zeros(4), hit) for hit in hits])
+    assert (score.n_correct, score.n_images, score.objects) == (2, 3, 3)
+    assert (
+        total_score(index.head(2), [ImageScore(np.zeros(4), hit) for hit in hits[:2]]).objects == 2
+    )
 
 
 def test_the_card_tells_the_score_and_the_losses_of_the_last_epoch(images, history):
