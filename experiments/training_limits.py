@@ -28,6 +28,7 @@ from egad.stats import set_or_detector
 ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "config/training_study.yaml"
 WORST = 12
+ACROSS = 3
 LABELS = "labels"
 DROP = ["label", "attempt"]
 Attempts = dict[str, pd.DataFrame]
@@ -50,9 +51,9 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
         print_objects(title, shown)
         if LABELS in found:
             print_reachable(title, shown, found[LABELS])
-        rates[title] = {name: by_label(own) for name, own in shown.items()}
-    clean = {title: each for title, each in rates.items() if title.endswith(NOISES["none"])}
-    write_text(docs / "training-labels.svg", label_maps(clean))
+        if noise == "none":
+            rates[str(test)] = {name: by_label(own) for name, own in shown.items()}
+    write_text(docs / "training-labels.svg", label_maps(rates))
 
 
 def print_outcomes(title: str, found: Attempts) -> None:
@@ -120,20 +121,22 @@ def by_label(rows: pd.DataFrame) -> dict[str, float]:
 
 
 def label_maps(tests: Mapping[str, Mapping[str, Mapping[str, float]]]) -> str:
-    """Success at each object in percent, SVG text: a row of maps a test, a map a set.
+    """Success at each object in percent, SVG text: a map for each test and set.
 
     Args:
         tests: Success by label, by set, by title of the test.
     """
-    names = list(dict.fromkeys(name for sets in tests.values() for name in sets))
-    with new_figure(2 * len(names), 2.2 * len(tests)) as drawing:
-        panels = drawing.figure.subplots(len(tests), len(names), squeeze=False)
-        for line, (title, sets) in zip(panels, tests.items(), strict=True):
-            line[0].set_ylabel(title, fontsize=10)
-            for axes, name in zip(line, names, strict=True):
-                draw_map(axes, sets.get(name, {}))
-        for axes, name in zip(panels[0], names, strict=True):
-            axes.set_title(name, fontsize=10)
+    maps = [
+        (f"{name}: {title}", each) for title, sets in tests.items() for name, each in sets.items()
+    ]
+    down = -(-len(maps) // ACROSS)
+    with new_figure(2.6 * ACROSS, 2.75 * down) as drawing:
+        panels = drawing.figure.subplots(down, ACROSS, squeeze=False).flat
+        for axes, (title, rates) in zip(panels, maps, strict=False):
+            draw_map(axes, rates)
+            axes.set_title(title, fontsize=9)
+        for axes in panels[len(maps) :]:
+            axes.remove()
     return drawing.svg
 
 
