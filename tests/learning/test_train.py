@@ -142,7 +142,9 @@ def test_simulated_labels_are_asked_for_if_they_decide(write, pictures, tmp_path
 def test_several_folders_are_trained_on_as_one_set(images, write, pictures, tmp_path):
     """Also if one of them has no images of some splits."""
     pytest.importorskip("torch")
-    others = [{**row, "id": f"other-{row['id']}"} for row in pictures[:30]]
+    others = [
+        {**row, "id": f"o-{row['id']}", "objects": [f"o-{row['id']}"]} for row in pictures[:30]
+    ]
     assert {row["split"] for row in others} == {"train"}
     both = [str(images), str(write(tmp_path / "others", others))]
     out = tmp_path / "out"
