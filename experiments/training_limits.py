@@ -18,12 +18,11 @@ from matplotlib.patches import Rectangle
 from egad._util.files import write_text
 from egad.evalset import cell_of_label
 from egad.pipeline.cli.common import settings_in
-from egad.pipeline.report.training_study import NOISES, by_part
+from egad.pipeline.report.training_study import NOISES, attempts_by_set, by_part
 from egad.pipeline.stages.training_study import widths_of
 from egad.report.colors import ink_on
 from egad.report.drawing import new_figure
 from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_color
-from egad.stats import set_or_detector
 
 ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "config/training_study.yaml"
@@ -43,16 +42,17 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
     trials = pd.read_parquet(docs / "training.parquet")
     rates = {}
     for (test, noise), rows in trials.groupby(["test", "noise"], sort=False):
-        found = {str(name): own for name, own in rows.groupby(set_or_detector(rows), sort=False)}
+        found = attempts_by_set(rows)
         title = f"{test}, {NOISES[str(noise)]}"
         print_outcomes(title, found)
         shown = {name: found[name] for name in dict.fromkeys(names) if name in found}
         print_parts(title, shown, widths_of(results / str(test), hand))
-        print_objects(title, shown)
+        by_object = {name: by_label(own) for name, own in shown.items()}
+        print_objects(title, by_object)
         if LABELS in found:
             print_reachable(title, shown, found[LABELS])
         if noise == "none":
-            rates[str(test)] = {name: by_label(own) for name, own in shown.items()}
+            rates[str(test)] = by_object
     write_text(docs / "training-labels.svg", label_maps(rates))
 
 
@@ -74,9 +74,8 @@ def print_parts(title: str, found: Attempts, widths: Mapping[str, float]) -> Non
         print_row(part, [f"{100 * each[part]:.0f}" for each in parts.values()])
 
 
-def print_objects(title: str, found: Attempts) -> None:
+def print_objects(title: str, rates: Mapping[str, Mapping[str, float]]) -> None:
     """The objects that the first set loses most often: part of its failures so far, and success."""
-    rates = {name: by_label(own) for name, own in found.items()}
     lost = 1 - pd.Series(next(iter(rates.values())))
     shares = (lost / lost.sum()).sort_values(ascending=False, kind="stable").cumsum()
     print_table([title, "failures up to here", *(f"`{name}`" for name in rates)])

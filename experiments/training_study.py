@@ -20,7 +20,7 @@ from egad._util.files import atomic_output, write_text
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.config import Settings
 from egad.pipeline.config.training_study import Network, networks_of
-from egad.pipeline.report.training_study import Rates, learning_curve, panels, rates_by_test
+from egad.pipeline.report.training_study import Rates, learning_curves, panels, rates_by_test
 from egad.pipeline.stages.training_study import attempts, cleared_tables, images_of
 from egad.report.page import p_value
 from egad.report.training_study import Row, success_chart
@@ -74,13 +74,11 @@ def draw_curves(rates: Rates, results: Path, settings: Settings, docs: Path) -> 
     """The learning curves whose sets are tested in all tests."""
     asked = settings.training_study
     tests = [set(found) for (_, scene, _, _), found in rates.items() if scene == "single"]
-    for kind, names in [("objects", asked.object_curve), ("images", asked.image_curve)]:
-        if not names or not all(set(names) <= found for found in tests):
-            continue
-        images = {name: images_of(results, name, settings.training_sets) for name in names}
-        count = {"objects": lambda each: len(each.objects), "images": lambda each: each.count}[kind]
-        sizes = {name: count(each) for name, each in images.items()}
-        chart = learning_curve(names, rates, sizes, f"training {kind}")
+    curves = {"objects": asked.object_curve, "images": asked.image_curve}
+    ready = {kind: own for kind, own in curves.items() if all(set(own) <= each for each in tests)}
+    names = dict.fromkeys(name for own in ready.values() for name in own)
+    images = {name: images_of(results, name, settings.training_sets) for name in names}
+    for kind, chart in learning_curves(rates, images, ready).items():
         write_text(docs / f"training-{kind}.svg", chart)
 
 

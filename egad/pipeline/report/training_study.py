@@ -165,6 +165,7 @@ def page(study: Study) -> str:
     settings = study.settings
     asked = settings.training_study
     rates = rates_by_test(study.trials, study.cleared)
+    curves = {"objects": asked.object_curve, "images": asked.image_curve}
     return render_template(
         "training_study",
         settings=settings,
@@ -173,7 +174,7 @@ def page(study: Study) -> str:
         trainings=study.trainings,
         success_figure=svg_uri(success_chart(panels(rates, set(asked.sets)))),
         comparisons=Comparisons(compare_sets(study.trials, asked.comparisons), NOISES),
-        curves=[svg_uri(chart) for chart in _curves(rates, study)],
+        curves=[svg_uri(chart) for chart in learning_curves(rates, study.images, curves).values()],
         tests=[_test(name, rates, study) for name in asked.tests],
         widths=list(WIDTHS),
     )
@@ -236,33 +237,35 @@ def panels(rates: Rates, trained: set[str]) -> dict[str, dict[str, Row]]:
     }
 
 
-def _curves(rates: Rates, study: Study) -> list[str]:
-    """The learning curves that are asked for."""
-    asked, images = study.settings.training_study, study.images
-    objects = {name: len(each.objects) for name, each in images.items()}
-    counts = {name: each.count for name, each in images.items()}
-    both = [
-        (asked.object_curve, objects, "training objects"),
-        (asked.image_curve, counts, "training images"),
-    ]
-    return [learning_curve(names, rates, sizes, label) for names, sizes, label in both if names]
-
-
-def learning_curve(names: Sequence[str], rates: Rates, sizes: Mapping[str, int], label: str) -> str:
-    """A learning curve with single objects over the sizes of sets, SVG text.
+def learning_curves(
+    rates: Rates, images: Mapping[str, Images], curves: Mapping[str, Sequence[str]]
+) -> dict[str, str]:
+    """Learning curves with single objects, SVG texts.
 
     Args:
-        names: Of the sets, from the smallest.
         rates: From `rates_by_test`.
-        sizes: By name.
-        label: What the size counts.
+        images: Of the sets, by name.
+        curves: Names of the sets of a curve, by what its size counts: `objects` or `images`. A
+            curve without sets is left out.
     """
-    success = {
-        f"{test}, {NOISES[noise]}": [(float(sizes[name]), found[name].tolist()) for name in names]
-        for (test, scene, noise, _), found in rates.items()
-        if scene == "single"
+    sizes = {
+        "objects": {name: float(len(each.objects)) for name, each in images.items()},
+        "images": {name: float(each.count) for name, each in images.items()},
     }
-    return learning_chart(success, label)
+    return {
+        kind: learning_chart(
+            {
+                f"{test}, {NOISES[noise]}": [
+                    (sizes[kind][name], list(found[name])) for name in names
+                ]
+                for (test, scene, noise, _), found in rates.items()
+                if scene == "single"
+            },
+            f"training {kind}",
+        )
+        for kind, names in curves.items()
+        if names
+    }
 
 
 def _test(name: str, rates: Rates, study: Study) -> TestView:
@@ -270,7 +273,9 @@ def _test(name: str, rates: Rates, study: Study) -> TestView:
     tried = study.trials[study.trials["test"] == name]
     columns = {_title(*key[1:]): found for key, found in rates.items() if key[0] == name}
     rows = {title: _rows(found, set(asked.sets)) for title, found in columns.items()}
-    by_noise = {str(noise): _by_name(own) for noise, own in tried.groupby("noise", sort=False)}
+    by_noise = {
+        str(noise): attempts_by_set(own) for noise, own in tried.groupby("noise", sort=False)
+    }
     names = [*asked.sets, *asked.references]
     known = {(name, each) for each in tried["id"]}
     return TestView(
@@ -305,7 +310,7 @@ def _title(scene: str, noise: str, measure: str) -> str:
     return f"{what}, {NOISES[noise]}"
 
 
-def _by_name(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+def attempts_by_set(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Attempts by training set or other detector."""
     return {str(name): own for name, own in rows.groupby(set_or_detector(rows), sort=False)}
 
