@@ -8,7 +8,7 @@ study, for the widths of the objects.
 """
 
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -17,6 +17,7 @@ from matplotlib.patches import Rectangle
 
 from egad._util.files import write_text
 from egad.evalset import cell_of_label
+from egad.learning.model_card import table
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.report.training_study import NOISES, attempts_by_set, by_part
 from egad.pipeline.stages.training_study import widths_of
@@ -60,31 +61,35 @@ def print_outcomes(title: str, found: Attempts) -> None:
     """How attempts at single objects ended, percent."""
     counts = {name: outcome_counts(each) for name, each in found.items()}
     kinds = [kind for kind in OUTCOMES if any(kind in each for each in counts.values())]
-    print_table([title, *(kind.replace("_", " ") for kind in kinds)])
-    for name, each in counts.items():
-        total = sum(each.values())
-        print_row(f"`{name}`", [f"{100 * each.get(kind, 0) / total:.1f}" for kind in kinds])
+    rows = [
+        [f"`{name}`", *(f"{100 * each.get(kind, 0) / sum(each.values()):.1f}" for kind in kinds)]
+        for name, each in counts.items()
+    ]
+    print_table([title, *(kind.replace("_", " ") for kind in kinds)], rows)
 
 
 def print_parts(title: str, found: Attempts, widths: Mapping[str, float]) -> None:
     """Success by row, column and width, percent."""
     parts = {name: by_part(own, widths) for name, own in found.items()}
-    print_table([title, *(f"`{name}`" for name in parts)])
-    for part in next(iter(parts.values())):
-        print_row(part, [f"{100 * each[part]:.0f}" for each in parts.values()])
+    rows = [
+        [part, *(f"{100 * each[part]:.0f}" for each in parts.values())]
+        for part in next(iter(parts.values()))
+    ]
+    print_table([title, *(f"`{name}`" for name in parts)], rows)
 
 
 def print_objects(title: str, rates: Mapping[str, Mapping[str, float]]) -> None:
     """The objects that the first set loses most often: part of its failures so far, and success."""
     lost = 1 - pd.Series(next(iter(rates.values())))
     shares = (lost / lost.sum()).sort_values(ascending=False, kind="stable").cumsum()
-    print_table([title, "failures up to here", *(f"`{name}`" for name in rates)])
-    for label, share in shares.head(WORST).items():
-        success = [f"{100 * each[str(label)]:.0f}" for each in rates.values()]
-        print_row(str(label), [f"{100 * share:.0f}", *success])
+    rows = [
+        [str(label), f"{100 * share:.0f}", *(f"{100 * e[str(label)]:.0f}" for e in rates.values())]
+        for label, share in shares.head(WORST).items()
+    ]
     rest = shares.index[WORST:]
     success = [f"{100 * pd.Series(each)[rest].mean():.0f}" for each in rates.values()]
-    print_row(f"the other {len(rest)}", ["100", *success])
+    rows.append([f"the other {len(rest)}", "100", *success])
+    print_table([title, "failures up to here", *(f"`{name}`" for name in rates)], rows)
 
 
 def print_reachable(title: str, found: Attempts, labels: pd.DataFrame) -> None:
@@ -96,22 +101,17 @@ def print_reachable(title: str, found: Attempts, labels: pd.DataFrame) -> None:
         labels: Those of the detector `labels`, from the same poses.
     """
     none = labels.set_index(DROP)["outcome"] == "no_grasp"
-    print_table([title, "attempts", *(f"`{name}`" for name in found)])
+    rows = []
     for head, drops in [("labelled grasp", none[~none].index), ("none", none[none].index)]:
         rates = (own.set_index(DROP)["success"] for own in found.values())
         cells = [f"{100 * rate[rate.index.isin(drops)].mean():.0f}" for rate in rates]
-        print_row(head, [f"{100 * len(drops) / len(none):.0f}", *cells])
+        rows.append([head, f"{100 * len(drops) / len(none):.0f}", *cells])
+    print_table([title, "attempts", *(f"`{name}`" for name in found)], rows)
 
 
-def print_table(heads: Iterable[str]) -> None:
-    """The first lines of a table."""
-    cells = list(heads)
-    print(f"\n| {' | '.join(cells)} |\n" + "| --- " * len(cells) + "|")
-
-
-def print_row(head: str, cells: Iterable[str]) -> None:
-    """A line of a table."""
-    print(f"| {' | '.join([head, *cells])} |")
+def print_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """A table of Markdown after an empty line."""
+    print("\n" + table(heads, rows), end="")
 
 
 def by_label(rows: pd.DataFrame) -> dict[str, float]:
