@@ -55,10 +55,14 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
     rates = rates_by_test(trials, cleared)
     order = [*study.training_study.sets, *study.training_study.references]
     rates = {key: in_order(found, order) for key, found in rates.items()}
-    shown = panels(rates, set(trials["training_set"]) - {""})
+    trained = set(trials["training_set"]) - {""}
+    shown = panels(rates, trained)
     write_text(docs / "training.svg", success_chart(shown))
     draw_curves(rates, results, study, docs)
     print_success(shown)
+    for measure in ("success", "cleared"):
+        print(f"\nIn clutter, {measure}:")
+        print_success(panels(rates, trained, clutter=True, measure=measure))
     if ready:
         print_comparisons(trials, study)
     for key, found in rates.items():
@@ -144,7 +148,7 @@ def keep(attempts: pd.DataFrame, path: Path) -> None:
 
 
 def print_success(shown: Mapping[str, Mapping[str, Row]]) -> None:
-    """Success with single objects: means with intervals over networks, percent."""
+    """Means with intervals over networks, percent."""
     print(
         f"\n| trained on | networks | {' | '.join(shown)} |\n" + "| --- " * (len(shown) + 2) + "|"
     )
@@ -184,6 +188,8 @@ def print_spread(title: str, rates: Mapping[str, Floats]) -> None:
     """Standard deviations between the networks of each set, and of all sets together, points."""
     each = {name: pooled_spread([values]) for name, values in rates.items()}
     shown = {f"`{name}`": found for name, found in each.items() if found}
+    if not shown:
+        return
     print(f"\n| networks on {title} | standard deviation |\n| --- | --- |")
     for name, found in [*shown.items(), ("all", pooled_spread(rates.values()))]:
         print(f"| {name} | {deviation(found)} |")

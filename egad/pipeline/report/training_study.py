@@ -223,17 +223,21 @@ def _rows(rates: Mapping[str, Floats], trained: set[str]) -> dict[str, Row]:
     }
 
 
-def panels(rates: Rates, trained: set[str]) -> dict[str, dict[str, Row]]:
-    """Success with single objects, a panel of the chart for each dataset and noise.
+def panels(
+    rates: Rates, trained: set[str], *, clutter: bool = False, measure: str = "success"
+) -> dict[str, dict[str, Row]]:
+    """A panel of the chart for each dataset, kind of scene and noise.
 
     Args:
         rates: From `rates_by_test`.
         trained: Names of training sets; the others are other detectors.
+        clutter: Whether of scenes of several objects, rather than of single objects.
+        measure: `success`, or for clutter `cleared`.
     """
     return {
-        f"{test}, {NOISES[noise]}": _rows(found, trained)
-        for (test, scene, noise, _), found in rates.items()
-        if scene == "single"
+        ", ".join([test, *[scene] * clutter, NOISES[noise]]): _rows(found, trained)
+        for (test, scene, noise, measured), found in rates.items()
+        if (scene != "single") == clutter and measured == measure
     }
 
 
