@@ -27,9 +27,9 @@ closing axis is anticlockwise as seen from the image's x axis.
 ## Score
 
 The best grasp was right in {right:,} of {count:,} images of {objects:,} held-out objects, the split
-`test`: {rate:.1%}, for other objects of the same kind {low:.1%} to {high:.1%} (95 %). The middle of
-the object, across its narrower side, was right in {plain:,} of them. The loss on
-them was {loss:.4f}, that on the validation set {validation:.4f}.
+`test`: {rate:.1%}, for other objects and scenes of the same kind {low:.1%} to {high:.1%} (95 %). The
+middle of the object, across its narrower side, was right in {plain:,} of them. The loss on them was
+{loss:.4f}, that on the validation set {validation:.4f}.
 
 Right is a grasp, the one at the highest peak, that overlaps a positive one by more than 0.25
 (intersection over union) with axes less than 30 degrees apart. Images without a positive grasp do

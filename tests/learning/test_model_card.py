@@ -50,7 +50,7 @@ def test_the_card_tells_the_score_and_the_losses_of_the_last_epoch(images, histo
     trained = TrainedNetwork("GG-CNN", 62420, "pictures", index, history, score, 22, settings)
     text = card(trained)
     assert "right in 30 of 40 images of 7 held-out objects" in text
-    assert "75.0%, for other objects of the same kind 60.0% to 85.0%" in text
+    assert "75.0%, for other objects and scenes of the same kind 60.0% to 85.0%" in text
     assert "narrower side, was right in 22 of them" in text
     assert "3,000 examples in 3 epochs" in text
     assert "validation set 0.0300" in text
