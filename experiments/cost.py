@@ -6,15 +6,18 @@ from pathlib import Path
 import pandas as pd
 from cluster import job
 
+from egad._util.markdown import table
+
 
 def main(folder: Path) -> None:
     """Print the table."""
     jobs = pd.concat([job(path) for path in sorted(folder.rglob("*.tsv"))])
     hours = jobs.groupby("rule")["cpu_time"].agg(["count", "sum"])
-    print("| rule | jobs | CPU hours |\n| --- | --- | --- |")
-    for rule, (count, seconds) in hours.iterrows():
-        print(f"| {rule} | {count:.0f} | {seconds / 3600:.1f} |")
-    print(f"| all | {len(jobs)} | {jobs['cpu_time'].sum() / 3600:.1f} |")
+    hours.loc["all"] = len(jobs), jobs["cpu_time"].sum()
+    rows = [
+        (rule, f"{count:.0f}", f"{time / 3600:.1f}") for rule, count, time in hours.itertuples()
+    ]
+    print(table(["rule", "jobs", "CPU hours"], rows))
 
 
 if __name__ == "__main__":

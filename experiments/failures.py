@@ -21,6 +21,7 @@ from egad.detectors import Grasp
 from egad.perception import DepthCamera, Intrinsics, camera_above
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.config.stage_settings import select
+from egad.pipeline.config.training_study import networks_of
 from egad.pipeline.stages.bundled import model_in, rows_by_id
 from egad.pipeline.stages.replay import repeat_attempt
 from egad.pipeline.stages.simulate import SimulatedTrials
@@ -42,10 +43,11 @@ def main(study: Path, noise: str, name: str) -> None:
     hand = settings.targets.grippers[0]
     trials = select(settings, SimulatedTrials, hand)
     rows: list[tuple[str, list[Pixels]]] = []
+    networks = [each.name for each in networks_of(settings) if each.training_set == name]
     for test in settings.training_study.tests:
-        tables = sorted((study / "trials" / test / noise).glob(f"{name}-?.parquet"))
-        parts = [parquet.empty(TRIALS), *(parquet.read(path, TRIALS) for path in tables)]
-        shown = typical(pd.concat(parts))
+        folder = study / "trials" / test / noise
+        tables = [parquet.read(folder / f"{network}.parquet", TRIALS) for network in networks]
+        shown = typical(pd.concat(tables))
         for attempt in parquet.records(shown):
             title = f"{test}, {attempt['label']}: {attempt['outcome'].replace('_', ' ')}"
             rows.append((title, pictures(trials, attempt, study.parent / test / "bundle" / hand)))

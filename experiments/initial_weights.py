@@ -13,8 +13,10 @@ import numpy as np
 import torch
 from torch import nn
 
+from egad._util.markdown import table
 from egad.learning import Dataset, PositiveFilter, networks
 from egad.learning.targets import prepare_input
+from egad.perception import fill_missing
 from egad.pipeline.config import Training
 
 IMAGES = 100
@@ -27,13 +29,16 @@ def main(images: Path) -> None:
     dataset = Dataset([images], PositiveFilter(plan.quality, plan.breadth))
     numbers = dataset.indices("train")[:IMAGES]
     depths = np.stack([dataset.image(number)[0] for number in numbers])
-    spreads = [1000 * float(np.std(depth)) for depth in depths]
+    spreads = [1000 * float(np.nanstd(depth)) for depth in depths]
     print(f"standard deviation of the depths in an image: {np.median(spreads):.0f} mm")
-    inputs = torch.from_numpy(np.stack([prepare_input(depth) for depth in depths])[:, None])
-    print("\n| seed | published initial weights | egad's |\n| --- | --- | --- |")
-    for seed in range(SEEDS):
-        published, own = (idle(make(seed), inputs) for make in (as_published, as_here))
-        print(f"| {seed} | {published:.0%} | {own:.0%} |")
+    inputs = torch.from_numpy(
+        np.stack([prepare_input(fill_missing(depth)) for depth in depths])[:, None]
+    )
+    rows = [
+        (seed, *(f"{idle(make(seed), inputs):.0%}" for make in (as_published, as_here)))
+        for seed in range(SEEDS)
+    ]
+    print(table(["seed", "published initial weights", "egad's"], rows))
 
 
 def as_here(seed: int) -> nn.Module:

@@ -6,22 +6,25 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from egad._util.markdown import table
 from egad.perception import COLUMNS, NARROW, files, summary
 from egad.pipeline.config import Training
 from egad.tables import parquet
 
+COUNTED = ["objects", "images", "without_good", "good"]
+HEAD = ["set", "objects", "images", "without a good grasp", "good grasps", "below 50 mm, %"]
+
 
 def main(images: Path) -> None:
     """Print objects, images and good grasps that each training set learns from."""
-    print("| set | objects | images | without a good grasp | good grasps | below 50 mm, % |")
-    print("| --- " * 6 + "|")
+    lines = []
     for folder in sorted(path for path in images.iterdir() if path.is_dir()):
         batches = [rows for path in files(folder) for rows in parquet.batches(path, COLUMNS)]
         rows = pd.concat(batches)
         found = summary(rows[rows["split"] == "train"], Training().quality)
-        names = ["objects", "images", "without_good", "good"]
-        cells = " | ".join(f"{found.counts.at['all', name]:,}" for name in names)
-        print(f"| `{folder.name}` | {cells} | {100 * np.mean(found.openings < NARROW):.0f} |")
+        counts = [int(found.counts.at["all", name]) for name in COUNTED]
+        lines.append((f"`{folder.name}`", *counts, f"{100 * np.mean(found.openings < NARROW):.0f}"))
+    print(table(HEAD, lines))
 
 
 if __name__ == "__main__":

@@ -16,10 +16,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from egad._util.files import write_text
+from egad._util.markdown import table
 from egad.evalset import cell_of_label
-from egad.learning.model_card import table
 from egad.pipeline.cli.common import settings_in
-from egad.pipeline.report.training_study import NOISES, attempts_by_set, by_part
+from egad.pipeline.report.training_study import NOISE_TITLES, attempts_by_set, by_part
 from egad.pipeline.stages.training_study import widths_of
 from egad.report.colors import ink_on
 from egad.report.drawing import new_figure
@@ -44,7 +44,7 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
     rates = {}
     for (test, noise), rows in trials.groupby(["test", "noise"], sort=False):
         found = attempts_by_set(rows)
-        title = f"{test}, {NOISES[str(noise)]}"
+        title = f"{test}, {NOISE_TITLES[str(noise)]}"
         print_outcomes(title, found)
         shown = {name: found[name] for name in dict.fromkeys(names) if name in found}
         print_parts(title, shown, widths_of(results / str(test), hand))

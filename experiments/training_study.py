@@ -7,7 +7,6 @@ also needs the images of all its sets. The first sets of the pre-registered comp
 before all networks of these are tested.
 """
 
-import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,16 +16,17 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad._util.files import atomic_output, write_text
+from egad._util.markdown import table
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.config import Settings
 from egad.pipeline.config.training_study import Network, networks_of
-from egad.pipeline.report.training_study import Rates, learning_curves, panels, rates_by_test
-from egad.pipeline.stages.training_study import attempts, cleared_tables, images_of
+from egad.pipeline.report.training_study import learning_curves, panels, rates_by_test
+from egad.pipeline.stages.training_study import attempts, cleared_tables, images_of, made_by
 from egad.report.page import p_value
 from egad.report.training_study import Row, success_chart
 from egad.stats import Spread, check_starts, compare_sets, pooled_spread, set_or_detector
 from egad.tables import parquet
-from egad.tables.training import CLEARED
+from egad.tables.training import CLEARED, COMPARED
 
 ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "config/training_study.yaml"
@@ -41,11 +41,12 @@ Floats = NDArray[np.float64]
 def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> None:
     """Write tables and figure into docs, and print tables."""
     study = settings_in(config)
-    trials = merged(single_objects(results), NETWORK, docs / "training.parquet")
+    detectors = made_by(networks_of(study), study.training_study.references)
+    trials = merged(single_objects(results, detectors), NETWORK, docs / "training.parquet")
     for _, rows in trials.groupby("test"):
         check_starts(rows)
     keep(trials, docs / "training.parquet")
-    cleared = merged(clutter(results), TESTED, docs / "training_clutter.parquet")
+    cleared = merged(clutter(results, detectors), TESTED, docs / "training_clutter.parquet")
     if len(cleared):
         keep(cleared, docs / "training_clutter.parquet")
     ready = all_tested(trials, study)
@@ -54,15 +55,17 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
         trials, cleared = (each[~set_or_detector(each).isin(hidden)] for each in (trials, cleared))
     rates = rates_by_test(trials, cleared)
     order = [*study.training_study.sets, *study.training_study.references]
-    rates = {key: in_order(found, order) for key, found in rates.items()}
-    trained = set(trials["training_set"]) - {""}
+    rates = {key: in_order(found, order) for key, found in sorted(rates.items())}
+    sets = study.training_sets
+    trained = {name for name in order if name in sets and not sets[name].weights}
     shown = panels(rates, trained)
     write_text(docs / "training.svg", success_chart(shown))
-    draw_curves(rates, results, study, docs)
-    print_success(shown)
-    for measure in ("success", "cleared"):
-        print(f"\nIn clutter, {measure}:")
-        print_success(panels(rates, trained, clutter=True, measure=measure))
+    draw_curves(shown, results, study, docs)
+    print_success("trained on", shown)
+    for measure in ("success", "cleared") if len(cleared) else ():
+        print_success(
+            f"in clutter, {measure}", panels(rates, trained, clutter=True, measure=measure)
+        )
     if ready:
         print_comparisons(trials, study)
     for key, found in rates.items():
@@ -70,19 +73,24 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
 
 
 def in_order(rates: Mapping[str, Floats], names: Sequence[str]) -> dict[str, Floats]:
-    """Rates in the order of the names, and then those of other names."""
-    return {name: rates[name] for name in dict.fromkeys([*names, *rates]) if name in rates}
+    """The rates of these names that are known, in their order."""
+    return {name: rates[name] for name in names if name in rates}
 
 
-def draw_curves(rates: Rates, results: Path, settings: Settings, docs: Path) -> None:
+def draw_curves(
+    shown: Mapping[str, Mapping[str, Row]], results: Path, settings: Settings, docs: Path
+) -> None:
     """The learning curves whose sets are tested in all tests."""
     asked = settings.training_study
-    tests = [set(found) for (_, scene, _, _), found in rates.items() if scene == "single"]
     curves = {"objects": asked.object_curve, "images": asked.image_curve}
-    ready = {kind: own for kind, own in curves.items() if all(set(own) <= each for each in tests)}
+    ready = {
+        kind: own
+        for kind, own in curves.items()
+        if all(set(own) <= set(found) for found in shown.values())
+    }
     names = dict.fromkeys(name for own in ready.values() for name in own)
     images = {name: images_of(results, name, settings.training_sets) for name in names}
-    for kind, chart in learning_curves(rates, images, ready).items():
+    for kind, chart in learning_curves(shown, images, ready).items():
         write_text(docs / f"training-{kind}.svg", chart)
 
 
@@ -101,44 +109,40 @@ def all_tested(trials: pd.DataFrame, settings: Settings) -> bool:
     return wanted <= set(known.itertuples(index=False, name=None))
 
 
-def single_objects(results: Path) -> pd.DataFrame:
-    """The attempts at single objects that were made, columns `COLUMNS`."""
+def single_objects(results: Path, detectors: Mapping[str, Network]) -> pd.DataFrame:
+    """The attempts at single objects that these detectors made, columns `COLUMNS`."""
     parts = [
-        attempts(path, path.parts[-3], path.parts[-2], made_by(path.stem))
+        attempts(path, path.parts[-3], path.parts[-2], detectors[path.stem])
         for path in sorted(results.glob("trials/*/*/*.parquet"))
+        if path.stem in detectors
     ]
-    return pd.concat(parts, ignore_index=True)[COLUMNS]
+    return pd.concat([parquet.empty(COMPARED), *parts], ignore_index=True)[COLUMNS]
 
 
-def clutter(results: Path) -> pd.DataFrame:
-    """The attempts in clutter that were made, columns `CLEARING`."""
+def clutter(results: Path, detectors: Mapping[str, Network]) -> pd.DataFrame:
+    """The attempts in clutter that these detectors made, columns `CLEARING`."""
     parts = [
-        cleared_tables(path, path.parts[-2], made_by(path.stem))
+        cleared_tables(path, path.parts[-2], detectors[path.stem])
         for path in sorted(results.glob("clutter/*/*.parquet"))
+        if path.stem in detectors
     ]
     return pd.concat([parquet.empty(CLEARED), *parts], ignore_index=True)[CLEARING]
 
 
-def made_by(name: str) -> Network:
-    """The network of this name; for another detector, one without a training set."""
-    found = re.fullmatch(r"(.+)-(\d+)", name)
-    return Network(found[1], int(found[2])) if found else Network("", 0)
-
-
 def merged(made: pd.DataFrame, key: list[str], path: Path) -> pd.DataFrame:
-    """The attempts of a run and those of a table, if there is one.
+    """The attempts of a run and those of a table, if there is one, in the order of the key.
 
     Args:
         made: Columns of the table. They replace those there that have the same `key`.
         key: Columns.
         path: The table.
     """
-    if not path.is_file():
-        return made
-    earlier = pd.read_parquet(path)
-    known = pd.MultiIndex.from_frame(earlier[key])
-    stays = ~known.isin(pd.MultiIndex.from_frame(made[key]))
-    return pd.concat([earlier[stays], made], ignore_index=True)
+    if path.is_file():
+        earlier = pd.read_parquet(path)
+        known = pd.MultiIndex.from_frame(earlier[key])
+        stays = ~known.isin(pd.MultiIndex.from_frame(made[key]))
+        made = pd.concat([earlier[stays], made])
+    return made.sort_values(key, kind="stable", ignore_index=True)
 
 
 def keep(attempts: pd.DataFrame, path: Path) -> None:
@@ -147,16 +151,14 @@ def keep(attempts: pd.DataFrame, path: Path) -> None:
         attempts.to_parquet(out, compression="zstd", index=False)
 
 
-def print_success(shown: Mapping[str, Mapping[str, Row]]) -> None:
-    """Means with intervals over networks, percent."""
-    print(
-        f"\n| trained on | networks | {' | '.join(shown)} |\n" + "| --- " * (len(shown) + 2) + "|"
-    )
+def print_success(head: str, shown: Mapping[str, Mapping[str, Row]]) -> None:
+    """Means with intervals over networks, percent; `head` stands above the names."""
+    lines = []
     for name in dict.fromkeys(name for panel in shown.values() for name in panel):
         rows = [panel.get(name) for panel in shown.values()]
-        counts = {len(row.values) for row in rows if row and row.trained}
-        cells = [text(row) if row else "" for row in rows]
-        print(f"| `{name}` | {max(counts, default='')} | {' | '.join(cells)} |")
+        count = max((len(row.values) for row in rows if row and row.trained), default="")
+        lines.append((f"`{name}`", count, *(text(row) if row else "" for row in rows)))
+    print(table([head, "networks", *shown], lines))
 
 
 def text(row: Row) -> str:
@@ -168,15 +170,13 @@ def text(row: Row) -> str:
 
 def print_comparisons(trials: pd.DataFrame, settings: Settings) -> None:
     """The pre-registered comparisons, points."""
-    print("\n| pair | test | over networks | p | p, Holm | over objects |\n" + "| --- " * 6 + "|")
+    lines = []
     for row in compare_sets(trials, settings.training_study.comparisons):
-        gain = row.difference.gain
-        cells = [
-            f"{row.test}, {row.noise}",
-            f"{100 * gain:.1f} ({points(row.difference.interval)})",
-        ]
-        cells += [p_value(row.difference.p), p_value(row.p_holm), points(row.by_objects)]
-        print(f"| `{row.first}` - `{row.second}` | {' | '.join(cells)} |")
+        found = row.difference
+        gain = f"{100 * found.gain:.1f} ({points(found.interval)})"
+        tests = [p_value(found.p), p_value(row.p_holm), points(row.by_objects)]
+        lines.append((f"`{row.first}` - `{row.second}`", f"{row.test}, {row.noise}", gain, *tests))
+    print(table(["pair", "test", "over networks", "p", "p, Holm", "over objects"], lines))
 
 
 def points(interval: tuple[float, float]) -> str:
@@ -188,11 +188,10 @@ def print_spread(title: str, rates: Mapping[str, Floats]) -> None:
     """Standard deviations between the networks of each set, and of all sets together, points."""
     each = {name: pooled_spread([values]) for name, values in rates.items()}
     shown = {f"`{name}`": found for name, found in each.items() if found}
-    if not shown:
-        return
-    print(f"\n| networks on {title} | standard deviation |\n| --- | --- |")
-    for name, found in [*shown.items(), ("all", pooled_spread(rates.values()))]:
-        print(f"| {name} | {deviation(found)} |")
+    lines = [*shown.items(), ("all", pooled_spread(rates.values()))]
+    if shown:
+        head = [f"networks on {title}", "standard deviation"]
+        print(table(head, [(name, deviation(found)) for name, found in lines]))
 
 
 def deviation(spread: Spread | None) -> str:

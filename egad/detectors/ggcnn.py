@@ -66,7 +66,7 @@ def _size(path: Path) -> int:
         return size
 
 
-class Crop(NamedTuple):
+class NetworkInput(NamedTuple):
     """The middle of a depth image, as the network gets it.
 
     Attributes:
@@ -170,18 +170,18 @@ class GGCNN(MapDetector):
         return GGCNN, (str(self._weights),)
 
 
-def middle(depth: NDArray[np.float32]) -> Crop:
+def middle(depth: NDArray[np.float32]) -> NetworkInput:
     """The middle of a depth image, gaps filled (`egad.perception.fill_missing`)."""
     side = min(SIZE, *depth.shape)
     top, left = ((size - side) // 2 for size in depth.shape)
     cut = fill_missing(depth)[top : top + side, left : left + side].astype(np.float64)
     if side < SIZE:
         cut = ndimage.zoom(cut, SIZE / side, order=1, mode="nearest", grid_mode=True)
-    return Crop(cut, (top, left), side / SIZE)
+    return NetworkInput(cut, (top, left), side / SIZE)
 
 
 def _spots(answer: Answer, view: View, gripper: Gripper) -> _Spots:
-    """The pixels with some quality that see something higher than the hand must reach below it."""
+    """The pixels with a positive quality whose surface is high enough for the smallest bite."""
     crop = middle(view.depth)
     row, column = (each.ravel() for each in np.indices((SIZE, SIZE)))
     rays = _rays(row, column, crop, view)
@@ -206,7 +206,7 @@ def _spots(answer: Answer, view: View, gripper: Gripper) -> _Spots:
     )
 
 
-def _rays(row: Ints, column: Ints, crop: Crop, view: View) -> Floats:
+def _rays(row: Ints, column: Ints, crop: NetworkInput, view: View) -> Floats:
     """Along the sights of pixels of the network, one metre of depth long, world frame, (n, 3)."""
     camera = view.intrinsics
     v, u = (

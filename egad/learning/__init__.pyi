@@ -1,8 +1,9 @@
 from .dataset import Dataset as Dataset
 from .dataset import PositiveFilter as PositiveFilter
 from .dataset import positive as positive
+from .evaluation import OutlineScore as OutlineScore
 from .evaluation import Score as Score
-from .evaluation import count_correct as count_correct
+from .evaluation import outline_score as outline_score
 from .evaluation import score_table as score_table
 from .evaluation import total_score as total_score
 from .model_card import TrainedNetwork as TrainedNetwork

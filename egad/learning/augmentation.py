@@ -84,7 +84,7 @@ def change_depth(
     row, column, side = crop
     if change.zoom == 1:
         return turned[row : row + side, column : column + side]
-    first = _places(len(depth), change.zoom)[[row, column]]
+    first = _source_rows(len(depth), change.zoom)[[row, column]]
     scale = [change.zoom, change.zoom]
     result: NDArray[np.floating] = ndimage.affine_transform(
         turned, scale, first, (side, side), order=1, mode="nearest"
@@ -95,15 +95,15 @@ def change_depth(
 def mean_depth(depth: NDArray[np.floating], change: Change) -> float:
     """The mean of the whole image after a change, without computing its pixels."""
     size = len(depth)
-    places = _places(size, change.zoom)
-    first = np.minimum(places.astype(int), size - 2)
-    part = places - first
+    rows = _source_rows(size, change.zoom)
+    first = np.minimum(rows.astype(int), size - 2)
+    part = rows - first
     weights = np.bincount(first, 1 - part, size) + np.bincount(first + 1, part, size)
     return float(weights @ depth @ weights) / size**2  # the same for every turn: they are symmetric
 
 
-def _places(size: int, zoom: float) -> NDArray[np.float64]:
-    """Rows of an image that the rows of a closer look at its middle are."""
+def _source_rows(size: int, zoom: float) -> NDArray[np.float64]:
+    """Rows of an image that become the rows of the zoomed image."""
     middle = (size - 1) / 2
     return middle + zoom * (np.arange(size, dtype=np.float64) - middle)
 

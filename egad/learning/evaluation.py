@@ -42,10 +42,30 @@ def narrow_side_grasp(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
     return np.array([u, -up, angle, np.ptp(axis @ points) + 1], dtype=np.float64)
 
 
-def count_correct(shards: Dataset, numbers: Iterable[int]) -> int:
-    """In how many images, by their rows of the index, that grasp agrees with a positive one."""
-    pairs = ((shards.mask(number), shards.image(number)[1]) for number in numbers)
-    return sum(mask.sum() > 1 and agrees(narrow_side_grasp(mask), truth) for mask, truth in pairs)
+class OutlineScore(NamedTuple):
+    """How often the outline alone suggests a good grasp.
+
+    Attributes:
+        n_correct: Images in which `narrow_side_grasp` agrees with a positive grasp.
+        n_images: Images of a single object that have a positive grasp.
+    """
+
+    n_correct: int
+    n_images: int
+
+
+def outline_score(shards: Dataset, numbers: Iterable[int]) -> OutlineScore:
+    """The score of the outline in those of some images that show a single object.
+
+    Args:
+        shards: The images.
+        numbers: Rows of its index.
+    """
+    chosen = shards.index.iloc[list(numbers)]
+    alone = chosen.index[(chosen["objects"].map(len) == 1) & (chosen["positive"] > 0)]
+    pairs = ((shards.mask(number), shards.image(number)[1]) for number in alone)
+    right = sum(mask.sum() > 1 and agrees(narrow_side_grasp(mask), truth) for mask, truth in pairs)
+    return OutlineScore(int(right), len(alone))
 
 
 class ImageScore(NamedTuple):

@@ -1,7 +1,7 @@
 """The model card of a trained network: what it learnt from, how, and how good it is."""
 
 import platform
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -10,7 +10,8 @@ from typing import Any
 import pandas as pd
 
 from egad import __version__
-from egad.learning.evaluation import Score
+from egad._util.markdown import table
+from egad.learning.evaluation import OutlineScore, Score
 from egad.perception import SPLITS
 
 PACKAGES = ("torch", "safetensors", "numpy", "scipy", "pillow")
@@ -20,25 +21,25 @@ A fully convolutional network of {parameters:,} weights. For every pixel of a de
 how good a grasp there is, at which angle, and how wide (Morrison, Corke and Leitner, "Learning
 robust, real-time, reactive robotic grasping", IJRR 2020). The weights are in `weights.safetensors`.
 
-Into it go (1, 300, 300) depths in metres, gaps filled, less their mean, clipped to [-1, 1]. Out of
-it come (4, 300, 300) quality, cos 2a, sin 2a and opening / 150 pixels, where the angle a of the
+The input, (1, 300, 300), is depths in metres, gaps filled, less their mean, clipped to [-1, 1]. The
+output, (4, 300, 300), is quality, cos 2a, sin 2a and opening / 150 pixels, where the angle a of the
 closing axis is anticlockwise as seen from the image's x axis.
 
 ## Score
 
-The best grasp was right in {right:,} of {count:,} images of {objects:,} held-out objects, the split
-`test`: {rate:.1%}, for other objects and scenes of the same kind {low:.1%} to {high:.1%} (95 %). The
-middle of the object, across its narrower side, was right in {plain:,} of them. The loss on them was
-{loss:.4f}, that on the validation set {validation:.4f}.
+The best grasp is correct in {right:,} of {count:,} images of {objects:,} held-out objects, those of
+the split `test`: {rate:.1%}, for other objects and scenes of the same kind {low:.1%} to {high:.1%}
+(95 %). In the {alone:,} images of a single object, a grasp of its middle across its narrower side
+is correct in {plain:,}. The loss is {loss:.4f}, that on the validation set {validation:.4f}.
 
-Right is a grasp, the one at the highest peak, that overlaps a positive one by more than 0.25
+The best grasp, at the highest peak, is correct if it overlaps a positive one by more than 0.25
 (intersection over union) with axes less than 30 degrees apart. Images without a positive grasp do
 not count. No object is in two splits.
 
 ## Data
 
 {data}
-Positive is a grasp that is free of collision and {rule}. Images without a
+A grasp is positive if it is free of collision and {rule}. Images without a
 positive grasp, if there are any, are examples where nothing can be grasped.
 
 ## Training
@@ -64,7 +65,7 @@ class TrainedNetwork:
         index: `egad.learning.dataset.Dataset.index`.
         history: Columns of `tables.training.HISTORY`.
         score: On the split `test`.
-        plain: Images of these in which the outline alone suggests a right grasp.
+        outline: What the outline alone reaches there.
         settings: How it was trained, by name; among them `positive` and `quality`.
     """
 
@@ -74,7 +75,7 @@ class TrainedNetwork:
     index: pd.DataFrame
     history: pd.DataFrame
     score: Score
-    plain: int
+    outline: OutlineScore
     settings: Mapping[str, Any]
 
 
@@ -89,7 +90,8 @@ def card(trained: TrainedNetwork) -> str:
         count=score.n_images,
         objects=score.objects,
         rate=score.rate,
-        plain=trained.plain,
+        plain=trained.outline.n_correct,
+        alone=trained.outline.n_images,
         low=score.interval[0],
         high=score.interval[1],
         loss=score.loss,
@@ -131,18 +133,8 @@ def versions() -> list[tuple[str, str]]:
     return found
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A table of Markdown; whole numbers have commas."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "".join(f"| {' | '.join(map(_cell, line))} |\n" for line in lines)
-
-
 def _rule(settings: Mapping[str, Any]) -> str:
-    """What a positive grasp must have besides."""
+    """What makes a grasp positive that is free of collision."""
     if settings["positive"] == "simulated":
         return "succeeded in simulation"
     return f"has a robust quality above {settings['quality']}"
-
-
-def _cell(value: Any) -> str:  # noqa: ANN401 (whatever is told)
-    return f"{value:,}" if isinstance(value, int) and not isinstance(value, bool) else str(value)

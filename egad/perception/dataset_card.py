@@ -109,8 +109,8 @@ def card(
     render = settings.render
     blocks = [
         f"# Depth images of {dataset} for {gripper}",
-        f"Objects at rest on a table, turned at random; seed {settings.seed}. One alone lies in a "
-        "stable pose, as often as it comes to rest in it"
+        f"Objects at rest on a table, turned at random; seed {settings.seed}. A single "
+        "object lies in one of its stable poses, as often as drops end in it"
         + (
             "; several are packed upright side by side or dropped to a pile, "
             f"{render.objects} at most"
@@ -123,8 +123,12 @@ def card(
         f"A grasp is reachable if its approach can be within {render.tilt:g} degrees of the "
         f"vertical; of each object at most {render.grasps} are sampled. It is free if the hand, "
         f"opening {1000 * settings.gripper.opening:g} mm at most, touches nothing else, and good "
-        f"if it also has a robust quality above {render.quality:g}"
-        + (", or rather held in simulation." if render.simulate else "."),
+        "if it also "
+        + (
+            "held in simulation."
+            if render.simulate
+            else f"has a robust quality above {render.quality:g}."
+        ),
         _sizes(render, found, figure),
         _objects(render),
         "## Camera",

@@ -10,7 +10,6 @@ from matplotlib.ticker import MaxNLocator
 
 from egad.report.colors import INK, LINES, SOFT, line_color
 from egad.report.drawing import new_figure, show_percent
-from egad.stats import mean_interval, pooled_spread
 
 LEFT = "\N{LEFTWARDS ARROW}"
 
@@ -21,7 +20,7 @@ class Row:
 
     Attributes:
         values: Of each network; of another detector, one.
-        trained: Whether it is a training set.
+        trained: Whether its networks were trained, rather than given.
         interval: 95 % confidence interval of the mean over networks; NaN if it is not known.
     """
 
@@ -93,36 +92,32 @@ def _draw_row(axes: Axes, y: float, row: Row) -> None:
         axes.plot(row.values, dots, "o", ms=3.5, color=INK, mfc="none", mew=0.7)
 
 
-Point = tuple[float, Sequence[float]]
-"""Size of a set, and the success of each of its networks."""
-
-
-def learning_chart(curves: Mapping[str, Sequence[Point]], label: str) -> str:
+def learning_chart(curves: Mapping[str, Sequence[tuple[float, Row]]], label: str) -> str:
     """Success over the size of the training set.
 
     Args:
-        curves: By test: sizes of sets, and the success of each network of such a set.
+        curves: By test: sizes of sets and their success.
         label: What the size counts.
 
     Returns:
-        SVG text: a line joins the means, with intervals of 95 % over networks, whose standard
-        deviation is pooled over the sizes; hollow dots are single networks.
+        SVG text: a line joins the means, with intervals of 95 % over networks; hollow dots are
+        single networks.
     """
     with new_figure(7.6, 3.2) as drawing:
         axes = drawing.figure.add_subplot()
         for number, (name, points) in enumerate(curves.items()):
-            color, spread = line_color(number), pooled_spread([values for _, values in points])
-            means = [float(np.mean(values)) for _, values in points]
-            sizes = [size for size, _ in points]
+            color = line_color(number)
+            sizes, means = zip(*((size, row.mean) for size, row in points), strict=True)
             axes.plot(sizes, means, "o-", ms=5, lw=1.4, color=color, label=name)
-            for size, values in points:
-                axes.vlines(size, *mean_interval(values, spread), color=color, lw=1)
-                axes.plot([size] * len(values), values, "o", ms=3.5, color=color, mfc="none")
+            for size, row in points:
+                axes.vlines(size, *row.interval, color=color, lw=1)
+                dots = [size] * len(row.values)
+                axes.plot(dots, row.values, "o", ms=3.5, color=color, mfc="none")
         ticks = sorted({size for each in curves.values() for size, _ in each})
         axes.set_xscale("log")
         axes.set_xticks(ticks, [f"{size:,.0f}" for size in ticks])
         axes.minorticks_off()
-        lowest = _axis_start(v for each in curves.values() for _, values in each for v in values)
+        lowest = _axis_start(v for each in curves.values() for _, row in each for v in row.values)
         axes.set(ylim=(lowest, 1), xlabel=label, ylabel="success rate")
         axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
         show_percent(axes.yaxis)

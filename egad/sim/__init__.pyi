@@ -16,7 +16,7 @@ from .film import Pixels as Pixels
 from .film import write_film as write_film
 from .gripper import Hand as Hand
 from .image_scenes import model_at_size as model_at_size
-from .image_scenes import settle as settle
+from .image_scenes import settle_scene as settle_scene
 from .image_scenes import simulate_contacts as simulate_contacts
 from .labelled_trials import execute_labelled_grasps as execute_labelled_grasps
 from .labelled_trials import failed_labelled_grasps as failed_labelled_grasps

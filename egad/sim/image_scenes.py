@@ -13,7 +13,7 @@ from egad.perception import SceneKind
 from egad.sim.model import Model, model_of
 from egad.sim.parameters import EngineChoice, SimulatedLabelParameters
 from egad.sim.scenes import BOX, make_scene
-from egad.sim.simulated_labels import simulate_labels
+from egad.sim.simulated_labels import simulate_grasps
 from egad.sim.world import UnstableError, open_world
 from egad.tables.columns import vector_names
 
@@ -36,7 +36,7 @@ def model_at_size(
     return model_of(sized, scaled, mass_properties(sized, density), 0.0)
 
 
-def settle(
+def settle_scene(
     models: Sequence[Model], kind: SceneKind, engine: EngineChoice, rng: np.random.Generator
 ) -> list[tuple[int, Floats]]:
     """Put objects on a table as `make_scene` does.
@@ -68,25 +68,16 @@ def simulate_contacts(
         model: The object.
         contacts: n grasps that are free of collisions, in the frame that the model was made in.
         approaches: (n, 3) unit vectors along which the hand moves.
-        settings: As of `simulate_labels`; all grasps are simulated.
+        settings: Gripper, friction of the labels, engine, lift.
 
     Returns:
         For each of the n grasps; None if the engine failed.
     """
-    columns = {"center": contacts.centers, "axis": contacts.axes, "approach": approaches}
-    grasps = pd.DataFrame(
-        {
-            **{
-                name: vectors[:, part]
-                for key, vectors in columns.items()
-                for part, name in enumerate(vector_names(key))
-            },
-            "width": contacts.widths,
-            "robust_quality": 0.0,
-            "collision_free": True,
-        }
-    )
-    every = settings.simulated_label.model_copy(update={"grasps": max(len(contacts), 1)})
-    whole = settings.model_copy(update={"simulated_label": every})
-    held = simulate_labels(model, grasps, whole)["simulated_success"]
-    return [None if pd.isna(each) else bool(each) for each in held]
+    vectors = {"center": contacts.centers, "axis": contacts.axes, "approach": approaches}
+    columns = {
+        name: values[:, part]
+        for key, values in vectors.items()
+        for part, name in enumerate(vector_names(key))
+    }
+    grasps = pd.DataFrame({**columns, "width": contacts.widths})
+    return [each.success for each in simulate_grasps(model, grasps, settings)]

@@ -107,7 +107,7 @@ def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[
 
     Args:
         model: The object.
-        row: Columns of `tables.grasping.GRASPS`.
+        row: Center, axis and approach of the grasp, x, y and z each.
         gripper: The hand.
     """
     center, axis, approach = (
@@ -123,7 +123,7 @@ def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[
     depth = finger_span(gripper)[1]
     return (
         Pose(matrix[:3, 3], Rotation.from_matrix(matrix[:3, :3]).as_quat()),
-        Grasp((0.0, 0.0, height), 0.0, gripper.opening, depth, float(row["robust_quality"])),
+        Grasp((0.0, 0.0, height), 0.0, gripper.opening, depth, quality=1.0),
     )
 
 

@@ -70,16 +70,31 @@ def simulate_labels(
     Returns:
         The grasps with the columns of `tables.grasping.SIMULATED_GRASPS`.
     """
+    chosen = chosen_grasps(grasps, settings)
+    found = simulate_grasps(model, grasps.iloc[chosen], settings)
+    return with_simulated_labels(grasps, chosen, found, settings)
+
+
+def simulate_grasps(
+    model: Model, grasps: pd.DataFrame, settings: SimulatedLabelParameters
+) -> list[SimulatedGrasp]:
+    """What becomes of each of some grasps.
+
+    Args:
+        model: The object.
+        grasps: Columns center, axis and approach (each x, y and z) and width, in the frame that
+            the model was made in.
+        settings: Gripper, friction of the labels, engine, lift.
+    """
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
-    arm, chosen = Axis(gripper), chosen_grasps(grasps, settings)
+    arm = Axis(gripper)
     with open_world(settings.simulated_label.engine, [model], arm.robot) as world:
-        found = [
+        return [
             simulate_grasp(
                 world, arm, *_floating(model, row, gripper), float(row["width"]), settings.trials
             )
-            for row in parquet.records(grasps.iloc[chosen])
+            for row in parquet.records(grasps)
         ]
-    return with_simulated_labels(grasps, chosen, found, settings)
 
 
 def chosen_grasps(grasps: pd.DataFrame, settings: SimulatedLabelParameters) -> NDArray[np.int64]:

@@ -83,7 +83,8 @@ def network_rates(trials: pd.DataFrame, cleared: pd.DataFrame) -> pd.DataFrame:
 
     Returns:
         Columns test, scene, noise, measure (success: of attempts; cleared: of objects), name
-        (training set, or other detector), trained (whether it is a set), seed, rate.
+        (training set, or other detector), trained (whether it is a set), seed, rate. Of a network
+        that proposed no grasp in a test, the success is 0.
     """
     made_by = ["test", "training_set", "detector", "seed"]
     single = trials.groupby(["noise", *made_by], sort=False, as_index=False)["success"].mean()
@@ -95,7 +96,11 @@ def network_rates(trials: pd.DataFrame, cleared: pd.DataFrame) -> pd.DataFrame:
         parts.append(shares.assign(**parquet.records(rows[made_by].head(1))[0]))
     table = pd.concat(parts, ignore_index=True)
     columns = [*TEST, "name", "trained", "seed", "rate"]
-    named = table.assign(trained=table["training_set"] != "", name=set_or_detector(table))
+    named = table.assign(
+        trained=table["training_set"] != "",
+        name=set_or_detector(table),
+        rate=table["rate"].fillna(0.0),
+    )
     found: pd.DataFrame = named.loc[:, columns]
     return found
 
@@ -214,7 +219,7 @@ def object_interval(first: pd.DataFrame, second: pd.DataFrame) -> Interval:
 
 
 def holm(p_values: Floats) -> Floats:
-    """P-values of several tests, so that one of all is below 0.05 by chance in one of 20 cases.
+    """P-values of several tests, so that any is below 0.05 by chance in at most 5 % of cases.
 
     The smallest of n is multiplied by n, the next by n - 1 and so on, and none is less than one
     before it (Holm 1979).

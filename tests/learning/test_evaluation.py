@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from egad.learning.dataset import Dataset, PositiveFilter
-from egad.learning.evaluation import count_correct, narrow_side_grasp
+from egad.learning.evaluation import narrow_side_grasp, outline_score
 from egad.perception.rectangles import agrees
 
 
@@ -27,7 +27,10 @@ def test_images_are_counted_in_which_it_is_right(images):
     for number in numbers:
         truth = shards.image(number)[1]
         expected += len(truth) > 0 and agrees(narrow_side_grasp(shards.mask(number)), truth)
-    assert count_correct(shards, numbers) == expected
-    assert 0 < expected <= (shards.index["positive"] > 0).sum()
+    good = (shards.index["positive"] > 0).sum()
+    assert outline_score(shards, numbers) == (expected, good)
+    assert 0 < expected <= good
     empty = np.flatnonzero(shards.index["positive"] == 0)
-    assert count_correct(shards, empty) == 0
+    assert outline_score(shards, empty) == (0, 0)
+    shards.index["objects"] = [["a", "b"], *list(shards.index["objects"])[1:]]
+    assert outline_score(shards, [0]) == (0, 0)

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 from egad.learning.dataset import Dataset, PositiveFilter
-from egad.learning.evaluation import ImageScore, Score, total_score
-from egad.learning.model_card import TrainedNetwork, card, counts, table
+from egad.learning.evaluation import ImageScore, OutlineScore, Score, total_score
+from egad.learning.model_card import TrainedNetwork, card, counts
 from egad.report.training import training_chart
 
 
@@ -46,24 +46,21 @@ def test_a_scene_is_not_an_object():
 def test_the_card_tells_the_score_and_the_losses_of_the_last_epoch(images, history):
     index = Dataset([images], PositiveFilter(0.002, 0.02)).index
     score = Score(n_correct=30, n_images=40, objects=7, interval=(0.6, 0.85), loss=0.0234)
-    settings = {"positive": "quality", "quality": 0.002}
-    trained = TrainedNetwork("GG-CNN", 62420, "pictures", index, history, score, 22, settings)
+    settings, _plain = {"positive": "quality", "quality": 0.002}, OutlineScore(22, 31)
+    trained = TrainedNetwork(
+        "GG-CNN", 62420, "pictures", index, history, score, OutlineScore(22, 31), settings
+    )
     text = card(trained)
-    assert "right in 30 of 40 images of 7 held-out objects" in text
+    assert "correct in 30 of 40 images of 7 held-out objects" in text
     assert "75.0%, for other objects and scenes of the same kind 60.0% to 85.0%" in text
-    assert "narrower side, was right in 22 of them" in text
+    assert "the 31 images of a single object" in text
+    assert "is correct in 22." in text
     assert "3,000 examples in 3 epochs" in text
     assert "validation set 0.0300" in text
     assert "has a robust quality above 0.002." in text
     simulated = replace(trained, settings=settings | {"positive": "simulated"})
     assert "free of collision and succeeded in simulation." in card(simulated)
     assert text.count("| quality | 0.002 |") == 1
-
-
-def test_tables_are_markdown():
-    assert table(["a", "b"], [[1234, "x"], [True, 0.5]]) == (
-        "| a | b |\n| --- | --- |\n| 1,234 | x |\n| True | 0.5 |\n"
-    )
 
 
 def test_the_chart_is_the_same_for_the_same_history(history):

@@ -162,6 +162,7 @@ def keep_trials(table, folder):
 def pair(tmp_path):
     """A study of two sets of two networks, to be compared."""
     values = {
+        "detectors": {"random-0": {"detector": "random"}},
         "datasets": {"own": {"source": "primitives", "objects": 9}},
         "training_sets": {name: {"dataset": "own"} for name in ("few", "many")},
         "training_study": {
@@ -169,6 +170,7 @@ def pair(tmp_path):
             "seeds": 2,
             "tests": ["own"],
             "noise": ["none"],
+            "references": ["labels", "random-0"],
             "comparisons": [["few", "many"]],
         },
     }
@@ -300,4 +302,5 @@ def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path
         share, success, *_ = reach[head]
         assert share == f"{100 * chosen.mean():.0f}"
         assert success == f"{100 * few[chosen]['success'].mean():.0f}"
-    assert (tmp_path / "training-labels.svg").is_file()
+    share = few[few["label"] == "A0"]["success"].mean()
+    assert f">{100 * share:.0f}</text>" in (tmp_path / "training-labels.svg").read_text()

@@ -42,7 +42,7 @@ def test_a_detector_below_the_axis_is_told_as_a_number():
 
 
 def test_all_points_of_a_learning_curve_are_on_the_chart():
-    found = learning_chart({"test": [(10.0, [0.55]), (100.0, [0.95])]}, "objects")
+    found = learning_chart({"test": [(10, trained(0.55)), (100, trained(0.95))]}, "objects")
     said = texts(found)
     assert {"50%", "100%", "10", "100"} <= set(said)
     assert "40%" not in said

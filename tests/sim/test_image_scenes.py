@@ -7,7 +7,7 @@ import trimesh
 from egad.grasps.sampler import ContactPairs
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
-from egad.sim.image_scenes import model_at_size, settle, simulate_contacts
+from egad.sim.image_scenes import model_at_size, settle_scene, simulate_contacts
 from egad.sim.parameters import SimulatedLabelParameters
 
 DENSITY = 400.0
@@ -62,7 +62,7 @@ def test_objects_come_to_rest_on_the_table_or_on_each_other(block, kind):
     """Frames are those of the scaled meshes: at rest nothing is below the table."""
     factors = [0.5, 0.3, 0.4]
     models = [model_at_size(block, [block], factor, DENSITY) for factor in factors]
-    placed = settle(models, kind, "mujoco", np.random.default_rng(0))
+    placed = settle_scene(models, kind, "mujoco", np.random.default_rng(0))
     assert len(placed) > 1
     for number, matrix in placed:
         corners = trimesh.transform_points(factors[number] * block.vertices, matrix)
@@ -70,6 +70,6 @@ def test_objects_come_to_rest_on_the_table_or_on_each_other(block, kind):
         assert corners[:, 2].min() > -0.002
         if kind == "packed":
             assert corners[:, 2].min() < 0.002
-    again = settle(models, kind, "mujoco", np.random.default_rng(0))
+    again = settle_scene(models, kind, "mujoco", np.random.default_rng(0))
     assert [number for number, _ in again] == [number for number, _ in placed]
     np.testing.assert_array_equal([each for _, each in again], [each for _, each in placed])

@@ -96,6 +96,14 @@ def test_scenes_of_several_objects_have_the_rates_of_the_benchmark(table):
                 assert one == getattr(rates, measure).value
 
 
+def test_a_network_that_never_grasps_in_clutter_succeeds_in_nothing(table):
+    rows = cleared("good", 0, np.random.default_rng(3), rounds=1)
+    found = network_rates(table, rows)
+    in_clutter = found[found["scene"] != "single"]
+    assert len(in_clutter) == 4
+    assert (in_clutter["rate"] == 0).all()
+
+
 ONE, OTHER = [0.61, 0.66, 0.58, 0.63, 0.6], [0.52, 0.57, 0.5, 0.56]
 
 
@@ -167,7 +175,11 @@ def test_the_spread_is_that_within_sets():
 
 def test_intervals_cover_the_truth_in_19_of_20_cases():
     rng = np.random.default_rng(5)
-    draws = rng.normal([[0.5], [0.6], [0.8]], 0.03, (800, 3, 3))
+    means, sizes = [0.5, 0.6, 0.8], [2, 8, 3]
+    draws = [
+        [rng.normal(mean, 0.03, size) for mean, size in zip(means, sizes, strict=True)]
+        for _ in range(800)
+    ]
     spreads = [pooled_spread(sets) for sets in draws]
     sd = [found.interval[0] < 0.03 < found.interval[1] for found in spreads]
     assert np.mean(sd) == pytest.approx(0.95, abs=0.025)

@@ -14,6 +14,7 @@ import yaml
 
 from egad._util.files import write_text
 from egad._util.parameters import Node, allowed, keys_of
+from egad.perception import STEREO
 from egad.pipeline.config import Settings
 from egad.pipeline.config.schema import node_at, schema
 
@@ -167,7 +168,6 @@ ALL_IMAGES: Values = {
     "pile": 0.25,
     "without_grasps": False,
 }
-STEREO: Values = {"disparity": 0.1, "holes": True}
 SIMULATED: Values = {"positive": "simulated"}
 AS_BEFORE: Values = {"without_grasps": True}
 TRAINING_BASE: Values = {
@@ -186,15 +186,19 @@ def _evolved(**render: object) -> Values:
 
 def _with_all(dataset: str, **render: object) -> Values:
     """A set with all factors but simulated labels."""
-    return {"dataset": dataset, "render": {**ALL_IMAGES, **render}, "image_noise": STEREO}
+    return {
+        "dataset": dataset,
+        "render": {**ALL_IMAGES, **render},
+        "image_noise": STEREO.model_dump(exclude_defaults=True),
+    }
 
 
 TRAINING_SETS_OF_STUDY: Values = {
-    "evolved": _evolved(),
+    "evolved": {**_evolved(), "seeds": 5},
     "evolved-sizes": _evolved(widths=ALL_IMAGES["widths"]),
     "evolved-scenes": _evolved(packed=0.25, pile=0.25),
     "evolved-simulated": {**_evolved(simulate=True), "training": SIMULATED},
-    "evolved-noise": {**_evolved(), "image_noise": STEREO},
+    "evolved-noise": {**_evolved(), "image_noise": STEREO.model_dump(exclude_defaults=True)},
     "evolved-grasps": _evolved(without_grasps=False),
     "evolved-all": {**_with_all("egad"), "seeds": 8},
     "evolved-all-simulated": {**_with_all("egad", simulate=True), "training": SIMULATED},
@@ -239,7 +243,7 @@ TRAINING_VARIANCE: Values = {
         "tests": ["egad", "ycb"],
     },
     "training_sets": {
-        "evolved": _evolved(),
+        "evolved": {**_evolved(), "seeds": 5},
         "evolved-short": {
             "images": ["evolved"],
             "training": {"images": 5_000, "epoch": 1_000},

@@ -2,7 +2,7 @@
 
 import json
 import string
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,7 +33,7 @@ from egad.stats import (
 )
 from egad.tables import parquet
 
-NOISES = {"none": "no noise", "stereo": "stereo noise"}
+NOISE_TITLES = {"none": "no noise", "stereo": "stereo noise"}
 WIDTHS = {"to 20 mm": 0.02, "20 to 45 mm": 0.045, "above 45 mm": np.inf}  # upper ends, metres
 Floats = NDArray[np.float64]
 Rates = dict[tuple[str, str, str, str], dict[str, Floats]]
@@ -165,6 +165,7 @@ def page(study: Study) -> str:
     settings = study.settings
     asked = settings.training_study
     rates = rates_by_test(study.trials, study.cleared)
+    shown = panels(rates, set(study.images))
     curves = {"objects": asked.object_curve, "images": asked.image_curve}
     return render_template(
         "training_study",
@@ -172,9 +173,9 @@ def page(study: Study) -> str:
         descriptions={key: describe(settings.training_sets[key]) for key in asked.sets},
         images=study.images,
         trainings=study.trainings,
-        success_figure=svg_uri(success_chart(panels(rates, set(asked.sets)))),
-        comparisons=Comparisons(compare_sets(study.trials, asked.comparisons), NOISES),
-        curves=[svg_uri(chart) for chart in learning_curves(rates, study.images, curves).values()],
+        success_figure=svg_uri(success_chart(shown)),
+        comparisons=Comparisons(compare_sets(study.trials, asked.comparisons), NOISE_TITLES),
+        curves=[svg_uri(chart) for chart in learning_curves(shown, study.images, curves).values()],
         tests=[_test(name, rates, study) for name in asked.tests],
         widths=list(WIDTHS),
     )
@@ -211,8 +212,8 @@ def rates_by_test(trials: pd.DataFrame, cleared: pd.DataFrame) -> Rates:
 
 
 def _rows(rates: Mapping[str, Floats], trained: set[str]) -> dict[str, Row]:
-    """Rows of a chart, with intervals by the standard deviation of all sets together."""
-    spread = pooled_spread(rates.values())
+    """Rows of a chart, with intervals by the standard deviation of all trained sets together."""
+    spread = pooled_spread(values for name, values in rates.items() if name in trained)
     return {
         name: Row(
             list(map(float, values)),
@@ -230,40 +231,40 @@ def panels(
 
     Args:
         rates: From `rates_by_test`.
-        trained: Names of training sets; the others are other detectors.
+        trained: Names of the sets whose networks were trained; the others are given weights or
+            other detectors, without an interval.
         clutter: Whether of scenes of several objects, rather than of single objects.
         measure: `success`, or for clutter `cleared`.
     """
     return {
-        ", ".join([test, *[scene] * clutter, NOISES[noise]]): _rows(found, trained)
+        ", ".join([test, *[scene] * clutter, NOISE_TITLES[noise]]): _rows(found, trained)
         for (test, scene, noise, measured), found in rates.items()
         if (scene != "single") == clutter and measured == measure
     }
 
 
 def learning_curves(
-    rates: Rates, images: Mapping[str, Images], curves: Mapping[str, Sequence[str]]
+    shown: Mapping[str, Mapping[str, Row]],
+    images: Mapping[str, Images],
+    curves: Mapping[str, Sequence[str]],
 ) -> dict[str, str]:
-    """Learning curves with single objects, SVG texts.
+    """Learning curves, SVG texts.
 
     Args:
-        rates: From `rates_by_test`.
+        shown: Success by test and then by set, from `panels`.
         images: Of the sets, by name.
         curves: Names of the sets of a curve, by what its size counts: `objects` or `images`. A
             curve without sets is left out.
     """
     sizes = {
-        "objects": {name: float(len(each.objects)) for name, each in images.items()},
-        "images": {name: float(each.count) for name, each in images.items()},
+        "objects": {name: len(each.objects) for name, each in images.items()},
+        "images": {name: each.count for name, each in images.items()},
     }
     return {
         kind: learning_chart(
             {
-                f"{test}, {NOISES[noise]}": [
-                    (sizes[kind][name], list(found[name])) for name in names
-                ]
-                for (test, scene, noise, _), found in rates.items()
-                if scene == "single"
+                title: [(sizes[kind][name], found[name]) for name in names]
+                for title, found in shown.items()
             },
             f"training {kind}",
         )
@@ -276,7 +277,6 @@ def _test(name: str, rates: Rates, study: Study) -> TestView:
     asked = study.settings.training_study
     tried = study.trials[study.trials["test"] == name]
     columns = {_title(*key[1:]): found for key, found in rates.items() if key[0] == name}
-    rows = {title: _rows(found, set(asked.sets)) for title, found in columns.items()}
     by_noise = {
         str(noise): attempts_by_set(own) for noise, own in tried.groupby("noise", sort=False)
     }
@@ -286,20 +286,11 @@ def _test(name: str, rates: Rates, study: Study) -> TestView:
         name=name,
         objects=tried["id"].nunique(),
         seen={key: len(known & found.objects) for key, found in study.images.items()},
-        sets={
-            key: SetView(
-                {title: found[key] for title, found in rows.items()},
-                {
-                    _title("single", n, "success"): mean_rate(own[key])
-                    for n, own in by_noise.items()
-                },
-            )
-            for key in names
-        },
+        sets=_set_views(names, columns, by_noise, set(study.images)),
         spreads={title: _spreads(found) for title, found in columns.items()},
         noises=[
             NoiseView(
-                NOISES[noise],
+                NOISE_TITLES[noise],
                 svg_uri(outcome_chart(own)),
                 {key: _colored(by_part(own[key], study.widths[name])) for key in names},
             )
@@ -308,10 +299,35 @@ def _test(name: str, rates: Rates, study: Study) -> TestView:
     )
 
 
+def _set_views(
+    names: Iterable[str],
+    columns: Mapping[str, dict[str, Floats]],
+    attempts: Mapping[str, dict[str, pd.DataFrame]],
+    trained: set[str],
+) -> dict[str, SetView]:
+    """Sets and other detectors by name.
+
+    Args:
+        names: Theirs.
+        columns: Success by title of the test.
+        attempts: At single objects, by noise and name.
+        trained: Names of the sets whose networks were trained.
+    """
+    rows = {title: _rows(found, trained) for title, found in columns.items()}
+    single = {_title("single", noise, "success"): own for noise, own in attempts.items()}
+    return {
+        name: SetView(
+            {title: found[name] for title, found in rows.items()},
+            {title: mean_rate(own[name]) for title, own in single.items()},
+        )
+        for name in names
+    }
+
+
 def _title(scene: str, noise: str, measure: str) -> str:
     """What is tested and measured, as the head of a column."""
     what = f"{scene}, {measure}" if scene != "single" else scene
-    return f"{what}, {NOISES[noise]}"
+    return f"{what}, {NOISE_TITLES[noise]}"
 
 
 def attempts_by_set(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:

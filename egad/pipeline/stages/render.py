@@ -43,7 +43,7 @@ from egad.sim import (
     SimulatedLabel,
     SimulatedLabelParameters,
     model_at_size,
-    settle,
+    settle_scene,
     simulate_contacts,
 )
 from egad.tables import parquet
@@ -222,7 +222,7 @@ class Studio:
             return ()
         density = self.settings.material.density
         models = [model_at_size(each.mesh, each.parts, size, density) for each, size in pairs]
-        placed = settle(models, share.scene, self.settings.simulated_label.engine, rng)
+        placed = settle_scene(models, share.scene, self.settings.simulated_label.engine, rng)
         return tuple(
             place(each.id, each.mesh, each.com, size, matrix)
             for number, matrix in placed

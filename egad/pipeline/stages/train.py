@@ -17,7 +17,7 @@ from egad.learning import (
     Score,
     TrainedNetwork,
     card,
-    count_correct,
+    outline_score,
     score_table,
     total_score,
 )
@@ -93,7 +93,7 @@ def run(
         shards.index,
         pd.DataFrame(rows),
         score,
-        count_correct(shards, held),
+        outline_score(shards, held),
         {"seed": seed, **plan.model_dump(mode="json")},
     )
     tell(trained, out)

@@ -10,7 +10,7 @@ import typer
 
 from egad._util.files import write_text
 from egad.perception import files
-from egad.pipeline.config import TrainingSet
+from egad.pipeline.config import TrainingSet, TrainingStudy
 from egad.pipeline.config.stage_settings import TrainingStudyReport
 from egad.pipeline.config.training_study import Network, image_sets, networks
 from egad.pipeline.parameters import Input, NotNoted, Output, command
@@ -57,27 +57,12 @@ def run(
     asked, sets = settings.training_study, settings.training_sets
     found = networks(sets, asked)
     made = results / "training_study"
-    by_name = _made_by(found, asked.references)
-    tried = pd.concat(
-        [
-            attempts(made / "trials" / test / noise / f"{name}.parquet", test, noise, network)
-            for test in asked.tests
-            for noise in asked.noise
-            for name, network in by_name.items()
-        ],
-        ignore_index=True,
-    )
+    by_name = made_by(found, asked.references)
+    tried = _all_attempts(made, by_name, asked)
     if settings.trials.reset == "redrop":
         for _, rows in tried.groupby("test"):
             check_starts(rows)
-    parts = [parquet.empty(CLEARED)]
-    if asked.clutter:
-        parts = [
-            cleared_tables(made / "clutter" / test / f"{name}.parquet", test, network)
-            for test in asked.tests
-            for name, network in by_name.items()
-        ]
-    cleared = pd.concat(parts, ignore_index=True)
+    cleared = _all_cleared(made, by_name, asked)
     trained = [each for each in found if not sets[each.training_set].weights]
     study = Study(
         settings=settings,
@@ -93,9 +78,32 @@ def run(
     log.info("%d networks, %d attempts", len(found), len(tried) + len(cleared))
 
 
-def _made_by(found: list[Network], references: list[str]) -> dict[str, Network]:
+def made_by(found: list[Network], references: list[str]) -> dict[str, Network]:
     """Networks by name of the detector; references stand for themselves, with no training set."""
     return {each.name: each for each in found} | dict.fromkeys(references, Network("", 0))
+
+
+def _all_attempts(
+    made: Path, detectors: Mapping[str, Network], study: TrainingStudy
+) -> pd.DataFrame:
+    parts = [
+        attempts(made / "trials" / test / noise / f"{name}.parquet", test, noise, network)
+        for test in study.tests
+        for noise in study.noise
+        for name, network in detectors.items()
+    ]
+    return pd.concat(parts, ignore_index=True)
+
+
+def _all_cleared(
+    made: Path, detectors: Mapping[str, Network], study: TrainingStudy
+) -> pd.DataFrame:
+    parts = [
+        cleared_tables(made / "clutter" / test / f"{name}.parquet", test, network)
+        for test in (study.tests if study.clutter else ())
+        for name, network in detectors.items()
+    ]
+    return pd.concat([parquet.empty(CLEARED), *parts], ignore_index=True)
 
 
 def attempts(path: Path, test: str, noise: str, network: Network) -> pd.DataFrame:
