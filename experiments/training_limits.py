@@ -4,7 +4,7 @@ Prints how the attempts of docs/training.parquet ended, and for the sets of the 
 comparisons and the references: success by row, column and width of the objects; the objects at
 which the first set fails most often; and success with and without a labelled grasp within reach.
 Draws docs/training-labels.svg, the success at each object. RESULTS is the folder `results` of the
-study, for the widths of the objects.
+study, for the sizes of the objects.
 """
 
 import sys
@@ -20,7 +20,7 @@ from egad._util.markdown import table
 from egad.evalset import cell_of_label
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.report.training_study import NOISE_TITLES, attempts_by_set, by_part
-from egad.pipeline.stages.training_study import widths_of
+from egad.pipeline.stages.training_study import sides_of
 from egad.report.colors import ink_on
 from egad.report.drawing import new_figure
 from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_color
@@ -47,9 +47,10 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
         title = f"{test}, {NOISE_TITLES[str(noise)]}"
         print_outcomes(title, found)
         shown = {name: found[name] for name in dict.fromkeys(names) if name in found}
-        print_parts(title, shown, widths_of(results / str(test), hand))
+        sides = sides_of(results / str(test), hand)
+        print_parts(title, shown, {label: each[0] for label, each in sides.items()})
         by_object = {name: by_label(own) for name, own in shown.items()}
-        print_objects(title, by_object)
+        print_objects(title, by_object, sides)
         if LABELS in found:
             print_reachable(title, shown, found[LABELS])
         if noise == "none":
@@ -78,18 +79,30 @@ def print_parts(title: str, found: Attempts, widths: Mapping[str, float]) -> Non
     print_table([title, *(f"`{name}`" for name in parts)], rows)
 
 
-def print_objects(title: str, rates: Mapping[str, Mapping[str, float]]) -> None:
-    """The objects that the first set loses most often: part of its failures so far, and success."""
+def print_objects(
+    title: str,
+    rates: Mapping[str, Mapping[str, float]],
+    sides: Mapping[str, Sequence[float]],
+) -> None:
+    """The objects that the first set loses most often.
+
+    Their size in millimetres, the part of its failures so far, and success.
+    """
     lost = 1 - pd.Series(next(iter(rates.values())))
     shares = (lost / lost.sum()).sort_values(ascending=False, kind="stable").cumsum()
     rows = [
-        [str(label), f"{100 * share:.0f}", *(f"{100 * e[str(label)]:.0f}" for e in rates.values())]
+        [
+            str(label),
+            " x ".join(f"{1000 * side:.0f}" for side in sides[str(label)]),
+            f"{100 * share:.0f}",
+            *(f"{100 * each[str(label)]:.0f}" for each in rates.values()),
+        ]
         for label, share in shares.head(WORST).items()
     ]
     rest = shares.index[WORST:]
     success = [f"{100 * pd.Series(each)[rest].mean():.0f}" for each in rates.values()]
-    rows.append([f"the other {len(rest)}", "100", *success])
-    print_table([title, "failures up to here", *(f"`{name}`" for name in rates)], rows)
+    rows.append([f"the other {len(rest)}", "", "100", *success])
+    print_table([title, "size, mm", "failures up to here", *(f"`{name}`" for name in rates)], rows)
 
 
 def print_reachable(title: str, found: Attempts, labels: pd.DataFrame) -> None:

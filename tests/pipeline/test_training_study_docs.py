@@ -279,7 +279,15 @@ def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path
     labels = sorted(set(table["label"]))
     objects = [{"label": label, "object_label": label} for label in labels]
     write(EVAL49, objects, tmp_path / "own/eval49.parquet")
-    scales = [{"label": label, "after_1": 0.01 if label == "A0" else 0.03} for label in labels]
+    scales = [
+        {
+            "label": label,
+            "after_1": 0.01 if label == "A0" else 0.03,
+            "after_2": 0.05,
+            "after_3": 0.1,
+        }
+        for label in labels
+    ]
     write(SCALES, scales, tmp_path / "own/rescaled/egad_75mm/scales.parquet")
     capsys.readouterr()
     runpy.run_path(str(EXPERIMENTS / "training_limits.py"))["main"](tmp_path, pair, tmp_path)
@@ -294,10 +302,11 @@ def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path
     failures = (~few["success"]).groupby(few["label"]).sum()
     first, second, *_ = list(objects)
     assert failures[first] == failures.max()
-    assert float(objects[second][0]) == pytest.approx(
+    assert objects["A0"][0] == "10 x 50 x 100"
+    assert float(objects[second][1]) == pytest.approx(
         100 * (failures[first] + failures[second]) / failures.sum(), abs=0.5
     )
-    assert objects[first][1] == f"{100 - 100 * failures[first] / 8:.0f}"
+    assert objects[first][2] == f"{100 - 100 * failures[first] / 8:.0f}"
     for head, chosen in [("labelled grasp", reached), ("none", ~reached)]:
         share, success, *_ = reach[head]
         assert share == f"{100 * chosen.mean():.0f}"

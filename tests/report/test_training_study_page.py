@@ -17,7 +17,7 @@ from egad.pipeline.report.training_study import (
     Training,
     describe,
     learning_curves,
-    object_widths,
+    object_sides,
     page,
 )
 from egad.report.training_study import Row
@@ -265,7 +265,10 @@ def test_sets_in_words():
     assert describe(TrainingSet(weights="w.pt")) == "given weights, `w.pt`, without training"
 
 
-def test_the_width_of_an_object_is_its_shortest_side():
+def test_sides_are_those_of_the_scaled_object_with_the_label():
     evaluation = pd.DataFrame({"label": ["A0", "B1"], "object_label": ["x", "y"]})
-    scales = pd.DataFrame({"label": ["y", "z", "x"], "after_1": [0.02, 0.5, 0.01]})
-    assert object_widths(evaluation, scales) == {"A0": 0.01, "B1": 0.02}
+    sides = {"x": [0.01, 0.03, 0.04], "y": [0.02, 0.02, 0.07], "z": [0.5, 0.6, 0.7]}
+    scales = pd.DataFrame(
+        [[key, *sides[key]] for key in "yzx"], columns=["label", "after_1", "after_2", "after_3"]
+    )
+    assert object_sides(evaluation, scales) == {"A0": sides["x"], "B1": sides["y"]}

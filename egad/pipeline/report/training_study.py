@@ -370,12 +370,18 @@ def _means(rows: pd.DataFrame, groups: list[str]) -> dict[str, float]:
     return {str(key): float(value) for key, value in means.items()}
 
 
-def object_widths(evaluation: pd.DataFrame, scales: pd.DataFrame) -> dict[str, float]:
-    """The shortest side of each object of an evaluation set as it is tried, metres, by its label.
+def object_sides(evaluation: pd.DataFrame, scales: pd.DataFrame) -> dict[str, list[float]]:
+    """The sides of each object of an evaluation set as it is tried, by its label.
 
     Args:
         evaluation: Columns of `tables.evaluation.EVAL49`.
         scales: Columns of `tables.grasping.SCALES`.
+
+    Returns:
+        Sides of its smallest box, metres, the shortest first.
     """
-    sides = dict(zip(scales["label"], scales["after_1"], strict=True))
-    return {row["label"]: sides[row["object_label"]] for row in parquet.records(evaluation)}
+    sides = scales.set_index("label")[["after_1", "after_2", "after_3"]]
+    return {
+        row["label"]: sides.loc[row["object_label"]].to_list()
+        for row in parquet.records(evaluation)
+    }

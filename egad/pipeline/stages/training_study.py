@@ -14,7 +14,7 @@ from egad.pipeline.config import TrainingSet, TrainingStudy
 from egad.pipeline.config.stage_settings import TrainingStudyReport
 from egad.pipeline.config.training_study import Network, image_sets, networks
 from egad.pipeline.parameters import Input, NotNoted, Output, command
-from egad.pipeline.report.training_study import Images, Study, Training, object_widths, page
+from egad.pipeline.report.training_study import Images, Study, Training, object_sides, page
 from egad.stats import check_starts, read
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
@@ -68,7 +68,7 @@ def run(
         settings=settings,
         trials=tried,
         cleared=cleared,
-        widths={test: widths_of(results / test, gripper) for test in asked.tests},
+        widths={test: _widths(results / test, gripper) for test in asked.tests},
         images={each.training_set: images_of(made, each.training_set, sets) for each in trained},
         trainings={each: _training(made / "networks" / each.folder) for each in trained},
     )
@@ -118,12 +118,16 @@ def cleared_tables(path: Path, test: str, network: Network) -> pd.DataFrame:
     return table.loc[:, list(CLEARED.names)]
 
 
-def widths_of(dataset: Path, gripper: str) -> dict[str, float]:
-    """The shortest side of each object of a test, metres, by label; from the dataset's results."""
+def sides_of(dataset: Path, gripper: str) -> dict[str, list[float]]:
+    """The sides of each object of a test, metres, by label; from the dataset's results."""
     chosen = parquet.read(dataset / "eval49.parquet", EVAL49)
-    return object_widths(
+    return object_sides(
         chosen, parquet.read(dataset / "rescaled" / gripper / "scales.parquet", SCALES)
     )
+
+
+def _widths(dataset: Path, gripper: str) -> dict[str, float]:
+    return {label: sides[0] for label, sides in sides_of(dataset, gripper).items()}
 
 
 def images_of(made: Path, name: str, training_sets: Mapping[str, TrainingSet]) -> Images:
