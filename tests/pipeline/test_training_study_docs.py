@@ -313,3 +313,37 @@ def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path
         assert success == f"{100 * few[chosen]['success'].mean():.0f}"
     share = few[few["label"] == "A0"]["success"].mean()
     assert f">{100 * share:.0f}</text>" in (tmp_path / "training-labels.svg").read_text()
+
+
+def test_idle_channels_are_counted_over_all_images():
+    """Of four channels, one is 0 for all inputs and one for the negative input only."""
+    torch = pytest.importorskip("torch")
+    idle = runpy.run_path(str(EXPERIMENTS / "initial_weights.py"))["idle"]
+    layer = torch.nn.Conv2d(1, 4, 1)
+    with torch.no_grad():
+        layer.weight[:, 0, 0, 0] = torch.tensor([1.0, 1.0, -1.0, 0.0])
+        layer.bias[:] = torch.tensor([0.0, 5.0, 0.0, -1.0])
+    network = torch.nn.Sequential(layer, torch.nn.ReLU())
+    inputs = torch.stack([torch.full((1, 3, 3), value) for value in (-1.0, 1.0)])
+    assert idle(network, inputs) == 0.25
+    assert idle(network, inputs[:1]) == 0.5
+
+
+def test_typical_failures_are_those_of_the_object_that_is_lost_most(monkeypatch):
+    monkeypatch.syspath_prepend(EXPERIMENTS)
+    typical = runpy.run_path(str(EXPERIMENTS / "failures.py"))["typical"]
+    rows = [
+        *[("A0", "missed", 0.05)] * 2,
+        *[("B1", "missed", 0.05)] * 3,
+        *[("A0", "slipped_lifting", 0.05)] * 4,
+        *[("C2", "no_grasp", np.nan)] * 9,
+        *[("C2", "success", 0.05)] * 9,
+    ]
+    trials = pd.DataFrame(rows, columns=["label", "outcome", "width"])
+    trials = trials.assign(success=trials["outcome"] == "success", attempt=range(len(trials)))
+    found = typical(trials)
+    assert found[["label", "outcome"]].to_numpy().tolist() == [
+        ["B1", "missed"],
+        ["A0", "slipped_lifting"],
+    ]
+    assert list(found["attempt"]) == [2, 5]

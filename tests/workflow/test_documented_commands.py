@@ -1,4 +1,4 @@
-"""Snakemake understands the commands of the documentation as they are meant."""
+"""The commands of the documentation exist, and Snakemake understands them as they are meant."""
 
 import re
 import shlex
@@ -30,3 +30,17 @@ def test_a_target_is_not_taken_for_a_configuration(command):
     """`--configfile` takes all words that follow, so `--` must end them."""
     given = get_argument_parser().parse_args(shlex.split(command)[1:])
     assert not [path for path in given.configfile if path.parts[0] in {"results", "release"}]
+
+
+PROGRAMS = {
+    name
+    for path in PAGES
+    for name in re.findall(
+        r"\bpython\s+((?:experiments|tests/benchmarks)/\w+\.py)", path.read_text()
+    )
+}
+
+
+@pytest.mark.parametrize("name", sorted(PROGRAMS))
+def test_a_named_program_exists(name):
+    assert (ROOT / name).is_file()
