@@ -72,17 +72,17 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     """
     view = restore(view)
     window = _uneven(view, gripper.pad.friction)
-    relief = heightmap_of(view, window)
-    if relief is None:
+    heightmap = heightmap_of(view, window)
+    if heightmap is None:
         return []
     pairs = _pairs(_edges(view, window, gripper.pad.friction), gripper)
     if len(pairs.top) == 0:
         return []
-    centroid = relief.centroid()
+    centroid = heightmap.centroid()
     # Probing the space for the hand is costly: first as if the palm stayed above everything.
-    tip = max(relief.heights.max() - gripper.finger_length, 0.0) + TABLE_CLEARANCE
+    tip = max(heightmap.heights.max() - gripper.finger_length, 0.0) + TABLE_CLEARANCE
     hopeful = np.argsort(-_quality(pairs, centroid, tip), kind="stable")[:MAX_CANDIDATES]
-    return _grasps(_Pairs(*(values[hopeful] for values in pairs)), relief, centroid, gripper)
+    return _grasps(_Pairs(*(values[hopeful] for values in pairs)), heightmap, centroid, gripper)
 
 
 def _edges(view: View, window: Window, friction: float) -> _Edges:
@@ -153,10 +153,10 @@ def _quality(pairs: _Pairs, centroid: Floats, tip: Floats | float) -> Floats:
     return quality
 
 
-def _grasps(pairs: _Pairs, relief: Heightmap, centroid: Floats, gripper: Gripper) -> list[Grasp]:
+def _grasps(pairs: _Pairs, heightmap: Heightmap, centroid: Floats, gripper: Gripper) -> list[Grasp]:
     """Candidates for which the hand has space, with their depths and qualities."""
     width = roomy(pairs.distance, gripper)
-    tip = min_fingertip_height(pairs.middle, pairs.axis, width, relief, gripper)
+    tip = min_fingertip_height(pairs.middle, pairs.axis, width, heightmap, gripper)
     bite = pairs.top - tip
     level = tip + bite / 2
     quality = _quality(pairs, centroid, tip)

@@ -136,10 +136,10 @@ class MapDetector:
             return []
         answer = read_maps(self._infer(prepare_input(middle(view.depth).depth)))
         whole = restore(view)
-        relief = heightmap_of(whole)
-        if relief is None:
+        heightmap = heightmap_of(whole)
+        if heightmap is None:
             return []
-        return _grasps(_spots(answer, whole, gripper), relief, gripper)
+        return _grasps(_spots(answer, whole, gripper), heightmap, gripper)
 
 
 class GGCNN(MapDetector):
@@ -223,9 +223,9 @@ def _unit(vectors: Floats) -> Floats:
     return unit
 
 
-def _grasps(spots: _Spots, relief: Heightmap, gripper: Gripper) -> list[Grasp]:
+def _grasps(spots: _Spots, heightmap: Heightmap, gripper: Gripper) -> list[Grasp]:
     """The best spots of all around them that the hand can reach; see `MapDetector.__call__`."""
-    tip = min_fingertip_height(spots.middle, spots.axis, spots.width, relief, gripper)
+    tip = min_fingertip_height(spots.middle, spots.axis, spots.width, heightmap, gripper)
     bite = spots.top - tip
     quality = np.where(bite >= LEAST_BITE, spots.quality * bite_share(bite), 0.0)
     worth = np.zeros((SIZE, SIZE))

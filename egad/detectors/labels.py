@@ -49,10 +49,10 @@ class Labels:
         Returns:
             At most 50 grasps, best first.
         """
-        relief = heightmap_of(restore(view))
+        heightmap = heightmap_of(restore(view))
         axis = self._axis @ matrix[:3, :3].T
         level = np.flatnonzero(np.abs(axis[:, 2]) <= np.sin(TILT))
-        if relief is None or len(level) == 0:
+        if heightmap is None or len(level) == 0:
             return []
         center = self._center[level] @ matrix[:3, :3].T + matrix[:3, 3]
         flat = axis[level, :2] / np.linalg.norm(axis[level, :2], axis=1, keepdims=True)
@@ -62,7 +62,7 @@ class Labels:
         tips = [
             np.maximum(
                 center[:, 2] - pad,
-                min_fingertip_height(center[:, :2], flat, width, relief, gripper),
+                min_fingertip_height(center[:, :2], flat, width, heightmap, gripper),
             )
             for width in (narrow, wide)
         ]

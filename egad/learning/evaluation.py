@@ -105,7 +105,7 @@ def map_losses(maps: "torch.Tensor", wanted: "torch.Tensor") -> "torch.Tensor":
 
 
 def score(judgements: Sequence[ImageScore]) -> float:
-    """Part of the images with positive grasps in which the best one was right; NaN if none."""
+    """Part of the images with positive grasps in which the best one is correct; NaN if none."""
     hits = [each.hit for each in judgements if each.hit is not None]
     return float(np.mean(hits)) if hits else math.nan
 

@@ -54,16 +54,16 @@ class Checkpoint:
 
     Attributes:
         path: The file.
-        meaning: All that decides the result; a state of another training is not taken.
+        fingerprint: All that decides the result; a state of another training is not taken.
     """
 
     path: Path
-    meaning: str
+    fingerprint: str
 
     def save(self, state: State) -> None:
         """Write the state, atomically."""
         values = {
-            "meaning": self.meaning,
+            "fingerprint": self.fingerprint,
             "network": state.network.state_dict(),
             "optimizer": state.optimizer.state_dict(),
             "rows": state.rows,
@@ -77,7 +77,7 @@ class Checkpoint:
             return
         try:
             values = torch.load(self.path, weights_only=True)
-            fits = values["meaning"] == self.meaning
+            fits = values["fingerprint"] == self.fingerprint
         except Exception as error:  # anything may be raised by a damaged file
             log.warning(
                 "%s cannot be read (%s): training starts from the beginning", self.path, error

@@ -93,7 +93,7 @@ def heightmap_of(view: View, window: Window | None = None) -> Heightmap | None:
 
 
 def min_fingertip_height(
-    middle: Floats, axis: Floats, width: Floats, relief: Heightmap, gripper: Gripper
+    middle: Floats, axis: Floats, width: Floats, heightmap: Heightmap, gripper: Gripper
 ) -> Floats:
     """How low the fingertips can go before a finger or the palm meets what is seen.
 
@@ -101,7 +101,7 @@ def min_fingertip_height(
         middle: (n, 2) where the hand is, world frame.
         axis: (n, 2) unit vectors of the closing axis.
         width: (n,) how far the hand is open.
-        relief: What is seen.
+        heightmap: What is seen.
         gripper: The hand.
 
     Returns:
@@ -110,14 +110,14 @@ def min_fingertip_height(
     along, across = _probes(gripper.finger_thickness, gripper.finger_width)
     shift = (width + gripper.finger_thickness)[:, None] / 2
     clear = np.maximum(
-        relief.highest(_placed(along + shift, across, middle, axis)),
-        relief.highest(_placed(along - shift, across, middle, axis)),
+        heightmap.highest(_placed(along + shift, across, middle, axis)),
+        heightmap.highest(_placed(along - shift, across, middle, axis)),
     )
     # The palm counts only where the fingers could go so deep that it meets the highest point.
-    deep = np.flatnonzero(np.maximum(clear, 0.0) < relief.heights.max() - gripper.finger_length)
+    deep = np.flatnonzero(np.maximum(clear, 0.0) < heightmap.heights.max() - gripper.finger_length)
     for some in np.array_split(deep, len(deep) // BLOCK + 1):
         palm = _placed(*_probes(*gripper.palm[:2]), middle[some], axis[some])
-        clear[some] = np.maximum(clear[some], relief.highest(palm) - gripper.finger_length)
+        clear[some] = np.maximum(clear[some], heightmap.highest(palm) - gripper.finger_length)
     lowest: Floats = np.maximum(clear, 0.0) + TABLE_CLEARANCE
     return lowest
 

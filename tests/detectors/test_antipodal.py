@@ -197,8 +197,8 @@ def test_what_is_looked_at_of_an_image_gives_the_edges_and_heights_of_all_of_it(
         part, whole = _edges(view, window, friction), _edges(view, WHOLE, friction)
         np.testing.assert_allclose(part.points, whole.points, atol=1e-12)
         np.testing.assert_allclose(part.outward, whole.outward, atol=1e-7)
-        reliefs = heightmap_of(view, window), heightmap_of(view, WHOLE)
-        for one, other in zip(*(relief or () for relief in reliefs), strict=True):
+        heightmaps = heightmap_of(view, window), heightmap_of(view, WHOLE)
+        for one, other in zip(*(heightmap or () for heightmap in heightmaps), strict=True):
             np.testing.assert_allclose(one, other, atol=1e-12)
         found.append((len(whole.points), view.depth[window].size < view.depth.size))
     edges, smaller = np.transpose(found)

@@ -66,9 +66,9 @@ def test_the_history_is_there_and_says_where_it_is_from(trained):
 def test_the_score_is_that_of_the_card(trained):
     (row,) = parquet.records(parquet.read(trained / "words/score.parquet", SCORE))
     text = (trained / "words/README.md").read_text()
-    said = "right in {n_correct} of {n_images} images of {objects} held-out objects".format(**row)
+    said = "correct in {n_correct} of {n_images} images of {objects} held-out objects".format(**row)
     assert said in text.replace("\n", " ")
-    assert f"The loss on them was {row['loss']:.4f}" in text.replace("\n", " ")
+    assert f"The loss is {row['loss']:.4f}" in text.replace("\n", " ")
 
 
 def test_the_card_says_what_it_learnt_from_and_how(trained, pictures):

@@ -81,7 +81,7 @@ def run(
     plan, seed = settings.training, settings.seed
     shards = open_dataset(images, settings)
     network = networks.new_network(plan.network, seed)
-    kept = training.Checkpoint(out / CHECKPOINT, meaning(settings, images))
+    kept = training.Checkpoint(out / CHECKPOINT, fingerprint(settings, images))
     rows = training.train(network, shards, plan, seed, jobs, kept)
     held, judgements = training.evaluate_split(network, shards, plan.test, jobs)
     score = total_score(shards.index.loc[held], judgements)
@@ -126,7 +126,7 @@ def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> Dataset:
     return shards
 
 
-def meaning(settings: TrainNetwork, images: Sequence[Path]) -> str:
+def fingerprint(settings: TrainNetwork, images: Sequence[Path]) -> str:
     """Everything that the result of a training depends on, as text."""
     import torch  # noqa: PLC0415 (an extra)
 
