@@ -62,7 +62,7 @@ def carried_out(rows: tuple[str, pd.DataFrame], results: Path, gripper: str) -> 
         first = [runner.repeat(*each) for each in tried]
     rests = [attempt.rest for attempt in first]
     worlds = {engine: open_world(engine, [model], arm.robot) for engine in PAIR}
-    worlds[ANCHORLESS] = WithoutAnchors(model, arm.robot)
+    worlds[ANCHORLESS] = WithoutAnchors([model], arm.robot)
     found = {}
     for engine, unopened in worlds.items():
         with unopened as world:
