@@ -8,13 +8,12 @@ the loss of each network on the validation images. STUDY is the folder `results/
 import sys
 from pathlib import Path
 
-import pandas as pd
-
 from egad._util.markdown import table
 from egad.learning import outline_score
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.config.training_study import Network, image_sets, networks_of, settings_for
 from egad.pipeline.stages.train import TrainNetwork, open_dataset
+from egad.pipeline.stages.training_study import training_of
 
 CONFIG = Path(__file__).parents[1] / "config/training_study.yaml"
 
@@ -28,14 +27,15 @@ def main(study: Path, names: list[str]) -> None:
         folders = [study / "images" / each for each in image_sets(name, settings.training_sets)]
         shown = open_dataset(folders, plan)
         outline = outline_score(shown, shown.indices("test"))
-        known = [study / "networks" / each.folder for each in networks_of(settings)]
-        made = [path for path in known if path.parent.name == name and path.is_dir()]
-        scores = pd.concat([pd.read_parquet(path / "score.parquet") for path in made])
-        rates = " ".join(f"{100 * rate:.0f}" for rate in scores["n_correct"] / scores["n_images"])
-        histories = [pd.read_parquet(path / "history.parquet") for path in made]
-        losses = " ".join(f"{found['validation_loss'].iloc[-1]:.4f}" for found in histories)
+        made = [
+            training_of(study / "networks" / each.folder)
+            for each in networks_of(settings)
+            if each.training_set == name
+        ]
+        rates = " ".join(f"{100 * each.rate:.0f}" for each in made)
+        losses = " ".join(f"{each.last['validation_loss']:.4f}" for each in made)
         share = f"{100 * outline.n_correct / outline.n_images:.0f} of {outline.n_images}"
-        lines.append((f"`{name}`", int(scores["n_images"].iloc[0]), rates, share, losses))
+        lines.append((f"`{name}`", int(made[0].score["n_images"]), rates, share, losses))
     head = ["trained on", "test images", "correct, %", "outline, %", "loss on validation images"]
     print(table(head, lines))
 

@@ -188,6 +188,8 @@ def test_gaps_are_filled_with_the_farther_side(look):
     stand = at_middle()
     answered(View(holes, view.intrinsics, view.pose), stand)
     assert np.isfinite(stand.seen).all()
+    whole = prepare_input(middle(view.depth).depth)
+    assert np.median(np.abs(stand.seen - whole)) < 1e-4
 
 
 def test_what_goes_in_has_no_mean_and_is_clipped():

@@ -46,7 +46,7 @@ def test_a_scene_is_not_an_object():
 def test_the_card_tells_the_score_and_the_losses_of_the_last_epoch(images, history):
     index = Dataset([images], PositiveFilter(0.002, 0.02)).index
     score = Score(n_correct=30, n_images=40, objects=7, interval=(0.6, 0.85), loss=0.0234)
-    settings, _plain = {"positive": "quality", "quality": 0.002}, OutlineScore(22, 31)
+    settings = {"positive": "quality", "quality": 0.002}
     trained = TrainedNetwork(
         "GG-CNN", 62420, "pictures", index, history, score, OutlineScore(22, 31), settings
     )

@@ -168,6 +168,7 @@ ALL_IMAGES: Values = {
     "pile": 0.25,
     "without_grasps": False,
 }
+STEREO_NOISE: Values = STEREO.model_dump(exclude_defaults=True)
 SIMULATED: Values = {"positive": "simulated"}
 AS_BEFORE: Values = {"without_grasps": True}
 TRAINING_BASE: Values = {
@@ -186,11 +187,7 @@ def _evolved(**render: object) -> Values:
 
 def _with_all(dataset: str, **render: object) -> Values:
     """A set with all factors but simulated labels."""
-    return {
-        "dataset": dataset,
-        "render": {**ALL_IMAGES, **render},
-        "image_noise": STEREO.model_dump(exclude_defaults=True),
-    }
+    return {"dataset": dataset, "render": {**ALL_IMAGES, **render}, "image_noise": STEREO_NOISE}
 
 
 TRAINING_SETS_OF_STUDY: Values = {
@@ -198,7 +195,7 @@ TRAINING_SETS_OF_STUDY: Values = {
     "evolved-sizes": _evolved(widths=ALL_IMAGES["widths"]),
     "evolved-scenes": _evolved(packed=0.25, pile=0.25),
     "evolved-simulated": {**_evolved(simulate=True), "training": SIMULATED},
-    "evolved-noise": {**_evolved(), "image_noise": STEREO.model_dump(exclude_defaults=True)},
+    "evolved-noise": {**_evolved(), "image_noise": STEREO_NOISE},
     "evolved-grasps": _evolved(without_grasps=False),
     "evolved-all": {**_with_all("egad"), "seeds": 8},
     "evolved-all-simulated": {**_with_all("egad", simulate=True), "training": SIMULATED},
@@ -243,7 +240,7 @@ TRAINING_VARIANCE: Values = {
         "tests": ["egad", "ycb"],
     },
     "training_sets": {
-        "evolved": {**_evolved(), "seeds": 5},
+        "evolved": _evolved(),
         "evolved-short": {
             "images": ["evolved"],
             "training": {"images": 5_000, "epoch": 1_000},

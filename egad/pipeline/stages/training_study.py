@@ -70,7 +70,7 @@ def run(
         cleared=cleared,
         widths={test: _widths(results / test, gripper) for test in asked.tests},
         images={each.training_set: images_of(made, each.training_set, sets) for each in trained},
-        trainings={each: _training(made / "networks" / each.folder) for each in trained},
+        trainings={each: training_of(made / "networks" / each.folder) for each in trained},
     )
     write_text(out, page(study))
     parquet.write(tried, COMPARED, table)
@@ -144,6 +144,7 @@ def images_of(made: Path, name: str, training_sets: Mapping[str, TrainingSet]) -
     return Images(frozenset(objects), count)
 
 
-def _training(folder: Path) -> Training:
+def training_of(folder: Path) -> Training:
+    """How the network in a folder was trained."""
     score = parquet.records(parquet.read(folder / "score.parquet", SCORE))[0]
     return Training(parquet.read(folder / "history.parquet", HISTORY), score)
