@@ -19,7 +19,7 @@ from egad._util.files import atomic_output, write_text
 from egad._util.markdown import table
 from egad.pipeline.cli.common import settings_in
 from egad.pipeline.config import Settings
-from egad.pipeline.config.training_study import Network, networks_of
+from egad.pipeline.config.training_study import Network, image_sets, networks_of
 from egad.pipeline.report.training_study import learning_curves, panels, rates_by_test
 from egad.pipeline.stages.training_study import attempts, cleared_tables, images_of, made_by
 from egad.report.page import p_value
@@ -80,16 +80,21 @@ def in_order(rates: Mapping[str, Floats], names: Sequence[str]) -> dict[str, Flo
 def draw_curves(
     shown: Mapping[str, Mapping[str, Row]], results: Path, settings: Settings, docs: Path
 ) -> None:
-    """The learning curves whose sets are tested in all tests."""
-    asked = settings.training_study
-    curves = {"objects": asked.object_curve, "images": asked.image_curve}
+    """The learning curves whose sets are tested in all tests, and whose images are there."""
+    sets = settings.training_sets
+    rendered = {
+        name
+        for own in settings.training_study.curves.values()
+        for name in own
+        if all((results / "images" / each / "card.md").is_file() for each in image_sets(name, sets))
+    }
     ready = {
         kind: own
-        for kind, own in curves.items()
-        if all(set(own) <= set(found) for found in shown.values())
+        for kind, own in settings.training_study.curves.items()
+        if set(own) <= rendered and all(set(own) <= set(found) for found in shown.values())
     }
     names = dict.fromkeys(name for own in ready.values() for name in own)
-    images = {name: images_of(results, name, settings.training_sets) for name in names}
+    images = {name: images_of(results, name, sets) for name in names}
     for kind, chart in learning_curves(shown, images, ready).items():
         write_text(docs / f"training-{kind}.svg", chart)
 

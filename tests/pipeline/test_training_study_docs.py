@@ -1,5 +1,6 @@
 """What docs/training.md is written with: twins and rates against slow counts, power."""
 
+import re
 import runpy
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.evolution import ARCHIVE
 from egad.tables.grasping import SCALES
+from egad.tables.images import IMAGES
 from egad.tables.objects import OBJECTS
 
 ROOT = Path(__file__).parents[2]
@@ -29,14 +31,14 @@ def twins():
     return runpy.run_path(str(EXPERIMENTS / "twins.py"))
 
 
-def write(schema, rows, path):
+def write(schema, rows, path, notes=None):
     """A table with nothing in the columns that are not given."""
     kinds = {pa.string(): "", pa.large_binary(): b"", pa.binary(): b""}
     zeros = {
         field.name: [] if pa.types.is_list(field.type) else kinds.get(field.type, 0)
         for field in schema
     }
-    parquet.write(pd.DataFrame([zeros | row for row in rows]), schema, path)
+    parquet.write(pd.DataFrame([zeros | row for row in rows]), schema, path, notes)
 
 
 @pytest.fixture(scope="module")
@@ -172,6 +174,7 @@ def pair(tmp_path):
             "noise": ["none"],
             "references": ["labels", "random-0"],
             "comparisons": [["few", "many"]],
+            "object_curve": ["few", "many"],
         },
     }
     path = tmp_path / "study.yaml"
@@ -232,6 +235,25 @@ def test_parts_of_the_study_add_up(study, tried, pair, tmp_path, capsys):
     assert ["`few`" in each["trained on"] for each in said] == [False, False, True, True]
     assert said[2]["pair"] != expected["pair"]
     assert said[3] == expected
+
+
+def test_a_learning_curve_is_drawn_once_the_images_of_its_sets_are_there(
+    study, tried, pair, tmp_path
+):
+    folder, _ = tried
+    docs = tmp_path / "docs"
+    docs.mkdir()
+    (tmp_path / "trials").symlink_to(folder / "trials")
+    for name, count in [("few", 3), ("many", 20)]:
+        study["main"](tmp_path, pair, docs)
+        assert not (docs / "training-objects.svg").exists()
+        images = tmp_path / "images" / name
+        rows = [{"objects": [f"o{number}"], "split": "train"} for number in range(count)]
+        write(IMAGES, rows, images / "images-0.parquet", {"shards": 1})
+        (images / "card.md").touch()
+    study["main"](tmp_path, pair, docs)
+    said = re.findall(">([^<>]+)</text>", (docs / "training-objects.svg").read_text())
+    assert {"3", "20", "training objects"} <= {each.strip() for each in said}
 
 
 def test_clutter_is_kept_with_the_rest(study, tried, pair, tmp_path, capsys):

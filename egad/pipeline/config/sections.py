@@ -252,6 +252,11 @@ class TrainingStudy(Parameters):
         [], description="sets of a learning curve over the number of images"
     )
 
+    @property
+    def curves(self) -> dict[str, list[Name]]:
+        """Sets of each learning curve, by what is counted: objects or images."""
+        return {"objects": self.object_curve, "images": self.image_curve}
+
 
 class Release(Parameters):
     """The folder `results/release`, a dataset that anyone can host: docs/release.md."""

@@ -166,7 +166,7 @@ def page(study: Study) -> str:
     asked = settings.training_study
     rates = rates_by_test(study.trials, study.cleared)
     shown = panels(rates, set(study.images))
-    curves = {"objects": asked.object_curve, "images": asked.image_curve}
+    curves = learning_curves(shown, study.images, asked.curves)
     return render_template(
         "training_study",
         settings=settings,
@@ -175,7 +175,7 @@ def page(study: Study) -> str:
         trainings=study.trainings,
         success_figure=svg_uri(success_chart(shown)),
         comparisons=Comparisons(compare_sets(study.trials, asked.comparisons), NOISE_TITLES),
-        curves=[svg_uri(chart) for chart in learning_curves(shown, study.images, curves).values()],
+        curves=[svg_uri(chart) for chart in curves.values()],
         tests=[_test(name, rates, study) for name in asked.tests],
         widths=list(WIDTHS),
     )
