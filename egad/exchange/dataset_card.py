@@ -153,15 +153,12 @@ from 0 = simplest and 0 = easiest.
 ## Columns of `objects`
 
 {object_columns}
-
 ## Columns of `grasps`
 
 {grasp_columns}
-
 ## Columns of `evaluation_set`
 
 {evaluation_columns}
-
 ## Licence and citation
 
 The data is under [{license}]({license_url}), see `LICENSE`. Please cite the paper and this dataset
@@ -246,9 +243,9 @@ def card_page(
         engine=f" ({facts.engine})" if facts.engine else "",
         friction=facts.friction,
         most=facts.grasps,
-        object_columns="\n".join(markdown_table(RELEASED_OBJECTS)),
-        grasp_columns="\n".join(markdown_table(RELEASED_GRASPS)),
-        evaluation_columns="\n".join(markdown_table(RELEASED_EVALUATION_SET)),
+        object_columns=markdown_table(RELEASED_OBJECTS),
+        grasp_columns=markdown_table(RELEASED_GRASPS),
+        evaluation_columns=markdown_table(RELEASED_EVALUATION_SET),
         license=LICENSE,
         license_url=LICENSE_URL,
     )

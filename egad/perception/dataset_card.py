@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from egad._util.markdown import table
 from egad.perception.arrangement import is_good
 from egad.perception.parameters import SCENE_KINDS, Camera, ImageNoise, Render, RenderParameters
 from egad.perception.splits import SPLITS
@@ -143,12 +144,13 @@ def card(
 
 def _table(counts: pd.DataFrame) -> str:
     names = [*SPLITS, "all"]
-    lines = [f"| | {' | '.join(names)} |", "| --- |" + " --- |" * len(names)]
-    for column, title in COUNTS.items():
-        lines.append(f"| {title} | {' | '.join(str(counts.at[name, column]) for name in names)} |")
+    rows = [
+        (title, *(str(counts.at[name, column]) for name in names))
+        for column, title in COUNTS.items()
+    ]
     pairs = zip(counts.loc[names, "collision_free"], counts.loc[names, "grasps"], strict=True)
-    shares = " | ".join(f"{100 * free / max(grasps, 1):.0f} %" for free, grasps in pairs)
-    return "\n".join([*lines, f"| free, of the reachable | {shares} |"])
+    shares = [f"{100 * free / max(grasps, 1):.0f} %" for free, grasps in pairs]
+    return table(["", *names], [*rows, ("free, of the reachable", *shares)]).rstrip()
 
 
 def _sizes(render: Render, found: Summary, figure: str) -> str:

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from egad._util.files import write_text
+from egad._util.markdown import table
 from egad.pipeline import exports, stages
 from egad.pipeline.cli.stages import described
 from egad.pipeline.parameters import Output, declared
@@ -89,14 +90,14 @@ def _section(artefact: Artefact) -> str:
             continue
         if len(artefact.outputs) > 1:
             lines += [f"`{output.path}`:", ""]
-        lines += [*markdown_table(output.schema), ""]
+        lines.append(markdown_table(output.schema))
     return "\n".join(lines)
 
 
 def stage_table() -> str:
     """What each file of rules makes and from what, as Markdown."""
-    lines = ["| stage | commands | from | makes |", "| --- | --- | --- | --- |"]
-    return "\n".join([*lines, *(row for path in _rule_files() for row in _stage_row(path)), ""])
+    rows = [row for path in _rule_files() for row in _stage_row(path)]
+    return table(["stage", "commands", "from", "makes"], rows)
 
 
 def _rule_files() -> list[Path]:
@@ -105,7 +106,7 @@ def _rule_files() -> list[Path]:
     return [RULES / name for name in re.findall(r'include: "rules/(\w+\.smk)"', text)]
 
 
-def _stage_row(path: Path) -> Iterator[str]:
+def _stage_row(path: Path) -> Iterator[tuple[str, ...]]:
     """The row of a file of rules, unless it has only functions."""
     text = path.read_text(encoding="utf-8")
     head = " ".join(str(ast.literal_eval(text[: text.index('"""', 3) + 3])).split())
@@ -116,7 +117,7 @@ def _stage_row(path: Path) -> Iterator[str]:
     commands |= dict.fromkeys(["join"] if "use rule join" in text else [])
     shown = ", ".join(f"`egad {name}`" for name in commands)
     made_from, makes = (part.replace("results/D/", "D/") for part in (parts[3], parts[4]))
-    yield f"| {parts[1].lower()} | {shown} | {made_from} | {makes} |"
+    yield parts[1].lower(), shown, made_from, makes
 
 
 def files() -> dict[Path, str]:

@@ -10,6 +10,7 @@ import pandas as pd
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from egad._util.markdown import table
 from egad.errors import TableError
 
 STRING, INT, FLOAT, BOOL, BINARY = (
@@ -36,13 +37,11 @@ def meaning_of(field: pa.Field) -> tuple[str, str]:
     return field.metadata[b"meaning"].decode(), field.metadata[b"unit"].decode()
 
 
-def markdown_table(schema: pa.Schema) -> list[str]:
-    """Columns with type, unit and meaning: the lines of a table in Markdown."""
-    lines = ["| column | type | unit | meaning |", "| --- | --- | --- | --- |"]
-    for field in schema:
-        meaning, unit = meaning_of(field)
-        lines.append(f"| `{field.name}` | {field.type} | {unit} | {meaning} |")
-    return lines
+def markdown_table(schema: pa.Schema) -> str:
+    """Columns with type, unit and meaning, as a table in Markdown."""
+    described = [(field, *meaning_of(field)) for field in schema]
+    rows = [(f"`{field.name}`", field.type, unit, meaning) for field, meaning, unit in described]
+    return table(["column", "type", "unit", "meaning"], rows)
 
 
 def vector(

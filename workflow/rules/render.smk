@@ -35,7 +35,7 @@ rule render:
         ENVIRONMENT
     threads: 1
     resources:
-        **needs(mb=1500, minutes=30),
+        **needs(mb=2000, minutes=30),
     params:
         settings=settings_of("render"),
         meshes=subpath(input.scales, parent=True),
