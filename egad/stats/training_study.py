@@ -140,14 +140,14 @@ def mean_interval(values: Sequence[float] | Floats, spread: Spread | None) -> In
     """The 95 % confidence interval of the mean of all networks that could be trained on a set.
 
     Args:
-        values: Success of its networks.
+        values: Success of its networks, 0 to 1, and so is the interval.
         spread: Between networks; pooled over all sets, it makes up for few networks per set.
     """
     if spread is None:
         return UNKNOWN
     mean = float(np.mean(values))
     reach = float(t.ppf(0.975, spread.freedom)) * spread.sd / len(values) ** 0.5
-    return mean - reach, mean + reach
+    return max(mean - reach, 0.0), min(mean + reach, 1.0)
 
 
 def difference(first: Sequence[float] | Floats, second: Sequence[float] | Floats) -> Difference:

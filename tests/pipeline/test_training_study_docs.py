@@ -289,6 +289,25 @@ def test_a_part_with_other_drops_is_refused(study, tried, pair, tmp_path):
     assert (tmp_path / "training.parquet").read_bytes() == before
 
 
+def test_rounding_makes_no_other_drop(study, tried, pair, tmp_path):
+    """Of 200 drops, some are equal but for the last bits, and one tumbles otherwise."""
+    _, table = tried
+    rows = pd.concat([table.assign(attempt=table["attempt"] + 4 * n) for n in range(6)])
+    few, many = (rows[rows["training_set"] == name] for name in ("few", "many"))
+    keep_trials(many.assign(initial_x=0.03), tmp_path / "0")
+    study["main"](tmp_path / "0", pair, tmp_path)
+    moved = few.assign(initial_x=0.03 + np.where(few["attempt"] < 9, 1e-16, 0.0))
+    for odd, number in [(1, 1), (9, 2)]:
+        first = (few["label"] == "A0") & (few["attempt"] < odd)
+        keep_trials(
+            moved.assign(initial_x=moved["initial_x"] + 0.02 * first), tmp_path / str(number)
+        )
+    study["main"](tmp_path / "1", pair, tmp_path)
+    assert set(pd.read_parquet(tmp_path / "training.parquet")["training_set"]) == {"few", "many"}
+    with pytest.raises(UserError, match="started 4% of its attempts at own"):
+        study["main"](tmp_path / "2", pair, tmp_path)
+
+
 def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path, capsys):
     folder, table = tried
     few = table[table["training_set"] == "few"]

@@ -188,6 +188,8 @@ def test_intervals_cover_the_truth_in_19_of_20_cases():
     )
     assert np.mean((ends[:, 0] < 0.5) & (ends[:, 1] > 0.5)) == pytest.approx(0.95, abs=0.025)
     assert np.isnan(mean_interval([0.5], None)).all()
+    wide = pooled_spread([[0.5, 1.0]])
+    assert mean_interval([0.5, 1.0], wide) == (0.0, 1.0)  # rates
 
 
 def test_pre_registered_comparisons_alone_are_corrected(table):
