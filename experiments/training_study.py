@@ -37,7 +37,7 @@ COLUMNS = [*NETWORK, "label", "attempt", "initial_pose", "success", "outcome"]
 CLEARING = [*TESTED, "scene", "noise", "round", "attempt", "objects", "factors", "n_objects"]
 CLEARING += ["success", "outcome"]
 ROUNDING = 1e-9  # metres, and of a quaternion
-OTHER_DROPS = 0.01  # of the attempts of a detector in a test
+OTHER_DROPS = 0.01  # of the drops of a test
 Floats = NDArray[np.float64]
 
 
@@ -48,8 +48,9 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
     made = single_objects(results, detectors)
     for _, rows in made.groupby("test"):
         check_starts(rows)
+    if (docs / "training.parquet").is_file():
+        check_drops(made, pd.read_parquet(docs / "training.parquet"))
     trials = merged(made, NETWORK, docs / "training.parquet")
-    check_parts(trials)
     keep(trials, docs / "training.parquet")
     cleared = merged(clutter(results, detectors), TESTED, docs / "training_clutter.parquet")
     if len(cleared):
@@ -77,25 +78,30 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
         print_spread(", ".join(key), found)
 
 
-def check_parts(trials: pd.DataFrame) -> None:
-    """Refuse parts of the study whose drops differ by more than the rounding of processors.
+def check_drops(made: pd.DataFrame, earlier: pd.DataFrame) -> None:
+    """Refuse a part of the study whose drops are not those of the parts before.
 
-    Rounding changes a few drops altogether.
+    On another kind of processor they differ by rounding, which makes a few come to rest elsewhere.
 
     Raises:
-        UserError: A detector met many objects in other poses than those before it.
+        UserError: More differ; the text has how many of which test.
     """
-    known = trials[trials["initial_pose"] != ""].reset_index(drop=True)
-    poses = np.frombuffer(bytes.fromhex("".join(known["initial_pose"]))).reshape(-1, 7)
-    numbers = known[["test", "label", "attempt"]].assign(first=known.index)
-    first = numbers.groupby(["test", "label", "attempt"])["first"].transform("first")
-    known["other"] = np.abs(poses - poses[first]).max(axis=1, initial=0) > ROUNDING
-    shares = known.groupby(NETWORK)["other"].mean()
-    for (test, _, _, detector, noise), share in shares[shares > OTHER_DROPS].items():
-        raise UserError(
-            f"{detector} started {share:.0%} of its attempts at {test}, noise {noise}, with a "
-            "different drop than earlier detectors; repeat the trials with the same settings"
-        )
+    drop = ["test", "label", "attempt"]
+    starts = [
+        rows[rows["initial_pose"] != ""].groupby(drop)["initial_pose"].first()
+        for rows in (made, earlier)
+    ]
+    pairs = pd.concat(starts, axis=1, join="inner", ignore_index=True)
+    here, there = (
+        np.frombuffer(bytes.fromhex("".join(pairs[part]))).reshape(-1, 7) for part in pairs
+    )
+    other = pd.Series(np.abs(here - there).max(axis=1, initial=0) > ROUNDING, pairs.index)
+    for test, share in other.groupby("test").mean().items():
+        if share > OTHER_DROPS:
+            raise UserError(
+                f"{share:.0%} of the attempts at {test} start with a different drop than those of "
+                "the earlier parts: repeat the trials with the same settings"
+            )
 
 
 def in_order(rates: Mapping[str, Floats], names: Sequence[str]) -> dict[str, Floats]:
@@ -108,17 +114,13 @@ def draw_curves(
 ) -> None:
     """The learning curves whose sets are tested in all tests, and whose images are there."""
     sets = settings.training_sets
-    rendered = {
-        name
-        for own in settings.training_study.curves.values()
-        for name in own
-        if all((results / "images" / each / "card.md").is_file() for each in image_sets(name, sets))
-    }
-    ready = {
-        kind: own
-        for kind, own in settings.training_study.curves.items()
-        if set(own) <= rendered and all(set(own) <= set(found) for found in shown.values())
-    }
+
+    def is_ready(name: str) -> bool:
+        cards = [results / "images" / each / "card.md" for each in image_sets(name, sets)]
+        return all(name in found for found in shown.values()) and all(map(Path.is_file, cards))
+
+    curves = settings.training_study.curves
+    ready = {kind: own for kind, own in curves.items() if all(map(is_ready, own))}
     names = dict.fromkeys(name for own in ready.values() for name in own)
     images = {name: images_of(results, name, sets) for name in names}
     for kind, chart in learning_curves(shown, images, ready).items():

@@ -140,10 +140,10 @@ def mean_interval(values: Sequence[float] | Floats, spread: Spread | None) -> In
     """The 95 % confidence interval of the mean of all networks that could be trained on a set.
 
     Args:
-        values: Success of its networks, 0 to 1, and so is the interval.
+        values: Success rates of its networks. The interval is clipped to 0 to 1.
         spread: Between networks; pooled over all sets, it makes up for few networks per set.
     """
-    if spread is None:
+    if spread is None or not spread.sd:  # equal by chance
         return UNKNOWN
     mean = float(np.mean(values))
     reach = float(t.ppf(0.975, spread.freedom)) * spread.sd / len(values) ** 0.5

@@ -290,7 +290,7 @@ def test_a_part_with_other_drops_is_refused(study, tried, pair, tmp_path):
 
 
 def test_rounding_makes_no_other_drop(study, tried, pair, tmp_path):
-    """Of 200 drops, some are equal but for the last bits, and one tumbles otherwise."""
+    """Of 200 drops, some are equal but for the last bits, and others come to rest elsewhere."""
     _, table = tried
     rows = pd.concat([table.assign(attempt=table["attempt"] + 4 * n) for n in range(6)])
     few, many = (rows[rows["training_set"] == name] for name in ("few", "many"))
@@ -304,7 +304,7 @@ def test_rounding_makes_no_other_drop(study, tried, pair, tmp_path):
         )
     study["main"](tmp_path / "1", pair, tmp_path)
     assert set(pd.read_parquet(tmp_path / "training.parquet")["training_set"]) == {"few", "many"}
-    with pytest.raises(UserError, match="started 4% of its attempts at own"):
+    with pytest.raises(UserError, match="4% of the attempts at own"):
         study["main"](tmp_path / "2", pair, tmp_path)
 
 

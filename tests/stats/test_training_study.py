@@ -190,6 +190,7 @@ def test_intervals_cover_the_truth_in_19_of_20_cases():
     assert np.isnan(mean_interval([0.5], None)).all()
     wide = pooled_spread([[0.5, 1.0]])
     assert mean_interval([0.5, 1.0], wide) == (0.0, 1.0)  # rates
+    assert np.isnan(mean_interval([0.5, 0.5], pooled_spread([[0.5, 0.5], [0.7, 0.7]]))).all()
 
 
 def test_pre_registered_comparisons_alone_are_corrected(table):

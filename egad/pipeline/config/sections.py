@@ -254,7 +254,7 @@ class TrainingStudy(Parameters):
 
     @property
     def curves(self) -> dict[str, list[Name]]:
-        """Sets of each learning curve, by what is counted: objects or images."""
+        """Training sets of each learning curve, by its x axis: objects or images."""
         return {"objects": self.object_curve, "images": self.image_curve}
 
 
