@@ -27,6 +27,7 @@ from egad.report.page import p_value
 from egad.report.training_study import Row, success_chart
 from egad.stats import Spread, check_starts, compare_sets, pooled_spread, set_or_detector
 from egad.tables import parquet
+from egad.tables.columns import INITIAL
 from egad.tables.training import CLEARED, COMPARED
 
 ROOT = Path(__file__).parents[1]
@@ -48,11 +49,12 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
     made = single_objects(results, detectors)
     for _, rows in made.groupby("test"):
         check_starts(rows)
-    if (docs / "training.parquet").is_file():
-        check_drops(made, pd.read_parquet(docs / "training.parquet"))
-    trials = merged(made, NETWORK, docs / "training.parquet")
+    earlier = kept(docs / "training.parquet", made)
+    check_drops(made, earlier)
+    trials = merged(made, earlier, NETWORK)
     keep(trials, docs / "training.parquet")
-    cleared = merged(clutter(results, detectors), TESTED, docs / "training_clutter.parquet")
+    found = clutter(results, detectors)
+    cleared = merged(found, kept(docs / "training_clutter.parquet", found), TESTED)
     if len(cleared):
         keep(cleared, docs / "training_clutter.parquet")
     ready = all_tested(trials, study)
@@ -93,7 +95,8 @@ def check_drops(made: pd.DataFrame, earlier: pd.DataFrame) -> None:
     ]
     pairs = pd.concat(starts, axis=1, join="inner", ignore_index=True)
     here, there = (
-        np.frombuffer(bytes.fromhex("".join(pairs[part]))).reshape(-1, 7) for part in pairs
+        np.frombuffer(bytes.fromhex("".join(pairs[part]))).reshape(-1, len(INITIAL))
+        for part in pairs
     )
     other = pd.Series(np.abs(here - there).max(axis=1, initial=0) > ROUNDING, pairs.index)
     for test, share in other.groupby("test").mean().items():
@@ -162,20 +165,23 @@ def clutter(results: Path, detectors: Mapping[str, Network]) -> pd.DataFrame:
     return pd.concat([parquet.empty(CLEARED), *parts], ignore_index=True)[CLEARING]
 
 
-def merged(made: pd.DataFrame, key: list[str], path: Path) -> pd.DataFrame:
-    """The attempts of a run and those of a table, if there is one, in the order of the key.
+def kept(path: Path, made: pd.DataFrame) -> pd.DataFrame:
+    """The attempts of a table; none, with the columns of `made`, if it is not there."""
+    return pd.read_parquet(path) if path.is_file() else made.iloc[:0]
+
+
+def merged(made: pd.DataFrame, earlier: pd.DataFrame, key: list[str]) -> pd.DataFrame:
+    """The attempts of a run and earlier ones, in the order of the key.
 
     Args:
-        made: Columns of the table. They replace those there that have the same `key`.
+        made: Of the run. They replace the earlier ones that have the same `key`.
+        earlier: With the same columns.
         key: Columns.
-        path: The table.
     """
-    if path.is_file():
-        earlier = pd.read_parquet(path)
-        known = pd.MultiIndex.from_frame(earlier[key])
-        stays = ~known.isin(pd.MultiIndex.from_frame(made[key]))
-        made = pd.concat([earlier[stays], made])
-    return made.sort_values(key, kind="stable", ignore_index=True)
+    known = pd.MultiIndex.from_frame(earlier[key])
+    stays = ~known.isin(pd.MultiIndex.from_frame(made[key]))
+    together = pd.concat([earlier[stays], made])
+    return together.sort_values(key, kind="stable", ignore_index=True)
 
 
 def keep(attempts: pd.DataFrame, path: Path) -> None:

@@ -140,10 +140,13 @@ def mean_interval(values: Sequence[float] | Floats, spread: Spread | None) -> In
     """The 95 % confidence interval of the mean of all networks that could be trained on a set.
 
     Args:
-        values: Success rates of its networks. The interval is clipped to 0 to 1.
+        values: Success rates of its networks.
         spread: Between networks; pooled over all sets, it makes up for few networks per set.
+
+    Returns:
+        Both ends, clipped to 0 to 1; NaN if the spread is unknown, or 0 by chance.
     """
-    if spread is None or not spread.sd:  # equal by chance
+    if spread is None or not spread.sd:
         return UNKNOWN
     mean = float(np.mean(values))
     reach = float(t.ppf(0.975, spread.freedom)) * spread.sd / len(values) ** 0.5

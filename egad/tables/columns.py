@@ -39,8 +39,7 @@ def meaning_of(field: pa.Field) -> tuple[str, str]:
 
 def markdown_table(schema: pa.Schema) -> str:
     """Columns with type, unit and meaning, as a table in Markdown."""
-    described = [(field, *meaning_of(field)) for field in schema]
-    rows = [(f"`{field.name}`", field.type, unit, meaning) for field, meaning, unit in described]
+    rows = [(f"`{field.name}`", field.type, *reversed(meaning_of(field))) for field in schema]
     return table(["column", "type", "unit", "meaning"], rows)
 
 
