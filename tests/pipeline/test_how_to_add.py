@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from filled_tables import write_filled
 
 from egad.pipeline.config import Settings
 from egad.tables import parquet
@@ -69,14 +70,8 @@ def dataset(copy):
         ("grasps/panda", GRASPS, {"label": ["A00_0"] * 3, "quality": [0.1, 0.2, 0.3]}),
         ("rescaled/panda/scales", SCALES, {"opening": [0.08]}),
     ):
-        count = len(next(iter(columns.values())))
-        blank = {field.name: [_blank(str(field.type))] * count for field in schema}
-        parquet.write(pd.DataFrame(blank | columns), schema, folder / f"{path}.parquet")
+        write_filled(schema, pd.DataFrame(columns), folder / f"{path}.parquet")
     return folder
-
-
-def _blank(kind):
-    return {"string": "", "double": 0.0, "int32": 0, "bool": False}.get(kind)
 
 
 def run(copy, *words, module="egad.pipeline.cli"):

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from filled_tables import filled
 
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.pipeline.config import Dataset, Settings
@@ -29,17 +30,6 @@ def settings() -> Settings:
     )
 
 
-def filled(frame: pd.DataFrame, schema) -> pd.DataFrame:
-    """All columns of a schema; those not given are zero or empty."""
-    blank = {"string": "", "bool": True}
-    missing = {
-        field.name: blank.get(str(field.type), 0)
-        for field in schema
-        if field.name not in frame.columns
-    }
-    return frame.assign(**missing)[schema.names]
-
-
 def made_objects(settings: Settings, count: int, seed: int) -> pd.DataFrame:
     random = np.random.default_rng(seed)
     complexity, difficulty = random.uniform(1, 5, count), random.uniform(0.0005, 0.004, count)
@@ -56,7 +46,7 @@ def made_objects(settings: Settings, count: int, seed: int) -> pd.DataFrame:
         }
     )
     frame["label"] = labels(frame["complexity_cell"], frame["difficulty_cell"])
-    return filled(frame, OBJECTS)
+    return filled(OBJECTS, frame)
 
 
 @pytest.fixture(scope="session")
@@ -80,10 +70,8 @@ def pictures(objects: pd.DataFrame) -> dict[str, bytes]:
 @pytest.fixture(scope="session")
 def evalset(objects: pd.DataFrame) -> pd.DataFrame:
     chosen = objects.iloc[[3, 7, 20]].rename(columns={"label": "object_label"})
-    return filled(
-        chosen.assign(label=["A0", "C4", "G6"], row=[0, 2, 6], column=[0, 4, 6], nearest=0.2),
-        EVAL49,
-    )
+    named = chosen.assign(label=["A0", "C4", "G6"], row=[0, 2, 6], column=[0, 4, 6], nearest=0.2)
+    return filled(EVAL49, named)
 
 
 @pytest.fixture(scope="session")
@@ -97,7 +85,7 @@ def trials() -> pd.DataFrame:
             "outcome": ["success"] * 15 + ["slipped"] * 5 + ["missed"] * 12 + ["no_grasp"] * 8,
         }
     )
-    return filled(frame, TRIALS)
+    return filled(TRIALS, frame)
 
 
 @pytest.fixture(scope="session")
@@ -113,7 +101,7 @@ def agreement() -> pd.DataFrame:
         "robust_success_rate": 0.5,
     }
     return filled(
-        frame.assign(outcome=outcome, n_labelled=50, n_collision_free=30, **ratings), AGREEMENT
+        AGREEMENT, frame.assign(outcome=outcome, n_labelled=50, n_collision_free=30, **ratings)
     )
 
 
@@ -134,7 +122,7 @@ def clutter(evalset) -> pd.DataFrame:
             "id": [first, second, second, first, first],
         }
     )
-    return filled(frame, CLUTTER)
+    return filled(CLUTTER, frame)
 
 
 @pytest.fixture(scope="session")
@@ -142,7 +130,7 @@ def history(settings: Settings) -> pd.DataFrame:
     """Three steps of ten offspring that fill one cell after another."""
     cells = [bytes([1] * step + [0] * (settings.space.cells**2 - step)) for step in (1, 2, 3)]
     frame = pd.DataFrame({"step": range(3), "offspring": 10, "refined": 4, "cells": cells})
-    return filled(frame.assign(coverage=0.1, filled_cells=0.1, qd_score=1.0), HISTORY)
+    return filled(HISTORY, frame.assign(coverage=0.1, filled_cells=0.1, qd_score=1.0))
 
 
 @pytest.fixture(scope="session")
@@ -158,7 +146,7 @@ def grasps(objects: pd.DataFrame) -> pd.DataFrame:
             "collision_free": np.arange(len(names)) % 4 == 0,
         }
     )
-    return filled(frame, GRASPS)
+    return filled(GRASPS, frame)
 
 
 @pytest.fixture(scope="session")
@@ -170,10 +158,8 @@ def size_effect() -> pd.DataFrame:
     frame = pd.DataFrame(keys, columns=["name", "fraction", "repeat", "percentile"])
     quality = (frame["percentile"] + frame["repeat"]) / 5e4 / frame["fraction"]
     none = (frame["name"] == "G6") & (frame["fraction"] == 1.2) & (frame["repeat"] == 1)
-    return filled(
-        frame.assign(quality=quality.mask(none), candidates=200, possible=50, grasps=20),
-        SIZE_EFFECT,
-    )
+    known = frame.assign(quality=quality.mask(none), candidates=200, possible=50, grasps=20)
+    return filled(SIZE_EFFECT, known)
 
 
 @pytest.fixture(scope="session")
@@ -198,13 +184,13 @@ def report(
         pictures,
         evalset,
         grasps={"egad_75mm": grasps, "yumi": grasps.head(100)},
-        scales={"egad_75mm": filled(scales, SCALES)},
+        scales={"egad_75mm": filled(SCALES, scales)},
         size_effects={"egad_75mm": size_effect},
         scenes=[
             Scene(name, label, trimesh.creation.box([0.03, 0.04, 0.05]), grasps.head(10))
             for name, label in zip(evalset["label"], evalset["object_label"], strict=True)
         ],
-        manifests={"egad_75mm": filled(manifest, MANIFEST)},
+        manifests={"egad_75mm": filled(MANIFEST, manifest)},
         trials={("egad_75mm", "antipodal-depth"): trials},
         clutter={"egad_75mm": {"antipodal-cloud": clutter}},
         clutter_pictures={"egad_75mm": {"pile": [next(iter(pictures.values()))]}},

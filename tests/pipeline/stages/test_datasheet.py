@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from filled_tables import write_filled
 
 from egad.errors import UserError
 from egad.exchange.meshes import write_stl_mm
@@ -12,20 +13,12 @@ from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages import datasheet
 from egad.pipeline.stages.datasheet import DataSheets
 from egad.stats.records import read
-from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import GRASPS
 
 SETTINGS = select(Settings(select_eval={"rows": 2, "columns": 2}), DataSheets)
 LABELS = ["A0", "A1", "B0"]  # B1 is empty
 NO_MESH = "no mesh egad-1.obj: no such file"
-
-
-def filled(rows, schema):
-    """All columns of a schema; those not given are zero or empty."""
-    blank = {"string": "", "bool": True}
-    empty = {field.name: blank.get(str(field.type), 0) for field in schema}
-    return pd.DataFrame([empty | row for row in rows])
 
 
 @pytest.fixture
@@ -57,9 +50,9 @@ def sheet(tmp_path):
         ]
         for label in ("A0", "B0"):
             write_stl_mm(trimesh.creation.box((0.04, 0.02, 0.01)), prints / f"{label}.stl")
-        parquet.write(filled(chosen, EVAL49), EVAL49, tmp_path / "eval49.parquet")
-        parquet.write(filled(manifest, MANIFEST), MANIFEST, prints / "manifest.parquet")
-        parquet.write(filled(grasps, GRASPS), GRASPS, tmp_path / "grasps.parquet")
+        write_filled(EVAL49, chosen, tmp_path / "eval49.parquet")
+        write_filled(MANIFEST, manifest, prints / "manifest.parquet")
+        write_filled(GRASPS, grasps, tmp_path / "grasps.parquet")
         datasheet.run(
             SETTINGS,
             "egad",

@@ -13,6 +13,7 @@ import pytest
 import trimesh
 import yaml
 from commands import egad
+from filled_tables import filled, write_filled
 
 from egad.evalset import Bundle, make_simulation_object, part_rows
 from egad.exchange.meshes import write_obj
@@ -40,17 +41,6 @@ SCHEMAS = {
 }
 
 
-def filled(schema, rows, **columns):
-    """A table with some columns given, and zeros, no, or empty texts in the others."""
-    empty = {"string": "", "bool": False, "double": 0.0, "int32": 0}
-    others = {
-        field.name: [empty.get(str(field.type), [])] * rows
-        for field in schema
-        if field.name not in columns
-    }
-    return pd.DataFrame({**others, **columns})
-
-
 def simulated(labels):
     """Grasps of some objects: the last of each was not simulated, the second did not hold."""
     count = len(labels) * GRASPS
@@ -62,17 +52,15 @@ def simulated(labels):
     was = number < GRASPS - 1
     held = np.where(was, number != 1, None)
     outcome = np.where(was, np.where(number == 1, "missed", "success"), None)
-    return filled(
-        SIMULATED_GRASPS,
-        count,
-        id=[f"id-{label}" for label in labels for _ in range(GRASPS)],
-        label=[label for label in labels for _ in range(GRASPS)],
-        grasp=number,
-        simulated_outcome=outcome,
-        simulated_success=held,
-        simulated_engine=np.where(was, "mujoco", None),
-        **columns,
-    )
+    columns |= {
+        "id": [f"id-{label}" for label in labels for _ in range(GRASPS)],
+        "label": [label for label in labels for _ in range(GRASPS)],
+        "grasp": number,
+        "simulated_outcome": outcome,
+        "simulated_success": held,
+        "simulated_engine": np.where(was, "mujoco", None),
+    }
+    return filled(SIMULATED_GRASPS, pd.DataFrame(columns))
 
 
 @pytest.fixture(scope="module")
@@ -80,15 +68,16 @@ def run(tmp_path_factory):
     """The results of a run that the release is made from."""
     folder = tmp_path_factory.mktemp("run")
     ids = [f"id-{label}" for label in LABELS]
-    parquet.write(filled(OBJECTS, COUNT, id=ids, label=LABELS), OBJECTS, folder / "objects.parquet")
-    scales = filled(SCALES, COUNT, label=LABELS, factor=[0.5] * COUNT, opening=[0.08] * COUNT)
-    parquet.write(scales, SCALES, folder / "scales.parquet")
-    chosen = filled(EVAL49, 1, label=["A0"], id=ids[:1], object_label=LABELS[:1])
-    parquet.write(chosen, EVAL49, folder / "eval49.parquet")
+    named = pd.DataFrame({"id": ids, "label": LABELS})
+    write_filled(OBJECTS, named, folder / "objects.parquet")
+    scales = named.assign(factor=0.5, opening=0.08)
+    write_filled(SCALES, scales, folder / "scales.parquet")
+    chosen = [{"label": "A0", "id": ids[0], "object_label": LABELS[0]}]
+    write_filled(EVAL49, chosen, folder / "eval49.parquet")
     # every third object is a founder; the others descend from the one before
     parents = [[] if number % 3 == 0 else [ids[number - 1]] for number in range(COUNT)]
-    lineage = filled(LINEAGE, COUNT, id=ids, parents=parents)
-    parquet.write(lineage, LINEAGE, folder / "ancestry.parquet")
+    lineage = pd.DataFrame({"id": ids, "parents": parents})
+    write_filled(LINEAGE, lineage, folder / "ancestry.parquet")
     for number in (0, 1):
         table = simulated(LABELS[number::2])
         parquet.write(table, SIMULATED_GRASPS, folder / f"grasps-{number}.parquet")

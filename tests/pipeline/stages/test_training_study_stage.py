@@ -3,9 +3,8 @@
 import sys
 
 import numpy as np
-import pandas as pd
-import pyarrow as pa
 import pytest
+from filled_tables import filled, write_filled
 
 from egad.errors import TableError, UserError
 from egad.learning.evaluation import Score, score_table
@@ -41,18 +40,6 @@ RATES = {"all-0": 0.8, "all-1": 0.7, "longer-0": 0.6, "given-0": 0.4, "random": 
 LABELS = ["A0", "B1"]
 
 
-def empty(kind):
-    if pa.types.is_list(kind):
-        return []
-    zeros = {pa.string(): "", pa.large_binary(): b"", pa.bool_(): False}
-    return zeros.get(kind, 0)
-
-
-def blank(schema, rows):
-    zeros = {field.name: empty(field.type) for field in schema}
-    return pd.DataFrame([zeros | row for row in rows])
-
-
 def attempts(name):
     rng = np.random.default_rng(list(RATES).index(name))
     rows = [
@@ -61,14 +48,14 @@ def attempts(name):
         for n in range(5)
     ]
     won = rng.random(len(rows)) < RATES[name]
-    table = blank(TRIALS, rows).assign(success=won)
+    table = filled(TRIALS, rows).assign(success=won)
     return table.assign(outcome=np.where(won, "success", "collided"))
 
 
 def rounds(name):
     """A round with two attempts."""
     rows = [{"scene": "pile", "noise": "none", "attempt": n, "n_objects": 2} for n in (0, 1)]
-    table = blank(CLUTTER, rows).assign(seed="ab", outcome="success", success=[True, False])
+    table = filled(CLUTTER, rows).assign(seed="ab", outcome="success", success=[True, False])
     return table.assign(id=name)
 
 
@@ -77,9 +64,9 @@ def results(tmp_path):
     """A folder as the pipeline leaves it."""
     egad, made = tmp_path / "egad", tmp_path / "training_study"
     chosen = [{"label": label, "id": f"id-{label}", "object_label": label} for label in LABELS]
-    parquet.write(blank(EVAL49, chosen), EVAL49, egad / "eval49.parquet")
+    write_filled(EVAL49, chosen, egad / "eval49.parquet")
     scales = [{"label": label, "after_1": 0.03} for label in LABELS]
-    parquet.write(blank(SCALES, scales), SCALES, egad / "rescaled/hand/scales.parquet")
+    write_filled(SCALES, scales, egad / "rescaled/hand/scales.parquet")
     for name in RATES:
         for noise in ("none", "stereo"):
             path = made / "trials/egad" / noise / f"{name}.parquet"
@@ -88,11 +75,11 @@ def results(tmp_path):
     splits = [("id-A0", "train"), ("else", "train"), ("other", "validation"), ("id-B1", "test")]
     parts = [{"id": name, "objects": [name], "split": split} for name, split in splits]
     notes = {"shard": 0, "shards": 1}
-    parquet.write(blank(IMAGES, parts), IMAGES, made / "images/all/images-0.parquet", notes)
+    write_filled(IMAGES, parts, made / "images/all/images-0.parquet", notes)
     for network in ("all/0", "all/1", "longer/0"):
         folder = made / "networks" / network
         history = [{"images": 8}, {"epoch": 1}]
-        parquet.write(blank(HISTORY, history), HISTORY, folder / "history.parquet")
+        write_filled(HISTORY, history, folder / "history.parquet")
         score = Score(3, 4, 2, (0.2, 0.9), 0.1)
         parquet.write(score_table(score), SCORE, folder / "score.parquet")
     return tmp_path

@@ -1,4 +1,4 @@
-"""What docs/training.md is written with: twins and rates against slow counts, power."""
+"""The tables and figures of docs/training.md, against counts of the attempts."""
 
 import re
 import runpy
@@ -6,129 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import pyarrow as pa
 import pytest
 import yaml
-from scipy import stats
+from filled_tables import write_filled
 
 from egad.errors import UserError
-from egad.pipeline.cli.common import settings_in
-from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import EVAL49, TRIALS
-from egad.tables.evolution import ARCHIVE
 from egad.tables.grasping import SCALES
 from egad.tables.images import IMAGES
-from egad.tables.objects import OBJECTS
 
-ROOT = Path(__file__).parents[2]
-EXPERIMENTS = ROOT / "experiments"
-NAMES = [f"o{number:02}" for number in range(30)]
-
-
-@pytest.fixture(scope="module")
-def twins():
-    return runpy.run_path(str(EXPERIMENTS / "twins.py"))
-
-
-def write(schema, rows, path, notes=None):
-    """A table with nothing in the columns that are not given."""
-    kinds = {pa.string(): "", pa.large_binary(): b"", pa.binary(): b""}
-    zeros = {
-        field.name: [] if pa.types.is_list(field.type) else kinds.get(field.type, 0)
-        for field in schema
-    }
-    parquet.write(pd.DataFrame([zeros | row for row in rows]), schema, path, notes)
-
-
-@pytest.fixture(scope="module")
-def config(tmp_path_factory):
-    """Sets of two datasets."""
-    sets = {"evolved": {}, "ycb": {"dataset": "ycb"}, "longer": {"images": ["evolved"]}}
-    values = {
-        "datasets": {"ycb": {"source": "primitives", "objects": 9}},
-        "training_sets": sets,
-        "training_study": {"sets": ["evolved", "simple", "complex", "ycb", "longer"]},
-    }
-    path = tmp_path_factory.mktemp("config") / "study.yaml"
-    path.write_text(yaml.safe_dump(values))
-    return path
-
-
-@pytest.fixture(scope="module")
-def dataset(tmp_path_factory):
-    """All objects but the last are the same; the first and the last are the evaluation set."""
-    folder = tmp_path_factory.mktemp("results") / "egad"
-    solids = [b"\x0f" * 10] * (len(NAMES) - 1) + [b"\xf0" * 10]
-    archive = [{"id": name, "voxels": bits} for name, bits in zip(NAMES, solids, strict=True)]
-    write(ARCHIVE, archive, folder / "archive.parquet")
-    objects = [{"id": name, "label": name, "complexity": n} for n, name in enumerate(NAMES)]
-    write(OBJECTS, objects, folder / "objects.parquet")
-    write(SCALES, objects, folder / "rescaled/egad_75mm/scales.parquet")
-    write(EVAL49, [{"id": NAMES[0]}, {"id": NAMES[-1]}], folder / "eval49.parquet")
-    return folder
-
-
-def test_overlaps_are_those_of_sets_of_voxels(twins):
-    rng = np.random.default_rng(3)
-    one, other = (rng.integers(0, 2, (count, 50), dtype=np.uint8) for count in (4, 6))
-    found = twins["overlaps"](one, other)
-    for i, j in np.ndindex(4, 6):
-        first, second = (set(np.flatnonzero(bits)) for bits in (one[i], other[j]))
-        assert found[i, j] == pytest.approx(len(first & second) / len(first | second))
-
-
-def test_what_is_learnt_from_is_of_the_set_and_not_of_the_evaluation_set(twins, dataset, config):
-    settings = settings_in(config)
-    found = {
-        name: set(twins["learnt"](settings, name, dataset, "egad_75mm"))
-        for name in ("evolved", "simple", "complex")
-    }
-    assert len(found["evolved"]) == 24  # 3 are for testing, 3 for validation
-    assert not found["evolved"] & {NAMES[0], NAMES[-1]}
-    assert found["simple"] == found["evolved"] & set(NAMES[:10])
-    assert found["complex"] == found["evolved"] & set(NAMES[20:])
-
-
-def test_every_set_of_the_dataset_has_its_twins(twins, dataset, config, capsys):
-    twins["main"](dataset, "egad_75mm", config)
-    head, _, *lines = capsys.readouterr().out.splitlines()
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
-    assert [row[0] for row in rows] == ["`evolved`", "`simple`", "`complex`"]
-    assert head.endswith("above 0.9, of 2 |")
-    assert all(row[2:] == ["0.50", "1"] for row in rows)
-
-
-@pytest.fixture(scope="module")
-def power():
-    """The simulation of the power, with few repeats."""
-    program = runpy.run_path(str(EXPERIMENTS / "seed_variance.py"))
-    program["share"].__globals__["REPEATS"] = 400
-    return program
-
-
-def test_equal_sets_seem_to_differ_in_a_twentieth_of_the_cases(power):
-    for networks in (3, 8):
-        assert power["share"](0.02, 49, networks, 0.0, 0.05) == pytest.approx(0.05, abs=0.035)
-
-
-def test_power_is_that_of_the_noncentral_t_distribution(power):
-    """The twin: Student's test, with the chance of the attempts added to the variance."""
-    objects, networks, spread, gain = 49, 6, 0.02, 0.05
-    easy = power["generator"](0, "objects", objects).beta(2, 2, objects)
-    chance = np.mean(easy * (1 - easy)) / (objects * power["ATTEMPTS"])
-    shift = gain / np.sqrt(2 * (spread**2 + chance) / networks)
-    freedom = 2 * networks - 2
-    limit = stats.t.ppf(0.975, freedom)
-    expected = stats.nct.sf(limit, freedom, shift) + stats.nct.cdf(-limit, freedom, shift)
-    assert power["share"](spread, objects, networks, gain, 0.05) == pytest.approx(
-        expected, abs=0.06
-    )
-
-
-@pytest.mark.parametrize(("limit", "found"), [(5, 4), (30, 24), (90, 60)])
-def test_the_first_number_with_enough_power_is_found(power, limit, found):
-    assert power["first"](range(3, 60), lambda number: number / limit) == found
+EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 
 
 @pytest.fixture(scope="module")
@@ -157,7 +45,7 @@ def keep_trials(table, folder):
     """The tables of the trials, one of each network and detector."""
     for name, rows in table.groupby("detector"):
         kept = rows.drop(columns="seed").to_dict("records")
-        write(TRIALS, kept, folder / f"trials/own/none/{name}.parquet")
+        write_filled(TRIALS, kept, folder / f"trials/own/none/{name}.parquet")
 
 
 @pytest.fixture
@@ -249,7 +137,7 @@ def test_a_learning_curve_is_drawn_once_the_images_of_its_sets_are_there(
         assert not (docs / "training-objects.svg").exists()
         images = tmp_path / "images" / name
         rows = [{"objects": [f"o{number}"], "split": "train"} for number in range(count)]
-        write(IMAGES, rows, images / "images-0.parquet", {"shards": 1})
+        write_filled(IMAGES, rows, images / "images-0.parquet", {"shards": 1})
         (images / "card.md").touch()
     study["main"](tmp_path, pair, docs)
     said = re.findall(">([^<>]+)</text>", (docs / "training-objects.svg").read_text())
@@ -267,7 +155,7 @@ def test_clutter_is_kept_with_the_rest(study, tried, pair, tmp_path, capsys):
             for number in range(2)
             for end in [won] * (1 + seed) + [lost]
         ]
-        write(CLUTTER, rows, tmp_path / f"clutter/own/few-{seed}.parquet")
+        write_filled(CLUTTER, rows, tmp_path / f"clutter/own/few-{seed}.parquet")
     for _ in range(2):
         study["main"](tmp_path, pair, tmp_path)
         said = tables(capsys.readouterr().out)
@@ -319,7 +207,7 @@ def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path
     study["main"](tmp_path, pair, tmp_path)
     labels = sorted(set(table["label"]))
     objects = [{"label": label, "object_label": label} for label in labels]
-    write(EVAL49, objects, tmp_path / "own/eval49.parquet")
+    write_filled(EVAL49, objects, tmp_path / "own/eval49.parquet")
     scales = [
         {
             "label": label,
@@ -329,7 +217,7 @@ def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path
         }
         for label in labels
     ]
-    write(SCALES, scales, tmp_path / "own/rescaled/egad_75mm/scales.parquet")
+    write_filled(SCALES, scales, tmp_path / "own/rescaled/egad_75mm/scales.parquet")
     capsys.readouterr()
     runpy.run_path(str(EXPERIMENTS / "training_limits.py"))["main"](tmp_path, pair, tmp_path)
     blocks = [tables(each)["own, no noise"] for each in capsys.readouterr().out.split("\n\n")]
@@ -354,37 +242,3 @@ def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path
         assert success == f"{100 * few[chosen]['success'].mean():.0f}"
     share = few[few["label"] == "A0"]["success"].mean()
     assert f">{100 * share:.0f}</text>" in (tmp_path / "training-labels.svg").read_text()
-
-
-def test_idle_channels_are_counted_over_all_images():
-    """Of four channels, one is 0 for all inputs and one for the negative input only."""
-    torch = pytest.importorskip("torch")
-    idle = runpy.run_path(str(EXPERIMENTS / "initial_weights.py"))["idle"]
-    layer = torch.nn.Conv2d(1, 4, 1)
-    with torch.no_grad():
-        layer.weight[:, 0, 0, 0] = torch.tensor([1.0, 1.0, -1.0, 0.0])
-        layer.bias[:] = torch.tensor([0.0, 5.0, 0.0, -1.0])
-    network = torch.nn.Sequential(layer, torch.nn.ReLU())
-    inputs = torch.stack([torch.full((1, 3, 3), value) for value in (-1.0, 1.0)])
-    assert idle(network, inputs) == 0.25
-    assert idle(network, inputs[:1]) == 0.5
-
-
-def test_typical_failures_are_those_of_the_object_that_is_lost_most(monkeypatch):
-    monkeypatch.syspath_prepend(EXPERIMENTS)
-    typical = runpy.run_path(str(EXPERIMENTS / "failures.py"))["typical"]
-    rows = [
-        *[("A0", "missed", 0.05)] * 2,
-        *[("B1", "missed", 0.05)] * 3,
-        *[("A0", "slipped_lifting", 0.05)] * 4,
-        *[("C2", "no_grasp", np.nan)] * 9,
-        *[("C2", "success", 0.05)] * 9,
-    ]
-    trials = pd.DataFrame(rows, columns=["label", "outcome", "width"])
-    trials = trials.assign(success=trials["outcome"] == "success", attempt=range(len(trials)))
-    found = typical(trials)
-    assert found[["label", "outcome"]].to_numpy().tolist() == [
-        ["B1", "missed"],
-        ["A0", "slipped_lifting"],
-    ]
-    assert list(found["attempt"]) == [2, 5]

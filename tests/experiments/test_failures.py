@@ -1,0 +1,29 @@
+"""The failures that docs/training.md shows."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+EXPERIMENTS = Path(__file__).parents[2] / "experiments"
+
+
+def test_typical_failures_are_those_of_the_object_that_is_lost_most(monkeypatch):
+    monkeypatch.syspath_prepend(EXPERIMENTS)
+    typical = runpy.run_path(str(EXPERIMENTS / "failures.py"))["typical"]
+    rows = [
+        *[("A0", "missed", 0.05)] * 2,
+        *[("B1", "missed", 0.05)] * 3,
+        *[("A0", "slipped_lifting", 0.05)] * 4,
+        *[("C2", "no_grasp", np.nan)] * 9,
+        *[("C2", "success", 0.05)] * 9,
+    ]
+    trials = pd.DataFrame(rows, columns=["label", "outcome", "width"])
+    trials = trials.assign(success=trials["outcome"] == "success", attempt=range(len(trials)))
+    found = typical(trials)
+    assert found[["label", "outcome"]].to_numpy().tolist() == [
+        ["B1", "missed"],
+        ["A0", "slipped_lifting"],
+    ]
+    assert list(found["attempt"]) == [2, 5]
