@@ -1,10 +1,11 @@
-"""Figures and tables of docs/training.md: `python experiments/training_study.py RESULTS`.
+"""Figures and tables of docs/training.md: `python experiments/training_study.py RESULTS [SET]`.
 
 RESULTS is the folder `results/training_study` of the study, or of a part of it. The outcomes of all
 attempts that are there go into docs/training.parquet, and those in clutter into
 docs/training_clutter.parquet. The figures and tables are of all attempts in these; a learning curve
 also needs the images of all its sets. The first sets of the pre-registered comparisons are left out
-before all networks of these are tested.
+before all networks of these are tested. If a SET is named, another table compares its success with
+that of each other set.
 """
 
 import sys
@@ -14,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.stats import t
 
 from egad._util.files import atomic_output, write_text
 from egad._util.markdown import table
@@ -42,8 +44,10 @@ OTHER_DROPS = 0.01  # of the drops of a test
 Floats = NDArray[np.float64]
 
 
-def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> None:
-    """Write tables and figure into docs, and print tables."""
+def main(
+    results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs", first: str | None = None
+) -> None:
+    """Write tables and figure into docs, and print tables; one of them about the set `first`."""
     study = settings_in(config)
     detectors = made_by(networks_of(study), study.training_study.references)
     made = single_objects(results, detectors)
@@ -74,6 +78,8 @@ def main(results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs") -> No
         print_success(
             f"in clutter, {measure}", panels(rates, trained, clutter=True, measure=measure)
         )
+    if first:
+        print_differences(first, shown)
     if ready:
         print_comparisons(trials, study)
     for key, found in rates.items():
@@ -218,6 +224,27 @@ def print_comparisons(trials: pd.DataFrame, settings: Settings) -> None:
     print(table(["pair", "test", "over networks", "p", "p, Holm", "over objects"], lines))
 
 
+def print_differences(first: str, shown: Mapping[str, Mapping[str, Row]]) -> None:
+    """The success of a set minus that of each other one, with 95 % intervals, points."""
+    trained = [
+        {name: row.values for name, row in panel.items() if row.trained} for panel in shown.values()
+    ]
+    others = dict.fromkeys(name for rates in trained for name in rates if name != first)
+    lines = [(f"`{name}`", *(gain(rates, first, name) for rates in trained)) for name in others]
+    print(table([f"`{first}` minus", *shown], lines))
+
+
+def gain(rates: Mapping[str, Floats], first: str, second: str) -> str:
+    """The difference of two sets in a test, with an interval by the spread of all its sets."""
+    spread = pooled_spread(rates.values())
+    if first not in rates or second not in rates or spread is None:
+        return ""
+    one, other = rates[first], rates[second]
+    found = float(np.mean(one) - np.mean(other))
+    reach = t.ppf(0.975, spread.freedom) * spread.sd * np.sqrt(1 / len(one) + 1 / len(other))
+    return f"{100 * found:.1f} ({points((found - reach, found + reach))})"
+
+
 def points(interval: tuple[float, float]) -> str:
     """An interval of differences or standard deviations, points."""
     return " to ".join(f"{100 * end:.1f}" for end in interval)
@@ -239,4 +266,4 @@ def deviation(spread: Spread | None) -> str:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), first=next(iter(sys.argv[2:]), None))

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 import yaml
 from filled_tables import write_filled
+from scipy import stats
 
 from egad.errors import UserError
 from egad.tables.clutter import CLUTTER
@@ -102,6 +103,20 @@ def test_tables_of_the_study_are_counts_of_its_attempts(study, tried, pair, caps
     gain = rate - table[table["training_set"] == "many"]["success"].mean()
     assert said["pair"]["`few` - `many`"][1].startswith(f"{100 * gain:.1f} (")
     assert "own, no noise" in (folder / "training.svg").read_text()
+
+
+def test_a_set_is_compared_with_each_other_one(study, tried, pair, capsys):
+    """With two sets, the interval is that of Student's test with equal variances."""
+    folder, table = tried
+    study["main"](folder, pair, folder, "few")
+    said = tables(capsys.readouterr().out)["`few` minus"]
+    few, many = (
+        table[table["training_set"] == name].groupby("seed")["success"].mean()
+        for name in ("few", "many")
+    )
+    found = stats.ttest_ind(few, many).confidence_interval()
+    gain = f"{100 * (few.mean() - many.mean()):.1f}"
+    assert said == {"`many`": [f"{gain} ({100 * found.low:.1f} to {100 * found.high:.1f})"]}
 
 
 def test_parts_of_the_study_add_up(study, tried, pair, tmp_path, capsys):
