@@ -4,18 +4,18 @@ RESULTS is the folder `results/training_study` of the study, or of a part of it.
 attempts that are there go into docs/training.parquet, and those in clutter into
 docs/training_clutter.parquet. The figures and tables are of all attempts in these; a learning curve
 also needs the images of all its sets. The first sets of the pre-registered comparisons are left out
-before all networks of these are tested. If a SET is named, another table compares its success with
-that of each other set.
+before all networks of these are tested. If a SET is named, more tables compare it with each other
+set.
 """
 
 import sys
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import t
 
 from egad._util.files import atomic_output, write_text
 from egad._util.markdown import table
@@ -27,7 +27,14 @@ from egad.pipeline.report.training_study import learning_curves, panels, rates_b
 from egad.pipeline.stages.training_study import attempts, cleared_tables, images_of, made_by
 from egad.report.page import p_value
 from egad.report.training_study import Row, success_chart
-from egad.stats import Spread, check_starts, compare_sets, pooled_spread, set_or_detector
+from egad.stats import (
+    Spread,
+    check_starts,
+    compare_sets,
+    difference_interval,
+    pooled_spread,
+    set_or_detector,
+)
 from egad.tables import parquet
 from egad.tables.columns import INITIAL
 from egad.tables.training import CLEARED, COMPARED
@@ -45,9 +52,9 @@ Floats = NDArray[np.float64]
 
 
 def main(
-    results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs", first: str | None = None
+    results: Path, config: Path = CONFIG, docs: Path = ROOT / "docs", baseline: str | None = None
 ) -> None:
-    """Write tables and figure into docs, and print tables; one of them about the set `first`."""
+    """Write tables and figure into docs, and print tables; some compare one set with the others."""
     study = settings_in(config)
     detectors = made_by(networks_of(study), study.training_study.references)
     made = single_objects(results, detectors)
@@ -73,13 +80,15 @@ def main(
     shown = panels(rates, trained)
     write_text(docs / "training.svg", success_chart(shown))
     draw_curves(shown, results, study, docs)
-    print_success("trained on", shown)
-    for measure in ("success", "cleared") if len(cleared) else ():
-        print_success(
-            f"in clutter, {measure}", panels(rates, trained, clutter=True, measure=measure)
-        )
-    if first:
-        print_differences(first, shown)
+    tables = {"success": shown} | {
+        f"in clutter, {measure}": panels(rates, trained, clutter=True, measure=measure)
+        for measure in ("success", "cleared")
+        if len(cleared)
+    }
+    for title, tests in tables.items():
+        print_success(title, tests)
+    if baseline:
+        print_differences(baseline, tables)
     if ready:
         print_comparisons(trials, study)
     for key, found in rates.items():
@@ -224,25 +233,38 @@ def print_comparisons(trials: pd.DataFrame, settings: Settings) -> None:
     print(table(["pair", "test", "over networks", "p", "p, Holm", "over objects"], lines))
 
 
-def print_differences(first: str, shown: Mapping[str, Mapping[str, Row]]) -> None:
-    """The success of a set minus that of each other one, with 95 % intervals, points."""
-    trained = [
-        {name: row.values for name, row in panel.items() if row.trained} for panel in shown.values()
-    ]
-    others = dict.fromkeys(name for rates in trained for name in rates if name != first)
-    lines = [(f"`{name}`", *(gain(rates, first, name) for rates in trained)) for name in others]
-    print(table([f"`{first}` minus", *shown], lines))
+def print_differences(baseline: str, tables: Mapping[str, Mapping[str, Mapping[str, Row]]]) -> None:
+    """A set minus each other one, with 95 % intervals, points; tables by their title.
+
+    Raises:
+        UserError: There is no such set.
+    """
+    known = dict.fromkeys(
+        name for tests in tables.values() for rows in tests.values() for name in rows
+    )
+    if baseline not in known:
+        raise UserError(f"no set {baseline!r} was tested; these were: {', '.join(known)}")
+    for title, tests in tables.items():
+        rates = [
+            {name: row.values for name, row in rows.items() if row.trained}
+            for rows in tests.values()
+        ]
+        spreads = [pooled_spread(found.values()) for found in rates]
+        lines = [
+            (f"`{name}`", *map(partial(gain, baseline, name), rates, spreads))
+            for name in known
+            if name != baseline and any(name in found for found in rates)
+        ]
+        print(table([f"{title}, `{baseline}` minus", *tests], lines))
 
 
-def gain(rates: Mapping[str, Floats], first: str, second: str) -> str:
-    """The difference of two sets in a test, with an interval by the spread of all its sets."""
-    spread = pooled_spread(rates.values())
-    if first not in rates or second not in rates or spread is None:
+def gain(first: str, second: str, rates: Mapping[str, Floats], spread: Spread | None) -> str:
+    """The difference of two sets in a test with its interval, points."""
+    if first not in rates or second not in rates:
         return ""
-    one, other = rates[first], rates[second]
-    found = float(np.mean(one) - np.mean(other))
-    reach = t.ppf(0.975, spread.freedom) * spread.sd * np.sqrt(1 / len(one) + 1 / len(other))
-    return f"{100 * found:.1f} ({points((found - reach, found + reach))})"
+    pair = rates[first], rates[second]
+    found = np.mean(pair[0]) - np.mean(pair[1])
+    return f"{100 * found:.1f} ({points(difference_interval(*pair, spread))})"
 
 
 def points(interval: tuple[float, float]) -> str:
@@ -266,4 +288,4 @@ def deviation(spread: Spread | None) -> str:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), first=next(iter(sys.argv[2:]), None))
+    main(Path(sys.argv[1]), baseline=sys.argv[2] if len(sys.argv) > 2 else None)

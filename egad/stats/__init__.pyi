@@ -37,6 +37,7 @@ from .training_study import by_name as by_name
 from .training_study import check_starts as check_starts
 from .training_study import compare_sets as compare_sets
 from .training_study import difference as difference
+from .training_study import difference_interval as difference_interval
 from .training_study import mean_interval as mean_interval
 from .training_study import network_rates as network_rates
 from .training_study import pooled_spread as pooled_spread

@@ -153,6 +153,27 @@ def mean_interval(values: Sequence[float] | Floats, spread: Spread | None) -> In
     return max(mean - reach, 0.0), min(mean + reach, 1.0)
 
 
+def difference_interval(
+    first: Sequence[float] | Floats, second: Sequence[float] | Floats, spread: Spread | None
+) -> Interval:
+    """The 95 % confidence interval of the mean of a set minus that of another one, as above.
+
+    Args:
+        first: Success rates of the networks of a set.
+        second: Of the other set.
+        spread: Between networks, pooled over all sets.
+
+    Returns:
+        Both ends; NaN if the spread is unknown, or 0 by chance.
+    """
+    if spread is None or not spread.sd:
+        return UNKNOWN
+    gain = float(np.mean(first) - np.mean(second))
+    networks = 1 / len(first) + 1 / len(second)
+    reach = float(t.ppf(0.975, spread.freedom)) * spread.sd * networks**0.5
+    return gain - reach, gain + reach
+
+
 def difference(first: Sequence[float] | Floats, second: Sequence[float] | Floats) -> Difference:
     """Compare the networks of two sets by Welch's t test.
 

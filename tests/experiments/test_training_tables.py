@@ -93,7 +93,7 @@ def test_tables_of_the_study_are_counts_of_its_attempts(study, tried, pair, caps
     said = tables(capsys.readouterr().out)
     few = table[table["training_set"] == "few"]
     rate = few["success"].mean()
-    count, mean = said["trained on"]["`few`"]
+    count, mean = said["success"]["`few`"]
     assert count == "2"
     assert mean.startswith(f"{100 * rate:.0f} (")
     each = few.groupby("seed")["success"].mean()
@@ -109,7 +109,7 @@ def test_a_set_is_compared_with_each_other_one(study, tried, pair, capsys):
     """With two sets, the interval is that of Student's test with equal variances."""
     folder, table = tried
     study["main"](folder, pair, folder, "few")
-    said = tables(capsys.readouterr().out)["`few` minus"]
+    said = tables(capsys.readouterr().out)["success, `few` minus"]
     few, many = (
         table[table["training_set"] == name].groupby("seed")["success"].mean()
         for name in ("few", "many")
@@ -117,6 +117,10 @@ def test_a_set_is_compared_with_each_other_one(study, tried, pair, capsys):
     found = stats.ttest_ind(few, many).confidence_interval()
     gain = f"{100 * (few.mean() - many.mean()):.1f}"
     assert said == {"`many`": [f"{gain} ({100 * found.low:.1f} to {100 * found.high:.1f})"]}
+    with pytest.raises(
+        UserError, match="no set 'fewer' was tested; these were: few, many, random-0"
+    ):
+        study["main"](folder, pair, folder, "fewer")
 
 
 def test_parts_of_the_study_add_up(study, tried, pair, tmp_path, capsys):
@@ -135,7 +139,7 @@ def test_parts_of_the_study_add_up(study, tried, pair, tmp_path, capsys):
         study["main"](tmp_path / str(number), pair, docs)
         said.append(tables(capsys.readouterr().out))
     assert ["pair" in each for each in said] == [False, False, True, True]
-    assert ["`few`" in each["trained on"] for each in said] == [False, False, True, True]
+    assert ["`few`" in each["success"] for each in said] == [False, False, True, True]
     assert said[2]["pair"] != expected["pair"]
     assert said[3] == expected
 

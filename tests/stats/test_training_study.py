@@ -12,6 +12,7 @@ from egad.stats.training_study import (
     check_starts,
     compare_sets,
     difference,
+    difference_interval,
     holm,
     mean_interval,
     network_rates,
@@ -191,6 +192,16 @@ def test_intervals_cover_the_truth_in_19_of_20_cases():
     wide = pooled_spread([[0.5, 1.0]])
     assert mean_interval([0.5, 1.0], wide) == (0.0, 1.0)  # rates
     assert np.isnan(mean_interval([0.5, 0.5], pooled_spread([[0.5, 0.5], [0.7, 0.7]]))).all()
+
+
+def test_the_interval_of_a_difference_is_that_of_equal_variances():
+    few, many = [0.5, 0.56], [0.6, 0.64, 0.65]
+    expected = stats.ttest_ind(few, many).confidence_interval()
+    found = difference_interval(few, many, pooled_spread([few, many]))
+    assert found == pytest.approx((expected.low, expected.high))
+    narrow = difference_interval(few, many, pooled_spread([few, many, [0.3, 0.31, 0.32]]))
+    assert found[0] < narrow[0] < narrow[1] < found[1]
+    assert np.isnan(difference_interval([0.5], [0.6], None)).all()
 
 
 def test_pre_registered_comparisons_alone_are_corrected(table):
