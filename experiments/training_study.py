@@ -239,26 +239,29 @@ def print_differences(baseline: str, tables: Mapping[str, Mapping[str, Mapping[s
     Raises:
         UserError: There is no such set.
     """
-    known = dict.fromkeys(
-        name for tests in tables.values() for rows in tests.values() for name in rows
-    )
-    if baseline not in known:
-        raise UserError(f"no set {baseline!r} was tested; these were: {', '.join(known)}")
-    for title, tests in tables.items():
-        rates = [
+    rates = {
+        title: [
             {name: row.values for name, row in rows.items() if row.trained}
             for rows in tests.values()
         ]
-        spreads = [pooled_spread(found.values()) for found in rates]
+        for title, tests in tables.items()
+    }
+    known = dict.fromkeys(name for tests in rates.values() for found in tests for name in found)
+    if baseline not in known:
+        raise UserError(f"no set {baseline!r} was tested; these were: {', '.join(known)}")
+    for title, tests in tables.items():
+        spreads = [pooled_spread(found.values()) for found in rates[title]]
         lines = [
-            (f"`{name}`", *map(partial(gain, baseline, name), rates, spreads))
+            (f"`{name}`", *map(partial(difference_text, baseline, name), rates[title], spreads))
             for name in known
-            if name != baseline and any(name in found for found in rates)
+            if name != baseline and any(name in found for found in rates[title])
         ]
         print(table([f"{title}, `{baseline}` minus", *tests], lines))
 
 
-def gain(first: str, second: str, rates: Mapping[str, Floats], spread: Spread | None) -> str:
+def difference_text(
+    first: str, second: str, rates: Mapping[str, Floats], spread: Spread | None
+) -> str:
     """The difference of two sets in a test with its interval, points."""
     if first not in rates or second not in rates:
         return ""

@@ -146,11 +146,9 @@ def mean_interval(values: Sequence[float] | Floats, spread: Spread | None) -> In
     Returns:
         Both ends, clipped to 0 to 1; NaN if the spread is unknown, or 0 by chance.
     """
-    if spread is None or not spread.sd:
-        return UNKNOWN
-    mean = float(np.mean(values))
-    reach = float(t.ppf(0.975, spread.freedom)) * spread.sd / len(values) ** 0.5
-    return max(mean - reach, 0.0), min(mean + reach, 1.0)
+    mean, reach = float(np.mean(values)), _reach(spread, values)
+    low, high = np.clip([mean - reach, mean + reach], 0.0, 1.0)
+    return float(low), float(high)
 
 
 def difference_interval(
@@ -166,12 +164,16 @@ def difference_interval(
     Returns:
         Both ends; NaN if the spread is unknown, or 0 by chance.
     """
-    if spread is None or not spread.sd:
-        return UNKNOWN
-    gain = float(np.mean(first) - np.mean(second))
-    networks = 1 / len(first) + 1 / len(second)
-    reach = float(t.ppf(0.975, spread.freedom)) * spread.sd * networks**0.5
+    gain, reach = float(np.mean(first) - np.mean(second)), _reach(spread, first, second)
     return gain - reach, gain + reach
+
+
+def _reach(spread: Spread | None, *sets: Sequence[float] | Floats) -> float:
+    """Half the width of the 95 % interval of a sum or difference of the means of these sets."""
+    if spread is None or not spread.sd:
+        return float("nan")
+    networks = sum(1 / len(values) for values in sets)
+    return float(t.ppf(0.975, spread.freedom) * spread.sd * np.sqrt(networks))
 
 
 def difference(first: Sequence[float] | Floats, second: Sequence[float] | Floats) -> Difference:

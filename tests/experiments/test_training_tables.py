@@ -117,9 +117,7 @@ def test_a_set_is_compared_with_each_other_one(study, tried, pair, capsys):
     found = stats.ttest_ind(few, many).confidence_interval()
     gain = f"{100 * (few.mean() - many.mean()):.1f}"
     assert said == {"`many`": [f"{gain} ({100 * found.low:.1f} to {100 * found.high:.1f})"]}
-    with pytest.raises(
-        UserError, match="no set 'fewer' was tested; these were: few, many, random-0"
-    ):
+    with pytest.raises(UserError, match=r"no set 'fewer' was tested; these were: few, many$"):
         study["main"](folder, pair, folder, "fewer")
 
 
