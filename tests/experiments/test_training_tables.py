@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from filled_tables import write_filled
+from partial_tables import write_rows
 from scipy import stats
 
 from egad.errors import UserError
@@ -45,8 +45,8 @@ def tried(tmp_path_factory):
 def keep_trials(table, folder):
     """The tables of the trials, one of each network and detector."""
     for name, rows in table.groupby("detector"):
-        kept = rows.drop(columns="seed").to_dict("records")
-        write_filled(TRIALS, kept, folder / f"trials/own/none/{name}.parquet")
+        kept = rows[rows.columns.intersection(TRIALS.names)].drop(columns="seed")
+        write_rows(TRIALS, kept, folder / f"trials/own/none/{name}.parquet")
 
 
 @pytest.fixture
@@ -154,7 +154,7 @@ def test_a_learning_curve_is_drawn_once_the_images_of_its_sets_are_there(
         assert not (docs / "training-objects.svg").exists()
         images = tmp_path / "images" / name
         rows = [{"objects": [f"o{number}"], "split": "train"} for number in range(count)]
-        write_filled(IMAGES, rows, images / "images-0.parquet", {"shards": 1})
+        write_rows(IMAGES, rows, images / "images-0.parquet", {"shards": 1})
         (images / "card.md").touch()
     study["main"](tmp_path, pair, docs)
     said = re.findall(">([^<>]+)</text>", (docs / "training-objects.svg").read_text())
@@ -172,7 +172,7 @@ def test_clutter_is_kept_with_the_rest(study, tried, pair, tmp_path, capsys):
             for number in range(2)
             for end in [won] * (1 + seed) + [lost]
         ]
-        write_filled(CLUTTER, rows, tmp_path / f"clutter/own/few-{seed}.parquet")
+        write_rows(CLUTTER, rows, tmp_path / f"clutter/own/few-{seed}.parquet")
     for _ in range(2):
         study["main"](tmp_path, pair, tmp_path)
         said = tables(capsys.readouterr().out)
@@ -224,7 +224,7 @@ def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path
     study["main"](tmp_path, pair, tmp_path)
     labels = sorted(set(table["label"]))
     objects = [{"label": label, "object_label": label} for label in labels]
-    write_filled(EVAL49, objects, tmp_path / "own/eval49.parquet")
+    write_rows(EVAL49, objects, tmp_path / "own/eval49.parquet")
     scales = [
         {
             "label": label,
@@ -234,7 +234,7 @@ def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path
         }
         for label in labels
     ]
-    write_filled(SCALES, scales, tmp_path / "own/rescaled/egad_75mm/scales.parquet")
+    write_rows(SCALES, scales, tmp_path / "own/rescaled/egad_75mm/scales.parquet")
     capsys.readouterr()
     runpy.run_path(str(EXPERIMENTS / "training_limits.py"))["main"](tmp_path, pair, tmp_path)
     blocks = [tables(each)["own, no noise"] for each in capsys.readouterr().out.split("\n\n")]

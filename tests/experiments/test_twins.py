@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from filled_tables import write_filled
+from partial_tables import write_rows
 
 from egad.pipeline.cli.common import settings_in
 from egad.tables.evaluation import EVAL49
@@ -43,11 +43,13 @@ def dataset(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results") / "egad"
     solids = [b"\x0f" * 10] * (len(NAMES) - 1) + [b"\xf0" * 10]
     archive = [{"id": name, "voxels": bits} for name, bits in zip(NAMES, solids, strict=True)]
-    write_filled(ARCHIVE, archive, folder / "archive.parquet")
+    write_rows(ARCHIVE, archive, folder / "archive.parquet")
     objects = [{"id": name, "label": name, "complexity": n} for n, name in enumerate(NAMES)]
-    write_filled(OBJECTS, objects, folder / "objects.parquet")
-    write_filled(SCALES, objects, folder / "rescaled/egad_75mm/scales.parquet")
-    write_filled(EVAL49, [{"id": NAMES[0]}, {"id": NAMES[-1]}], folder / "eval49.parquet")
+    write_rows(OBJECTS, objects, folder / "objects.parquet")
+    write_rows(
+        SCALES, [{"label": name} for name in NAMES], folder / "rescaled/egad_75mm/scales.parquet"
+    )
+    write_rows(EVAL49, [{"id": NAMES[0]}, {"id": NAMES[-1]}], folder / "eval49.parquet")
     return folder
 
 

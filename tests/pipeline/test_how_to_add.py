@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from filled_tables import write_filled
+from partial_tables import write_rows
 
 from egad.pipeline.config import Settings
 from egad.tables import parquet
@@ -70,7 +70,7 @@ def dataset(copy):
         ("grasps/panda", GRASPS, {"label": ["A00_0"] * 3, "quality": [0.1, 0.2, 0.3]}),
         ("rescaled/panda/scales", SCALES, {"opening": [0.08]}),
     ):
-        write_filled(schema, pd.DataFrame(columns), folder / f"{path}.parquet")
+        write_rows(schema, pd.DataFrame(columns), folder / f"{path}.parquet")
     return folder
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
-from filled_tables import filled
+from partial_tables import fill_columns
 
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.pipeline.config import Dataset, Settings
@@ -46,7 +46,7 @@ def made_objects(settings: Settings, count: int, seed: int) -> pd.DataFrame:
         }
     )
     frame["label"] = labels(frame["complexity_cell"], frame["difficulty_cell"])
-    return filled(OBJECTS, frame)
+    return fill_columns(OBJECTS, frame)
 
 
 @pytest.fixture(scope="session")
@@ -71,7 +71,7 @@ def pictures(objects: pd.DataFrame) -> dict[str, bytes]:
 def evalset(objects: pd.DataFrame) -> pd.DataFrame:
     chosen = objects.iloc[[3, 7, 20]].rename(columns={"label": "object_label"})
     named = chosen.assign(label=["A0", "C4", "G6"], row=[0, 2, 6], column=[0, 4, 6], nearest=0.2)
-    return filled(EVAL49, named)
+    return fill_columns(EVAL49, named[named.columns.intersection(EVAL49.names)])
 
 
 @pytest.fixture(scope="session")
@@ -85,7 +85,7 @@ def trials() -> pd.DataFrame:
             "outcome": ["success"] * 15 + ["slipped"] * 5 + ["missed"] * 12 + ["no_grasp"] * 8,
         }
     )
-    return filled(TRIALS, frame)
+    return fill_columns(TRIALS, frame)
 
 
 @pytest.fixture(scope="session")
@@ -100,7 +100,7 @@ def agreement() -> pd.DataFrame:
         "robust_quality": np.where(success, 0.002, 0.001),
         "robust_success_rate": 0.5,
     }
-    return filled(
+    return fill_columns(
         AGREEMENT, frame.assign(outcome=outcome, n_labelled=50, n_collision_free=30, **ratings)
     )
 
@@ -122,7 +122,7 @@ def clutter(evalset) -> pd.DataFrame:
             "id": [first, second, second, first, first],
         }
     )
-    return filled(CLUTTER, frame)
+    return fill_columns(CLUTTER, frame)
 
 
 @pytest.fixture(scope="session")
@@ -130,7 +130,7 @@ def history(settings: Settings) -> pd.DataFrame:
     """Three steps of ten offspring that fill one cell after another."""
     cells = [bytes([1] * step + [0] * (settings.space.cells**2 - step)) for step in (1, 2, 3)]
     frame = pd.DataFrame({"step": range(3), "offspring": 10, "refined": 4, "cells": cells})
-    return filled(HISTORY, frame.assign(coverage=0.1, filled_cells=0.1, qd_score=1.0))
+    return fill_columns(HISTORY, frame.assign(coverage=0.1, filled_cells=0.1, qd_score=1.0))
 
 
 @pytest.fixture(scope="session")
@@ -146,7 +146,7 @@ def grasps(objects: pd.DataFrame) -> pd.DataFrame:
             "collision_free": np.arange(len(names)) % 4 == 0,
         }
     )
-    return filled(GRASPS, frame)
+    return fill_columns(GRASPS, frame)
 
 
 @pytest.fixture(scope="session")
@@ -159,7 +159,7 @@ def size_effect() -> pd.DataFrame:
     quality = (frame["percentile"] + frame["repeat"]) / 5e4 / frame["fraction"]
     none = (frame["name"] == "G6") & (frame["fraction"] == 1.2) & (frame["repeat"] == 1)
     known = frame.assign(quality=quality.mask(none), candidates=200, possible=50, grasps=20)
-    return filled(SIZE_EFFECT, known)
+    return fill_columns(SIZE_EFFECT, known)
 
 
 @pytest.fixture(scope="session")
@@ -184,13 +184,13 @@ def report(
         pictures,
         evalset,
         grasps={"egad_75mm": grasps, "yumi": grasps.head(100)},
-        scales={"egad_75mm": filled(SCALES, scales)},
+        scales={"egad_75mm": fill_columns(SCALES, scales)},
         size_effects={"egad_75mm": size_effect},
         scenes=[
             Scene(name, label, trimesh.creation.box([0.03, 0.04, 0.05]), grasps.head(10))
             for name, label in zip(evalset["label"], evalset["object_label"], strict=True)
         ],
-        manifests={"egad_75mm": filled(MANIFEST, manifest)},
+        manifests={"egad_75mm": fill_columns(MANIFEST, manifest)},
         trials={("egad_75mm", "antipodal-depth"): trials},
         clutter={"egad_75mm": {"antipodal-cloud": clutter}},
         clutter_pictures={"egad_75mm": {"pile": [next(iter(pictures.values()))]}},

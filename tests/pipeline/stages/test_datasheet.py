@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
-from filled_tables import write_filled
+from partial_tables import write_rows
 
 from egad.errors import UserError
 from egad.exchange.meshes import write_stl_mm
@@ -50,9 +50,9 @@ def sheet(tmp_path):
         ]
         for label in ("A0", "B0"):
             write_stl_mm(trimesh.creation.box((0.04, 0.02, 0.01)), prints / f"{label}.stl")
-        write_filled(EVAL49, chosen, tmp_path / "eval49.parquet")
-        write_filled(MANIFEST, manifest, prints / "manifest.parquet")
-        write_filled(GRASPS, grasps, tmp_path / "grasps.parquet")
+        write_rows(EVAL49, chosen, tmp_path / "eval49.parquet")
+        write_rows(MANIFEST, manifest, prints / "manifest.parquet")
+        write_rows(GRASPS, grasps, tmp_path / "grasps.parquet")
         datasheet.run(
             SETTINGS,
             "egad",

@@ -13,7 +13,7 @@ import pytest
 import trimesh
 import yaml
 from commands import egad
-from filled_tables import filled, write_filled
+from partial_tables import fill_columns, write_rows
 
 from egad.evalset import Bundle, make_simulation_object, part_rows
 from egad.exchange.meshes import write_obj
@@ -60,7 +60,7 @@ def simulated(labels):
         "simulated_success": held,
         "simulated_engine": np.where(was, "mujoco", None),
     }
-    return filled(SIMULATED_GRASPS, pd.DataFrame(columns))
+    return fill_columns(SIMULATED_GRASPS, pd.DataFrame(columns))
 
 
 @pytest.fixture(scope="module")
@@ -69,15 +69,15 @@ def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
     ids = [f"id-{label}" for label in LABELS]
     named = pd.DataFrame({"id": ids, "label": LABELS})
-    write_filled(OBJECTS, named, folder / "objects.parquet")
-    scales = named.assign(factor=0.5, opening=0.08)
-    write_filled(SCALES, scales, folder / "scales.parquet")
+    write_rows(OBJECTS, named, folder / "objects.parquet")
+    scales = named[["label"]].assign(factor=0.5, opening=0.08)
+    write_rows(SCALES, scales, folder / "scales.parquet")
     chosen = [{"label": "A0", "id": ids[0], "object_label": LABELS[0]}]
-    write_filled(EVAL49, chosen, folder / "eval49.parquet")
+    write_rows(EVAL49, chosen, folder / "eval49.parquet")
     # every third object is a founder; the others descend from the one before
     parents = [[] if number % 3 == 0 else [ids[number - 1]] for number in range(COUNT)]
     lineage = pd.DataFrame({"id": ids, "parents": parents})
-    write_filled(LINEAGE, lineage, folder / "ancestry.parquet")
+    write_rows(LINEAGE, lineage, folder / "ancestry.parquet")
     for number in (0, 1):
         table = simulated(LABELS[number::2])
         parquet.write(table, SIMULATED_GRASPS, folder / f"grasps-{number}.parquet")

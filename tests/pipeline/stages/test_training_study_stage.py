@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 import pytest
-from filled_tables import filled, write_filled
+from partial_tables import fill_columns, write_rows
 
 from egad.errors import TableError, UserError
 from egad.learning.evaluation import Score, score_table
@@ -48,14 +48,14 @@ def attempts(name):
         for n in range(5)
     ]
     won = rng.random(len(rows)) < RATES[name]
-    table = filled(TRIALS, rows).assign(success=won)
+    table = fill_columns(TRIALS, rows).assign(success=won)
     return table.assign(outcome=np.where(won, "success", "collided"))
 
 
 def rounds(name):
     """A round with two attempts."""
     rows = [{"scene": "pile", "noise": "none", "attempt": n, "n_objects": 2} for n in (0, 1)]
-    table = filled(CLUTTER, rows).assign(seed="ab", outcome="success", success=[True, False])
+    table = fill_columns(CLUTTER, rows).assign(seed="ab", outcome="success", success=[True, False])
     return table.assign(id=name)
 
 
@@ -64,9 +64,9 @@ def results(tmp_path):
     """A folder as the pipeline leaves it."""
     egad, made = tmp_path / "egad", tmp_path / "training_study"
     chosen = [{"label": label, "id": f"id-{label}", "object_label": label} for label in LABELS]
-    write_filled(EVAL49, chosen, egad / "eval49.parquet")
+    write_rows(EVAL49, chosen, egad / "eval49.parquet")
     scales = [{"label": label, "after_1": 0.03} for label in LABELS]
-    write_filled(SCALES, scales, egad / "rescaled/hand/scales.parquet")
+    write_rows(SCALES, scales, egad / "rescaled/hand/scales.parquet")
     for name in RATES:
         for noise in ("none", "stereo"):
             path = made / "trials/egad" / noise / f"{name}.parquet"
@@ -75,11 +75,11 @@ def results(tmp_path):
     splits = [("id-A0", "train"), ("else", "train"), ("other", "validation"), ("id-B1", "test")]
     parts = [{"id": name, "objects": [name], "split": split} for name, split in splits]
     notes = {"shard": 0, "shards": 1}
-    write_filled(IMAGES, parts, made / "images/all/images-0.parquet", notes)
+    write_rows(IMAGES, parts, made / "images/all/images-0.parquet", notes)
     for network in ("all/0", "all/1", "longer/0"):
         folder = made / "networks" / network
         history = [{"images": 8}, {"epoch": 1}]
-        write_filled(HISTORY, history, folder / "history.parquet")
+        write_rows(HISTORY, history, folder / "history.parquet")
         score = Score(3, 4, 2, (0.2, 0.9), 0.1)
         parquet.write(score_table(score), SCORE, folder / "score.parquet")
     return tmp_path
