@@ -63,6 +63,8 @@ class Measures(NamedTuple):
             0 = easiest.
         label: Name of the cell, such as `M14`: row M in difficulty, column 14 in complexity.
         cell_confidence: Probability that the percentile of all grasps lies in the same cell.
+        fine_complexity: Complexity after long edges are split, bits. If it differs from the
+            complexity by more than a cell, the triangles are too large for either to mean much.
     """
 
     complexity: float
@@ -71,6 +73,7 @@ class Measures(NamedTuple):
     cell: Cell
     label: str
     cell_confidence: float
+    fine_complexity: float
 
 
 def measure(
@@ -103,9 +106,17 @@ def measure(
     check_count("max_candidates", max_candidates)
     solid = repair_mesh(mesh).mesh
     settings = default_measures(as_gripper(gripper), seed)
-    complexity, difficulty, std, confidence, _ = measure_repeatably(solid, settings, max_candidates)
-    cell = cell_of(complexity, difficulty, settings.space)
-    return Measures(complexity, difficulty, std, cell, cell_name(*cell), confidence)
+    found = measure_repeatably(solid, settings, max_candidates)
+    cell = cell_of(found.complexity, found.difficulty, settings.space)
+    return Measures(
+        complexity=found.complexity,
+        difficulty=found.difficulty,
+        difficulty_std=found.difficulty_std,
+        cell=cell,
+        label=cell_name(*cell),
+        cell_confidence=found.cell_confidence,
+        fine_complexity=found.fine_complexity,
+    )
 
 
 def similarity(first: trimesh.Trimesh, second: trimesh.Trimesh) -> float:

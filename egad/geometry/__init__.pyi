@@ -31,10 +31,12 @@ from .rays import RayCaster as RayCaster
 from .rays import TriangleScene as TriangleScene
 from .rays import bounding_box as bounding_box
 from .refinement import Triangulation as Triangulation
+from .refinement import distinct_corners as distinct_corners
 from .refinement import face_areas as face_areas
 from .refinement import lexicographic as lexicographic
 from .refinement import refine as refine
 from .refinement import triangulation as triangulation
+from .rounding import rounding as rounding
 from .scaling import box_sides as box_sides
 from .scaling import rescale as rescale
 from .scaling import scale_suffix as scale_suffix

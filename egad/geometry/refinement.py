@@ -31,6 +31,13 @@ class _Room(NamedTuple):
     following: Ints  # of each corner: the next one of the same edge, or -1
 
 
+def distinct_corners(faces: NDArray[np.int64]) -> Ints:
+    """The faces (f, 3) with three different vertices."""
+    a, b, c = faces.T
+    distinct = (a != b) & (b != c) & (c != a)
+    return np.asarray(faces[distinct], np.int32)
+
+
 @numba.njit(cache=True)
 def triangulation(vertices: Floats, faces: Ints) -> Triangulation:
     """Number the edges of a mesh by their lower vertex, then the higher one.
@@ -95,11 +102,16 @@ def face_areas(mesh: Triangulation) -> Floats:
 
 
 @numba.njit(cache=True)
-def refine(mesh: Triangulation, count: int) -> Triangulation:
-    """Split the longest edge at its midpoint, again and again, until there are `count` vertices.
+def refine(mesh: Triangulation, count: int, longest: float = 0.0) -> Triangulation:
+    """Split the longest edge at its midpoint, again and again.
 
     Of equally long edges the one with the lowest number is split. New vertices follow the old
     ones. A mesh that has enough vertices stays as it is.
+
+    Args:
+        mesh: What to refine.
+        count: Stop when there are so many vertices.
+        longest: Stop when no edge is longer than this.
     """
     start = len(mesh.vertices)
     if start >= count:
@@ -109,7 +121,10 @@ def refine(mesh: Triangulation, count: int) -> Triangulation:
     heap = np.arange(len(room.edges)).astype(np.int32)  # all edges, the longest on top
     for slot in range(edges // 2, -1, -1):
         _sink(heap, edges, room.lengths, slot)
-    for middle in range(start, count):
+    end = start
+    while end < count and room.lengths[heap[0]] > longest**2:
+        middle = end
+        end += 1
         added = _split(room, heap[0], middle, faces, edges)
         _sink(heap, edges, room.lengths, 0)
         for edge in range(edges, edges + added + 1):
@@ -117,7 +132,7 @@ def refine(mesh: Triangulation, count: int) -> Triangulation:
         faces += added
         edges += added + 1
     return Triangulation(
-        room.vertices, room.faces[:faces], room.edges[:edges], room.face_edges[:faces]
+        room.vertices[:end], room.faces[:faces], room.edges[:edges], room.face_edges[:faces]
     )
 
 

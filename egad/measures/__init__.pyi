@@ -1,3 +1,7 @@
+from .complexity import CoarseMeshWarning as CoarseMeshWarning
+from .complexity import coarse_advice as coarse_advice
+from .complexity import fine_complexity as fine_complexity
+from .complexity import is_coarse as is_coarse
 from .custom import check_measures as check_measures
 from .custom import plugin_name as plugin_name
 from .custom import source_hash as source_hash

@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 
 from egad.geometry import check_mesh
-from egad.measures.complexity import complexity
+from egad.measures.complexity import complexity, fine_complexity
 from egad.measures.custom import plugin_value
 from egad.measures.difficulty import GraspDifficulty, difficulty
 from egad.measures.parameters import MeasureParameters
@@ -27,6 +27,8 @@ class MeasureValues(NamedTuple):
         cell_confidence: Probability that the percentile of all grasps lies in the same cell; NaN
             for a measure of the user.
         grasps: How many grasps the percentile was taken from; 0 for a measure of the user.
+        fine_complexity: Complexity after long edges are split, bits; NaN during evolution, and for
+            a measure of the user.
     """
 
     complexity: float
@@ -34,6 +36,7 @@ class MeasureValues(NamedTuple):
     difficulty_std: float
     cell_confidence: float
     grasps: int
+    fine_complexity: float = math.nan
 
 
 Estimate = Callable[[trimesh.Trimesh], GraspDifficulty]
@@ -87,4 +90,7 @@ def measure_repeatably(
     triangles = hashlib.sha256(np.asarray(mesh.faces, "<i8").tobytes()).hexdigest()
     rng = generator(settings.seed, "regrade", triangles)
     estimate = partial(difficulty, settings=settings, max_candidates=max_candidates, rng=rng)
-    return measure_mesh(mesh, settings, estimate)
+    values = measure_mesh(mesh, settings, estimate)
+    if settings.measures.complexity:
+        return values
+    return values._replace(fine_complexity=fine_complexity(mesh, settings.complexity.bins))

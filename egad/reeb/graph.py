@@ -14,7 +14,14 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError, UserError
-from egad.geometry import Triangulation, check_mesh, face_areas, refine, triangulation
+from egad.geometry import (
+    Triangulation,
+    check_mesh,
+    distinct_corners,
+    face_areas,
+    refine,
+    triangulation,
+)
 from egad.reeb.geodesics import edge_graph, even_integral, scan_integral
 from egad.reeb.parameters import Similarity
 from egad.reeb.ranges import Parts, cut, distinct, labels, outer_shell, unite
@@ -147,7 +154,7 @@ def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
         UserError: It is not a mesh.
     """
     check_mesh(mesh)
-    surface = refine(_checked(mesh), settings.vertices)
+    surface = refine(_checked(mesh), settings.vertices, 0.0)
     areas = face_areas(surface)
     mu = _mu(surface, areas, settings)
     scaled = (mu - mu.min()) / mu.max() * settings.ranges
@@ -158,9 +165,7 @@ def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
 def _checked(mesh: trimesh.Trimesh) -> Triangulation:
     """The outer shell with the vertices that it uses, scaled to a box of size 1."""
     vertices = np.asarray(mesh.vertices, np.float64).reshape(-1, 3)
-    faces = np.asarray(mesh.faces, np.int32).reshape(-1, 3)
-    a, b, c = faces.T
-    faces = faces[(a != b) & (b != c) & (c != a)]
+    faces = distinct_corners(np.asarray(mesh.faces).reshape(-1, 3))
     if not len(faces):
         raise RejectedError("the mesh is empty")
     faces = outer_shell(vertices, faces)

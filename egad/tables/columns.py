@@ -88,6 +88,13 @@ LABEL = column(
     "readable name, used in file names: difficulty letter, complexity, index",
 )
 COMPLEXITY = column("complexity", FLOAT, "entropy of the angular deficits", "bit")
+FINE_COMPLEXITY = column(
+    "fine_complexity",
+    FLOAT,
+    "complexity after long edges are split; if it differs from the complexity by more than a cell, "
+    "the triangles are too large for either to mean much",
+    "bit",
+)
 DIFFICULTY = column("difficulty", FLOAT, "percentile of grasp quality, high for easy objects")
 DIFFICULTY_STD = column("difficulty_std", FLOAT, "standard error of the difficulty")
 CELL_CONFIDENCE = column(

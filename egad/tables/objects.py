@@ -11,6 +11,7 @@ from egad.tables.columns import (
     DIFFICULTY,
     DIFFICULTY_STD,
     DIVERSITY,
+    FINE_COMPLEXITY,
     FLOAT,
     ID,
     INT,
@@ -28,6 +29,7 @@ SOLIDS = pa.schema(
     [
         ID,
         COMPLEXITY,
+        FINE_COMPLEXITY,
         DIFFICULTY,
         DIFFICULTY_STD,
         CELL_CONFIDENCE,
@@ -83,6 +85,7 @@ MEASURED = pa.schema(
     [
         column("name", STRING, "name of the mesh file"),
         COMPLEXITY,
+        FINE_COMPLEXITY,
         DIFFICULTY,
         DIFFICULTY_STD,
         *CELLS,

@@ -1,9 +1,18 @@
+import manifold3d
 import numpy as np
 import pytest
 import trimesh
 
+import egad
 from egad.errors import RejectedError
-from egad.measures.complexity import angular_deficits, complexity, corner_angles
+from egad.geometry import to_mesh
+from egad.measures.complexity import (
+    angular_deficits,
+    complexity,
+    corner_angles,
+    fine_complexity,
+    is_coarse,
+)
 
 
 def bumpy(subdivisions=3):
@@ -45,6 +54,93 @@ def test_flat_vertices_share_a_bin():
     corners = 8 / len(fine.vertices)
     expected = -corners * np.log2(corners) - (1 - corners) * np.log2(1 - corners)
     assert complexity(fine) == pytest.approx(expected)
+
+
+def box_with_boss():
+    plate = manifold3d.Manifold.cube((60, 40, 30), True)
+    boss = manifold3d.Manifold.cylinder(25, 10, 10, 32).translate((0, 0, 10))
+    return to_mesh(plate + boss)
+
+
+def bracket():
+    angle = manifold3d.Manifold.cube((60, 40, 5)) + manifold3d.Manifold.cube((60, 5, 40))
+    hole = manifold3d.Manifold.cylinder(20, 4, 4, 24).translate((15, 20, -5))
+    return to_mesh(angle - hole - hole.translate((30, 0, 0)))
+
+
+def fine_box():
+    return trimesh.creation.box([60, 40, 30]).subdivide().subdivide().subdivide()
+
+
+SOLIDS = {
+    "box": lambda: trimesh.creation.box([60, 40, 30]),
+    "fine box": fine_box,
+    "box with boss": box_with_boss,
+    "bracket": bracket,
+    "cylinder": lambda: trimesh.creation.cylinder(20, 50, sections=32),
+    "finer cylinder": lambda: trimesh.creation.cylinder(20, 50, sections=64),
+    "cone": lambda: trimesh.creation.cone(20, 50, sections=64),
+    "ring": lambda: trimesh.creation.annulus(20, 30, 15, sections=48),
+    "tetrahedron": lambda: (
+        trimesh.creation.icosphere(0).slice_plane([0, 0, 0], [0, 0, 1]).convex_hull
+    ),
+    "evolved": lambda: egad.load("released")["M14_3"].mesh.copy().apply_scale(1000),
+}
+DIGITS = {
+    "single precision": lambda points: points.astype(np.float32).astype(float),
+    "single precision, metres": lambda points: 1000 * (points / 1000).astype(np.float32),
+    "six decimals": lambda points: points.round(6),
+    "four decimals": lambda points: points.round(4),
+    "six digits": np.vectorize(lambda number: float(f"{number:.6g}")),
+    "six decimals of metres": lambda points: 1000 * (points / 1000).round(6),
+}
+
+
+@pytest.mark.parametrize("solid", SOLIDS)
+def test_the_digits_of_a_file_do_not_matter(solid):
+    mesh = SOLIDS[solid]()
+    mesh.apply_transform(trimesh.transformations.euler_matrix(0.3, 0.5, 0.7))
+    mesh.apply_translation([3.1, 1.7, -5.3])
+    exact = complexity(mesh)
+    for digits, rounded in DIGITS.items():
+        points = rounded(np.asarray(mesh.vertices))
+        again = trimesh.Trimesh(points, mesh.faces, process=False)
+        assert complexity(again) == pytest.approx(exact, abs=0.01), digits
+
+
+@pytest.mark.parametrize("digits", DIGITS)
+def test_vertices_in_a_plane_or_on_a_straight_edge_count_as_flat(digits):
+    # 8 corners, all other vertices flat: known whatever the digits
+    mesh = fine_box().apply_transform(trimesh.transformations.euler_matrix(0.3, 0.5, 0.7))
+    rounded = DIGITS[digits](np.asarray(mesh.vertices))
+    corners = 8 / len(mesh.vertices)
+    expected = -corners * np.log2(corners) - (1 - corners) * np.log2(1 - corners)
+    assert complexity(trimesh.Trimesh(rounded, mesh.faces)) == pytest.approx(expected)
+
+
+def test_shallow_curvature_is_not_taken_for_rounding():
+    # a ball that is dented everywhere by less than a bin; dents of both signs
+    mesh = trimesh.creation.icosphere(4)
+    waves = 1e-4 * np.sin(30 * mesh.vertices).sum(axis=1)
+    mesh.vertices *= (1 + waves)[:, None]
+    assert complexity(mesh) == pytest.approx(slow_complexity(mesh, 512), abs=1e-3)
+
+
+def test_splitting_long_edges_shows_that_a_mesh_is_coarse():
+    coarse = box_with_boss()
+    assert fine_complexity(coarse) < complexity(coarse) - 0.5
+    assert is_coarse(complexity(coarse), fine_complexity(coarse))
+    even = egad.load("released")["M14_3"].mesh
+    assert fine_complexity(even) == complexity(even)
+    assert not is_coarse(complexity(even), fine_complexity(even))
+
+
+def test_finer_meshes_of_a_box_have_the_complexity_of_its_corners():
+    box = trimesh.creation.box([60, 40, 30])
+    assert complexity(box) == 0  # corners alone
+    fine = fine_complexity(box)
+    corners = 8 / 554  # vertices if no edge is longer than 8 % of the root of the area
+    assert fine == pytest.approx(-np.log2(corners) * corners, rel=0.3)
 
 
 def test_deficits_of_a_closed_surface_add_up_to_its_euler_number():

@@ -14,7 +14,7 @@ from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange import read_mesh
 from egad.geometry import USUAL_SIDES, Body, has_usual_size, repair_and_weigh
-from egad.measures import cell_of, measure_repeatably
+from egad.measures import cell_of, coarse_advice, is_coarse, measure_repeatably
 from egad.pipeline.config import Postprocess
 from egad.pipeline.config.stage_settings import MeasureMeshes
 from egad.tables.objects import MEASURED
@@ -42,6 +42,7 @@ def run(
         rows = list(progress(mapper(work, files.items()), "measuring", len(files)))
     table = pd.DataFrame(rows, columns=MEASURED.names)
     warn_of_units(table, units)
+    warn_of_coarse(table)
     return table
 
 
@@ -90,6 +91,17 @@ def _row(item: tuple[str, Path], units: str, settings: MeasureMeshes) -> dict[st
     except RejectedError as reason:
         return {"name": name, "reason": str(reason)}
     return {"name": name, **row, "reason": ""}
+
+
+def warn_of_coarse(table: pd.DataFrame) -> None:
+    """Warn of meshes whose complexity says more of their triangles than of their shape."""
+    coarse = table[is_coarse(table["complexity"], table["fine_complexity"])]
+    if len(coarse):
+        log.warning(
+            "%d of %d meshes are too coarse, such as %s: %s",
+            *(len(coarse), len(table), coarse.iloc[0, 0]),
+            coarse_advice(coarse["fine_complexity"].iloc[0]),
+        )
 
 
 def warn_of_units(table: pd.DataFrame, units: str) -> None:

@@ -25,7 +25,7 @@ from egad.pipeline.archive_settings import (
 )
 from egad.pipeline.config import Material, Postprocess, Shape
 from egad.pipeline.parameters import Input, NotNoted, Output, Shard, command
-from egad.pipeline.stages.measure import repaired_body
+from egad.pipeline.stages.measure import repaired_body, warn_of_coarse
 from egad.pipeline.stages.shards import in_shard, rejection
 from egad.random import generator
 from egad.reeb import graph as reeb
@@ -95,12 +95,14 @@ def run(
         sources, known = from_primitives(primitives, settings, *shard)
     else:
         raise UserError("postprocess needs --archive, --folder and --units, or --primitives")
-    measure_objects(settings, sources, known, out, rejected)
+    solids = measure_objects(settings, sources, known, out, rejected)
+    if folder is not None:
+        warn_of_coarse(solids)
 
 
 def measure_objects(
     settings: PostprocessSolids, sources: Sources, known: pd.Series, out: Path, rejected: Path
-) -> None:
+) -> pd.DataFrame:
     """Repair and measure objects.
 
     Args:
@@ -109,6 +111,9 @@ def measure_objects(
         known: Difficulty by id that evolution used for selection; empty for other meshes.
         out: Table with the columns of `tables.objects.SOLIDS`.
         rejected: Table of the rejected objects, with reasons.
+
+    Returns:
+        The first of these tables.
     """
     rows, left_out = [], []
     for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
@@ -119,8 +124,10 @@ def measure_objects(
         else:
             rows.append(row | {"archive_difficulty": known.get(object_id, np.nan)})
     log.info("%d objects, %d rejected", len(rows), len(left_out))
-    parquet.write(pd.DataFrame(rows), SOLIDS, out)
+    solids = pd.DataFrame(rows, columns=SOLIDS.names)
+    parquet.write(solids, SOLIDS, out)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
+    return solids
 
 
 def from_archive(
