@@ -36,7 +36,6 @@ from .refinement import face_areas as face_areas
 from .refinement import lexicographic as lexicographic
 from .refinement import refine as refine
 from .refinement import triangulation as triangulation
-from .rounding import rounding as rounding
 from .scaling import box_sides as box_sides
 from .scaling import rescale as rescale
 from .scaling import scale_suffix as scale_suffix

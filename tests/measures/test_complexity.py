@@ -81,9 +81,7 @@ SOLIDS = {
     "finer cylinder": lambda: trimesh.creation.cylinder(20, 50, sections=64),
     "cone": lambda: trimesh.creation.cone(20, 50, sections=64),
     "ring": lambda: trimesh.creation.annulus(20, 30, 15, sections=48),
-    "tetrahedron": lambda: (
-        trimesh.creation.icosphere(0).slice_plane([0, 0, 0], [0, 0, 1]).convex_hull
-    ),
+    "tetrahedron": lambda: to_mesh(manifold3d.Manifold.tetrahedron().scale((30, 30, 30))),
     "evolved": lambda: egad.load("released")["M14_3"].mesh.copy().apply_scale(1000),
 }
 DIGITS = {
