@@ -44,6 +44,53 @@ def box_urdf(
     return path
 
 
+MIMIC_BAR = {"half": 0.02, "length": 0.06, "range": (-0.7, 0.1)}  # metres, radians
+
+
+def mimic_linkage_urdf(path: Path, finger_limit: float, bar_limit: float | None = None) -> Path:
+    """Two bars that lean as one, with fingers that mimic them the other way, and never turn.
+
+    At 0 the bars stand upright, and the fingers are 20 mm apart.
+
+    Args:
+        path: File to write.
+        finger_limit: Limit of the joints of the fingers both ways, radians.
+        bar_limit: The same of the bar that mimics the driven one; as the driven one if None.
+    """
+    half, length, (low, high) = MIMIC_BAR.values()
+    right = (-high, -low) if bar_limit is None else (-bar_limit, bar_limit)
+
+    def side(name: str, way: int, limits: tuple[float, float], mimics: tuple[str, str]) -> str:
+        bar = f"""
+  <link name="{name}_bar"><collision>
+    <origin xyz="0 0 {length / 2}"/><geometry><box size="0.008 0.012 {length}"/></geometry>
+  </collision></link>
+  <joint name="{name}_bar" type="revolute">
+    <origin xyz="{way * half} 0 0"/><parent link="base"/><child link="{name}_bar"/>
+    <axis xyz="0 1 0"/><limit lower="{limits[0]}" upper="{limits[1]}" effort="1" velocity="1"/>
+    {mimics[0]}
+  </joint>"""
+        return f"""{bar}
+  <link name="{name}_finger"><collision>
+    <origin xyz="{-way * 0.006} 0 0.03"/><geometry><box size="0.008 0.02 0.05"/></geometry>
+  </collision></link>
+  <joint name="{name}_finger" type="revolute">
+    <origin xyz="0 0 {length}"/><parent link="{name}_bar"/><child link="{name}_finger"/>
+    <axis xyz="0 1 0"/>
+    <limit lower="{-finger_limit}" upper="{finger_limit}" effort="1" velocity="1"/>{mimics[1]}
+  </joint>"""
+
+    def mimic(factor: int) -> str:
+        return f'<mimic joint="left_bar" multiplier="{factor}"/>'
+
+    path.write_text(f"""<robot name="linkage"><link name="base"><collision>
+    <origin xyz="0 0 -0.02"/><geometry><box size="0.08 0.04 0.03"/></geometry>
+  </collision></link>
+{side("left", -1, (low, high), ("", mimic(-1)))}{side("right", 1, right, (mimic(-1), mimic(1)))}
+</robot>""")
+    return path
+
+
 def linkage_mjcf(path: Path, swing: tuple[float, float] = SWING) -> Path:
     """Two parallelograms of equal bars: the fingers move on arcs and never turn.
 

@@ -1,8 +1,8 @@
 """Reading the model of a hand that its maker publishes: URDF or MJCF, by MuJoCo."""
 
 import logging
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import mujoco
@@ -10,106 +10,122 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.errors import UserError
+from egad.grippers.shape_files import find_file, read_shape
+from egad.grippers.tree import body_name
+from egad.grippers.urdf import read_urdf
 
 log = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
 
-MOVING = {int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)}
 LEAST_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
 LARGEST_LINK = 1.0  # metres
 ROUND = 32  # corners of a circle
 BOX_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 
 
-def read_description(path: Path) -> mujoco.MjModel:
-    """The links, joints and collision shapes that a URDF or MJCF file describes.
-
-    Meshes of `package://NAME/...` are looked for in the folders above the file. Shapes that are
-    only seen are left out.
-
-    Args:
-        path: The file.
+def read_description(path: Path) -> mujoco.MjSpec:
+    """A URDF or MJCF file as it is written.
 
     Raises:
-        UserError: The file or one of its meshes cannot be used.
+        UserError: It cannot be read.
     """
-    with _logged_warnings(path):
-        model = _compiled(path)
-    _check_shapes(model, path)
+    if not path.is_file():
+        raise UserError("there is no such file")
+    text = read_urdf(path)
+    try:
+        if text is None:
+            return mujoco.MjSpec.from_file(str(path.resolve()))
+        return mujoco.MjSpec.from_string(text)
+    except ValueError as error:
+        raise UserError(f"it is no URDF or MJCF that MuJoCo reads: {_line(error)}") from error
+
+
+def compile_skeleton(spec: mujoco.MjSpec) -> mujoco.MjModel:
+    """The links and joints of a description, without shapes, whose files may be missing."""
+    bare = spec.copy()
+    for shape in bare.geoms:
+        _replace(shape)
+    for mesh in bare.meshes:
+        bare.delete(mesh)
+    return _compiled(bare)
+
+
+def compile_with_shapes(spec: mujoco.MjSpec, path: Path, bodies: Collection[int]) -> mujoco.MjModel:
+    """The links and joints of a description, with the collision shapes of some links.
+
+    Args:
+        spec: The description; it is changed.
+        path: Its file.
+        bodies: Numbers of the links whose shapes are read.
+
+    Raises:
+        UserError: One of their shapes cannot be used.
+    """
+    for number, body in enumerate(spec.bodies):
+        if number not in bodies:
+            for shape in body.geoms:
+                _replace(shape)
+    used = {shape.meshname for shape in spec.geoms}
+    for mesh in spec.meshes:
+        if mesh.name not in used:
+            spec.delete(mesh)
+    _read_meshes(spec, path)
+    model = _compiled(spec)
+    _check_shapes(model)
     return model
 
 
-def _compiled(path: Path) -> mujoco.MjModel:
-    """The model that a file describes, with shapes that collide only."""
-    spec = _parse(path)
-    compiler = spec.compiler
-    compiler.fusestatic = False
-    compiler.discardvisual = True
-    compiler.boundmass = compiler.boundinertia = LEAST_INERTIA
-    try:
-        return spec.compile()
-    except ValueError as error:
-        raise UserError(f"{path}: MuJoCo refuses it: {_line(error)}") from error
-
-
 def description_files(path: Path) -> list[Path]:
-    """A URDF or MJCF file and the meshes that it names.
+    """A URDF or MJCF file and those meshes it names that are there.
 
     Args:
         path: The file.
 
     Raises:
-        UserError: The file or one of its meshes cannot be used.
+        UserError: The file cannot be used.
     """
-    with _logged_warnings(path):
-        return [path, *(Path(mesh.file) for mesh in _parse(path).meshes if mesh.file)]
+    with name_file_in_messages(path):
+        spec = read_description(path)
+    meshes = []
+    for mesh in spec.meshes:
+        with suppress(UserError):
+            meshes.append(_mesh_file(spec, mesh, path))
+    return [path, *meshes]
 
 
 @contextmanager
-def _logged_warnings(path: Path) -> Iterator[None]:
-    """Log what MuJoCo warns of. Otherwise it writes a file into the current folder."""
+def name_file_in_messages(path: Path) -> Iterator[None]:
+    """Name the file in errors, and log what MuJoCo warns of with it.
+
+    Otherwise MuJoCo writes its warnings into a file in the current folder.
+    """
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda text: log.warning("%s: %s", path, text))
     try:
         yield
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error
     finally:
         mujoco.set_mju_user_warning(before)
 
 
-def _parse(path: Path) -> mujoco.MjSpec:
-    """The description with its meshes found; raises as `read_description`."""
-    if not path.is_file():
-        raise UserError(f"{path}: there is no such file")
+def _replace(shape: mujoco.MjsGeom) -> None:
+    """Put a small ball that touches nothing in the place of a shape."""
+    shape.type, shape.meshname = mujoco.mjtGeom.mjGEOM_SPHERE, ""
+    shape.size[:], shape.fromto[:] = LEAST_INERTIA, np.nan
+    shape.contype = shape.conaffinity = 0
+
+
+def _compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
+    """The model of a description, with shapes that collide only."""
+    compiler = spec.compiler
+    compiler.fusestatic = False
+    compiler.discardvisual = compiler.balanceinertia = True
+    compiler.boundmass = compiler.boundinertia = LEAST_INERTIA
     try:
-        spec = mujoco.MjSpec.from_file(str(path.resolve()))
+        return spec.compile()
     except ValueError as error:
-        raise UserError(f"{path} is no URDF or MJCF that MuJoCo reads: {_line(error)}") from error
-    _find_meshes(spec, path)
-    return spec
-
-
-def body_name(model: mujoco.MjModel, body: int) -> str:
-    """Name of a link."""
-    return str(model.body(body).name)
-
-
-def joint_name(model: mujoco.MjModel, joint: int) -> str:
-    """Name of a joint."""
-    return str(model.joint(joint).name)
-
-
-def moving_joints(model: mujoco.MjModel) -> list[int]:
-    """Numbers of the joints that slide or turn."""
-    return [joint for joint in range(model.njnt) if int(model.jnt_type[joint]) in MOVING]
-
-
-def subtree(model: mujoco.MjModel, body: int) -> set[int]:
-    """A link and all that it carries."""
-    carried = {body}
-    for other in range(body + 1, model.nbody):  # parents come first
-        if model.body_parentid[other] in carried:
-            carried.add(other)
-    return carried
+        raise UserError(f"MuJoCo refuses it: {_line(error)}") from error
 
 
 def shapes_of(model: mujoco.MjModel, body: int) -> list[Floats]:
@@ -158,7 +174,7 @@ def _collides(model: mujoco.MjModel, shape: int) -> bool:
     return bool(model.geom_contype[shape] | model.geom_conaffinity[shape]) and not plane
 
 
-def _check_shapes(model: mujoco.MjModel, path: Path) -> None:
+def _check_shapes(model: mujoco.MjModel) -> None:
     """Raise UserError if nothing collides, or something is larger than any hand."""
     found = False
     for body in range(1, model.nbody):
@@ -166,45 +182,42 @@ def _check_shapes(model: mujoco.MjModel, path: Path) -> None:
             found = True
             if (size := float(np.ptp(points, axis=0).max())) > LARGEST_LINK:
                 raise UserError(
-                    f"{path}: the link {body_name(model, body)} is {size:.3g} m wide. If its mesh "
-                    'is in millimetres, give it scale="0.001 0.001 0.001"'
+                    f"the link {body_name(model, body)} is {size:.3g} m wide. If its mesh is in "
+                    'millimetres, give it scale="0.001 0.001 0.001"'
                 )
     if not found:
         names = ", ".join(body_name(model, body) for body in range(1, model.nbody))
-        raise UserError(f"{path}: none of its links has collision shapes: {names}")
+        raise UserError(f"none of its links has collision shapes: {names}")
 
 
-def _find_meshes(spec: mujoco.MjSpec, path: Path) -> None:
-    """Let meshes be read from where they are.
+def _read_meshes(spec: mujoco.MjSpec, path: Path) -> None:
+    """Let meshes be read from where they are, or give them the corners of their convex hulls.
 
     Raises:
-        UserError: One is missing, or in a format that MuJoCo does not read.
+        UserError: One is missing, or cannot be read; with its link.
     """
     users = {shape.meshname: shape.parent.name for shape in reversed(spec.geoms) if shape.meshname}
     for mesh in spec.meshes:
         if not mesh.file:
             continue
-        wanted = mesh.file if "://" in mesh.file else str(Path(spec.meshdir) / mesh.file)
-        places = list(_places(wanted, path))
-        found = next((place for place in places if place.is_file()), None)
         link = f"a mesh of the link {users[mesh.name]}" if mesh.name in users else "a mesh"
-        if found is None:
-            looked = ", ".join(str(place) for place in places[:3])
-            raise UserError(f"{path}: {link} is missing: {mesh.file} (looked for {looked})")
-        mesh.file = str(found.resolve())
+        try:
+            file = _mesh_file(spec, mesh, path)
+        except UserError as error:
+            raise UserError(f"{link} is missing: {error}") from error
+        try:
+            corners = read_shape(file)
+        except UserError as error:
+            raise UserError(f"{link} cannot be used: {error}") from error
+        mesh.file = "" if corners is not None else str(file)
+        if corners is not None:
+            mesh.uservert = corners.ravel()
 
 
-def _places(wanted: str, path: Path) -> Iterator[Path]:
-    """Where a mesh file may be."""
-    folder = path.resolve().parent
-    if not wanted.startswith("package://"):
-        yield folder / wanted.removeprefix("file://")
-        return
-    package, _, rest = wanted.removeprefix("package://").partition("/")
-    for above in (folder, *folder.parents):
-        if above.name == package:
-            yield above / rest
-        yield above / package / rest
+def _mesh_file(spec: mujoco.MjSpec, mesh: mujoco.MjsMesh, path: Path) -> Path:
+    """Where a mesh is; raises as `find_file`."""
+    wanted = mesh.file if "://" in mesh.file else str(Path(spec.meshdir) / mesh.file)
+    return find_file(wanted, path)
 
 
 def _line(error: Exception) -> str:

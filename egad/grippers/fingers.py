@@ -1,6 +1,6 @@
 """Finding the two fingers of a described hand: what moves, and which way."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import product
 from typing import NamedTuple
 
@@ -9,23 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.errors import UserError
-from egad.grippers.description import (
-    body_name,
-    joint_name,
-    moving_joints,
-    shapes_of,
-    subtree,
-)
+from egad.grippers.description import shapes_of
 from egad.grippers.mechanism import Mechanism
+from egad.grippers.tree import body_name, joint_name, subtree
 
 Floats = NDArray[np.float64]
 
 SMALL_STEP = 1e-3  # of the stroke
-LOOSE = 1e-4  # metres or radians by which joints may miss a constraint
 STANDING = 1e-7  # metres; fingers that move less in a small step stand still
 SPREAD = 0.5  # of the speed of closing: fingers that move more than this across it are not two
 SNAP = 2.0  # degrees; axes this near to one of the palm's axes are meant to be that
 MOST_DRIVEN = 4
+WHOLE_ROBOT = "; of a whole robot, name a link of each finger: finger_links: [NAME, NAME]"
 
 
 class Sides(NamedTuple):
@@ -40,34 +35,6 @@ class Sides(NamedTuple):
     links: tuple[frozenset[int], frozenset[int]]
     axis: Floats
     signs: Floats
-
-
-def find_palm(model: mujoco.MjModel, fingers: Sequence[str] | None = None) -> tuple[int, list[int]]:
-    """The link that carries the fingers, and the links on it that move.
-
-    Joints between the root and the palm belong to an arm, and stay where they are.
-
-    Args:
-        model: The description.
-        fingers: A link of each finger, by name; found if None.
-
-    Raises:
-        UserError: There is none.
-    """
-    if fingers is not None:
-        first, second = (ancestors(model, link_number(model, name)) for name in fingers)
-        common = [body for body in first if body in second]
-        palm = max(common)
-    else:
-        palm = 0
-        while len(chains := _moving_children(model, palm)) == 1:
-            if not _moving_children(model, chains[0]):
-                break
-            palm = chains[0]
-    chains = _moving_children(model, palm)
-    if not chains:
-        raise UserError("none of its joints moves")
-    return palm, chains
 
 
 def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = None) -> list[int]:
@@ -91,13 +58,16 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
     if not driven:
         raise UserError(f"each of its joints mimics another one: {', '.join(names)}")
     for joint in driven:
-        if not model.jnt_limited[joint]:
-            raise UserError(f"the joint {joint_name(model, joint)} has no limits, or equal ones")
+        if not model.jnt_limited[joint] or not np.isfinite(model.jnt_range[joint]).all():
+            raise UserError(
+                f"the joint {joint_name(model, joint)} has no limits, or equal ones; it needs a "
+                f"lower and a higher one{WHOLE_ROBOT}"
+            )
     if len(driven) > MOST_DRIVEN:
         raise UserError(
             f"it has {len(driven)} joints that move by themselves "
             f"({', '.join(joint_name(model, joint) for joint in driven)}); name the one that "
-            "closes the hand: joint: NAME"
+            f"closes the hand: joint: NAME{WHOLE_ROBOT}"
         )
     return driven
 
@@ -166,32 +136,15 @@ def _motions(mechanism: Mechanism, groups: list[frozenset[int]]) -> Iterator[_Mo
         signs = np.array([1.0, *others])
         step = signs * span * SMALL_STEP
         pair = [mechanism.follow(middle + way * step, near) for way in (-1, 1)]
-        if max(np.abs(mechanism.gaps(each)).max(initial=0.0) for each in pair) > LOOSE:
+        if len(span) == 1:
+            for each in pair:
+                mechanism.check(each)
+        elif not all(map(mechanism.holds, pair)):
             continue
         before, after = (_middles(mechanism, each, groups) for each in pair)
         speeds = (after - before) - (after - before).mean(axis=0)
         _, sizes, axes = np.linalg.svd(speeds)
         yield _Motion(sizes, axes[0], before, after, signs)
-
-
-def link_number(model: mujoco.MjModel, name: str) -> int:
-    """Number of a link.
-
-    Raises:
-        UserError: There is none of this name.
-    """
-    names = [body_name(model, body) for body in range(model.nbody)]
-    if name not in names:
-        raise UserError(f"it has no link {name!r}; it has {', '.join(names[1:])}")
-    return names.index(name)
-
-
-def ancestors(model: mujoco.MjModel, body: int) -> list[int]:
-    """A link, what carries it, and so on to the root."""
-    chain = [body]
-    while chain[-1]:
-        chain.append(int(model.body_parentid[chain[-1]]))
-    return chain
 
 
 def snapped(axis: Floats) -> Floats:
@@ -200,12 +153,6 @@ def snapped(axis: Floats) -> Floats:
     if abs(axis[largest]) < np.cos(np.radians(SNAP)) * np.linalg.norm(axis):
         return np.asarray(axis / np.linalg.norm(axis))
     return np.asarray(np.sign(axis[largest]) * np.eye(3)[largest])
-
-
-def _moving_children(model: mujoco.MjModel, body: int) -> list[int]:
-    moving = {int(model.jnt_bodyid[joint]) for joint in moving_joints(model)}
-    children = [other for other in range(1, model.nbody) if model.body_parentid[other] == body]
-    return [child for child in children if moving & subtree(model, child)]
 
 
 def _actuated(model: mujoco.MjModel) -> set[int]:

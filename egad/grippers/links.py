@@ -5,18 +5,10 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from egad.errors import UserError
-from egad.grippers.description import body_name, joint_name, shapes_of, subtree
+from egad.grippers.description import shapes_of
 from egad.grippers.fingers import Sides
 from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink, LinkJoint
-
-
-def hand_bodies(model: mujoco.MjModel, palm: int) -> list[int]:
-    """Numbers of the palm, of what it carries, and of what is fixed behind it."""
-    behind, body = [], palm
-    while body and not model.body_jntnum[body]:
-        body = int(model.body_parentid[body])
-        behind.append(body)
-    return [palm, *sorted(subtree(model, palm) - {palm}), *(each for each in behind if each)]
+from egad.grippers.tree import body_name, joint_name
 
 
 def hand_link(model: mujoco.MjModel, body: int, bodies: list[int], sides: Sides) -> HandLink:

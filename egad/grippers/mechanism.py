@@ -7,11 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from egad.errors import UserError
+from egad.grippers.tree import body_name, joint_name
+
 Floats = NDArray[np.float64]
 
 # Weights of what a linkage obeys, of its springs, and of staying where it was
 CLOSED, SPRINGS, STAYING = 1e3, 1e-2, 1e-5
 TIGHT = 1e-14  # relative tolerances
+LOOSE = 1e-4  # metres or radians by which joints may miss a constraint
 UNLIMITED = 2 * np.pi
 
 
@@ -44,7 +48,10 @@ class Mechanism:
             model.jnt_qposadr[driven],
             model.jnt_qposadr[followers],
         )
-        self._low, self._high = _limits(model, followers)
+        # A joint that mimics another one goes where that takes it, as in the tools of ROS.
+        mimics = np.isin(followers, list(coupled_joints(model)))
+        ends = np.array([[-np.inf], [np.inf]])
+        self._low, self._high = np.where(mimics, ends, _limits(model, followers))
         stiffness = np.asarray(model.jnt_stiffness).reshape(model.njnt, -1)[followers, 0]
         self._springs = np.sqrt(stiffness / max(stiffness.max(initial=0.0), 1e-12))
         self._rest = model.qpos_spring[self._followers_at]
@@ -73,27 +80,64 @@ class Mechanism:
             return positions
         start = np.clip(near[self._followers_at], self._low, self._high)
 
-        def errors(followers: Floats) -> Floats:
-            positions[self._followers_at] = followers
+        def errors(moves: Floats) -> Floats:
+            positions[self._followers_at] = start + moves
             return np.concatenate(
                 [
-                    CLOSED * self.gaps(positions),
-                    SPRINGS * self._springs * (followers - self._rest),
-                    STAYING * (followers - start),
+                    CLOSED * self._gaps(positions),
+                    SPRINGS * self._springs * (start + moves - self._rest),
+                    STAYING * moves,
                 ]
             )
 
-        bounds = (self._low - 1e-9, self._high + 1e-9)
-        found = least_squares(errors, start, bounds=bounds, xtol=TIGHT, ftol=TIGHT, gtol=TIGHT)
-        positions[self._followers_at] = found.x
+        # Moves, not positions: the first step of the solver is as long as what it starts from, so
+        # that it stops at once near 0, but not at 0 itself.
+        bounds = (self._low - start - 1e-9, self._high - start + 1e-9)
+        found = least_squares(
+            errors, np.zeros_like(start), bounds=bounds, xtol=TIGHT, ftol=TIGHT, gtol=TIGHT
+        )
+        positions[self._followers_at] = start + found.x
         return positions
 
-    def gaps(self, positions: Floats) -> Floats:
+    def holds(self, positions: Floats) -> bool:
+        """Whether all constraints between joints hold."""
+        return bool(np.abs(self._gaps(positions)).max(initial=0.0) <= LOOSE)
+
+    def check(self, positions: Floats) -> None:
+        """Raise UserError if a constraint does not hold, with its joints or links."""
+        if self.holds(positions):
+            return
+        gaps = np.abs(self._gaps(positions))
+        worst = int(self._data.efc_id[self._equalities()][gaps.argmax()])
+        driven = ", ".join(
+            f"{joint_name(self.model, joint)} is at {position:.4g}"
+            for joint, position in zip(self.driven, positions[self._driven_at], strict=True)
+        )
+        raise UserError(
+            f"where {driven}, the coupling of the {_coupling(self.model, worst)} does not hold; it "
+            f"is off by {gaps.max():.2g} metres or radians"
+        )
+
+    def joints_beyond_limits(self, way: Floats) -> list[str]:
+        """Names of the followers that go beyond their own limits.
+
+        Args:
+            way: (k, q) positions of all joints.
+        """
+        low, high = self.model.jnt_range[self.followers].T
+        there = way[:, self._followers_at]
+        beyond = ((there < low - LOOSE) | (there > high + LOOSE)).any(axis=0)
+        beyond &= self.model.jnt_limited[self.followers].astype(bool)
+        return [joint_name(self.model, self.followers[each]) for each in np.flatnonzero(beyond)]
+
+    def _gaps(self, positions: Floats) -> Floats:
         """How far the constraints between joints are violated, metres and radians."""
         self._move(positions)
-        kinds = self._data.efc_type[: self._data.nefc]
-        equal = kinds == mujoco.mjtConstraint.mjCNSTR_EQUALITY
-        return np.asarray(self._data.efc_pos[: self._data.nefc][equal], dtype=np.float64).copy()
+        return np.array(self._data.efc_pos[self._equalities()], dtype=np.float64)
+
+    def _equalities(self) -> NDArray[np.bool_]:
+        """Which rows of the constraints are those between joints or links."""
+        return np.asarray(self._data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
 
     def placement(self, positions: Floats) -> Placement:
         """Where the links are."""
@@ -112,6 +156,26 @@ class Mechanism:
         self._data.qpos[:] = positions
         self._data.qvel[:] = 0
         mujoco.mj_fwdPosition(self.model, self._data)
+
+
+def coupled_joints(model: mujoco.MjModel) -> set[int]:
+    """Joints of which one is a function of the other."""
+    pairs = (model.eq_type == mujoco.mjtEq.mjEQ_JOINT) & (model.eq_obj2id >= 0)
+    return set(map(int, np.concatenate([model.eq_obj1id[pairs], model.eq_obj2id[pairs]])))
+
+
+def _coupling(model: mujoco.MjModel, equality: int) -> str:
+    """What a constraint couples: names of joints, tendons or links."""
+    ends = [int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])]
+    ends = [each for each in ends if each >= 0]
+    kind = model.eq_type[equality]
+    if kind == mujoco.mjtEq.mjEQ_JOINT:
+        return "joints " + " and ".join(joint_name(model, each) for each in ends)
+    if kind == mujoco.mjtEq.mjEQ_TENDON:
+        return "tendons " + " and ".join(model.tendon(each).name for each in ends)
+    if model.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
+        ends = [int(model.site_bodyid[each]) for each in ends]
+    return "links " + " and ".join(body_name(model, each) for each in ends)
 
 
 def _limits(model: mujoco.MjModel, joints: list[int]) -> tuple[Floats, Floats]:

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from egad.errors import UserError
-from egad.grippers.description import body_name, shapes_of
-from egad.grippers.fingers import Sides, link_number
+from egad.grippers.description import shapes_of
+from egad.grippers.fingers import Sides
 from egad.grippers.mechanism import Mechanism, Placement
+from egad.grippers.tree import body_name, link_number
 
 Floats = NDArray[np.float64]
 

@@ -116,8 +116,8 @@ class Gripper(UserParameters):
         approach axes and the opening are found in the file. Give what is found wrongly.
 
         Args:
-            file: The file. Its meshes are looked for where it says, and packages in the folders
-                above it.
+            file: The file. Its meshes are looked for where it says, and packages of ROS in the
+                folders above it and in those of ROS_PACKAGE_PATH and AMENT_PREFIX_PATH.
             settings: Other fields of a gripper, such as `force` or `joint`.
 
         Raises:

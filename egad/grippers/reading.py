@@ -1,5 +1,6 @@
 """Reading a hand from the URDF or MJCF file that its maker publishes."""
 
+import logging
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -12,19 +13,21 @@ from pydantic import TypeAdapter
 
 from egad.errors import UserError
 from egad.grippers.description import (
-    joint_name,
-    moving_joints,
+    compile_skeleton,
+    compile_with_shapes,
+    name_file_in_messages,
     read_description,
     shapes_of,
-    subtree,
 )
-from egad.grippers.fingers import Sides, find_driven, find_palm, find_sides, snapped
-from egad.grippers.links import hand_bodies, hand_link
+from egad.grippers.fingers import Sides, find_driven, find_sides, snapped
+from egad.grippers.links import hand_link
 from egad.grippers.mechanism import Mechanism
 from egad.grippers.model import GripperModel
 from egad.grippers.parameters import Gripper, Place
 from egad.grippers.stroke import Stroke, find_stroke
+from egad.grippers.tree import find_palm, hand_bodies, joint_name, moving_joints, subtree
 
+log = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
 
 SHORT = 5e-4  # metres or of a unit vector: shorter vectors have no direction
@@ -69,11 +72,15 @@ def read_model(path: Path, choices: Choices = Choices()) -> GripperModel:  # noq
 def _read_model(path: Path, choices: Choices, changed: int) -> GripperModel:
     """The same; a file is read again when it has `changed`."""
     del changed
-    description = read_description(path)
-    try:
-        return _modelled(description, choices)
-    except UserError as error:
-        raise UserError(f"{path}: {error}") from error
+    with name_file_in_messages(path):
+        model, beyond = _modelled(path, choices)
+    if beyond:
+        log.warning(
+            "%s: joints that follow others go beyond their own limits, which do not count: %s",
+            path,
+            ", ".join(beyond),
+        )
+    return model
 
 
 def choices_of(values: Mapping[str, Any]) -> Choices:
@@ -94,22 +101,23 @@ def model_of(gripper: Gripper) -> GripperModel:
     return read_model(Path(gripper.file), choices_of(gripper.model_dump()))
 
 
-def _modelled(description: mujoco.MjModel, choices: Choices) -> GripperModel:
-    palm, chains = find_palm(description, choices.finger_links)
-    carried = set().union(*(subtree(description, chain) for chain in chains))
-    joints = [
-        joint
-        for joint in moving_joints(description)
-        if int(description.jnt_bodyid[joint]) in carried
-    ]
-    driven = find_driven(description, joints, choices.joint)
+def _modelled(path: Path, choices: Choices) -> tuple[GripperModel, list[str]]:
+    """The model of a hand, and the joints that go beyond their own limits."""
+    spec = read_description(path)
+    bare = compile_skeleton(spec)
+    palm, chains = find_palm(bare, choices.finger_links)
+    carried = set().union(*(subtree(bare, chain) for chain in chains))
+    joints = [joint for joint in moving_joints(bare) if int(bare.jnt_bodyid[joint]) in carried]
+    driven = find_driven(bare, joints, choices.joint)
     followers = [each for each in joints if each not in driven]
+    description = compile_with_shapes(spec, path, hand_bodies(bare, palm))
     mechanism = Mechanism(description, palm, driven, followers)
     sides = find_sides(mechanism, chains)
     if choices.closing_axis is not None:
         sides = _along(sides, np.array(choices.closing_axis))
     stroke = find_stroke(mechanism, sides, choices.pad_links)
-    return _tabulated(mechanism, sides, stroke, _frame(mechanism, sides, stroke, choices))
+    model = _tabulated(mechanism, sides, stroke, _frame(mechanism, sides, stroke, choices))
+    return model, mechanism.joints_beyond_limits(stroke.positions)
 
 
 def _tabulated(

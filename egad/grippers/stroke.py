@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from egad.errors import UserError
-from egad.grippers.description import body_name
 from egad.grippers.fingers import Sides
 from egad.grippers.mechanism import Mechanism
 from egad.grippers.pads import Pads, find_pads
+from egad.grippers.tree import body_name
 
 Floats = NDArray[np.float64]
 
@@ -74,6 +74,7 @@ def _follow(mechanism: Mechanism, sides: Sides, parts: Floats) -> list[Floats]:
         near = mechanism.middle()
         for number in numbers:
             near = mechanism.follow(start + parts[number] * way, near)
+            mechanism.check(near)
             found[number] = near
     return [found[number] for number in range(len(parts))]
 

@@ -94,6 +94,17 @@ def test_the_path_of_the_fingertips_is_that_of_a_simulation(linkage, linkage_fil
     assert np.abs(inside - openings).max() < 5e-4
 
 
+def test_inertia_that_does_not_add_up_changes_nothing(linkage, linkage_file, tmp_path):
+    """Only masses are used, of MJCF as of URDF."""
+    old = '<joint name="left_outer"'
+    wrong = f'<inertial pos="0 0 0" mass="0.01" diaginertia="1e-3 1e-6 1e-6"/>{old}'
+    path = tmp_path / "hand.xml"
+    path.write_text(linkage_file.read_text().replace(old, wrong, 1))
+    found = read_model(path)
+    np.testing.assert_allclose(found.places, linkage.places, atol=1e-12)
+    assert [link.mass for link in found.links] == pytest.approx([x.mass for x in linkage.links])
+
+
 def test_independent_fingers_close_together(tmp_path, boxes):
     """Two joints that no constraint couples are driven as one."""
     free = read_model(box_urdf(tmp_path / "free.urdf", mimic=False))

@@ -1,0 +1,151 @@
+"""Files of collision shapes: where they are, and those that MuJoCo does not read."""
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import unquote, urlparse
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
+from trimesh.units import unit_conversion
+
+from egad.errors import UserError
+
+Floats = NDArray[np.float64]
+
+PACKAGE = ("package://", "model://")
+# Header and bytes a face of a binary STL file, and how many faces MuJoCo reads
+STL_HEADER, STL_FACE, STL_FACES = 84, 50, 200_000
+
+
+def find_file(wanted: str, path: Path) -> Path:
+    """Where a file is that a description names.
+
+    Args:
+        wanted: A path, or a URI: file://, or package://NAME/ or model://NAME/ for packages of ROS
+            in the folders above the description, and in those of ROS_PACKAGE_PATH and
+            AMENT_PREFIX_PATH.
+        path: The description.
+
+    Raises:
+        UserError: It is not there; with where it was looked for.
+    """
+    folder = path.resolve().parent
+    scheme = next((each for each in PACKAGE if wanted.startswith(each)), None)
+    if scheme is None:
+        local = unquote(urlparse(wanted).path) if wanted.startswith("file://") else wanted
+        place = folder / local
+        if place.is_file():
+            return place.resolve()
+        raise UserError(f"{wanted} (looked for {place})")
+    package, _, rest = unquote(wanted.removeprefix(scheme)).partition("/")
+    looked: list[Path] = []
+    for place in _packages(package, folder):
+        if (place / rest).is_file():
+            return (place / rest).resolve()
+        looked.append(place / rest)
+    if looked:
+        raise UserError(f"{wanted} (looked for {looked[0]})")
+    raise UserError(
+        f"{wanted} (the package {package} is in none of the folders above the file, nor in those "
+        "of ROS_PACKAGE_PATH and AMENT_PREFIX_PATH)"
+    )
+
+
+def _packages(name: str, folder: Path) -> Iterator[Path]:
+    """The folders that may be a package, the nearest ones first."""
+    for above in (folder, *folder.parents):
+        if above.name == name or _package_name(above) == name:
+            yield above
+        if (above / name).is_dir():
+            yield above / name
+    for root in _listed("ROS_PACKAGE_PATH"):
+        for found, folders, files in os.walk(root):
+            if "package.xml" not in files and "manifest.xml" not in files:
+                folders[:] = sorted(each for each in folders if not each.startswith("."))
+                continue
+            folders.clear()  # packages are not nested
+            if Path(found).name == name or _package_name(Path(found)) == name:
+                yield Path(found)
+    for root in _listed("AMENT_PREFIX_PATH"):
+        if (root / "share" / name).is_dir():
+            yield root / "share" / name
+
+
+def _listed(variable: str) -> list[Path]:
+    """The folders that an environment variable lists."""
+    return [Path(each) for each in os.environ.get(variable, "").split(os.pathsep) if each]
+
+
+def _package_name(folder: Path) -> str | None:
+    """Name of the package of ROS in a folder; None if there is none."""
+    try:
+        text = (folder / "package.xml").read_text(errors="replace")
+    except OSError:
+        return None
+    found = re.search(r"<name>\s*(\S+?)\s*</name>", text)
+    return found[1] if found else None
+
+
+def read_shape(path: Path) -> Floats | None:
+    """Corners of the convex hull of a shape that MuJoCo does not read; None if it does.
+
+    MuJoCo reads OBJ, its own MSH, and binary STL of up to 200,000 faces. Text STL, larger
+    STL and Collada are read here. The unit of a Collada file counts, and its upward axis
+    does not, as in RViz and MoveIt.
+
+    Args:
+        path: The file.
+
+    Returns:
+        (n, 3) in the unit of the file; in metres for Collada.
+
+    Raises:
+        UserError: It cannot be read, or is in another format.
+    """
+    ending = path.suffix[1:].lower()
+    if ending in ("obj", "msh") or (ending == "stl" and _is_regular_stl(path)):
+        return None
+    if ending not in ("stl", "dae"):
+        raise UserError(f"{path} is no STL, OBJ or Collada (DAE); convert it to STL or OBJ")
+    points = _stl_points(path) if ending == "stl" else _collada_points(path)
+    try:
+        return points[ConvexHull(points).vertices]
+    except (QhullError, ValueError) as error:
+        raise UserError(f"{path} is flat or damaged; a shape needs a volume") from error
+
+
+def _is_regular_stl(path: Path) -> bool:
+    """Whether a binary STL file is as long as it says, and MuJoCo reads as many faces."""
+    with path.open("rb") as file:
+        faces = int.from_bytes(file.read(STL_HEADER)[-4:], "little")
+    return path.stat().st_size == STL_HEADER + faces * STL_FACE and 0 < faces <= STL_FACES
+
+
+def _stl_points(path: Path) -> Floats:
+    try:
+        points = np.asarray(trimesh.load_mesh(path, "stl", process=False).vertices)
+    except Exception as error:  # of a damaged file; anything may be raised
+        raise UserError(f"{path} is not readable as STL: {error}") from error
+    if not len(points):
+        raise UserError(f"{path} has no faces that are readable as STL; it is empty or damaged")
+    return np.unique(points, axis=0)
+
+
+def _collada_points(path: Path) -> Floats:
+    advice = "convert it to STL or OBJ"
+    try:
+        scene = trimesh.load_scene(path, file_type="dae", process=False, ignore_broken=False)
+        points = np.asarray(scene.to_mesh().vertices)
+    except ImportError as error:
+        raise UserError(
+            f"{path} is Collada, which needs another package: `pip install pycollada`; or {advice}"
+        ) from error
+    except Exception as error:  # of a damaged file; anything may be raised
+        raise UserError(f"{path} is not readable as Collada ({error}); {advice}") from error
+    if not len(points):
+        raise UserError(f"{path} is Collada without faces in its scene; {advice}")
+    return np.unique(points * unit_conversion(scene.units or "meters", "meters"), axis=0)
