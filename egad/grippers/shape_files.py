@@ -140,10 +140,6 @@ def _collada_points(path: Path) -> Floats:
     try:
         scene = trimesh.load_scene(path, file_type="dae", process=False, ignore_broken=False)
         points = np.asarray(scene.to_mesh().vertices)
-    except ImportError as error:
-        raise UserError(
-            f"{path} is Collada, which needs another package: `pip install pycollada`; or {advice}"
-        ) from error
     except Exception as error:  # of a damaged file; anything may be raised
         raise UserError(f"{path} is not readable as Collada ({error}); {advice}") from error
     if not len(points):

@@ -2,7 +2,6 @@
 
 import os
 import struct
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ from described_hands import PANDA, box_urdf
 from egad.errors import UserError
 from egad.grippers import description_files
 from egad.grippers.reading import read_model
-from egad.grippers.shape_files import find_file, read_shape
+from egad.grippers.shape_files import find_file
 
 FINGER = np.array(PANDA["finger"])
 
@@ -150,7 +149,6 @@ def collada(vertices, faces, *, unit: str = "", place: str = "") -> str:
 
 @pytest.mark.parametrize("unit", [1.0, 0.001])
 def test_a_collada_shape_has_its_unit_and_place_and_no_upward_axis(tmp_path, boxes, unit):
-    pytest.importorskip("collada")
     box = trimesh.creation.box(FINGER / unit / 2)
     stated = "" if unit == 1 else f'<unit name="u" meter="{unit}"/>'
     shift = FINGER / unit
@@ -169,13 +167,6 @@ def test_a_collada_file_without_shapes_is_refused_with_what_to_do(tmp_path, text
     (tmp_path / "finger.dae").write_text(text)
     with pytest.raises(UserError, match=r"finger\.dae is .*Collada.*convert it to STL or OBJ"):
         read_model(hand_with(tmp_path, "finger.dae"))
-
-
-def test_without_its_package_collada_is_refused_with_what_to_do(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "collada", None)
-    (tmp_path / "finger.dae").write_text("<COLLADA/>")
-    with pytest.raises(UserError, match=r"pip install pycollada.* or convert it to STL or OBJ"):
-        read_shape(tmp_path / "finger.dae")
 
 
 def package(folder: Path, name: str) -> Path:
