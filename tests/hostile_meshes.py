@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 from hypothesis import strategies as st
 
-from egad.exchange.meshes import ENDINGS
+from egad.io import ENDINGS
 from egad.exchange.threemf import CORE
 
 BALL = trimesh.creation.icosphere(subdivisions=1)
