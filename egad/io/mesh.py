@@ -1,6 +1,6 @@
 """Mesh files of other programs: read with units and checked."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +19,7 @@ from egad.io.ply import parse_ply
 from egad.io.polygons import check_corners
 from egad.io.stl import FACET, HEADER, parse_stl
 from egad.io.threemf import parse_3mf
-from egad.io.units import METRES, metres_per_unit
+from egad.io.units import ALLOWED, METRES, PRESCRIBED, metres_per_unit
 
 PARSERS: dict[str, Callable[[bytes], Content]] = {
     ".3mf": parse_3mf,
@@ -81,6 +81,17 @@ def read_content(path: Path) -> Content:
     except Exception as error:  # parsers raise whatever comes their way on broken files
         raise RejectedError(unreadable) from error
     return content
+
+
+def check_unit_known(paths: Iterable[Path], units: str | None) -> None:
+    """Make sure that a unit is given if there are files of formats that do not prescribe one.
+
+    Raises:
+        UserError: Such a file is among them; the message names the first.
+    """
+    silent = [path for path in paths if path.suffix[1:].lower() not in PRESCRIBED]
+    if units is None and silent:
+        raise UserError(f"{silent[0].name} needs `units`: {ALLOWED}; only glb and 3mf state it")
 
 
 def _parsed(path: Path) -> Content:

@@ -174,7 +174,11 @@ def _points(words: list[bytes], element: Element) -> Rows:
     if element.name != "vertex":
         return NOTHING
     names, width = [one.name for one in element.properties], len(element.properties)
-    columns = [reals(words[names.index(axis) :: width], "a vertex") for axis in "xyz"]
+    columns = []
+    for axis in "xyz":
+        place = names.index(axis)
+        values = reals(words[place::width], "a vertex")
+        columns.append(values.astype(element.properties[place].kind).astype(np.float64))
     return NOTHING._replace(points=np.column_stack(columns))
 
 

@@ -44,5 +44,5 @@ def metres_per_unit(asked: str | None, stated: str | None, ending: str) -> float
         raise RejectedError(f"the file states the unit {stated}, but {asked} is given")
     unit = asked or stated or PRESCRIBED.get(ending)
     if unit is None:
-        raise RejectedError(f"the file does not state its unit; give units: {ALLOWED}")
+        raise RejectedError(f"the file does not state its unit; give it: {ALLOWED}")
     return LENGTHS[unit]

@@ -28,7 +28,10 @@ Config = Annotated[
     Path | None, typer.Option(help="configuration file, merged into the default settings")
 ]
 Meshes = Annotated[list[Path], typer.Argument(help="mesh files, or folders of mesh files")]
-Units = Annotated[Literal["m", "cm", "mm", "inch"], typer.Option(help="unit of the meshes")]
+Units = Annotated[
+    Literal["m", "cm", "mm", "inch"] | None,
+    typer.Option(help="unit of the meshes; needed unless the files state it"),
+]
 Jobs = Annotated[int, typer.Option(min=1, help="cores to use; results do not depend on it")]
 GripperName = Annotated[
     str | None,

@@ -46,7 +46,7 @@ PageFile = Annotated[
 @app.command(rich_help_panel=TOOL)
 def measure(
     meshes: Meshes,
-    units: Units,
+    units: Units = None,
     gripper: Annotated[
         str | None,
         typer.Option(help="gripper that difficulty is for; default: as in the configuration"),
@@ -78,7 +78,7 @@ def measure(
 @app.command(rich_help_panel=TOOL)
 def similarity(
     meshes: Meshes,
-    units: Units,
+    units: Units = None,
     out: TableFile = None,
     bases: Bases = None,
     config: Config = None,
@@ -102,8 +102,8 @@ def similarity(
 @app.command(rich_help_panel=TOOL)
 def locate(
     meshes: Meshes,
-    units: Units,
     among: Among,
+    units: Units = None,
     out: PageFile = [Path("locate.html")],  # noqa: B006 (typer copies it)
     max_candidates: MaxCandidates = None,
     config: Config = None,

@@ -33,7 +33,7 @@ def rescale(
     settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
     opening: Annotated[float | None, typer.Option(help="opening of the gripper, metres")] = None,
     rule: Annotated[str, typer.Option(help="paper, egad-script or exact")] = "paper",
-    units: Units = "m",
+    units: Units = None,
     ending: Annotated[str, typer.Option("--format", help="obj (m) or stl (mm)")] = "obj",
     jobs: Jobs = CORES,
 ) -> None:
@@ -63,7 +63,7 @@ def rescale(
         run,
         settings=parsed,
         meshes=meshes,
-        units=units,
+        units=units if settings is None else units or "m",  # the pipeline writes metres
         out=out,
         ending=ending,
         suffix=suffix,
@@ -84,7 +84,7 @@ def bundle(
             "--eval", help="evaluation set; MESHES is then the folder of its scaled meshes"
         ),
     ] = None,
-    units: Units = "m",
+    units: Units = None,
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
@@ -110,7 +110,7 @@ def bundle(
         settings=parsed,
         evaluation=evaluation,
         meshes=meshes,
-        units=units,
+        units=units if settings is None else units or "m",  # the pipeline writes metres
         out=out,
         jobs=jobs,
     )
