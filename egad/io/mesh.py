@@ -8,7 +8,7 @@ import trimesh
 
 from egad._util.input_limits import MAX_DIRECT_BYTES, MAX_FACES, MAX_MESH_BYTES, check_at_most
 from egad._util.limited import LimitError, limited
-from egad.errors import RejectedError, UserError, check_name
+from egad.errors import RejectedError, UserError
 from egad.geometry import check_surface
 from egad.io.content import Content
 from egad.io.gltf import parse_glb
@@ -19,7 +19,14 @@ from egad.io.ply import parse_ply
 from egad.io.polygons import check_corners
 from egad.io.stl import FACET, HEADER, parse_stl
 from egad.io.threemf import parse_3mf
-from egad.io.units import ALLOWED, METRES, PRESCRIBED, metres_per_unit
+from egad.io.units import (
+    ALLOWED,
+    COMMENTS,
+    PRESCRIBED,
+    check_unit,
+    metres_per_unit,
+    stated_in,
+)
 
 PARSERS: dict[str, Callable[[bytes], Content]] = {
     ".3mf": parse_3mf,
@@ -45,8 +52,7 @@ def read_mesh(path: Path, units: str | None) -> trimesh.Trimesh:
         RejectedError: The file is not a mesh, is empty, has a feature that is not read, or
             coordinates that are not finite; or it states another unit, or none is known.
     """
-    if units is not None:
-        check_name("unit", units, METRES)
+    check_unit(units)
     content = read_content(path)
     scale = metres_per_unit(units, content.unit, path.suffix[1:].lower())
     mesh = trimesh.Trimesh(content.vertices * scale, content.faces, process=False)
@@ -84,14 +90,25 @@ def read_content(path: Path) -> Content:
 
 
 def check_unit_known(paths: Iterable[Path], units: str | None) -> None:
-    """Make sure that a unit is given if there are files of formats that do not prescribe one.
+    """Make sure that a unit is given if there are files that do not state it.
 
     Raises:
         UserError: Such a file is among them; the message names the first.
     """
-    silent = [path for path in paths if path.suffix[1:].lower() not in PRESCRIBED]
-    if units is None and silent:
-        raise UserError(f"{silent[0].name} needs `units`: {ALLOWED}; only glb and 3mf state it")
+    silent = [path for path in paths if units is None and _is_silent(path)]
+    if silent:
+        raise UserError(
+            f"{silent[0].name} does not state its unit; "
+            f"give `units` (--units of a command): {ALLOWED}"
+        )
+
+
+def _is_silent(path: Path) -> bool:
+    """Whether a file and its format say nothing of its unit."""
+    if path.suffix[1:].lower() in PRESCRIBED or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return stated_in(file.read(COMMENTS)) is None
 
 
 def _parsed(path: Path) -> Content:

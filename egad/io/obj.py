@@ -9,7 +9,7 @@ from egad.errors import RejectedError
 from egad.io.content import Content
 from egad.io.polygons import triangles_of
 from egad.io.text import no_number, plain_text
-from egad.io.units import stated_in
+from egad.io.units import COMMENTS, stated_in
 
 # Of shapes that triangles cannot stand for; lines and points of the format have no surface.
 REFUSED = {
@@ -40,7 +40,7 @@ def parse_obj(data: bytes) -> Content:
     faces = triangles_of(
         vertices, np.array(reader.corners, np.int64), np.array(reader.lengths, int)
     )
-    return Content(vertices, faces, stated_in(b" ".join(_COMMENTS.findall(text[:4096]))))
+    return Content(vertices, faces, stated_in(b" ".join(_COMMENTS.findall(text[:COMMENTS]))))
 
 
 class _Reader:

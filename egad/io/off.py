@@ -9,7 +9,7 @@ from egad.errors import RejectedError
 from egad.io.content import Content
 from egad.io.polygons import triangles_of
 from egad.io.text import integers, plain_text, reals
-from egad.io.units import stated_in
+from egad.io.units import COMMENTS, stated_in
 
 _HEADER = re.compile(rb"\s*((?:ST)?C?N?)(4?)(n?)OFF(?![A-Za-z])\s*(BINARY)?")
 _COMMENTS = re.compile(rb"#[^\n]*")
@@ -23,7 +23,7 @@ def parse_off(data: bytes) -> Content:
             than its header says.
     """
     text = plain_text(data)
-    unit = stated_in(b" ".join(_COMMENTS.findall(text[:4096])))
+    unit = stated_in(b" ".join(_COMMENTS.findall(text[:COMMENTS])))
     rows = [row for line in _body(_COMMENTS.sub(b"", text)).split(b"\n") if (row := line.split())]
     sizes = integers(rows[0][:2], "the counts").tolist() if rows else []
     if len(sizes) < 2 or min(sizes) < 0:

@@ -2,12 +2,13 @@
 
 import re
 
-from egad.errors import RejectedError, check_name
+from egad.errors import RejectedError, UserError
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 LENGTHS = {**METRES, "foot": 0.3048, "micron": 1e-6}  # what files state, too
 PRESCRIBED = {"glb": "m", "3mf": "mm"}  # by formats, where a file does not state its unit
 ALLOWED = "m, cm, mm or inch"
+COMMENTS = 4096  # bytes at the start of a file in which a comment may state its unit
 _SPELLINGS = {
     "m": ("m", "meter", "meters", "metre", "metres"),
     "cm": ("cm", "centimeter", "centimeters", "centimetre", "centimetres"),
@@ -26,6 +27,16 @@ def stated_in(comment: bytes) -> str | None:
     return UNIT_OF.get(found[1].decode().lower()) if found else None
 
 
+def check_unit(asked: str | None) -> None:
+    """Make sure that a unit is one that a caller may give, or none.
+
+    Raises:
+        UserError: It is another.
+    """
+    if asked is not None and asked not in METRES:
+        raise UserError(f"unit {asked!r} is not known; allowed: {', '.join(METRES)}")
+
+
 def metres_per_unit(asked: str | None, stated: str | None, ending: str) -> float:
     """How long the unit of a file is, metres.
 
@@ -38,11 +49,10 @@ def metres_per_unit(asked: str | None, stated: str | None, ending: str) -> float
         UserError: The caller gives an unknown unit.
         RejectedError: The file states another unit; or nobody gives one.
     """
-    if asked is not None:
-        check_name("unit", asked, METRES)
+    check_unit(asked)
     if asked and stated and asked != stated:
         raise RejectedError(f"the file states the unit {stated}, but {asked} is given")
     unit = asked or stated or PRESCRIBED.get(ending)
     if unit is None:
-        raise RejectedError(f"the file does not state its unit; give it: {ALLOWED}")
+        raise RejectedError(f"the file does not state its unit; give `units`: {ALLOWED}")
     return LENGTHS[unit]

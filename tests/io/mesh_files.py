@@ -588,6 +588,39 @@ def instanced(*names, **arrays):
     )
 
 
+def changed(data, change):
+    """A GLB file with another document."""
+    size = int.from_bytes(data[12:16], "little")
+    document = json.loads(data[20 : 20 + size])
+    change(document)
+    return glb(document, data[28 + size :])
+
+
+def morphed(usual, **node):
+    """A box with two other shapes that it may turn into."""
+
+    def change(document):
+        (mesh,) = document["meshes"]
+        mesh["primitives"][0]["targets"] = [{"POSITION": 2}, {"POSITION": 2}]
+        mesh["weights"] = usual
+
+    return changed(gltf(POINTS, CORNERS, [{"mesh": 0, **node}], more=[POINTS * 0.1]), change)
+
+
+def many_primitives():
+    """A box of a strip around it, a fan, and two triangles, which share their vertices."""
+    around = np.array([0, 1, 2, 3, 6, 7, 4, 5, 0, 1], "uint16")
+    fan, rest = np.array([0, 2, 6, 4], "uint16"), np.array([1, 5, 7, 1, 7, 3], "uint16")
+
+    def change(document):
+        document["meshes"][0]["primitives"] = [
+            {"attributes": {"POSITION": 0}, "indices": indices, "mode": mode}
+            for indices, mode in ((1, 5), (2, 6), (3, 4))
+        ]
+
+    return changed(gltf(POINTS, around, more=[fan, rest]), change)
+
+
 HALF = float(np.sqrt(0.5))
 NESTED = (
     {"children": [1], "scale": [2, 2, 2]},
@@ -674,6 +707,10 @@ GLB = {
     "skinned.glb": refused(
         gltf(POINTS, CORNERS, [{"mesh": 0, "skin": 0}], skins=[{"joints": [0]}]), "skin", None
     ),
+    "morphed.glb": refused(morphed([0, 0.5]), "morph", None),
+    "morphed_by_node.glb": refused(morphed([0, 0], weights=[1, 0]), "morph", None),
+    "not_morphed.glb": upright(morphed([0, 0])),
+    "many_primitives.glb": upright(many_primitives()),
     "no_scene.glb": refused(
         gltf(POINTS, CORNERS, nodes=[], scenes=[{"nodes": []}]), "no faces", None
     ),

@@ -53,7 +53,11 @@ def test_settings_need_a_unit_unless_all_files_state_it(tmp_path):
     given = [tmp_path / "a.3mf", tmp_path / "b.GLB"]
     check_unit_known(given, None)
     check_unit_known([*given, tmp_path / "c.stl"], "mm")
-    with pytest.raises(UserError, match=r"c\.stl needs `units`: m, cm, mm or inch"):
+    BOX.export(tmp_path / "c.stl")
+    write_stl_mm(BOX, tmp_path / "d.stl")
+    (tmp_path / "e.obj").write_text("# units: inch\n")
+    check_unit_known([*given, tmp_path / "d.stl", tmp_path / "e.obj"], None)
+    with pytest.raises(UserError, match=r"c\.stl does not state its unit; .*: m, cm, mm or inch"):
         check_unit_known([*given, tmp_path / "c.stl"], None)
 
 
@@ -92,7 +96,9 @@ def test_a_wrong_unit_of_a_box_of_60_mm_gives_a_warning(tmp_path, true, taken):
 
 def test_no_unit_and_no_path_are_told(tmp_path):
     BOX.export(tmp_path / "box.ply")
-    with pytest.raises(RejectedError, match="does not state its unit; give it: m, cm, mm or inch"):
+    with pytest.raises(
+        RejectedError, match="does not state its unit; give `units`: m, cm, mm or inch"
+    ):
         egad.read_mesh(tmp_path / "box.ply")
     with pytest.raises(UserError, match="path"):
         egad.read_mesh(3, "mm")

@@ -145,7 +145,7 @@ def _objects(text: str, units: str | None) -> tuple[list["NamedMesh"], list[Path
         return named_meshes(load(folder).select(ids)), [table, chosen]
     if table.is_file():
         return named_meshes(load(folder)), [table]
-    files = object_names(files_in([folder]))
+    files = object_names(files_in([folder], units))
     return [
         NamedMesh(name, name, partial(read_mesh, path, units)) for name, path in files.items()
     ], list(files.values())

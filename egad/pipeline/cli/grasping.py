@@ -54,7 +54,7 @@ def size_effect(
         check_ending(path, (".svg", ".parquet", ".csv"))
     whole = changed(settings_in(config), "size_effect", grasps=grasps)
     name = check_name("gripper", gripper or whole.targets.grippers[0], whole.grippers)
-    files = object_names(files_in(meshes))
+    files = object_names(files_in(meshes, units))
     table, reasons = stage.curves(select(whole, SizeEffectParameters, name), files, units, jobs)
     complain(reasons, len(files))
     for path in out:

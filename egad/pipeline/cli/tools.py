@@ -57,7 +57,7 @@ def rescale(
         raise UserError(f"--format is {ending!r}; allowed: {allowed}")
     suffix = ""
     if settings is None:  # otherwise from the pipeline: its folder may be empty
-        meshes, suffix = files_in(meshes), scale_suffix(rule, parsed.gripper.opening)
+        meshes, suffix = files_in(meshes, units), scale_suffix(rule, parsed.gripper.opening)
         _spare(out, meshes)
     rejected = run_recorded(
         run,
@@ -101,7 +101,7 @@ def bundle(
         if len(meshes) != 1 or not meshes[0].is_dir():
             raise UserError("bundle --eval takes one folder of meshes, those of the evaluation set")
     else:
-        meshes = files_in(meshes)
+        meshes = files_in(meshes, units)
     if settings is None:
         folder = sorted(meshes[0].iterdir()) if evaluation else meshes
         _spare(out, folder, "bundle.parquet")

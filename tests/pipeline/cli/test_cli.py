@@ -346,7 +346,7 @@ def test_size_effect_rates_the_good_and_names_the_bad(tmp_path):
         (["size-effect", "a.obj", "--units", "mm"], "none of the 1 meshes could be used"),
         (["view", "A0", "--in", "nowhere"], "no dataset here"),
         (["view", "A0", "--gripper", "pandaa"], "did you mean panda?"),
-        (["view", "there.obj"], "there.obj: the file does not state its unit; give it: m, cm, mm"),
+        (["view", "there.obj"], "there.obj: the file does not state its unit; give `units`: m"),
         (["view", "a.obj", "--units", "mm"], "a.obj: no such file"),
         (["view", "a.obj", "--units", "foot"], "not one of"),
         (["view", "A0", "--out", "a.png"], "must end in .html"),
