@@ -1,6 +1,7 @@
 from .api import Measures as Measures
 from .api import convex_parts as convex_parts
 from .api import measure as measure
+from .api import read_mesh as read_mesh
 from .api import rescale as rescale
 from .api import sample_grasps as sample_grasps
 from .api import similarity as similarity

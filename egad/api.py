@@ -1,6 +1,7 @@
 """The functions of `import egad` that take a mesh: measure, compare, scale, grasp, decompose."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ import trimesh
 from numpy.typing import ArrayLike, NDArray
 
 from egad._util.arguments import check_array, check_number
+from egad._util.files import as_path
 from egad._util.parameters import MAX_SIDE_FRACTION, check_count, from_arguments
 from egad.evalset import Bundle
 from egad.exchange.hand_body import hand_body
@@ -35,6 +37,7 @@ from egad.grasps import (
     label_parameters,
 )
 from egad.grippers import Gripper, as_gripper
+from egad.io import read_mesh as read_any_mesh
 from egad.measures import (
     MAX_CANDIDATES,
     Cell,
@@ -50,6 +53,34 @@ from egad.reeb import graph as reeb
 from egad.reeb import similarity as matching
 
 Floats = NDArray[np.float64]
+
+
+def read_mesh(path: str | Path, units: str | None = None) -> trimesh.Trimesh:
+    """Read a mesh file as one mesh in metres: obj, stl, ply, off, glb or 3mf.
+
+    Polygons become triangles that lie within them. All objects, groups and nodes become one mesh,
+    where the file puts them; vertices at the same place are merged. Colors, materials and normals
+    are left out. glTF files have y up: they are turned to have z up. `docs/guides/own-meshes.md`
+    lists what is read of each format.
+
+    Args:
+        path: The file.
+        units: Unit of its coordinates: `m`, `cm`, `mm` or `inch`. It may be left out if the file
+            states it (3mf, or a comment such as `unit: mm`), or the format does (glb: metres).
+
+    Raises:
+        RejectedError: The file is damaged, is not a mesh, has no faces, or has a feature that is
+            not read, such as a free-form surface or a compressed mesh; the message names it. Or it
+            states another unit than the one given, or neither gives one.
+        UserError: The unit is unknown, or the path is no path.
+
+    Warns:
+        UnitsWarning: The size of the mesh suggests another unit.
+    """
+    file = as_path("path", path)
+    mesh = read_any_mesh(file, units)
+    check_units(mesh, f"the mesh {file.name}", units or "the unit of the file")
+    return mesh
 
 
 class Measures(NamedTuple):

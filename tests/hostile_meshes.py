@@ -9,8 +9,8 @@ import numpy as np
 import trimesh
 from hypothesis import strategies as st
 
-from egad.exchange.meshes import ENDINGS
 from egad.exchange.threemf import CORE
+from egad.io import ENDINGS
 
 BALL = trimesh.creation.icosphere(subdivisions=1)
 MEGABYTE = 1 << 20

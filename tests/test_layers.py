@@ -11,7 +11,17 @@ import egad
 PACKAGE = Path(egad.__file__).parent
 LAYERS = [
     *("errors", "random", "outcomes", "_util", "plugins", "data", "tables"),
-    *("geometry", "cppn", "reeb", "grippers", "grasps", "measures", "map_elites", "perception"),
+    *(
+        "geometry",
+        "io",
+        "cppn",
+        "reeb",
+        "grippers",
+        "grasps",
+        "measures",
+        "map_elites",
+        "perception",
+    ),
     *("evalset", "stats", "learning", "detectors", "sim", "exchange", "report"),
     *("objects", "named_meshes", "api", "trials", "benchmark", "export", "pipeline"),
 ]

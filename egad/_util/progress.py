@@ -18,6 +18,7 @@ LINE = re.compile(
     r"(?:, (?P<rate>[\d.]+)/(?P<unit>s|min|h))?(?:, [\d:]+ left)?(?:, (?P<state>.+))?"
 )
 PHASE_END = " ..."
+WARNING = "Warning: "  # begins lines of the logs of stages that the terminal shows, too
 WINDOW, STEADY = 60.0, 2.0  # seconds that a rate is taken over: at most, and at least
 BURST = 0.05  # seconds; what comes within them was done together
 

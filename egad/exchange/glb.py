@@ -12,9 +12,8 @@ import trimesh
 
 from egad._util.files import atomic_output
 from egad.exchange.object_meshes import GREY_LINEAR, ROUGHNESS
+from egad.io import TO_Y_UP
 
-# (x, y, z) of the mesh becomes (x, z, -y) of the file.
-TO_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963  # numbers of OpenGL, which glTF uses
 
 

@@ -4,6 +4,7 @@ from .checks import check_solid as check_solid
 from .checks import check_surface as check_surface
 from .checks import check_units as check_units
 from .checks import has_usual_size as has_usual_size
+from .checks import units_doubt as units_doubt
 from .coacd import coacd_parts as coacd_parts
 from .convex_parts import union_of_parts as union_of_parts
 from .distance import DistanceField as DistanceField

@@ -3,6 +3,7 @@
 import inspect
 import traceback
 import warnings
+from collections.abc import Mapping
 from itertools import takewhile
 from pathlib import Path
 
@@ -13,7 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from egad.errors import RejectedError, UserError
 
 PACKAGE = Path(__file__).parents[1]
-USUAL_SIDES = (0.001, 2.0)  # longest sides of things that are grasped, metres
+# Longest sides of things that are grasped, metres. A thing of 60 mm lies outside if m, mm and inch
+# are mistaken for each other, or m and cm; mistaking mm or inch for cm gives usual sizes, too.
+USUAL_SIDES = (0.005, 1.0)
 ROUNDING = 1e-12  # of the cube of the longest side: a smaller volume is none
 
 
@@ -45,7 +48,7 @@ def _not_a_mesh(given: object) -> str:
     if isinstance(given, trimesh.Scene):
         advice = "; `scene.to_mesh()` makes one mesh of a scene"
     elif isinstance(given, str | Path):
-        advice = "; `trimesh.load_mesh(path)` reads one from a file"
+        advice = "; `egad.read_mesh(path, units='mm')` reads one from a file"
     return f"a mesh is a trimesh.Trimesh, got {type(given).__name__}{advice}"
 
 
@@ -91,15 +94,16 @@ def _relative_volume(mesh: trimesh.Trimesh) -> float:
     return float(np.einsum("ij,ij", a, np.cross(b, c))) / 6
 
 
-def check_units(mesh: trimesh.Trimesh, what: str = "the mesh") -> None:
-    """Warn if a mesh is so large or small that its coordinates cannot be in metres.
+def check_units(mesh: trimesh.Trimesh, what: str = "the mesh", unit: str = "metres") -> None:
+    """Warn if a mesh is so large or small that its coordinates are probably in another unit.
 
     Args:
         mesh: The mesh.
         what: What the warning calls it.
+        unit: That the coordinates had when they were read.
 
     Warns:
-        UnitsWarning: The longest side is not between 1 mm and 2 m. It names the line that called
+        UnitsWarning: The longest side is not between 5 mm and 1 m. It names the line that called
             egad.
 
     Raises:
@@ -112,7 +116,7 @@ def check_units(mesh: trimesh.Trimesh, what: str = "the mesh") -> None:
         low, high = USUAL_SIDES
         warnings.warn(
             f"the longest side of {what} is {longest:.3g} m, which is not between {low:g} m and "
-            f"{high:g} m: are its coordinates really in metres?",
+            f"{high:g} m: are its coordinates really in {unit}?",
             UnitsWarning,
             stacklevel=_calls_within_egad(),
         )
@@ -123,6 +127,28 @@ def _calls_within_egad() -> int:
     calls = traceback.walk_stack(inspect.currentframe())
     within = takewhile(lambda call: PACKAGE in Path(call[0].f_code.co_filename).parents, calls)
     return len(list(within))
+
+
+def units_doubt(longest_sides: Mapping[str, float], unit: str | None) -> str:
+    """A sentence about meshes that are so large or small that their unit is probably another.
+
+    Args:
+        longest_sides: By the names of the meshes, metres; NaN for those that could not be read.
+        unit: That they were read with; None if the files say it.
+
+    Returns:
+        Nothing if all have usual sizes.
+    """
+    known = {name: side for name, side in longest_sides.items() if np.isfinite(side)}
+    odd = {name: side for name, side in known.items() if not has_usual_size(side)}
+    if not odd:
+        return ""
+    name, side = next(iter(odd.items()))
+    low, high = USUAL_SIDES
+    return (
+        f"{len(odd)} of {len(longest_sides)} meshes are smaller than {low:g} m or larger than "
+        f"{high:g} m, {name} for one ({side:.3g} m): is their unit {unit or 'right'}?"
+    )
 
 
 def has_usual_size(longest_sides: ArrayLike) -> NDArray[np.bool_]:

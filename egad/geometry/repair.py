@@ -88,6 +88,7 @@ CRACK = 1e-4  # of the longest side: open edges that are this close belong toget
 LARGEST_HOLE = 0.1  # of the area of a shell; a larger one may be the mouth of a cup
 DEBRIS = 0.1  # of the area of all shells: open shells that together have less are dropped
 FLAT = 1e-6  # volume / longest side cubed: thinner than this bounds nothing
+THICKEN = "`open_surfaces: thicken` gives a surface without thickness a wall"
 THIN = f"no volume, or less than {FLAT:g} of the cube of its longest side"
 
 
@@ -202,11 +203,11 @@ def _solids(mesh: trimesh.Trimesh, wall: float | None) -> tuple[list[Solid], boo
 
 def _reason(failed: list[trimesh.Trimesh]) -> str:
     if not failed:
-        return "no volume"
+        return f"no volume; {THICKEN}"
     edges = sum(len(open_edges(part.faces)) for part in failed)
     if edges == 0:
         return "faces without volume, or that meet in ways that no solid has"
-    return f"open surface: {edges} open edges that could not be closed"
+    return f"open surface: {edges} open edges that could not be closed; {THICKEN}"
 
 
 def _shells(mesh: trimesh.Trimesh) -> list[trimesh.Trimesh]:

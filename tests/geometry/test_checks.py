@@ -66,8 +66,8 @@ FUNCTIONS = {
 }
 NO_MESH = {
     "scene": (trimesh.Scene(BOX), r"got Scene; `scene.to_mesh\(\)`"),
-    "path": (Path("cup.obj"), "trimesh.load_mesh"),
-    "name": ("cup.obj", "trimesh.load_mesh"),
+    "path": (Path("cup.obj"), "egad.read_mesh"),
+    "name": ("cup.obj", "egad.read_mesh"),
     "nothing": (None, "got NoneType"),
     "array": (BOX.vertices, "got TrackedArray"),
 }

@@ -214,6 +214,32 @@ def test_what_bounds_no_solid_is_rejected_with_the_reason(reason):
         repair(BAD[reason])
 
 
+SINGLE_SURFACES = {
+    "sheet": SHEET,
+    "sheet on both sides": BAD["no volume"],
+    "box without a lid": raw(
+        trimesh.creation.box().vertices, trimesh.creation.box().faces[2:].tolist()
+    ),
+    "box without a lid on both sides": together(
+        raw(trimesh.creation.box().vertices, trimesh.creation.box().faces[2:]),
+        raw(trimesh.creation.box().vertices, trimesh.creation.box().faces[2:, ::-1]),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SINGLE_SURFACES)
+def test_surfaces_without_thickness_are_rejected_with_the_advice_that_helps(name):
+    mesh = SINGLE_SURFACES[name]
+    with pytest.raises(RejectedError, match="`open_surfaces: thicken`"):
+        repair(mesh)
+    assert repair(mesh, "thicken", 0.05).mesh.is_watertight
+
+
+def test_a_thin_sheet_with_thickness_is_a_solid():
+    foil = trimesh.creation.box((0.1, 0.06, 0.00005))
+    assert repair(foil).mesh.volume == pytest.approx(foil.volume)
+
+
 def test_random_triangles_are_rejected_not_crashed_on():
     rng = np.random.default_rng(1)
     with pytest.raises(RejectedError):

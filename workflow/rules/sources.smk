@@ -8,6 +8,7 @@ from pathlib import Path
 
 from egad.errors import UserError
 from egad.exchange import EVERY_FILE, objects_in
+from egad.io import check_unit_known
 from egad.pipeline.stages.shards import by_shard
 
 
@@ -36,6 +37,7 @@ def meshes_by_shard(name):
     dataset = SETTINGS.datasets[name]
     try:
         files = objects_in(Path(dataset.folder), dataset.pattern or EVERY_FILE)
+        check_unit_known(files.values(), dataset.units)
     except UserError as error:
         raise WorkflowError(f"The dataset {name} cannot be used: {error}")
     shards = by_shard(files, len(SHARDS))
@@ -75,5 +77,6 @@ def raw_options(wildcards):
         return ["--primitives", str(dataset.objects)]
     if dataset.source == "meshes":
         pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
-        return ["--folder", dataset.folder, "--units", dataset.units, *pattern]
+        units = ["--units", dataset.units] if dataset.units else []
+        return ["--folder", dataset.folder, *units, *pattern]
     return ["--archive", *raw_objects(wildcards)]

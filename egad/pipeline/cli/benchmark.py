@@ -52,7 +52,7 @@ def benchmark(
         str,
         typer.Option(help="evaluation-set, the folder of a dataset, or a folder of mesh files"),
     ] = "evaluation-set",
-    units: Units = "m",
+    units: Units = None,
     gripper: Annotated[str, typer.Option(help="name of the gripper")] = "panda",
     rounds: Annotated[
         int | None, typer.Option(min=1, help="rounds of each kind of scene and noise")
@@ -126,7 +126,7 @@ def _detector(
     return name, from_arguments(DetectorConfig, detector=named(text), weights=given)
 
 
-def _objects(text: str, units: str) -> tuple[list["NamedMesh"], list[Path]]:
+def _objects(text: str, units: str | None) -> tuple[list["NamedMesh"], list[Path]]:
     """The objects of a command line, and the files that they come from."""
     from egad.exchange import object_names, read_mesh
     from egad.named_meshes import NamedMesh, named_meshes
@@ -145,7 +145,7 @@ def _objects(text: str, units: str) -> tuple[list["NamedMesh"], list[Path]]:
         return named_meshes(load(folder).select(ids)), [table, chosen]
     if table.is_file():
         return named_meshes(load(folder)), [table]
-    files = object_names(files_in([folder]))
+    files = object_names(files_in([folder], units))
     return [
         NamedMesh(name, name, partial(read_mesh, path, units)) for name, path in files.items()
     ], list(files.values())

@@ -28,7 +28,10 @@ Config = Annotated[
     Path | None, typer.Option(help="configuration file, merged into the default settings")
 ]
 Meshes = Annotated[list[Path], typer.Argument(help="mesh files, or folders of mesh files")]
-Units = Annotated[Literal["m", "cm", "mm", "inch"], typer.Option(help="unit of the meshes")]
+Units = Annotated[
+    Literal["m", "cm", "mm", "inch"] | None,
+    typer.Option(help="unit of the meshes; needed unless the files state it"),
+]
 Jobs = Annotated[int, typer.Option(min=1, help="cores to use; results do not depend on it")]
 GripperName = Annotated[
     str | None,
@@ -67,9 +70,14 @@ def settings_in(config: Path | None) -> Settings:
     return check(merged(defaults(), values or {}))
 
 
-def files_in(paths: list[Path]) -> list[Path]:
-    """The given files, and the files in the given folders, without duplicates."""
+def files_in(paths: list[Path], units: str | None) -> list[Path]:
+    """The given files, and the files in the given folders, without duplicates.
+
+    Raises:
+        UserError: No unit is given, and one of the files does not state it.
+    """
     from egad.exchange import mesh_files
+    from egad.io import check_unit_known
 
     files: dict[Path, Path] = {}
     for path in paths:
@@ -77,6 +85,7 @@ def files_in(paths: list[Path]) -> list[Path]:
             if file.resolve() in files:
                 typer.echo(f"{file} is given twice; it is used once", err=True)
             files.setdefault(file.resolve(), file)
+    check_unit_known(files.values(), units)
     return list(files.values())
 
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from egad.errors import UserError, check_name
+from egad.errors import check_name
 from egad.pipeline.cli.common import (
     CORES,
     TOOL,
@@ -33,7 +33,7 @@ Grasps = Annotated[
 @app.command(name="size-effect", rich_help_panel=TOOL)
 def size_effect(
     meshes: Meshes,
-    units: Units,
+    units: Units = None,
     gripper: GripperName = None,
     out: Charts = [],  # noqa: B006 (typer copies it)
     grasps: Grasps = None,
@@ -54,7 +54,7 @@ def size_effect(
         check_ending(path, (".svg", ".parquet", ".csv"))
     whole = changed(settings_in(config), "size_effect", grasps=grasps)
     name = check_name("gripper", gripper or whole.targets.grippers[0], whole.grippers)
-    files = object_names(files_in(meshes))
+    files = object_names(files_in(meshes, units))
     table, reasons = stage.curves(select(whole, SizeEffectParameters, name), files, units, jobs)
     complain(reasons, len(files))
     for path in out:
@@ -74,7 +74,7 @@ def view(
     dataset: Annotated[
         Path, typer.Option("--in", help="folder of the dataset with this label")
     ] = Path("results/egad"),
-    units: Annotated[str | None, typer.Option(help="unit of a mesh file: m, cm, mm, inch")] = None,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="HTML page to write")] = Path("view.html"),
     grasps: Annotated[
         int | None, typer.Option(min=1, help="number of grasps for a mesh file")
@@ -93,8 +93,6 @@ def view(
     name = check_name("gripper", gripper or whole.targets.grippers[0], whole.grippers)
     if Path(item).suffix.lower() not in ENDINGS and not Path(item).is_file():
         shown = stage.from_dataset(dataset, name, item, whole.grippers[name].opening)
-    elif units is None:
-        raise UserError(f"{item} is a mesh file: give its unit with --units: m, cm, mm or inch")
     else:
         shown = stage.from_mesh(Path(item), units, select(whole, ViewMesh, name))
     write_text(out, page(shown, name, whole.grippers[name]))

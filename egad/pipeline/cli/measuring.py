@@ -46,7 +46,7 @@ PageFile = Annotated[
 @app.command(rich_help_panel=TOOL)
 def measure(
     meshes: Meshes,
-    units: Units,
+    units: Units = None,
     gripper: Annotated[
         str | None,
         typer.Option(help="gripper that difficulty is for; default: as in the configuration"),
@@ -67,7 +67,7 @@ def measure(
     check_ending(out)
     whole = changed(settings_in(config), "postprocess", max_candidates=max_candidates)
     name = check_name("gripper", gripper or whole.difficulty.gripper, whole.grippers)
-    files = object_names(files_in(meshes))
+    files = object_names(files_in(meshes, units))
     table = stage.run(select(whole, MeasureMeshes, name), files, units, jobs)
     if out is not None:
         write_frame(table, MEASURED, out)
@@ -78,7 +78,7 @@ def measure(
 @app.command(rich_help_panel=TOOL)
 def similarity(
     meshes: Meshes,
-    units: Units,
+    units: Units = None,
     out: TableFile = None,
     bases: Bases = None,
     config: Config = None,
@@ -91,7 +91,7 @@ def similarity(
 
     check_ending(out)
     whole = changed(settings_in(config), "similarity", bases=bases)
-    files = object_names(files_in(meshes))
+    files = object_names(files_in(meshes, units))
     matrix, reasons = stage.run(whole.similarity, files, units, jobs)
     if out is not None:
         write_matrix(matrix, out)
@@ -102,8 +102,8 @@ def similarity(
 @app.command(rich_help_panel=TOOL)
 def locate(
     meshes: Meshes,
-    units: Units,
     among: Among,
+    units: Units = None,
     out: PageFile = [Path("locate.html")],  # noqa: B006 (typer copies it)
     max_candidates: MaxCandidates = None,
     config: Config = None,
@@ -125,7 +125,7 @@ def locate(
     whole = changed(settings_in(config), "postprocess", max_candidates=max_candidates)
     settings = select(whole, LocateMeshes)
     objects = stage.reference(archive_path(among), settings)
-    table, shown = stage.run(settings, objects, object_names(files_in(meshes)), units, jobs)
+    table, shown = stage.run(settings, objects, object_names(files_in(meshes, units)), units, jobs)
     for path in out:
         if path.suffix.lower() == ".html":
             reasons = _reasons(table)

@@ -33,7 +33,7 @@ def rescale(
     settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
     opening: Annotated[float | None, typer.Option(help="opening of the gripper, metres")] = None,
     rule: Annotated[str, typer.Option(help="paper, egad-script or exact")] = "paper",
-    units: Units = "m",
+    units: Units = None,
     ending: Annotated[str, typer.Option("--format", help="obj (m) or stl (mm)")] = "obj",
     jobs: Jobs = CORES,
 ) -> None:
@@ -57,13 +57,13 @@ def rescale(
         raise UserError(f"--format is {ending!r}; allowed: {allowed}")
     suffix = ""
     if settings is None:  # otherwise from the pipeline: its folder may be empty
-        meshes, suffix = files_in(meshes), scale_suffix(rule, parsed.gripper.opening)
+        meshes, suffix = files_in(meshes, units), scale_suffix(rule, parsed.gripper.opening)
         _spare(out, meshes)
     rejected = run_recorded(
         run,
         settings=parsed,
         meshes=meshes,
-        units=units,
+        units=units if settings is None else units or "m",  # the pipeline writes metres
         out=out,
         ending=ending,
         suffix=suffix,
@@ -84,7 +84,7 @@ def bundle(
             "--eval", help="evaluation set; MESHES is then the folder of its scaled meshes"
         ),
     ] = None,
-    units: Units = "m",
+    units: Units = None,
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
@@ -101,7 +101,7 @@ def bundle(
         if len(meshes) != 1 or not meshes[0].is_dir():
             raise UserError("bundle --eval takes one folder of meshes, those of the evaluation set")
     else:
-        meshes = files_in(meshes)
+        meshes = files_in(meshes, units)
     if settings is None:
         folder = sorted(meshes[0].iterdir()) if evaluation else meshes
         _spare(out, folder, "bundle.parquet")
@@ -110,7 +110,7 @@ def bundle(
         settings=parsed,
         evaluation=evaluation,
         meshes=meshes,
-        units=units,
+        units=units if settings is None else units or "m",  # the pipeline writes metres
         out=out,
         jobs=jobs,
     )

@@ -85,7 +85,8 @@ class Dataset(Parameters):
     )
     folder: str | None = Field(None, description="folder of the meshes (source: meshes)")
     units: Literal["m", "mm", "cm", "inch"] | None = Field(
-        None, description="unit of the mesh coordinates (source: meshes)"
+        None,
+        description="unit of the mesh coordinates, unless the files state it (source: meshes)",
     )
     pattern: str | None = Field(
         None,
@@ -105,7 +106,7 @@ class Dataset(Parameters):
         needed = {
             "evolved": (),
             "archive": ("archive",),
-            "meshes": ("folder", "units"),
+            "meshes": ("folder",),
             "primitives": ("objects",),
         }
         allowed = {**needed, "meshes": ("folder", "units", "pattern")}

@@ -12,7 +12,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any, TextIO
 
-from egad._util.progress import duration
+from egad._util.progress import WARNING, duration
 from egad.pipeline.display.jobs import Job, Jobs, last_lines
 from egad.pipeline.display.lines import Lines, View, clock
 
@@ -23,7 +23,7 @@ REPLACED = ("job_info", "job_started", "job_finished", "progress", "job_error")
 SELECTING = "Select jobs to execute..."
 COMMAND = re.compile(r"^Command '.*' (?=returned |died )", re.DOTALL | re.MULTILINE)
 ERROR_LINES = 20
-FAILURE = "bold red"
+FAILURE, CAUTION = "bold red", "yellow"
 
 
 def start_display(steps: int, whole_logs: Collection[str] = ()) -> None:
@@ -116,6 +116,10 @@ class Display(logging.Handler):
             self._view.print(f"{clock()} done  {job.rule}: {job.title}, {taken} {steps}")
             if job.log and job.rule in self._whole_logs:
                 self._view.print("\n".join(last_lines(job.log)))
+            elif job.log:
+                for line in last_lines(job.log):
+                    if line.startswith(WARNING):
+                        self._view.print(line, CAUTION)
         if not self._done and message["done"] == message["total"]:
             self._view.print(f"{clock()} done  all {message['total']} steps")
         self._done.clear()

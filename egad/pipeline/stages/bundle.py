@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 
 from egad._util.files import atomic_output
@@ -14,6 +15,7 @@ from egad.errors import RejectedError
 from egad.evalset import SimulationObject, make_simulation_object
 from egad.evalset.bundle import page
 from egad.exchange import object_names, read_mesh, write_simulation_object, write_sums
+from egad.geometry import units_doubt
 from egad.pipeline.config import Bundle, Material
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Jobs, Output
@@ -45,7 +47,7 @@ def bundle(
     settings: SimulationBundle,
     evaluation: Annotated[Path | None, Input()],
     meshes: Annotated[list[Path], Input()],
-    units: str,
+    units: str | None,
     out: Annotated[
         Path,
         Output("D/bundle/G/LABEL/"),
@@ -59,7 +61,7 @@ def bundle(
         settings: Material, and method of the convex decomposition.
         evaluation: Evaluation set; `meshes` is then the folder of its scaled meshes.
         meshes: Mesh files, or one folder with `evaluation`.
-        units: Unit of the meshes.
+        units: Unit of the meshes: m, mm, cm, inch; without it, as the files say.
         out: Folder with the evaluation set for simulators, scaled to gripper G: meshes, URDF,
             MJCF and poses at rest, with a table of the objects, their parts and masses.
             `rejected.parquet` lists the objects that could not be prepared. The trials use this
@@ -85,14 +87,18 @@ def any_objects(files: list[Path]) -> list[Item]:
 
 
 def run(
-    settings: SimulationBundle, objects: list[Item], units: str, out: Path, worker_count: int = 1
+    settings: SimulationBundle,
+    objects: list[Item],
+    units: str | None,
+    out: Path,
+    worker_count: int = 1,
 ) -> int:
     """Write all files that a simulator needs.
 
     Args:
         settings: Material, and method of the convex decomposition.
         objects: Mesh files and names.
-        units: Unit of the meshes.
+        units: Unit of the meshes; None: as the files say.
         out: Folder for `LABEL/`, `bundle.parquet`, `rejected.parquet`, `README.md` and
             `SHA256SUMS`.
         worker_count: Processes; the result does not depend on it.
@@ -100,12 +106,13 @@ def run(
     Returns:
         How many objects could not be used; `rejected.parquet` names them.
     """
-    rows, left_out = [], []
+    rows, left_out, sides = [], [], {}
     with workers(worker_count) as mapper, atomic_output(out) as folder:
         folder.mkdir()
         paths = [item.path for item in objects]
         results = mapper(partial(_made, units=units, settings=settings), paths)
-        for item, made in zip(objects, progress(results, "making", len(paths)), strict=True):
+        done = progress(results, "making", len(paths))
+        for item, (made, sides[item.label]) in zip(objects, done, strict=True):
             if isinstance(made, str):
                 left_out.append(rejection(item.id, "bundle", f"{item.label}: {made}"))
             else:
@@ -119,6 +126,8 @@ def run(
             page(table, left_out, settings.material.density, settings.bundle), encoding="utf-8"
         )
         write_sums(folder)
+    if doubt := units_doubt(sides, units):
+        log.warning("%s", doubt)
     beyond = [row["label"] for row in rows if not row["within"]]
     if beyond:
         log.warning("parts beyond bundle.volume_error or bundle.deviation: %s", ", ".join(beyond))
@@ -126,14 +135,17 @@ def run(
     return len(left_out)
 
 
-def _made(path: Path, units: str, settings: SimulationBundle) -> SimulationObject | str:
-    """An object ready for simulators, or the reason why there is none."""
+def _made(
+    path: Path, units: str | None, settings: SimulationBundle
+) -> tuple[SimulationObject | str, float]:
+    """An object ready for simulators, or the reason why there is none; and its longest side."""
+    longest = np.nan
     try:
-        return make_simulation_object(
-            read_mesh(path, units), settings.material.density, settings.bundle
-        )
+        mesh = read_mesh(path, units)
+        longest = float(mesh.extents.max())
+        return make_simulation_object(mesh, settings.material.density, settings.bundle), longest
     except RejectedError as reason:
-        return str(reason)
+        return str(reason), longest
 
 
 def _row(item: Item, made: SimulationObject, settings: SimulationBundle) -> dict[str, Any]:

@@ -13,9 +13,10 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad._util.files import atomic_output
-from egad._util.progress import progress
+from egad._util.progress import WARNING, progress
 from egad._util.workers import workers
 from egad.exchange import write_obj
+from egad.geometry import units_doubt
 from egad.measures import complexity_cells, difficulty_cells, labels
 from egad.pipeline.config import Similarity, Space
 from egad.pipeline.config.stage_settings import StageSettings
@@ -67,9 +68,29 @@ def run(
         columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
         written = mapper(partial(_write, folder), columns)
         deque(progress(written, "writing meshes", len(frame)), maxlen=0)
-    parquet.write(join(rejects, REJECTED, ["id", "stage"]), REJECTED, rejected)
+    left_out = join(rejects, REJECTED, ["id", "stage"])
+    if source == "meshes":
+        _warn(frame, left_out)
+    parquet.write(left_out, REJECTED, rejected)
     parquet.write(frame, OBJECTS, out)
     log.info("%d objects", len(frame))
+
+
+def _warn(frame: pd.DataFrame, left_out: pd.DataFrame) -> None:
+    """Say which of a user's meshes could not be used, or have sizes that make their unit doubtful.
+
+    Args:
+        frame: Columns of `tables.objects.SOLIDS`.
+        left_out: Columns of `tables.objects.REJECTED`.
+    """
+    longest = frame[["extents_x", "extents_y", "extents_z"]].max(axis=1)
+    if doubt := units_doubt(dict(zip(frame["id"], longest, strict=True)), None):
+        log.warning("%s%s", WARNING, doubt)
+    if len(left_out):
+        text, first = "%s%d of %d meshes cannot be used; %s: %s", left_out.iloc[0]
+        log.warning(
+            text, WARNING, len(left_out), len(frame) + len(left_out), first["id"], first["reason"]
+        )
 
 
 def arrange(

@@ -19,7 +19,7 @@ from egad.measures import labels
 from egad.pipeline.archive_settings import check_provenance
 from egad.pipeline.config import Shape, Similarity
 from egad.pipeline.config.stage_settings import LocateMeshes
-from egad.pipeline.stages.measure import measure_row, warn_of_coarse, warn_of_units
+from egad.pipeline.stages.measure import SIZE, measure_row, warn_of_coarse, warn_of_units
 from egad.reeb import Neighborhood
 from egad.reeb import graph as reeb
 from egad.report.locations import Located, Neighbor
@@ -100,7 +100,7 @@ def run(
     settings: LocateMeshes,
     among: Reference,
     files: Mapping[str, Path],
-    units: str,
+    units: str | None,
     worker_count: int,
 ) -> tuple[pd.DataFrame, list[Located]]:
     """Locate meshes among the objects of a dataset.
@@ -109,7 +109,7 @@ def run(
         settings: Settings of this tool.
         among: The objects of the dataset.
         files: Mesh files by name.
-        units: Unit of their coordinates.
+        units: Unit of their coordinates; None: as the files say.
         worker_count: Processes; the result does not depend on it.
 
     Returns:
@@ -125,9 +125,8 @@ def run(
     hood = Neighborhood(similarity.weight, settings.space.neighbors)
     hood.add(reeb.unpack(graph) for graph in packed)  # indices are those of the rows
     rows = [_placed(item, hood, among.objects) for item in mine]
-    measured = pd.DataFrame([item.row for item in mine], columns=MEASURED.names)
-    warn_of_units(measured, units)
-    warn_of_coarse(measured)
+    warn_of_units([item.row for item in mine], units)
+    warn_of_coarse(pd.DataFrame([item.row for item in mine], columns=MEASURED.names))
     return pd.DataFrame(rows, columns=LOCATED.names), [
         _located(row, item, among) for row, item in zip(rows, mine, strict=True) if item.graph
     ]
@@ -141,14 +140,17 @@ class _Mine(NamedTuple):
     picture: bytes = b""
 
 
-def _mine(item: tuple[str, Path], units: str, settings: LocateMeshes) -> _Mine:
+def _mine(item: tuple[str, Path], units: str | None, settings: LocateMeshes) -> _Mine:
     name, path = item
+    found: dict[str, Any] = {"name": name, "reason": ""}
     try:
-        solid, row = measure_row(read_mesh(path, units), settings)
+        mesh = read_mesh(path, units)
+        found[SIZE] = float(mesh.extents.max())
+        solid, row = measure_row(mesh, settings)
         graph = reeb.pack(reeb.extract(solid, settings.similarity))
     except RejectedError as reason:
-        return _Mine({"name": name, "reason": str(reason)})
-    return _Mine({"name": name, **row, "reason": ""}, graph, png_bytes(render(solid, PORTRAIT)))
+        return _Mine({**found, "reason": str(reason)})
+    return _Mine({**found, **row}, graph, png_bytes(render(solid, PORTRAIT)))
 
 
 def _graph(load: Callable[[], trimesh.Trimesh], settings: Similarity) -> bytes:

@@ -1,11 +1,12 @@
 """measure: complexity and difficulty of meshes, and their cells."""
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import trimesh
 
@@ -13,24 +14,25 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange import read_mesh
-from egad.geometry import USUAL_SIDES, Body, has_usual_size, repair_and_weigh
+from egad.geometry import Body, repair_and_weigh, units_doubt
 from egad.measures import cell_of, coarse_advice, is_coarse, measure_repeatably
 from egad.pipeline.config import Postprocess
 from egad.pipeline.config.stage_settings import MeasureMeshes
 from egad.tables.objects import MEASURED
 
 log = logging.getLogger(__name__)
+SIZE = "size_as_read"  # longest side before repair, metres; known of rejected meshes, too
 
 
 def run(
-    settings: MeasureMeshes, files: Mapping[str, Path], units: str, worker_count: int
+    settings: MeasureMeshes, files: Mapping[str, Path], units: str | None, worker_count: int
 ) -> pd.DataFrame:
     """Repair and measure meshes.
 
     Args:
         settings: Settings of this tool.
         files: Mesh files by name.
-        units: Unit of their coordinates.
+        units: Unit of their coordinates; None: as the files say.
         worker_count: Processes; the result does not depend on it.
 
     Returns:
@@ -41,7 +43,7 @@ def run(
     with workers(min(worker_count, len(files))) as mapper:
         rows = list(progress(mapper(work, files.items()), "measuring", len(files)))
     table = pd.DataFrame(rows, columns=MEASURED.names)
-    warn_of_units(table, units)
+    warn_of_units(rows, units)
     warn_of_coarse(table)
     return table
 
@@ -84,13 +86,16 @@ def repaired_body(mesh: trimesh.Trimesh, wanted: Postprocess, density: float) ->
     )
 
 
-def _row(item: tuple[str, Path], units: str, settings: MeasureMeshes) -> dict[str, Any]:
+def _row(item: tuple[str, Path], units: str | None, settings: MeasureMeshes) -> dict[str, Any]:
     name, path = item
+    found: dict[str, Any] = {"name": name, "reason": ""}
     try:
-        _, row = measure_row(read_mesh(path, units), settings)
+        mesh = read_mesh(path, units)
+        found[SIZE] = float(mesh.extents.max())
+        _, row = measure_row(mesh, settings)
     except RejectedError as reason:
-        return {"name": name, "reason": str(reason)}
-    return {"name": name, **row, "reason": ""}
+        return {**found, "reason": str(reason)}
+    return {**found, **row}
 
 
 def warn_of_coarse(table: pd.DataFrame) -> None:
@@ -104,14 +109,12 @@ def warn_of_coarse(table: pd.DataFrame) -> None:
         )
 
 
-def warn_of_units(table: pd.DataFrame, units: str) -> None:
-    """Warn if the size of meshes suggests that their unit is wrong."""
-    known = table.dropna(subset="longest_side")
-    odd = known[~has_usual_size(known["longest_side"])]
-    if len(odd):
-        log.warning(
-            "%d of %d meshes are smaller than %g m or larger than %g m, %s for one (%.3g m): "
-            "is their unit %s?",
-            *(len(odd), len(table), *USUAL_SIDES),
-            *(odd["name"].iloc[0], odd["longest_side"].iloc[0], units),
-        )
+def warn_of_units(rows: Iterable[Mapping[str, Any]], units: str | None) -> None:
+    """Warn if the size of meshes suggests that their unit is wrong.
+
+    Args:
+        rows: With `name`, and `SIZE` for those that could be read.
+        units: Unit that they were read with.
+    """
+    if doubt := units_doubt({row["name"]: row.get(SIZE, np.nan) for row in rows}, units):
+        log.warning("%s", doubt)

@@ -15,7 +15,7 @@ from egad._util.progress import progress
 from egad.cppn import packed_surface
 from egad.errors import RejectedError, UserError
 from egad.exchange import EVERY_FILE, objects_in, read_mesh
-from egad.geometry import joined_primitives
+from egad.geometry import has_usual_size, joined_primitives
 from egad.measures import MeasureParameters, measure_repeatably
 from egad.pipeline.archive_settings import (
     MEASURING,
@@ -52,8 +52,8 @@ class PostprocessSolids(MeasureParameters):
 
 def _folder_files(given: Mapping[str, Any]) -> Iterable[Path]:
     """The mesh files of the shard in the folder, if there is one."""
-    folder, units = given["folder"], given["units"]
-    if given["archive"] or folder is None or units is None:
+    folder = given["folder"]
+    if given["archive"] or folder is None:
         return []
     shard, shards = given["shard"]
     return files_of_shard(folder, shard, shards, given["pattern"]).values()
@@ -80,7 +80,7 @@ def run(
         rejected: Table of the rejected objects, with reasons.
         archive: Archive of evolved objects.
         folder: Folder of meshes.
-        units: Unit of these meshes: m, mm, cm, inch.
+        units: Unit of these meshes: m, mm, cm, inch; without it, as the files say.
         pattern: Glob of these meshes in the folder.
         primitives: Number of random unions of primitives.
 
@@ -89,12 +89,12 @@ def run(
     """
     if archive is not None:
         sources, known = from_archive(archive, settings, *shard)
-    elif folder is not None and units is not None:
+    elif folder is not None:
         sources, known = from_folder(folder, units, *shard, pattern)
     elif primitives is not None:
         sources, known = from_primitives(primitives, settings, *shard)
     else:
-        raise UserError("postprocess needs --archive, --folder and --units, or --primitives")
+        raise UserError("postprocess needs --archive, --folder or --primitives")
     solids = measure_objects(settings, sources, known, out, rejected)
     if folder is not None:
         warn_of_coarse(solids)
@@ -117,10 +117,12 @@ def measure_objects(
     """
     rows, left_out = [], []
     for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
+        mesh = None
         try:
-            row = solid_row(load(), object_id, settings)
+            mesh = load()
+            row = solid_row(mesh, object_id, settings)
         except RejectedError as reason:
-            left_out.append(rejection(object_id, "postprocess", reason))
+            left_out.append(rejection(object_id, "postprocess", f"{reason}{_doubt(mesh)}"))
         else:
             rows.append(row | {"archive_difficulty": known.get(object_id, np.nan)})
     log.info("%d objects, %d rejected", len(rows), len(left_out))
@@ -128,6 +130,13 @@ def measure_objects(
     parquet.write(solids, SOLIDS, out)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
     return solids
+
+
+def _doubt(mesh: trimesh.Trimesh | None) -> str:
+    """What a reason says of the size of a mesh that could be read, if it is not usual."""
+    if mesh is None or has_usual_size(side := float(mesh.extents.max())):
+        return ""
+    return f"; its longest side is {side:.3g} m: is its unit right?"
 
 
 def from_archive(
@@ -156,7 +165,7 @@ def from_archive(
 
 
 def from_folder(
-    folder: Path, units: str, shard: int, shards: int, pattern: str = EVERY_FILE
+    folder: Path, units: str | None, shard: int, shards: int, pattern: str = EVERY_FILE
 ) -> tuple[Sources, pd.Series]:
     """The objects of the mesh files of a shard, without difficulties of a selection."""
     files = files_of_shard(folder, shard, shards, pattern)

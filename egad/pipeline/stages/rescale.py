@@ -13,7 +13,7 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange import object_names, read_mesh, write_obj, write_stl_mm
-from egad.geometry import rescale
+from egad.geometry import rescale, units_doubt
 from egad.grasps import graspable_fraction, graspable_widths
 from egad.pipeline.config import Gripper, Rescale
 from egad.pipeline.config.stage_settings import StageSettings
@@ -38,7 +38,7 @@ class RescaleMeshes(StageSettings):
 def run(
     settings: RescaleMeshes,
     meshes: Annotated[list[Path], Input()],
-    units: str,
+    units: str | None,
     out: Annotated[
         Path,
         Output("D/rescaled/G/LABEL.obj"),
@@ -54,7 +54,7 @@ def run(
     Args:
         settings: Gripper and rule.
         meshes: Mesh files; a folder stands for its OBJ files.
-        units: Unit of their coordinates.
+        units: Unit of their coordinates: m, mm, cm, inch; without it, as the files say.
         out: Folder with the meshes scaled to gripper G (`.obj` in metres, `.stl` in millimetres), a
             table of their scales, and a table of the rejected objects.
         ending: `obj` or `stl`.
@@ -66,20 +66,23 @@ def run(
     """
     found = [sorted(path.glob("*.obj")) if path.is_dir() else [path] for path in meshes]
     named = object_names([file for files in found for file in files])
-    scales, left_out = [], []
+    scales, left_out, sides = [], [], {}
     with workers(jobs) as mapper, atomic_output(out) as folder:
         folder.mkdir()
         work = partial(
             _scaled, units=units, settings=settings, folder=folder, tail=f"{suffix}.{ending}"
         )
         results = mapper(work, named.items())
-        for name, result in zip(named, progress(results, "scaling", len(named)), strict=True):
+        done = progress(results, "scaling", len(named))
+        for name, (result, sides[name]) in zip(named, done, strict=True):
             if isinstance(result, str):
                 left_out.append(rejection(name, "rescale", result))
             else:
                 scales.append({"label": name, **result})
         parquet.write(pd.DataFrame(scales), SCALES, folder / "scales.parquet")
         parquet.write(pd.DataFrame(left_out), REJECTED, folder / "rejected.parquet")
+    if doubt := units_doubt(sides, units):
+        log.warning("%s", doubt)
     rule = settings.rescale.rule
     log.info("%d meshes scaled by rule %s, %d rejected", len(scales), rule, len(left_out))
     if scales:
@@ -97,21 +100,23 @@ def _log_fit(scales: list[dict[str, Any]], opening: float) -> None:
 
 
 def _scaled(
-    named: tuple[str, Path], units: str, settings: RescaleMeshes, folder: Path, tail: str
-) -> dict[str, Any] | str:
-    """Write a scaled mesh; its row, or the reason why there is none."""
-    (name, path), rule = named, settings.rescale
+    named: tuple[str, Path], units: str | None, settings: RescaleMeshes, folder: Path, tail: str
+) -> tuple[dict[str, Any] | str, float]:
+    """Write a scaled mesh; its row, or the reason why there is none, and its longest side."""
+    (name, path), rule, longest = named, settings.rescale, np.nan
     try:
         mesh = read_mesh(path, units)
+        longest = float(mesh.extents.max())
         scaled, row = rescale(mesh, rule.rule, settings.gripper.opening, rule.side_fraction)
     except RejectedError as reason:
-        return str(reason)
+        return str(reason), longest
     widths, areas = graspable_widths(mesh)
     opening = settings.gripper.opening
     file = folder / f"{name}{tail}"
     WRITERS[file.suffix](scaled, file)
-    return row | {
+    row |= {
         "graspable_fraction_before": graspable_fraction(widths, areas, opening),
         "graspable_fraction_after": graspable_fraction(row["factor"] * widths, areas, opening),
         "file": file.name,
     }
+    return row, longest

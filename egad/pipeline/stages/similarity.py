@@ -1,10 +1,12 @@
 """similarity: pairwise similarity of meshes."""
 
+import logging
 from collections.abc import Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import trimesh
 
@@ -12,21 +14,24 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange import read_mesh
+from egad.geometry import units_doubt
 from egad.geometry.repair import repair
 from egad.pipeline.config import Similarity
 from egad.reeb import graph as reeb
 from egad.reeb import similarity_matrix
 
+log = logging.getLogger(__name__)
+
 
 def run(
-    settings: Similarity, files: Mapping[str, Path], units: str, worker_count: int
+    settings: Similarity, files: Mapping[str, Path], units: str | None, worker_count: int
 ) -> tuple[pd.DataFrame, dict[str, str]]:
     """Compute the similarity of all pairs of meshes.
 
     Args:
         settings: Settings of shape similarity.
         files: Mesh files by name.
-        units: Unit of their coordinates.
+        units: Unit of their coordinates; None: as the files say.
         worker_count: Processes; the result does not depend on it.
 
     Returns:
@@ -36,7 +41,9 @@ def run(
     work = partial(_graph, units=units, settings=settings)
     with workers(min(worker_count, len(files))) as mapper:
         found = list(progress(mapper(work, files.values()), "Reeb graphs", len(files)))
-    results = dict(zip(files, found, strict=True))
+    results = {name: result for name, (result, _) in zip(files, found, strict=True)}
+    if doubt := units_doubt({n: side for n, (_, side) in zip(files, found, strict=True)}, units):
+        log.warning("%s", doubt)
     reasons = {name: result for name, result in results.items() if isinstance(result, str)}
     graphs = {name: result for name, result in results.items() if isinstance(result, bytes)}
     names = pd.Index(list(files), name="name")
@@ -47,12 +54,15 @@ def run(
     return pd.DataFrame(matrix, used, used).reindex(index=names, columns=list(names)), reasons
 
 
-def _graph(path: Path, units: str, settings: Similarity) -> bytes | str:
-    """The packed Reeb graph of a mesh, or the reason why there is none."""
+def _graph(path: Path, units: str | None, settings: Similarity) -> tuple[bytes | str, float]:
+    """The packed Reeb graph of a mesh, or the reason why there is none; and its longest side."""
+    longest = np.nan
     try:
-        return reeb.pack(graph_of(read_mesh(path, units), settings))
+        mesh = read_mesh(path, units)
+        longest = float(mesh.extents.max())
+        return reeb.pack(graph_of(mesh, settings)), longest
     except RejectedError as reason:
-        return str(reason)
+        return str(reason), longest
 
 
 def graph_of(mesh: trimesh.Trimesh, settings: Similarity) -> reeb.ReebGraph:

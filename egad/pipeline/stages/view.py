@@ -1,11 +1,12 @@
 """view: the contents of the viewer for an object of a dataset or a mesh."""
 
+import logging
 from pathlib import Path
 
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange import check_opening, read_mesh
 from egad.exchange.hand_body import hand_body
-from egad.geometry import rescale
+from egad.geometry import rescale, units_doubt
 from egad.geometry.repair import repair
 from egad.grasps import label_grasps
 from egad.measures import center_of_mass
@@ -16,6 +17,8 @@ from egad.report.viewer import Scene
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import GRASPS, SCALES
+
+log = logging.getLogger(__name__)
 
 
 def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> Scene:
@@ -48,12 +51,12 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> Scene
     return scene(folder, gripper, labels[name], parquet.read(table, GRASPS))
 
 
-def from_mesh(path: Path, units: str, settings: ViewMesh) -> Scene:
+def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> Scene:
     """A mesh, repaired and scaled to the gripper, with newly labelled grasps.
 
     Args:
         path: The mesh file.
-        units: Unit of its coordinates.
+        units: Unit of its coordinates; None: as the file says.
         settings: Gripper, scale rule and settings of grasp labels.
 
     Raises:
@@ -61,7 +64,10 @@ def from_mesh(path: Path, units: str, settings: ViewMesh) -> Scene:
     """
     rule = settings.rescale
     try:
-        solid = repair(read_mesh(path, units)).mesh
+        given = read_mesh(path, units)
+        if doubt := units_doubt({path.name: float(given.extents.max())}, units):
+            log.warning("%s", doubt)
+        solid = repair(given).mesh
         mesh, row = rescale(solid, rule.rule, settings.gripper.opening, rule.side_fraction)
     except RejectedError as reason:
         raise UserError(f"{path}: {reason}") from reason

@@ -48,7 +48,7 @@ def test_every_problem_has_one_line():
         }
     )
     starts = [
-        "datasets.mine: a dataset with source `meshes` needs `folder` and `units`",
+        "datasets.mine: a dataset with source `meshes` needs `folder`",
         "evolution.crossover_probability: 2 is not allowed; allowed: a number, 0 to 1",
         "evolution.poplation: unknown key; did you mean evolution.population?",
         "grippers.wide.opening: is missing; needed: a number, above 0, at most 10",

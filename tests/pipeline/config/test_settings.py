@@ -50,7 +50,7 @@ def test_settings_cannot_be_changed():
         {"datasets": {"egad": {"source": "evolved"}, "b": {"source": "evolved"}}},
         {"datasets": {"egad": {"source": "evolved", "units": "m"}}},
         {"datasets": {"egad": {"source": "evolved", "pattern": "*"}}},
-        {"datasets": {"egad": {"source": "meshes", "folder": "x"}}},
+        {"datasets": {"egad": {"source": "meshes", "units": "m"}}},
         {"datasets": {"egad": {"source": "primitives"}}},
         {"datasets": {"egad": {"source": "primitives", "objects": 0}}},
         {"datasets": {"egad": {"source": "primitives", "objects": 100_001}}},

@@ -58,6 +58,15 @@ def test_logs_of_some_rules_are_shown_as_a_whole(start_run):
     assert "table of compare" in run.shown
 
 
+def test_warnings_in_the_log_of_a_job_are_shown_when_it_is_done(start_run):
+    run = start_run()
+    run.start(1, "collect")
+    run.log(1).write_text("measuring: 2/2\nWarning: is their unit right?\n")
+    run.finish(1)
+    assert run.shown.count("\nWarning: is their unit right?\n") == 1
+    assert "measuring" not in run.shown
+
+
 def test_the_jobs_of_a_failed_group_are_gone(start_run):
     run = start_run()
     run.start(1)

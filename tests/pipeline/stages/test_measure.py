@@ -160,6 +160,13 @@ def test_units_that_must_be_wrong_are_pointed_out(bad, caplog):
     assert caplog.text == ""
 
 
+def test_units_of_meshes_that_cannot_be_used_are_doubted_too(tmp_path, caplog):
+    trimesh.creation.box([0.06, 0.04, 0.05]).export(tmp_path / "metres.ply")
+    found = measure.run(SETTINGS, {"metres": tmp_path / "metres.ply"}, "mm", 1)
+    assert found["reason"][0] != ""
+    assert "metres for one (6e-05 m): is their unit mm?" in caplog.text
+
+
 def test_workers_leave_no_trace(bad, table):
     one = measure.run(SETTINGS, bad, "m", 1).set_index("name")
     pd.testing.assert_frame_equal(one, table)

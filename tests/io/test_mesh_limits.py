@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 from peak_memory import MEGABYTE, MEMORY, measured
 
 from egad.errors import RejectedError
-from egad.exchange.meshes import ENDINGS, read_mesh
+from egad.io import ENDINGS, read_mesh
 
 SECONDS = 3  # that parsing may take here
 SPARE = 10 * SECONDS  # for all else, on a busy machine

@@ -1,0 +1,148 @@
+"""Mesh files of other programs: read with units and checked."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from egad._util.input_limits import MAX_DIRECT_BYTES, MAX_FACES, MAX_MESH_BYTES, check_at_most
+from egad._util.limited import LimitError, limited
+from egad.errors import RejectedError, UserError
+from egad.geometry import check_surface
+from egad.io.content import Content
+from egad.io.gltf import parse_glb
+from egad.io.obj import parse_obj
+from egad.io.off import parse_off
+from egad.io.plain_obj import parse_plain_obj
+from egad.io.ply import parse_ply
+from egad.io.polygons import check_corners
+from egad.io.stl import FACET, HEADER, parse_stl
+from egad.io.threemf import parse_3mf
+from egad.io.units import (
+    ALLOWED,
+    COMMENTS,
+    PRESCRIBED,
+    check_unit,
+    metres_per_unit,
+    stated_in,
+)
+
+PARSERS: dict[str, Callable[[bytes], Content]] = {
+    ".3mf": parse_3mf,
+    ".glb": parse_glb,
+    ".obj": parse_obj,
+    ".off": parse_off,
+    ".ply": parse_ply,
+    ".stl": parse_stl,
+}
+ENDINGS = tuple(PARSERS)
+
+
+def read_mesh(path: Path, units: str | None) -> trimesh.Trimesh:
+    """Read a mesh file as one mesh in metres, vertices at the same place merged.
+
+    Args:
+        path: A file with one of `ENDINGS`.
+        units: Unit of its coordinates: m, cm, mm or inch; None: what the file states, or its format
+            prescribes.
+
+    Raises:
+        UserError: The unit is unknown.
+        RejectedError: The file is not a mesh, is empty, has a feature that is not read, or
+            coordinates that are not finite; or it states another unit, or none is known.
+    """
+    check_unit(units)
+    content = read_content(path)
+    scale = metres_per_unit(units, content.unit, path.suffix[1:].lower())
+    mesh = trimesh.Trimesh(content.vertices * scale, content.faces, process=False)
+    check_surface(mesh)
+    with np.errstate(invalid="ignore"):  # coordinates too large to round
+        mesh.merge_vertices()
+    return mesh
+
+
+def read_content(path: Path) -> Content:
+    """Vertices and faces of a mesh file, in its own unit; GLB files are turned to have z up.
+
+    Args:
+        path: A file with one of `ENDINGS`.
+
+    Raises:
+        RejectedError: The file is not a mesh, or has a feature that is not read.
+    """
+    if not path.is_file():
+        raise RejectedError("no such file")
+    if path.suffix.lower() not in ENDINGS:
+        raise RejectedError(f"not a mesh file; allowed endings: {' '.join(ENDINGS)}")
+    unreadable = f"not a readable {path.suffix[1:]} file"
+    check_at_most(path.stat().st_size, MAX_MESH_BYTES, "bytes")
+    try:
+        content = _parsed(path)
+        check_corners(content.faces, len(content.vertices))
+    except (RejectedError, LimitError) as reason:
+        raise RejectedError(f"{unreadable}: {reason}") from reason
+    except (MemoryError, UserError):
+        raise  # says nothing of the file
+    except Exception as error:  # parsers raise whatever comes their way on broken files
+        raise RejectedError(unreadable) from error
+    return content
+
+
+def check_unit_known(paths: Iterable[Path], units: str | None) -> None:
+    """Make sure that a unit is given if there are files that do not state it.
+
+    Raises:
+        UserError: Such a file is among them; the message names the first.
+    """
+    silent = [path for path in paths if units is None and _is_silent(path)]
+    if silent:
+        raise UserError(
+            f"{silent[0].name} does not state its unit; "
+            f"give `units` (--units of a command): {ALLOWED}"
+        )
+
+
+def _is_silent(path: Path) -> bool:
+    """Whether a file and its format say nothing of its unit."""
+    if path.suffix[1:].lower() in PRESCRIBED or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return stated_in(file.read(COMMENTS)) is None
+
+
+def _parsed(path: Path) -> Content:
+    """Parse a file: here if its size says what that takes, else in a limited process."""
+    if path.suffix.lower() == ".obj":
+        data = path.read_bytes()
+        if plain := parse_plain_obj(data):
+            return Content(*plain)
+        if len(data) <= MAX_DIRECT_BYTES:
+            return parse_obj(data)
+    elif path.suffix.lower() == ".stl" and _is_binary_stl(path):
+        return parse_file(path)
+    return limited(parse_file, path)
+
+
+def parse_file(path: Path) -> Content:
+    """What a mesh file holds. It may unfold to any amount of memory, unless it is a binary STL.
+
+    Raises:
+        RejectedError: It has more than is read, a feature that is not read, or is cut short.
+        Exception: It is damaged; anything may be raised.
+    """
+    return PARSERS[path.suffix.lower()](path.read_bytes())
+
+
+def _is_binary_stl(path: Path) -> bool:
+    """Whether a file is as long as a header of binary STL says.
+
+    Raises:
+        RejectedError: It has more faces than are read.
+    """
+    with path.open("rb") as file:
+        count = int.from_bytes(file.read(HEADER)[80:], "little")
+    if path.stat().st_size != HEADER + FACET * count:
+        return False
+    check_at_most(count, MAX_FACES, "faces")
+    return True

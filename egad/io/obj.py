@@ -1,0 +1,91 @@
+"""Wavefront OBJ files of any program: one mesh of all objects, groups and materials."""
+
+import re
+
+import numpy as np
+
+from egad._util.input_limits import MAX_FACES, MAX_VERTICES, check_at_most
+from egad.errors import RejectedError
+from egad.io.content import Content
+from egad.io.polygons import triangles_of
+from egad.io.text import no_number, plain_text
+from egad.io.units import COMMENTS, stated_in
+
+# Of shapes that triangles cannot stand for; lines and points of the format have no surface.
+REFUSED = {
+    b"curv": "a free-form curve",
+    b"surf": "a free-form surface",
+    b"call": "a reference to another file",
+}
+_COMMENTS = re.compile(rb"#[^\n]*")
+
+
+def parse_obj(data: bytes) -> Content:
+    """Read an OBJ file.
+
+    Raises:
+        RejectedError: It has a line that is not understood, a free-form curve or surface, or more
+            than is read.
+    """
+    text = plain_text(data)
+    reader = _Reader()
+    kept = b""
+    for number, line in enumerate(text.split(b"\n"), 1):
+        if line.endswith(b"\\"):
+            kept += line[:-1] + b" "
+            continue
+        reader.read(number, (kept + line).partition(b"#")[0].split())
+        kept = b""
+    vertices = np.array(reader.vertices, np.float64).reshape(-1, 3)
+    faces = triangles_of(
+        vertices, np.array(reader.corners, np.int64), np.array(reader.lengths, int)
+    )
+    return Content(vertices, faces, stated_in(b" ".join(_COMMENTS.findall(text[:COMMENTS]))))
+
+
+class _Reader:
+    """Vertices and polygons of the lines that were read so far."""
+
+    def __init__(self) -> None:
+        self.vertices: list[tuple[float, float, float]] = []
+        self.corners: list[int] = []
+        self.lengths: list[int] = []
+        self._triangles = 0
+
+    def read(self, number: int, words: list[bytes]) -> None:
+        """Take a line, as words without a comment."""
+        if not words:
+            return
+        key = words[0]
+        if key == b"v":
+            self._read_vertex(f"line {number}", words[1:])
+        elif key == b"f":
+            self._read_face(f"line {number}", words[1:])
+        elif key in REFUSED:
+            raise RejectedError(
+                f"line {number}: `{key.decode()}`, {REFUSED[key]}, is not read; export triangles"
+            )
+
+    def _read_vertex(self, where: str, words: list[bytes]) -> None:
+        try:
+            values = [float(word) for word in words[:4]]
+        except ValueError:
+            no_number(words[:4], where, float)
+        if len(values) < 3:
+            raise RejectedError(f"{where}: a vertex has {len(values)} coordinates")
+        if len(words) == 4 and values[3] != 1:  # with more, they are colours
+            raise RejectedError(f"{where}: a vertex has the weight {values[3]:g}; only 1 is read")
+        check_at_most(len(self.vertices) + 1, MAX_VERTICES, "vertices")
+        self.vertices.append((values[0], values[1], values[2]))
+
+    def _read_face(self, where: str, words: list[bytes]) -> None:
+        indices = [word.partition(b"/")[0] for word in words]
+        try:
+            corners = [int(index) for index in indices]
+        except ValueError:
+            no_number(indices, where, int)
+        self._triangles += max(len(corners) - 2, 0)
+        check_at_most(self._triangles, MAX_FACES, "faces")
+        count = len(self.vertices)  # negative indices count back from here
+        self.corners += [k - 1 if k > 0 else count + k if k else -1 for k in corners]
+        self.lengths.append(len(corners))

@@ -1,0 +1,293 @@
+"""PLY files, as text or in either byte order: polygons and strips of triangles."""
+
+import re
+import struct
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad._util.input_limits import MAX_VERTICES, check_at_most
+from egad.errors import RejectedError
+from egad.io.content import Content
+from egad.io.polygons import check_corners, strip_triangles, triangles_of
+from egad.io.text import BYTE_ORDER_MARK, integers, plain_text, reals
+from egad.io.units import stated_in
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"}
+TYPES |= {"float": "f4", "double": "f8", "float32": "f4", "float64": "f8"}
+TYPES |= {"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"}
+INDICES = ("vertex_indices", "vertex_index")
+_END = re.compile(rb"\nend_header[ \t]*\n|\rend_header[ \t]*\r\n?|\nend_header[ \t]*\r\n")
+
+
+class Property(NamedTuple):
+    """A property of an element: its NumPy type, and that of its length if it is a list."""
+
+    name: str
+    kind: str
+    length: str = ""
+
+
+class Element(NamedTuple):
+    """An element of the header: its name, how many of it there are, and their properties."""
+
+    name: str
+    size: int
+    properties: list[Property]
+
+    @property
+    def has_lists(self) -> bool:
+        """Whether rows may differ in length."""
+        return any(each.length for each in self.properties)
+
+
+class Rows(NamedTuple):
+    """The numbers of an element that are used.
+
+    Attributes:
+        points: Coordinates of vertices, (n, 3); empty for other elements.
+        items: The values of all lists of indices, one after the other.
+        lengths: Of these lists.
+    """
+
+    points: Floats
+    items: Ints
+    lengths: Ints
+
+
+NOTHING = Rows(np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64))
+
+
+def parse_ply(data: bytes) -> Content:
+    """Read a PLY file. Other elements and properties are left out.
+
+    Raises:
+        RejectedError: Its header is not that of a PLY file, it has no vertices, it is truncated, or
+            holds more than its header says.
+    """
+    data = data.removeprefix(BYTE_ORDER_MARK)
+    if not data.startswith(b"ply"):
+        plain_text(data)  # says so if it is UTF-16
+        raise RejectedError("it does not start with `ply`")
+    end = _END.search(data)
+    if end is None:
+        raise RejectedError("its header does not end")
+    header = plain_text(data[: end.start()]).decode("latin-1").split("\n")
+    order, elements = _elements(header)
+    read = _text_rows if order == "" else _binary_rows
+    rows = read(data[end.end() :], elements, order)
+    vertices = rows.get("vertex", NOTHING).points
+    faces = rows.get("face", NOTHING)
+    parts = [triangles_of(vertices, faces.items, faces.lengths)]
+    parts += _strips(rows.get("tristrips", NOTHING), len(vertices))
+    comments = [line for line in header if line.startswith(("comment", "obj_info"))]
+    return Content(vertices, np.concatenate(parts), stated_in("\n".join(comments).encode()))
+
+
+def _strips(rows: Rows, count: int) -> list[Ints]:
+    """Triangles of strips, which -1 separates within a list."""
+    lists = np.split(rows.items, np.cumsum(rows.lengths)[:-1])
+    cuts = [np.split(each, np.flatnonzero(each == -1)) for each in lists]
+    strips = [strip[strip != -1] for strips in cuts for strip in strips]
+    check_corners(np.concatenate(strips) if strips else rows.items, count)
+    return [strip_triangles(strip) for strip in strips if len(strip) >= 3]
+
+
+def _elements(lines: list[str]) -> tuple[str, list[Element]]:
+    """The byte order and the elements of a header."""
+    order, elements = None, list[Element]()
+    for line in lines[1:]:
+        match line.split():
+            case ["format", kind, version]:
+                order = _order(kind, version)
+            case ["element", name, count] if count.isdecimal():
+                elements.append(Element(name, int(count), []))
+            case ["property", "list", length, kind, name] if elements:
+                elements[-1].properties.append(Property(name, _type(kind), _type(length)))
+            case ["property", kind, name] if elements:
+                elements[-1].properties.append(Property(name, _type(kind)))
+            case [] | ["comment" | "obj_info", *_]:
+                pass
+            case _:
+                raise RejectedError(f"its header has the line {line[:40]!r}")
+    if order is None:
+        raise RejectedError("its header does not say the format")
+    for each in elements:
+        _check_vertices(each)
+    return order, elements
+
+
+def _order(kind: str, version: str) -> str:
+    if kind not in ORDERS or version != "1.0":
+        raise RejectedError(f"the format {kind} {version} is not read")
+    return ORDERS[kind]
+
+
+def _check_vertices(element: Element) -> None:
+    if element.name != "vertex":
+        return
+    if not {"x", "y", "z"} <= {one.name for one in element.properties if not one.length}:
+        raise RejectedError("its vertices do not have the properties x, y and z")
+    check_at_most(element.size, MAX_VERTICES, "vertices")
+
+
+def _type(name: str) -> str:
+    if name not in TYPES:
+        raise RejectedError(f"its header has the type {name!r}")
+    return TYPES[name]
+
+
+def _used(element: Element) -> int | None:
+    """The place of the list of indices among the properties of an element."""
+    places = [k for k, one in enumerate(element.properties) if one.length and one.name in INDICES]
+    return places[0] if places else None
+
+
+def _cut_short(element: Element) -> RejectedError:
+    return RejectedError(
+        f"it is truncated: not all of its {element.size:,} {element.name} are there"
+    )
+
+
+def _text_rows(data: bytes, elements: list[Element], _order: str) -> dict[str, Rows]:
+    words, place, found = plain_text(data).split(), 0, {}
+    for element in elements:
+        if len(words) - place < element.size * len(element.properties):
+            raise _cut_short(element)
+        if element.has_lists:
+            found[element.name], place = _text_lists(words, place, element)
+        else:
+            end = place + element.size * len(element.properties)
+            found[element.name] = _points(words[place:end], element)
+            place = end
+    if place < len(words):
+        raise RejectedError("it holds more numbers than its header says")
+    return found
+
+
+def _points(words: list[bytes], element: Element) -> Rows:
+    """The coordinates of vertices of so many words each."""
+    if element.name != "vertex":
+        return NOTHING
+    names, width = [one.name for one in element.properties], len(element.properties)
+    columns = []
+    for axis in "xyz":
+        place = names.index(axis)
+        values = reals(words[place::width], "a vertex")
+        columns.append(values.astype(element.properties[place].kind).astype(np.float64))
+    return NOTHING._replace(points=np.column_stack(columns))
+
+
+def _text_lists(words: list[bytes], place: int, element: Element) -> tuple[Rows, int]:
+    """The rows of an element with lists, and where they end."""
+    used, singles = _used(element), list[bytes]()
+    items, lengths = list[bytes](), list[int]()
+    for _ in range(element.size):
+        for number, one in enumerate(element.properties):
+            if place >= len(words):
+                raise _cut_short(element)
+            if not one.length:
+                singles.append(words[place])
+                place += 1
+                continue
+            count = int(integers([words[place]], f"the length of a list of {element.name}")[0])
+            part = words[place + 1 : place + 1 + count]
+            if count < 0 or len(part) < count:
+                raise _cut_short(element)
+            if number == used:
+                items += part
+                lengths.append(count)
+            place += 1 + count
+    kept = element._replace(properties=[one for one in element.properties if not one.length])
+    points = _points(singles, kept).points
+    values = integers(items, f"an index of {element.name}")
+    return Rows(points, values, np.array(lengths, np.int64)), place
+
+
+def _binary_rows(data: bytes, elements: list[Element], order: str) -> dict[str, Rows]:
+    place, found = 0, {}
+    for element in elements:
+        kind = _row_type(data, place, element, order)
+        if kind is not None and len(data) - place >= kind.itemsize * element.size:
+            rows = np.frombuffer(data, kind, element.size, place)
+            if _is_uniform(rows, element):
+                found[element.name] = _columns(rows, element)
+                place += rows.nbytes
+                continue
+        if not element.has_lists:
+            raise _cut_short(element)
+        found[element.name], place = _binary_lists(data, place, element, order)
+    return found
+
+
+def _row_type(data: bytes, place: int, element: Element, order: str) -> np.dtype | None:
+    """The type of the first row; None if the row is not whole."""
+    fields: list[tuple[str, str] | tuple[str, str, int]] = []
+    size = 0
+    for number, one in enumerate(element.properties):
+        if one.length:
+            length = np.dtype(order + one.length)
+            if element.size and place + size + length.itemsize > len(data):
+                return None
+            count = int(np.frombuffer(data, length, 1, place + size)[0]) if element.size else 0
+            if count < 0 or count > len(data):
+                return None
+            fields.append((f"length{number}", order + one.length))
+            fields.append((f"value{number}", order + one.kind, count))
+        else:
+            fields.append((f"value{number}", order + one.kind))
+        size = np.dtype(fields).itemsize
+    return np.dtype(fields)
+
+
+def _is_uniform(rows: np.ndarray, element: Element) -> bool:
+    """Whether all lists are as long as those of the first row."""
+    lengths = [f"length{k}" for k, one in enumerate(element.properties) if one.length]
+    return all((rows[name] == rows[name][:1]).all() for name in lengths)
+
+
+def _columns(rows: np.ndarray, element: Element) -> Rows:
+    """What is used of rows that are all alike."""
+    found, used = NOTHING, _used(element)
+    names = [one.name for one in element.properties]
+    if element.name == "vertex":
+        columns = [rows[f"value{names.index(axis)}"] for axis in "xyz"]
+        found = found._replace(points=np.column_stack(columns).astype(np.float64))
+    if used is not None:
+        items = rows[f"value{used}"].astype(np.int64)
+        lengths = rows[f"length{used}"].astype(np.int64)
+        found = found._replace(items=items.ravel(), lengths=lengths)
+    return found
+
+
+def _binary_lists(data: bytes, place: int, element: Element, order: str) -> tuple[Rows, int]:
+    """The rows of an element with lists of different lengths, and where they end."""
+    used, names = _used(element), [one.name for one in element.properties]
+    axes = [names.index(axis) for axis in "xyz"] if element.name == "vertex" else []
+    single = {kind: struct.Struct(order + np.dtype(kind).char) for kind in TYPES.values()}
+    points, items, lengths = list[float](), list[Ints](), list[int]()
+    try:
+        for _ in range(element.size):
+            values = dict[int, float]()
+            for number, one in enumerate(element.properties):
+                packed = single[one.length or one.kind]
+                (value,) = packed.unpack_from(data, place)
+                place += packed.size
+                if not one.length:
+                    values[number] = value
+                    continue
+                if number == used:
+                    items.append(np.frombuffer(data, order + one.kind, value, place))
+                    lengths.append(value)
+                place += value * np.dtype(one.kind).itemsize
+            points += [values[axis] for axis in axes]
+    except (struct.error, ValueError):
+        raise _cut_short(element) from None
+    if place > len(data):
+        raise _cut_short(element)
+    together = np.concatenate(items).astype(np.int64) if items else NOTHING.items
+    return Rows(np.array(points).reshape(-1, 3), together, np.array(lengths, np.int64)), place

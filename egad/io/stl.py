@@ -1,0 +1,84 @@
+"""STL files, binary and ASCII."""
+
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad._util.input_limits import MAX_FACES, check_at_most
+from egad.errors import RejectedError
+from egad.io.content import Content
+from egad.io.text import plain_text, reals
+from egad.io.units import stated_in
+
+HEADER, FACET = 84, 50  # bytes
+_NAMES = re.compile(rb"^[ \t]*(?:end)?solid\b[^\n]*", re.MULTILINE | re.IGNORECASE)
+_FLOATS = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def parse_stl(data: bytes) -> Content:
+    """Read an STL file. Each face has three vertices of its own.
+
+    Raises:
+        RejectedError: It is neither kind, is truncated, or holds more than its header says.
+    """
+    if not data:
+        raise RejectedError("it is empty")
+    count = int.from_bytes(data[80:HEADER], "little")
+    if len(data) != HEADER + FACET * count and _is_text(data):
+        return _parse_ascii(plain_text(data))
+    return parse_binary(data)
+
+
+def _is_text(data: bytes) -> bool:
+    """Whether a file starts as ASCII files do, and goes on with text."""
+    start = data[:1024]
+    if start[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return True  # UTF-16, which is refused by name
+    words = start.removeprefix(b"\xef\xbb\xbf").lower().split(None, 1)
+    return words[:1] == [b"solid"] and 0 not in start
+
+
+def parse_binary(data: bytes) -> Content:
+    """Read a binary STL file. A count of 0 is what programs write that do not know it yet.
+
+    Raises:
+        RejectedError: It is truncated, or holds more facets than its header says.
+    """
+    if len(data) < HEADER:
+        raise RejectedError("it is neither a binary nor an ASCII file")
+    count, there = int.from_bytes(data[80:HEADER], "little"), (len(data) - HEADER) // FACET
+    if there < count:
+        raise RejectedError(f"it is truncated: its header says {count:,} faces, it has {there:,}")
+    if count == 0:
+        count = there
+    elif there > count and not _is_padding(data[HEADER + FACET * count :]):
+        raise RejectedError(f"its header says {count:,} faces, but the file holds {there:,}")
+    check_at_most(count, MAX_FACES, "faces")
+    corners = np.frombuffer(data, _FLOATS, count, HEADER)["corners"]
+    return _separate(corners.reshape(-1, 3).astype(np.float64), stated_in(data[:80]))
+
+
+def _is_padding(rest: bytes) -> bool:
+    """Whether what follows the facets is no more facets: nothing but zeros, or text."""
+    text = rest.strip(b"\0")
+    return not text or (text.isascii() and 0 not in text and text.decode().isprintable())
+
+
+def _separate(vertices: NDArray[np.float64], unit: str | None) -> Content:
+    return Content(vertices, np.arange(len(vertices)).reshape(-1, 3), unit)
+
+
+def _parse_ascii(text: bytes) -> Content:
+    title = _NAMES.search(text)
+    words = np.array(_NAMES.sub(b"", text).lower().split(), dtype="S")
+    starts, ends = np.flatnonzero(words == b"facet"), np.flatnonzero(words == b"endfacet")
+    corners = np.flatnonzero(words == b"vertex")
+    if len(starts) != len(ends):
+        raise RejectedError(f"it is truncated: {len(starts)} facets begin, {len(ends)} end")
+    inside = np.searchsorted(corners, ends) - np.searchsorted(corners, starts)
+    if (inside != 3).any() or len(corners) != 3 * len(starts):
+        raise RejectedError("a facet does not have 3 corners")
+    numbers = words[np.minimum(corners[:, None] + [1, 2, 3], len(words) - 1)].ravel()
+    unit = stated_in(title[0]) if title else None
+    return _separate(reals(numbers.tolist(), "a vertex").reshape(-1, 3), unit)

@@ -1,0 +1,212 @@
+"""3MF files: the objects that are built, where they are built.
+
+Source: 3MF Consortium, Core Specification 1.3 and Production Extension 1.1.
+"""
+
+import io
+import zipfile
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from lxml import etree
+from lxml.etree import _Element as Element
+from numpy.typing import NDArray
+
+from egad._util.input_limits import (
+    MAX_FACES,
+    MAX_UNPACKED_BYTES,
+    MAX_VERTICES,
+    check_at_most,
+)
+from egad.errors import RejectedError
+from egad.io.content import Content
+from egad.io.polygons import check_corners
+from egad.io.text import integers, reals
+from egad.io.units import UNIT_OF
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+MICROSOFT = "http://schemas.microsoft.com/3dmanufacturing"
+CORE, PRODUCTION = f"{MICROSOFT}/core/2015/02", f"{MICROSOFT}/production/2015/06"
+TAG, PATH = f"{{{CORE}}}", f"{{{PRODUCTION}}}path"
+KNOWN = (CORE, PRODUCTION, f"{MICROSOFT}/material/2015/02")  # the last has no shapes
+MODEL_KIND = f"{MICROSOFT}/2013/01/3dmodel"
+USUAL_MODEL = "3D/3dmodel.model"
+UNITS = ("micron", "millimeter", "centimeter", "inch", "foot", "meter")
+SAME = np.eye(4)[:, :3]  # a transform (4, 3) of rows that are multiplied from the left
+
+
+class _Placed(NamedTuple):
+    vertices: Floats
+    faces: Ints
+
+
+def parse_3mf(data: bytes) -> Content:
+    """Read a 3MF file. Bodies for support, and what is not built, are left out.
+
+    Raises:
+        RejectedError: It is no 3MF file, needs an extension that is not read, has no solid to
+            build, or more than is read.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            check_at_most(
+                sum(entry.file_size for entry in archive.infolist()),
+                MAX_UNPACKED_BYTES,
+                "bytes unpacked",
+            )
+            return _Package(archive).content()
+    except zipfile.BadZipFile as error:
+        raise RejectedError("it is not a zip archive") from error
+
+
+class _Package:
+    """The parts of a 3MF file, each parsed once."""
+
+    def __init__(self, archive: zipfile.ZipFile) -> None:
+        self._archive = archive
+        self._models = dict[str, Element]()
+        self._objects = dict[str, dict[str, Element]]()
+        self._left_out = set[str]()
+        self._total = [0, 0]  # vertices, faces
+
+    def content(self) -> Content:
+        """All that is built."""
+        path = self._start()
+        root = self._model(path)
+        parts = list(self._built(path, root))
+        if not parts and self._left_out:
+            raise RejectedError(f"no faces: its objects are of type {', '.join(self._left_out)}")
+        if not parts:
+            raise RejectedError("no faces: nothing is built")
+        starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+        faces = [part.faces + start for part, start in zip(parts, starts, strict=False)]
+        vertices = np.concatenate([part.vertices for part in parts])
+        return Content(vertices, np.concatenate(faces), _unit(root))
+
+    def _start(self) -> str:
+        """The path of the model part that the package is about."""
+        names = self._archive.namelist()
+        if "_rels/.rels" in names:
+            for each in _parsed(self._archive.read("_rels/.rels")):
+                if each.get("Type") == MODEL_KIND and each.get("Target"):
+                    return str(each.get("Target")).lstrip("/")
+        if USUAL_MODEL not in names:
+            raise RejectedError("it has no model part")
+        return USUAL_MODEL
+
+    def _model(self, path: str) -> Element:
+        if path not in self._models:
+            if path not in self._archive.namelist():
+                raise RejectedError(f"its part {path} is missing")
+            root = _parsed(self._archive.read(path))
+            if root.tag != f"{TAG}model":
+                raise RejectedError(f"its part {path} is not a model")
+            for prefix in root.get("requiredextensions", "").split():
+                space = root.nsmap.get(prefix, prefix)
+                if space not in KNOWN:
+                    raise RejectedError(f"it needs the extension {space}, which is not read")
+            self._models[path] = root
+            found = root.iterfind(f"{TAG}resources/{TAG}object")
+            self._objects[path] = {str(each.get("id")): each for each in found}
+        return self._models[path]
+
+    def _built(self, path: str, root: Element) -> Iterator[_Placed]:
+        unit = _unit(root)
+        for item in root.iterfind(f"{TAG}build/{TAG}item"):
+            yield from self._placed(path, unit, item, SAME, ())
+
+    def _placed(
+        self,
+        path: str,
+        unit: str | None,
+        reference: Element,
+        above: Floats,
+        parents: tuple[tuple[str, str], ...],
+    ) -> Iterator[_Placed]:
+        """The meshes of the object that an item or a component refers to."""
+        path = reference.get(PATH, path).lstrip("/")
+        if _unit(self._model(path)) not in (unit, None):
+            raise RejectedError(f"its parts have different units: {path}")
+        number = str(reference.get("objectid"))
+        found = self._objects[path].get(number)
+        if found is None:
+            raise RejectedError(f"the object {number} is missing")
+        if (path, number) in parents:
+            raise RejectedError(f"the object {number} is a part of itself")
+        matrix = _compose(_transform(reference), above)
+        components = found.find(f"{TAG}components")
+        if components is not None:
+            for each in components.iterfind(f"{TAG}component"):
+                yield from self._placed(path, unit, each, matrix, (*parents, (path, number)))
+        elif (kind := found.get("type", "model")) != "model":
+            self._left_out.add(kind)
+        else:
+            yield self._mesh(found, matrix)
+
+    def _mesh(self, found: Element, matrix: Floats) -> _Placed:
+        mesh = found.find(f"{TAG}mesh")
+        others = [each for each in (found if mesh is None else mesh) if _is_foreign_shape(each)]
+        if mesh is None or others:
+            name = etree.QName(others[0]).localname if others else "nothing"
+            raise RejectedError(f"an object has a shape of {name}, which is not read")
+        vertices = _attributes(mesh.findall(f"{TAG}vertices/{TAG}vertex"), ("x", "y", "z"))
+        corners = _attributes(mesh.findall(f"{TAG}triangles/{TAG}triangle"), ("v1", "v2", "v3"))
+        self._total[0] += len(vertices) // 3
+        self._total[1] += len(corners) // 3
+        check_at_most(self._total[0], MAX_VERTICES, "vertices")
+        check_at_most(self._total[1], MAX_FACES, "faces")
+        points = reals(vertices, "a vertex").reshape(-1, 3) @ matrix[:3] + matrix[3]
+        faces = integers(corners, "a triangle").reshape(-1, 3)
+        check_corners(faces, len(points))
+        return _Placed(points, faces[:, ::-1] if np.linalg.det(matrix[:3]) < 0 else faces)
+
+
+def _parsed(data: bytes) -> Element:
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+    root = etree.fromstring(data, parser)
+    if root.getroottree().docinfo.doctype:
+        raise RejectedError("it has a document type, which is not allowed")
+    return root
+
+
+def _is_foreign_shape(element: Element) -> bool:
+    """Whether an element of an extension shapes an object, such as a lattice of beams."""
+    if not isinstance(element.tag, str) or element.tag.startswith(TAG):
+        return False
+    return etree.QName(element).localname in (
+        "beamlattice",
+        "booleanshape",
+        "levelset",
+        "displacementmesh",
+    )
+
+
+def _unit(root: Element) -> str | None:
+    """The unit that a model states."""
+    name = root.get("unit")
+    if name is not None and name not in UNITS:
+        raise RejectedError(f"its unit is {name!r}; 3MF has {', '.join(UNITS)}")
+    return None if name is None else UNIT_OF[name]
+
+
+def _transform(element: Element) -> Floats:
+    text = element.get("transform")
+    if text is None:
+        return SAME
+    numbers = reals(text.encode().split(), "a transform")
+    if len(numbers) != 12:
+        raise RejectedError(f"a transform has {len(numbers)} numbers, not 12")
+    return numbers.reshape(4, 3)
+
+
+def _compose(first: Floats, second: Floats) -> Floats:
+    """What both do, one after the other."""
+    turned = first @ second[:3]
+    turned[3] += second[3]
+    return turned
+
+
+def _attributes(elements: list[Element], names: tuple[str, ...]) -> list[bytes]:
+    return [element.get(name, "nothing").encode() for element in elements for name in names]

@@ -1,0 +1,58 @@
+"""Units of mesh files: those that a caller gives, a file states, or its format prescribes."""
+
+import re
+
+from egad.errors import RejectedError, UserError
+
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
+LENGTHS = {**METRES, "foot": 0.3048, "micron": 1e-6}  # what files state, too
+PRESCRIBED = {"glb": "m", "3mf": "mm"}  # by formats, where a file does not state its unit
+ALLOWED = "m, cm, mm or inch"
+COMMENTS = 4096  # bytes at the start of a file in which a comment may state its unit
+_SPELLINGS = {
+    "m": ("m", "meter", "meters", "metre", "metres"),
+    "cm": ("cm", "centimeter", "centimeters", "centimetre", "centimetres"),
+    "mm": ("mm", "millimeter", "millimeters", "millimetre", "millimetres"),
+    "inch": ("in", "inch", "inches"),
+    "foot": ("ft", "foot", "feet"),
+    "micron": ("um", "micron", "microns", "micrometer", "micrometre"),
+}
+UNIT_OF = {spelling: unit for unit, spellings in _SPELLINGS.items() for spelling in spellings}
+_STATEMENT = re.compile(rb"\bunits?\s*[:=]\s*([a-z]+)", re.IGNORECASE)
+
+
+def stated_in(comment: bytes) -> str | None:
+    """The unit that a comment or header states, such as `unit: millimetre` or `UNITS=cm`."""
+    found = _STATEMENT.search(comment)
+    return UNIT_OF.get(found[1].decode().lower()) if found else None
+
+
+def check_unit(asked: str | None) -> None:
+    """Make sure that a unit is one that a caller may give, or none.
+
+    Raises:
+        UserError: It is another.
+    """
+    if asked is not None and asked not in METRES:
+        raise UserError(f"unit {asked!r} is not known; allowed: {', '.join(METRES)}")
+
+
+def metres_per_unit(asked: str | None, stated: str | None, ending: str) -> float:
+    """How long the unit of a file is, metres.
+
+    Args:
+        asked: The unit that the caller gives.
+        stated: The unit that the file states.
+        ending: Of its name, without a dot.
+
+    Raises:
+        UserError: The caller gives an unknown unit.
+        RejectedError: The file states another unit; or nobody gives one.
+    """
+    check_unit(asked)
+    if asked and stated and asked != stated:
+        raise RejectedError(f"the file states the unit {stated}, but {asked} is given")
+    unit = asked or stated or PRESCRIBED.get(ending)
+    if unit is None:
+        raise RejectedError(f"the file does not state its unit; give `units`: {ALLOWED}")
+    return LENGTHS[unit]

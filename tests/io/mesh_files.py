@@ -1,0 +1,958 @@
+"""Mesh files of every kind that people bring, made here, with what is right for each.
+
+All lengths are millimetres unless a case says otherwise. The box is 60 x 40 x 30 mm, 72,000 mm3.
+"""
+
+import io
+import json
+import struct
+import zipfile
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+
+BOX = trimesh.creation.box((60.0, 40.0, 30.0))
+BOX_SIZE, BOX_VOLUME = (60, 40, 30), 72_000.0
+QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+
+
+class Case(NamedTuple):
+    """A file and what reading it must give.
+
+    Attributes:
+        data: Its content.
+        size: Sides of the box around the mesh, millimetres; empty if it must be refused.
+        volume: Of the closed mesh, mm3; None if it need not be closed.
+        refusal: Pattern of the reason, if it must be refused.
+        units: Unit to ask for.
+    """
+
+    data: bytes
+    size: tuple[float, ...] = BOX_SIZE
+    volume: float | None = BOX_VOLUME
+    refusal: str = ""
+    units: str | None = "mm"
+
+
+def refused(data, reason, units="mm"):
+    return Case(data if isinstance(data, bytes) else data.encode(), (), None, reason, units)
+
+
+def box_of(data, units="mm"):
+    return Case(data if isinstance(data, bytes) else data.encode("latin-1"), units=units)
+
+
+class Polyhedron(NamedTuple):
+    """A closed surface of polygons, with its size and volume."""
+
+    vertices: np.ndarray
+    faces: list
+    size: tuple[float, ...]
+    volume: float
+
+
+def prism(outline, height, size, volume):
+    """A prism over a polygon that runs counter-clockwise: its two ends are polygons."""
+    n, flat = len(outline), np.asarray(outline, dtype=float)
+    low, high = (np.column_stack([flat, np.full(n, z)]) for z in (0.0, height))
+    walls = [(k, (k + 1) % n, n + (k + 1) % n, n + k) for k in range(n)]
+    faces = [tuple(range(n))[::-1], tuple(range(n, 2 * n)), *walls]
+    return Polyhedron(np.vstack([low, high]), faces, (*size, height), volume)
+
+
+def turned(solid, matrix):
+    """The same polygons in another plane; their size is computed from the vertices."""
+    vertices = solid.vertices @ np.asarray(matrix).T
+    return solid._replace(vertices=vertices, size=tuple(np.ptp(vertices, axis=0)))
+
+
+L_SHAPE = [(20, 20), (20, 60), (0, 60), (0, 0), (60, 0), (60, 20)]  # a fan from the 1st folds not
+L_FOLDED = [L_SHAPE[(k + 2) % 6] for k in range(6)]  # one from this corner does
+U_SHAPE = [(0, 0), (60, 0), (60, 50), (40, 50), (40, 10), (20, 10), (20, 50), (0, 50)]
+ANGLES = np.arange(10) * np.pi / 5
+STAR = np.where(np.arange(10) % 2, 12.0, 30.0)[:, None] * np.column_stack(
+    [np.cos(ANGLES), np.sin(ANGLES)]
+)
+STAR_AREA = 10 * 0.5 * 30 * 12 * np.sin(np.pi / 5)
+SPLIT = [  # an L with corners in the middle of its sides
+    *[(0, 0), (30, 0), (60, 0), (60, 20), (40, 20), (20, 20), (20, 40), (20, 60), (0, 60), (0, 30)]
+]
+KEYHOLE = [  # a square with a square hole, as one polygon that goes there and back
+    *[(0, 0), (60, 0), (60, 60), (0, 60), (0, 0), (20, 20), (20, 40), (40, 40), (40, 20), (20, 20)]
+]
+SOLIDS = {
+    "l": prism(L_SHAPE, 15.0, (60, 60), 2000 * 15.0),
+    "l_folded": prism(L_FOLDED, 15.0, (60, 60), 2000 * 15.0),
+    "u": prism(U_SHAPE, 15.0, (60, 50), 2200 * 15.0),
+    "star": prism(STAR, 10.0, np.ptp(STAR, axis=0), STAR_AREA * 10.0),
+    "split": prism(SPLIT, 15.0, (60, 60), 2000 * 15.0),
+    "tilted_u": turned(
+        prism(U_SHAPE, 15.0, (60, 50), 2200 * 15.0),
+        trimesh.transformations.rotation_matrix(1.0, [1, 2, 3])[:3, :3],
+    ),
+}
+
+
+def keyhole():
+    """A square tube whose ends are polygons with a hole, as modelling programs write it."""
+    square, hole = KEYHOLE[:4], KEYHOLE[5:9]
+    flat = np.array([*square, *hole], dtype=float)
+    vertices = np.vstack([np.column_stack([flat, np.full(8, z)]) for z in (0.0, 15.0)])
+    top = (0, 1, 2, 3, 0, 4, 5, 6, 7, 4)
+    outside = [(k, (k + 1) % 4, 8 + (k + 1) % 4, 8 + k) for k in range(4)]
+    inside = [(4 + k, 4 + (k + 1) % 4, 12 + (k + 1) % 4, 12 + k) for k in range(4)]
+    ends = [top[::-1], tuple(8 + k for k in top)]
+    return Polyhedron(vertices, [*ends, *outside, *inside], (60, 60, 15), 3200 * 15.0)
+
+
+def bent(solid):
+    """One corner of the ends is lifted: polygons that are not flat."""
+    vertices = solid.vertices.copy()
+    vertices[[0, len(vertices) // 2], 2] += 0.5
+    size = (*solid.size[:2], float(np.ptp(vertices[:, 2])))
+    return solid._replace(vertices=vertices, size=size, volume=None)
+
+
+SOLIDS |= {"keyhole": keyhole(), "bent_u": bent(SOLIDS["u"])}
+
+
+def numbers(rows):
+    return "".join(" ".join(f"{value:.9g}" for value in row) + "\n" for row in rows)
+
+
+def obj(vertices, faces, head="", tail=""):
+    points = "".join("v " + line + "\n" for line in numbers(vertices).splitlines())
+    polygons = "".join("f " + " ".join(str(k + 1) for k in face) + "\n" for face in faces)
+    return head + points + polygons + tail
+
+
+def relative(vertices, faces):
+    """The same with indices that count back from the end, or forward, by turns."""
+    count = len(vertices)
+    text = obj(vertices, [], "")
+    for row, face in enumerate(faces):
+        text += "f " + " ".join(
+            str(k - count if (row + j) % 2 else k + 1) for j, k in enumerate(face)
+        )
+        text += "\n"
+    return text
+
+
+def two_objects(end="\n"):
+    """A base and a knob, both with relative indices."""
+    knob = trimesh.creation.box((20.0, 20.0, 20.0), transform=np.eye(4))
+    parts = [("base", BOX.vertices), ("knob", knob.vertices + np.array([0, 0, 24.9]))]
+    text = ""
+    for name, vertices in parts:
+        text += f"o {name}\n" + obj(vertices, [])
+        text += "".join(f"f {a - 8} {b - 8} {c - 8}\n" for a, b, c in BOX.faces)
+    return text.replace("\n", end).encode()
+
+
+V, F = BOX.vertices, BOX.faces
+TWO_SIZE, TWO_VOLUME = (60, 40, 49.9), 80_000.0
+PLAIN_OBJ = obj(V, F)
+TEXTURED = (
+    "mtllib box.mtl\no box\n"
+    + obj(V, [])
+    + "vt 0 0\nvt 1 0 0.5\nvn 0 0 1\ng side\nusemtl red\ns 1\n"
+)
+
+
+def slashes(form, faces=F):
+    return TEXTURED + "".join(
+        "f " + " ".join(form.format(k + 1, k - 8) for k in face) + "\n" for face in faces
+    )
+
+
+OBJ = {
+    "relative.obj": box_of(relative(V, QUADS)),
+    "two_relative.obj": Case(two_objects(), TWO_SIZE, TWO_VOLUME),
+    "two_relative_cr.obj": Case(two_objects("\r"), TWO_SIZE, TWO_VOLUME),
+    "two_relative_crlf.obj": Case(two_objects("\r\n"), TWO_SIZE, TWO_VOLUME),
+    "quads.obj": box_of(obj(V, QUADS)),
+    "v_vt.obj": box_of(slashes("{0}/1")),
+    "v_vn.obj": box_of(slashes("{0}//1")),
+    "v_vt_vn.obj": box_of(slashes("{0}/1/1", QUADS)),
+    "relative_v_vt_vn.obj": box_of(slashes("{1}/-1/-1")),
+    "colours.obj": box_of(obj(np.hstack([V, np.full((8, 3), 0.5)]), F)),
+    "homogeneous.obj": box_of(obj(np.hstack([V, np.ones((8, 1))]), F)),
+    "weights.obj": refused(obj(np.hstack([2 * V, np.full((8, 1), 2.0)]), F), "weight"),
+    "tabs.obj": box_of(PLAIN_OBJ.replace(" ", "\t")),
+    "continued.obj": box_of(PLAIN_OBJ.replace("f 2 4 1", "f 2 4 \\\n 1")),
+    "bom.obj": box_of(b"\xef\xbb\xbf" + PLAIN_OBJ.encode()),
+    "cr.obj": box_of(PLAIN_OBJ.replace("\n", "\r")),
+    "crlf_comments.obj": box_of(obj(V, QUADS, "# K\xf6rper\n", "\n# end\n").replace("\n", "\r\n")),
+    "lines_and_points.obj": box_of(PLAIN_OBJ + "l 1 2\np 1\n"),
+    "face_comment.obj": box_of(PLAIN_OBJ.replace("f 2 4 1", "f 2 4 1 # first")),
+    "faces_first.obj": box_of(obj(V, F).replace(obj(V, []), "") + obj(V, [])),
+    "curves.obj": refused(obj(V, F) + "cstype bezier\ndeg 2\ncurv 0 1 1 2 3\nend\n", "curv"),
+    "surfaces.obj": refused(obj(V, []) + "cstype bspline\nsurf 0 1 0 1 1 2 3 4\nend\n", "surf"),
+    "decimal_commas.obj": refused(PLAIN_OBJ.replace(".5", ",5").replace("30 ", "30,0 "), "comma"),
+    "utf16.obj": refused(PLAIN_OBJ.encode("utf-16"), "UTF-16"),
+    "zero_index.obj": refused(
+        obj(V, F).replace("f 2 4 1", "f 2 4 0"), "vertices that do not exist"
+    ),
+    "too_far_back.obj": refused(obj(V, F).replace("f 2 4 1", "f 2 4 -9"), "do not exist"),
+    "nan.obj": refused(PLAIN_OBJ.replace("v -30 ", "v nan ", 1), "not finite"),
+    "only_points.obj": refused(obj(V, []), "no faces"),
+    "word.obj": refused(PLAIN_OBJ.replace("v -30 ", "v x ", 1), "line 1"),
+    "two_numbers.obj": refused(PLAIN_OBJ.replace("v -30 -20 -15", "v -30 -20", 1), "line 1"),
+    "says_inch.obj": refused("# units: inches\n" + PLAIN_OBJ, "inch"),
+    "says_mm.obj": box_of("# File units = millimeters\n" + PLAIN_OBJ, None),
+    "says_nothing.obj": refused(PLAIN_OBJ, "units", None),
+}
+
+
+def facets(mesh=BOX, count=None, header=b"", tail=b""):
+    """A binary STL file."""
+    body = np.zeros(len(mesh.faces), [("n", "<f4", 3), ("c", "<f4", (3, 3)), ("a", "<u2")])
+    body["c"], body["n"] = mesh.triangles, mesh.face_normals
+    count = len(body) if count is None else count
+    return header.ljust(80, b"\0") + struct.pack("<I", count) + body.tobytes() + tail
+
+
+def ascii_stl(name="box", mesh=BOX, end=True):
+    text = f"solid {name}\n"
+    for corners in mesh.triangles:
+        text += "  facet normal 0 0 0\n    outer loop\n"
+        text += "".join(f"      vertex {x:.6e} {y:.6e} {z:.6e}\n" for x, y, z in corners)
+        text += "    endloop\n  endfacet\n"
+    return text + (f"endsolid {name}\n" if end else "")
+
+
+UPPER = BOX.copy().apply_translation([0, 0, 40])
+STL = {
+    "plain.stl": box_of(facets()),
+    "solid_header.stl": box_of(facets(header=b"solid box facet")),
+    "count_zero.stl": box_of(facets(count=0)),
+    "count_small.stl": refused(facets(count=7), "says 7 .* holds 12"),
+    "count_large.stl": refused(facets(count=13), "truncated"),
+    "cut.stl": refused(facets()[:-20], "truncated"),
+    "trailing_bytes.stl": box_of(facets(tail=bytes(34))),
+    "trailing_text.stl": box_of(facets(tail=b"made with a demo licence\r\n")),
+    "trailing_facet_of_zeros.stl": box_of(facets(tail=bytes(70))),
+    "header_only.stl": refused(facets()[:84].replace(b"\x0c", b"\0"), "no faces"),
+    "solid_header_count_large.stl": refused(facets(count=99, header=b"solid box"), "truncated"),
+    "says_mm.stl": box_of(facets(header=b"egad, unit: millimetre"), None),
+    "says_mm_asked_m.stl": refused(facets(header=b"egad, unit: millimetre"), "mm", "m"),
+    "says_cm.stl": Case(facets(header=b"UNITS=cm"), (600, 400, 300), BOX_VOLUME * 1000, "", None),
+    "silent.stl": refused(facets(), "units", None),
+    "ascii.stl": box_of(ascii_stl()),
+    "ascii_crlf_upper.stl": box_of(ascii_stl().upper().replace("\n", "\r\n")),
+    "ascii_cr.stl": box_of(ascii_stl().replace("\n", "\r")),
+    "ascii_bom.stl": box_of(b"\xef\xbb\xbf" + ascii_stl().encode()),
+    "ascii_blank_start.stl": box_of("\n\n" + ascii_stl()),
+    "ascii_latin1.stl": box_of(ascii_stl("Gehäuse")),
+    "ascii_no_name.stl": box_of(ascii_stl("")),
+    "ascii_named_vertex.stl": box_of(ascii_stl("my facet vertex 1 2")),
+    "ascii_no_endsolid.stl": box_of(ascii_stl(end=False)),
+    "ascii_two.stl": Case(
+        (ascii_stl("a") + ascii_stl("b", UPPER)).encode(), (60, 40, 70), 2 * BOX_VOLUME
+    ),
+    "ascii_two_no_endsolid.stl": Case(
+        (ascii_stl("a", end=False) + ascii_stl("b", UPPER)).encode(), (60, 40, 70), 2 * BOX_VOLUME
+    ),
+    "ascii_cut.stl": refused(ascii_stl()[:-130], "truncated"),
+    "ascii_cut_number.stl": refused(ascii_stl()[: ascii_stl().rindex("vertex") + 12], "truncated"),
+    "ascii_commas.stl": refused(ascii_stl().replace(".", ","), "comma"),
+    "ascii_nan.stl": refused(ascii_stl().replace("vertex 3", "vertex nan 3", 1), "not finite"),
+    "ascii_word.stl": refused(ascii_stl().replace("vertex 3", "vertex x3", 1), "vertex|number"),
+    "utf16.stl": refused(ascii_stl().encode("utf-16"), "UTF-16"),
+    "quads.stl": refused(
+        ascii_stl().replace("    endloop", "      vertex 0 0 0\n    endloop", 1), "3 corners"
+    ),
+    "empty.stl": refused(b"", "empty"),
+    "html.stl": refused(b"<!DOCTYPE html><html>Not found</html>", "not a"),
+}
+
+
+def off(head, rows, faces, between="\n"):
+    counts = "" if head.count(" ") else f"\n{len(rows)} {len(faces)} 0"
+    polygons = "".join(f"{len(face)} " + " ".join(map(str, face)) + "\n" for face in faces)
+    return head + counts + between + numbers(rows) + polygons
+
+
+def coloured(faces, colour):
+    return "".join(f"{len(f)} " + " ".join(map(str, f)) + f" {colour}\n" for f in faces)
+
+
+UP = np.tile([0.0, 0, 1], (8, 1))
+COLOUR, TEXTURE = np.tile([255, 0, 0, 255], (8, 1)), np.zeros((8, 2))
+OFF = {
+    "plain.off": box_of(off("OFF", V, F)),
+    "quads.off": box_of(off("OFF", V, QUADS)),
+    "coff.off": box_of(off("COFF", np.hstack([V, COLOUR]), F)),
+    "coff_rgb.off": box_of(off("COFF", np.hstack([V, COLOUR[:, :3] / 255]), QUADS)),
+    "noff.off": box_of(off("NOFF", np.hstack([V, UP]), F)),
+    "cnoff.off": box_of(off("CNOFF", np.hstack([V, UP, COLOUR]), F)),
+    "stoff.off": box_of(off("STOFF", np.hstack([V, TEXTURE]), F)),
+    "stcnoff.off": box_of(off("STCNOFF", np.hstack([V, UP, COLOUR, TEXTURE]), QUADS)),
+    "glued.off": box_of(off("OFF8 12 0", V, F)),
+    "same_line.off": box_of(off("OFF 8 12 18", V, F)),
+    "no_header.off": box_of(off("8 12 0", V, F)),
+    "two_counts.off": box_of(off("OFF 8 12", V, F)),
+    "comments.off": box_of(
+        "# a part\n" + off("OFF", V, F).replace("\n8 12 0", "\n\n# n\n8 12 0 # end")
+    ),
+    "between.off": box_of(off("OFF", V, F).replace("\n3 ", "\n# a face\n3 ")),
+    "blank.off": box_of(off("OFF", V, F).replace("\n", "\n\n")),
+    "one_line.off": refused(off("OFF", V, F).replace("\n", " "), "0 lines follow"),
+    "cr.off": box_of(off("OFF", V, F).replace("\n", "\r")),
+    "bom_crlf.off": box_of(b"\xef\xbb\xbf" + off("OFF", V, F).replace("\n", "\r\n").encode()),
+    "face_rgb.off": box_of(off("OFF 8 6 0", V, []) + coloured(QUADS, "0.9 0.1 0.1")),
+    "face_rgba_int.off": box_of(off("OFF 8 12 0", V, []) + coloured(F, "255 0 0 128")),
+    "face_index.off": box_of(off("OFF 8 12 0", V, []) + coloured(F, "3")),
+    "face_mixed.off": box_of(
+        off("OFF 8 9 0", V, [])
+        + coloured(QUADS[:3], "1 0 0")
+        + coloured([(a, b, c) for q in QUADS[3:] for a, b, c in (q[:3], (q[0], *q[2:]))], "")
+    ),
+    "edges.off": box_of(off("OFF", V, [*F, (0, 1), (2,)])),
+    "binary.off": refused(b"OFF BINARY\n" + struct.pack(">3i", 8, 12, 0) + bytes(300), "[Bb]inary"),
+    "four.off": refused(off("4OFF", np.hstack([V, UP[:, :1]]), F), "4OFF"),
+    "n.off": refused("nOFF 3\n8 12 0\n" + numbers(V), "nOFF"),
+    "cut.off": refused(off("OFF", V, F)[:-40], "truncated"),
+    "cut_face.off": refused(off("OFF", V, F)[:-4], "truncated"),
+    "index.off": refused(off("OFF", V, F).replace("3 1 3 0", "3 1 3 8", 1), "do not exist"),
+    "commas.off": refused(off("OFF", V + 0.5, F).replace(".", ","), "comma"),
+    "word.off": refused(off("OFF", V, F).replace("-20", "x", 1), "number"),
+    "nan.off": refused(off("OFF", V, F).replace("-20", "nan", 1), "not finite"),
+    "utf16.off": refused(off("OFF", V, F).encode("utf-16"), "UTF-16"),
+    "other.off": refused("OBJ\n" + off("OFF", V, F), "OFF"),
+}
+
+PLY_KINDS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+
+
+def ply(kind, elements):
+    """A PLY file.
+
+    Args:
+        kind: One of `PLY_KINDS`.
+        elements: For each its name, properties (type, name) or (count type, type, name), and rows.
+    """
+    head, body = f"ply\nformat {kind} 1.0\ncomment made for a test\n", b""
+    for name, properties, rows in elements:
+        head += f"element {name} {len(rows)}\n"
+        for each in properties:
+            head += f"property {'list ' if len(each) == 3 else ''}{' '.join(each)}\n"
+        for row in rows:
+            body += ply_row(kind, properties, row)
+    return (head + "end_header\n").encode() + body
+
+
+CODES = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I"}
+CODES |= {"float": "f", "double": "d", "uint8": "B", "int32": "i", "float32": "f", "float64": "d"}
+
+
+def ply_row(kind, properties, row):
+    words, packed = [], b""
+    for each, value in zip(properties, row, strict=True):
+        order = PLY_KINDS[kind] or "<"
+        if len(each) == 3:
+            words += [len(value), *value]
+            packed += struct.pack(order + CODES[each[0]], len(value))
+            packed += struct.pack(f"{order}{len(value)}{CODES[each[1]]}", *value)
+        else:
+            words.append(value)
+            packed += struct.pack(order + CODES[each[0]], value)
+    return (" ".join(map(str, words)) + "\n").encode() if kind == "ascii" else packed
+
+
+XYZ = [("float", "x"), ("float", "y"), ("float", "z")]
+FACE = [("uchar", "int", "vertex_indices")]
+MIXED = [*QUADS[:3], *[(a, b, c) for q in QUADS[3:] for a, b, c in (q[:3], (q[0], *q[2:]))]]
+ROWS = V.tolist()
+STRIPS = [0, 1, 2, 3, 6, 7, 4, 5, 0, 1, -1, 0, 2, 4, 6, -1, 1, 5, 3, 7, -1]
+
+
+def plys(kind):
+    """Files with everything that PLY has, as text or in a byte order."""
+
+    def made(*elements):
+        return box_of(ply(kind, elements))
+
+    faces = [(tuple(face),) for face in F.tolist()]
+    mixed = [(face,) for face in MIXED]
+    return {
+        "plain": made(("vertex", XYZ, ROWS), ("face", FACE, faces)),
+        "vertex_index": made(
+            ("vertex", XYZ, ROWS), ("face", [("uint8", "uint", "vertex_index")], faces)
+        ),
+        "mixed": made(("vertex", XYZ, ROWS), ("face", FACE, mixed)),
+        "doubles": made(
+            ("vertex", [("double", name) for _, name in XYZ], ROWS), ("face", FACE, mixed)
+        ),
+        "int_count": made(
+            ("vertex", [("float32", name) for _, name in XYZ], ROWS),
+            ("face", [("int32", "ushort", "vertex_indices")], mixed),
+        ),
+        "shuffled": made(
+            (
+                "vertex",
+                [("uchar", "red"), XYZ[2], XYZ[0], ("double", "quality"), XYZ[1]],
+                [(9, z, x, 0.25, y) for x, y, z in ROWS],
+            ),
+            ("face", [("uchar", "flag"), *FACE, ("float", "area")], [(1, *f, 2.5) for f in mixed]),
+        ),
+        "lists_on_vertices": made(
+            (
+                "vertex",
+                [*XYZ, ("uchar", "int", "neighbours")],
+                [(*row, tuple(range(k % 3))) for k, row in enumerate(ROWS)],
+            ),
+            ("face", [*FACE, ("uchar", "float", "texcoord")], [(*f, (0.5,) * 6) for f in mixed]),
+        ),
+        "extra_elements": made(
+            ("camera", [("float", "f"), ("uchar", "int", "views")], [(1.0, (1, 2)), (2.0, ())]),
+            ("vertex", XYZ, ROWS),
+            ("edge", [("int", "vertex1"), ("int", "vertex2")], [(0, 1), (2, 3)]),
+            ("face", FACE, mixed),
+            ("material", [("uchar", "red")], [(1,)]),
+        ),
+        "faces_first": made(("face", FACE, mixed), ("vertex", XYZ, ROWS)),
+        "strips": made(
+            ("vertex", XYZ, ROWS), ("tristrips", [("int", "int", "vertex_indices")], [(STRIPS,)])
+        ),
+    }
+
+
+PLY = {f"{name}_{kind}.ply": case for kind in PLY_KINDS for name, case in plys(kind).items()}
+ASCII_PLY = PLY["plain_ascii.ply"].data
+PLY |= {
+    "crlf.ply": box_of(ASCII_PLY.replace(b"\n", b"\r\n")),
+    "cr.ply": box_of(ASCII_PLY.replace(b"\n", b"\r")),
+    "bom.ply": box_of(b"\xef\xbb\xbf" + ASCII_PLY),
+    "blank_end.ply": box_of(ASCII_PLY + b"\n\n"),
+    "trailing.ply": box_of(PLY["plain_binary_little_endian.ply"].data + b"end"),
+    "header_crlf.ply": box_of(
+        PLY["mixed_binary_little_endian.ply"].data.replace(b"\n", b"\r\n", 11)
+    ),
+    "cut_ascii.ply": refused(ASCII_PLY[:-20], "truncated"),
+    "cut_binary.ply": refused(PLY["mixed_binary_little_endian.ply"].data[:-9], "truncated"),
+    "cut_plain.ply": refused(PLY["plain_binary_big_endian.ply"].data[:-9], "truncated"),
+    "commas.ply": refused(ASCII_PLY.replace(b"0.0 ", b"0,0 "), "comma"),
+    "word.ply": refused(ASCII_PLY.replace(b"-20.0", b"x", 1), "number"),
+    "nan.ply": refused(ASCII_PLY.replace(b"-20.0", b"nan", 1), "not finite"),
+    "utf16.ply": refused(ASCII_PLY.decode().encode("utf-16"), "UTF-16"),
+    "cloud.ply": refused(ply("ascii", [("vertex", XYZ, ROWS)]), "no faces"),
+    "no_z.ply": refused(
+        ply("ascii", [("vertex", XYZ[:2], [r[:2] for r in ROWS]), ("face", FACE, [((0, 1, 2),)])]),
+        "x, y and z",
+    ),
+    "index.ply": refused(ASCII_PLY.replace(b"3 1 3 0", b"3 1 3 8"), "do not exist"),
+    "version.ply": refused(ASCII_PLY.replace(b"ascii 1.0", b"ascii 2.0"), "2.0"),
+    "kind.ply": refused(ASCII_PLY.replace(b"ascii 1.0", b"gzip 1.0"), "gzip"),
+    "type.ply": refused(ASCII_PLY.replace(b"float x", b"half x"), "half"),
+    "says_metres.ply": refused(ASCII_PLY.replace(b"made for a test", b"unit: metre"), r"\bm\b"),
+}
+
+for name, solid in SOLIDS.items():
+    expected = (solid.size, solid.volume)
+    OBJ[f"{name}_polygons.obj"] = Case(obj(solid.vertices, solid.faces).encode(), *expected)
+    OFF[f"{name}_polygons.off"] = Case(off("OFF", solid.vertices, solid.faces).encode(), *expected)
+    for kind in PLY_KINDS:
+        rows = [(face,) for face in solid.faces]
+        data = ply(kind, [("vertex", XYZ, solid.vertices.tolist()), ("face", FACE, rows)])
+        PLY[f"{name}_polygons_{kind}.ply"] = Case(data, *expected)
+
+
+METRES_BOX = np.asarray(V) / 1000  # glTF is in metres, with y up
+UP_SIZE = (60, 30, 40)  # the z of the mesh is the y of the file
+
+
+def glb(document, binary=b""):
+    """A GLB file of a document and its binary chunk."""
+    binary += bytes(-len(binary) % 4)
+    if binary:
+        document = {"buffers": [{"byteLength": len(binary)}], **document}
+    text = json.dumps({"asset": {"version": "2.0"}, **document}).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
+    if binary:
+        chunks += struct.pack("<II", len(binary), 0x004E4942) + binary
+    return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
+
+
+COMPONENTS = {"int8": 5120, "uint8": 5121, "int16": 5122, "uint16": 5123, "uint32": 5125}
+COMPONENTS |= {"float32": 5126}
+SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
+
+
+def gltf(points, indices=None, nodes=({"mesh": 0},), mode=None, more=None, accessor=None, **extra):
+    """A GLB file with one primitive.
+
+    Args:
+        points: (n, 3) array of any type.
+        indices: Array, or None.
+        nodes: Of the document; the first is the root.
+        mode: Of the primitive.
+        more: Further arrays, which become accessors 2, 3, ...
+        accessor: Further entries of the accessor of the positions.
+        extra: Further entries of the document.
+    """
+    arrays = [points, indices if indices is not None else np.zeros(1, "uint8"), *(more or [])]
+    views, accessors, binary = [], [], b""
+    for array in map(np.asarray, arrays):
+        wide = array.reshape(len(array), -1)
+        stride = -(-wide.shape[1] * array.itemsize // 4) * 4
+        padded = np.zeros((len(array), stride), "uint8")
+        padded[:, : wide.shape[1] * array.itemsize] = wide.view("uint8").reshape(len(array), -1)
+        tight = array.ndim == 1
+        data = array.tobytes() if tight else padded.tobytes()
+        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(data)})
+        if not tight:
+            views[-1]["byteStride"] = stride
+        binary += data + bytes(-len(data) % 4)
+        accessors.append(
+            {
+                "bufferView": len(views) - 1,
+                "componentType": COMPONENTS[array.dtype.name],
+                "count": len(array),
+                "type": SHAPES[wide.shape[1]],
+            }
+        )
+    accessors[0] |= accessor or {}
+    primitive = {"attributes": {"POSITION": 0}}
+    if indices is not None:
+        primitive["indices"] = 1
+    if mode is not None:
+        primitive["mode"] = mode
+    document = {
+        "bufferViews": views,
+        "accessors": accessors,
+        "meshes": [{"primitives": [primitive]}],
+        "nodes": list(nodes),
+        "scenes": [{"nodes": [0]}],
+        "scene": 0,
+    }
+    return glb(document | extra, binary)
+
+
+POINTS, CORNERS = METRES_BOX.astype("float32"), F.ravel().astype("uint16")
+
+
+def upright(data, volume=BOX_VOLUME, size=UP_SIZE):
+    return Case(data, size, volume, "", None)
+
+
+def quantised(kind, normalized):
+    """A box with whole numbers as positions, 0.03 m at the largest."""
+    top = np.iinfo(kind).max
+    node = {"mesh": 0, "scale": [0.03 if normalized else 0.03 / top] * 3}
+    points = np.round(METRES_BOX / 0.03 * top)
+    if kind.startswith("u"):
+        points = np.round((METRES_BOX / 0.03 + 1) / 2 * top)
+        node["scale"] = [2 * each for each in node["scale"]]
+    accessor = {"normalized": True} if normalized else None
+    extension = {"extensionsRequired": ["KHR_mesh_quantization"]}
+    return gltf(points.astype(kind), CORNERS, [node], accessor=accessor, **extension)
+
+
+def sparse(with_base):
+    """A box, of which two corners are where they belong only by the sparse part."""
+    wrong = POINTS.copy()
+    wrong[[1, 6]] = 0
+    if not with_base:
+        wrong[:] = 0
+    which = np.array([1, 6] if with_base else range(8), "uint16")
+    data = gltf(wrong, CORNERS, more=[which, POINTS[which]])
+    size = int.from_bytes(data[12:16], "little")
+    document, binary = json.loads(data[20 : 20 + size]), data[28 + size :]
+    document["accessors"][0]["sparse"] = {
+        "count": len(which),
+        "indices": {"bufferView": 2, "componentType": 5123},
+        "values": {"bufferView": 3},
+    }
+    del document["bufferViews"][3]["byteStride"]
+    if not with_base:
+        del document["accessors"][0]["bufferView"]
+    return glb(document, binary)
+
+
+def instanced(*names, **arrays):
+    node = {
+        "mesh": 0,
+        "extensions": {
+            "EXT_mesh_gpu_instancing": {"attributes": {name: 2 + k for k, name in enumerate(names)}}
+        },
+    }
+    return gltf(
+        POINTS,
+        CORNERS,
+        [node],
+        more=[np.asarray(arrays[name], "float32") for name in names],
+        extensionsUsed=["EXT_mesh_gpu_instancing"],
+    )
+
+
+def changed(data, change):
+    """A GLB file with another document."""
+    size = int.from_bytes(data[12:16], "little")
+    document = json.loads(data[20 : 20 + size])
+    change(document)
+    return glb(document, data[28 + size :])
+
+
+def morphed(usual, **node):
+    """A box with two other shapes that it may turn into."""
+
+    def change(document):
+        (mesh,) = document["meshes"]
+        mesh["primitives"][0]["targets"] = [{"POSITION": 2}, {"POSITION": 2}]
+        mesh["weights"] = usual
+
+    return changed(gltf(POINTS, CORNERS, [{"mesh": 0, **node}], more=[POINTS * 0.1]), change)
+
+
+def many_primitives():
+    """A box of a strip around it, a fan, and two triangles, which share their vertices."""
+    around = np.array([0, 1, 2, 3, 6, 7, 4, 5, 0, 1], "uint16")
+    fan, rest = np.array([0, 2, 6, 4], "uint16"), np.array([1, 5, 7, 1, 7, 3], "uint16")
+
+    def change(document):
+        document["meshes"][0]["primitives"] = [
+            {"attributes": {"POSITION": 0}, "indices": indices, "mode": mode}
+            for indices, mode in ((1, 5), (2, 6), (3, 4))
+        ]
+
+    return changed(gltf(POINTS, around, more=[fan, rest]), change)
+
+
+HALF = float(np.sqrt(0.5))
+NESTED = (
+    {"children": [1], "scale": [2, 2, 2]},
+    {"mesh": 0, "translation": [0.1, 0, 0], "children": [2]},
+    {"mesh": 0, "translation": [0, 0, 0.0299], "scale": [0.5, 0.5, 0.5]},
+)
+TURN = {"mesh": 0, "rotation": [-HALF, 0, 0, HALF]}
+MATRIX = [0, 2.0, 0, 0, -1.0, 0, 0, 0, 0, 0, 1.0, 0, 0.5, 0, 0, 1]  # x to 2 y, y to -x, by columns
+STRIP = [0, 1, 2, 3, 6, 7, 4, 5, 0, 1]
+FLAT_BOX = [QUADS[0], QUADS[3], QUADS[1], QUADS[2]]
+FAN = [0, 1, 3, 2, 6, 4, 5, 1]  # around corner 0
+REST = [7, 5, 4, 6, 2, 3, 1, 5]  # around the opposite one
+ONE_MORE = {"mesh": 0, "translation": [0.2, 0, 0]}
+DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
+GLB = {
+    "plain.glb": upright(gltf(POINTS, CORNERS)),
+    "uint32.glb": upright(gltf(POINTS, CORNERS.astype("uint32"))),
+    "uint8.glb": upright(gltf(POINTS, CORNERS.astype("uint8"))),
+    "no_indices.glb": upright(gltf(POINTS[F].reshape(-1, 3))),
+    "sparse.glb": upright(sparse(True)),
+    "sparse_alone.glb": upright(sparse(False)),
+    "nested.glb": upright(gltf(POINTS, CORNERS, NESTED), 9 * 72_000, (120, 104.8, 80)),
+    "turned.glb": upright(gltf(POINTS, CORNERS, [TURN]), size=(60, 40, 30)),
+    "matrix.glb": upright(
+        gltf(POINTS, CORNERS, [{"mesh": 0, "matrix": MATRIX}]), 2 * 72_000, (40, 30, 120)
+    ),
+    "mirrored.glb": upright(gltf(POINTS, CORNERS, [{"mesh": 0, "scale": [-1, 1, 1]}])),
+    "mirrored_twice.glb": upright(
+        gltf(
+            POINTS,
+            CORNERS,
+            [{"children": [1], "scale": [-1, 1, 1]}, {"mesh": 0, "scale": [1, -1, 1]}],
+        )
+    ),
+    "centimetres.glb": upright(gltf(POINTS * 100, CORNERS, [{"mesh": 0, "scale": [0.01] * 3}])),
+    "default_scene.glb": upright(
+        gltf(
+            POINTS,
+            CORNERS,
+            [{"mesh": 0}, ONE_MORE],
+            scenes=[{"nodes": [1]}, {"nodes": [0]}],
+            scene=1,
+        )
+    ),
+    "one_scene_unnamed.glb": upright(gltf(POINTS, CORNERS, [{"mesh": 0}, ONE_MORE], scene=None)),
+    "two_roots.glb": upright(
+        gltf(POINTS, CORNERS, [{"mesh": 0}, ONE_MORE], scenes=[{"nodes": [0, 1]}]),
+        2 * 72_000,
+        (260, 30, 40),
+    ),
+    "mm_asked.glb": Case(gltf(POINTS * 1000, CORNERS), UP_SIZE, BOX_VOLUME, "", "mm"),
+    "instanced.glb": upright(
+        instanced("TRANSLATION", TRANSLATION=[[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]]),
+        3 * 72_000,
+        (260, 30, 40),
+    ),
+    "instanced_scaled.glb": upright(
+        instanced(
+            "TRANSLATION",
+            "ROTATION",
+            "SCALE",
+            TRANSLATION=[[0, 0, 0], [0.2, 0, 0]],
+            ROTATION=[[0, 0, 0, 1], [-HALF, 0, 0, HALF]],
+            SCALE=[[1, 1, 1], [2, 2, 2]],
+        ),
+        9 * 72_000,
+        (290, 80, 60),
+    ),
+    "strip.glb": Case(gltf(POINTS, np.array(STRIP, "uint16"), mode=5), UP_SIZE, None, "", None),
+    "fan.glb": Case(gltf(POINTS, np.array(FAN, "uint16"), mode=6), UP_SIZE, None, "", None),
+    "unused_extension.glb": upright(
+        gltf(POINTS, CORNERS, extensionsUsed=["KHR_materials_unlit", "VENDOR_thing"])
+    ),
+    "unlit_required.glb": upright(
+        gltf(POINTS, CORNERS, extensionsRequired=["KHR_materials_unlit", "KHR_texture_transform"])
+    ),
+    "draco.glb": refused(gltf(POINTS, CORNERS, extensionsRequired=[DRACO]), DRACO, None),
+    "meshopt.glb": refused(gltf(POINTS, CORNERS, extensionsRequired=[MESHOPT]), MESHOPT, None),
+    "unknown.glb": refused(
+        gltf(POINTS, CORNERS, extensionsRequired=["ACME_fold"]), "ACME_fold", None
+    ),
+    "lines.glb": refused(gltf(POINTS, CORNERS, mode=1), "no faces", None),
+    "points.glb": refused(gltf(POINTS, mode=0), "no faces", None),
+    "skinned.glb": refused(
+        gltf(POINTS, CORNERS, [{"mesh": 0, "skin": 0}], skins=[{"joints": [0]}]), "skin", None
+    ),
+    "morphed.glb": refused(morphed([0, 0.5]), "morph", None),
+    "morphed_by_node.glb": refused(morphed([0, 0], weights=[1, 0]), "morph", None),
+    "not_morphed.glb": upright(morphed([0, 0])),
+    "many_primitives.glb": upright(many_primitives()),
+    "no_scene.glb": refused(
+        gltf(POINTS, CORNERS, nodes=[], scenes=[{"nodes": []}]), "no faces", None
+    ),
+    "other_file.glb": refused(
+        gltf(POINTS, CORNERS, buffers=[{"byteLength": 136, "uri": "box.bin"}]), "other file", None
+    ),
+    "cut.glb": refused(gltf(POINTS, CORNERS)[:-30], "truncated", None),
+    "version_1.glb": refused(struct.pack("<III", 0x46546C67, 1, 20) + bytes(8), "version 1", None),
+    "beyond.glb": refused(gltf(POINTS, CORNERS + 1), "do not exist", None),
+    "nan.glb": refused(gltf(POINTS * np.nan, CORNERS), "not finite", None),
+}
+GLB |= {
+    f"quantised_{kind}{'_normalized' * normalized}.glb": upright(quantised(kind, normalized))
+    for kind in ("int8", "int16", "uint8", "uint16")
+    for normalized in (False, True)
+}
+
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+TYPES = (
+    '<?xml version="1.0" encoding="UTF-8"?>'
+    '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
+    '<Default Extension="rels" '
+    'ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
+    '<Default Extension="model" '
+    'ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>'
+)
+MODEL_KIND = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+
+
+def relations(*targets):
+    inside = "".join(
+        f'<Relationship Target="{target}" Id="rel{k}" Type="{MODEL_KIND}"/>'
+        for k, target in enumerate(targets)
+    )
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?><Relationships '
+        f'xmlns="http://schemas.openxmlformats.org/package/2006/relationships">{inside}'
+        "</Relationships>"
+    )
+
+
+def package(model, where="3D/3dmodel.model", others=None):
+    """A 3MF file of a model part and others by their paths."""
+    parts = {"[Content_Types].xml": TYPES, "_rels/.rels": relations(f"/{where}"), where: model}
+    if others:
+        folder, _, name = where.rpartition("/")
+        parts[f"{folder}/_rels/{name}.rels"] = relations(*(f"/{other}" for other in others))
+        parts |= others
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path, text in parts.items():
+            archive.writestr(path, text)
+    return data.getvalue()
+
+
+def solid_xml(number, vertices=V, faces=F, kind=' type="model"', more=""):
+    points = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in np.asarray(vertices))
+    triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in faces)
+    return (
+        f'<object id="{number}"{kind}{more}><mesh><vertices>{points}</vertices>'
+        f"<triangles>{triangles}</triangles></mesh></object>"
+    )
+
+
+def assembly(number, *components):
+    inside = "".join(f"<component {each}/>" for each in components)
+    return f'<object id="{number}" type="model"><components>{inside}</components></object>'
+
+
+def model(objects, items=('objectid="1"',), unit=' unit="millimeter"', head=""):
+    build = "".join(f"<item {item}/>" for item in items)
+    return (
+        f'<?xml version="1.0" encoding="UTF-8"?><model{unit} xml:lang="en-US" xmlns="{CORE}" '
+        f'xmlns:p="{PRODUCTION}"{head}><resources>{objects}</resources>'
+        f"<build>{build}</build></model>"
+    )
+
+
+def asked(data, units, size=BOX_SIZE, volume=BOX_VOLUME):
+    return Case(data, size, volume, "", units)
+
+
+def unit(name, length):
+    """A box in some unit."""
+    text = f' unit="{name}"' if name else ""
+    return package(model(solid_xml(1, V / length), unit=text))
+
+
+SHIFT = "1 0 0 0 1 0 0 0 1 0 0 24.9"
+SMALL = solid_xml(2, V / 2)
+UPRIGHT_TURN = "0 1 0 -1 0 0 0 0 1 5 6 7"  # x to y, y to -x
+MIRROR = "-1 0 0 0 1 0 0 0 1 0 0 0"
+PART = 'p:path="/3D/part.model"'
+PRODUCED = ' requiredextensions="p" xmlns:u="urn:none"'
+BED = solid_xml(2, V * 3)
+THREEMF = {
+    "plain.3mf": asked(unit("millimeter", 1), None),
+    "asked_mm.3mf": asked(unit("millimeter", 1), "mm"),
+    "inch.3mf": asked(unit("inch", 25.4), None),
+    "inch_asked.3mf": asked(unit("inch", 25.4), "inch"),
+    "inch_asked_mm.3mf": refused(unit("inch", 25.4), "inch.*mm"),
+    "meter.3mf": asked(unit("meter", 1000), None),
+    "meter_asked_mm.3mf": refused(unit("meter", 1000), r"\bm\b.*mm"),
+    "centimeter.3mf": asked(unit("centimeter", 10), None),
+    "foot.3mf": asked(unit("foot", 304.8), None),
+    "micron.3mf": asked(unit("micron", 0.001), None),
+    "foot_asked_inch.3mf": refused(unit("foot", 304.8), "foot.*inch", "inch"),
+    "silent.3mf": asked(unit("", 1), None),
+    "silent_asked_inch.3mf": asked(unit("", 25.4), "inch"),
+    "cubit.3mf": refused(unit("cubit", 1), "cubit", None),
+    "no_type.3mf": asked(package(model(solid_xml(1, kind=""))), None),
+    "components.3mf": asked(
+        package(
+            model(
+                solid_xml(1)
+                + SMALL
+                + assembly(3, 'objectid="1"', f'objectid="2" transform="{SHIFT}"'),
+                ['objectid="3"'],
+            )
+        ),
+        None,
+        (60, 40, 54.9 - 7.5 + 7.5 - 7.5),
+        81_000,
+    ),
+    "transforms.3mf": asked(
+        package(
+            model(
+                solid_xml(1) + assembly(2, f'objectid="1" transform="{UPRIGHT_TURN}"'),
+                ['objectid="2" transform="2 0 0 0 1 0 0 0 1 0 0 0"'],
+            )
+        ),
+        None,
+        (80, 60, 30),
+        144_000,
+    ),
+    "two_items.3mf": asked(
+        package(
+            model(
+                solid_xml(1), ['objectid="1"', 'objectid="1" transform="1 0 0 0 1 0 0 0 1 100 0 0"']
+            )
+        ),
+        None,
+        (160, 40, 30),
+        144_000,
+    ),
+    "not_built.3mf": asked(package(model(solid_xml(1) + solid_xml(7, V * 9))), None),
+    "mirrored.3mf": asked(
+        package(model(solid_xml(1), [f'objectid="1" transform="{MIRROR}"'])), None
+    ),
+    "support.3mf": asked(
+        package(
+            model(
+                solid_xml(1) + solid_xml(2, V * 3, kind=' type="support"'),
+                ['objectid="1"', 'objectid="2"'],
+            )
+        ),
+        None,
+    ),
+    "other.3mf": asked(
+        package(
+            model(
+                solid_xml(1) + solid_xml(2, V * 3, kind=' type="other"'),
+                ['objectid="1"', 'objectid="2"'],
+            )
+        ),
+        None,
+    ),
+    "only_support.3mf": refused(
+        package(model(solid_xml(1, kind=' type="support"'))), "support", None
+    ),
+    "surface.3mf": asked(
+        package(
+            model(
+                solid_xml(1) + solid_xml(2, V * 3, F[:4], kind=' type="surface"'),
+                ['objectid="1"', 'objectid="2"'],
+            )
+        ),
+        None,
+    ),
+    "other_place.3mf": asked(package(model(solid_xml(1)), "parts/body.model"), None),
+    "production.3mf": asked(
+        package(
+            model(
+                assembly(1, f'objectid="5" {PART}', f'objectid="5" {PART} transform="{SHIFT}"'),
+                head=' requiredextensions="p"',
+            ),
+            others={"3D/part.model": model(solid_xml(5), [])},
+        ),
+        None,
+        (60, 40, 54.9),
+        144_000,
+    ),
+    "production_item.3mf": asked(
+        package(
+            model("", [f'objectid="5" {PART}'], head=' requiredextensions="p"'),
+            others={"3D/part.model": model(solid_xml(5), [])},
+        ),
+        None,
+    ),
+    "vendor.3mf": asked(
+        package(
+            model(
+                "<metadatagroup xmlns='urn:vendor'/>".replace("metadatagroup", "thing")
+                + solid_xml(1),
+                head=' xmlns:v="urn:vendor"',
+            ).replace("<thing xmlns='urn:vendor'/>", '<v:thing a="1"/>')
+        ),
+        None,
+    ),
+    "lattice.3mf": refused(
+        package(
+            model(
+                solid_xml(1),
+                head=' xmlns:b="http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02"'
+                ' requiredextensions="b"',
+            ).replace(
+                "</triangles>",
+                '</triangles><b:beamlattice minlength="0.1" radius="1"><b:beams>'
+                '<b:beam v1="0" v2="1"/></b:beams></b:beamlattice>',
+            )
+        ),
+        "beamlattice",
+        None,
+    ),
+    "unknown_required.3mf": refused(
+        package(model(solid_xml(1), head=' xmlns:z="urn:acme/fold" requiredextensions="z"')),
+        "urn:acme/fold",
+        None,
+    ),
+    "missing_object.3mf": refused(package(model(solid_xml(1), ['objectid="9"'])), "object 9", None),
+    "nothing_built.3mf": refused(package(model(solid_xml(1), [])), "build|no faces", None),
+    "not_a_zip.3mf": refused(b"PK\x03\x04 but no more", "zip", None),
+    "word.3mf": refused(
+        package(model(solid_xml(1)).replace('x="-30.0"', 'x="a"', 1)), "number|not a", None
+    ),
+    "index.3mf": refused(
+        package(model(solid_xml(1)).replace('v1="1"', 'v1="8"', 1)), "do not exist", None
+    ),
+    "no_model.3mf": refused(
+        package("").replace(b"3dmodel.model", b"2dmodel.model"), "missing", None
+    ),
+}
+THREEMF["components.3mf"] = THREEMF["components.3mf"]._replace(size=(60, 40, 47.4))
+CASES = {**OBJ, **STL, **OFF, **PLY, **GLB, **THREEMF}

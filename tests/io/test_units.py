@@ -1,0 +1,104 @@
+import warnings
+
+import pytest
+import trimesh
+
+import egad
+from egad.errors import RejectedError, UserError
+from egad.exchange import write_glb, write_stl_mm
+from egad.exchange.threemf import Placed, write_3mf
+from egad.io import check_unit_known
+from egad.io.units import METRES, metres_per_unit, stated_in
+
+BOX = trimesh.creation.box((0.06, 0.04, 0.03))
+LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        (b"egad, unit: millimetre", "mm"),
+        (b"UNITS=mm", "mm"),
+        (b"# File units = Inches", "inch"),
+        (b"comment unit : metre", "m"),
+        (b"Unit:cm,", "cm"),
+        (b"units: feet", "foot"),
+        (b"units: furlongs", None),
+        (b"units: 10 mm", None),
+        (b"a unit in mm", None),
+        (b"", None),
+    ],
+)
+def test_units_that_comments_state(text, unit):
+    assert stated_in(text) == unit
+
+
+@pytest.mark.parametrize("asked", [*METRES, None])
+@pytest.mark.parametrize("stated", [*METRES, "foot", "micron", None])
+@pytest.mark.parametrize("ending", ["stl", "glb", "3mf"])
+def test_a_stated_unit_is_never_contradicted(asked, stated, ending):
+    allowed = asked is None or stated is None or asked == stated
+    unit = asked or stated or {"glb": "m", "3mf": "mm"}.get(ending)
+    if allowed and unit:
+        lengths = {**LENGTHS, "foot": 0.3048, "micron": 1e-6}
+        assert metres_per_unit(asked, stated, ending) == lengths[unit]
+    else:
+        with pytest.raises(RejectedError) as found:
+            metres_per_unit(asked, stated, ending)
+        assert all(word in str(found.value) for word in (stated, asked) if word)
+        assert unit is not None or "m, cm, mm or inch" in str(found.value)
+
+
+def test_settings_need_a_unit_unless_all_files_state_it(tmp_path):
+    given = [tmp_path / "a.3mf", tmp_path / "b.GLB"]
+    check_unit_known(given, None)
+    check_unit_known([*given, tmp_path / "c.stl"], "mm")
+    BOX.export(tmp_path / "c.stl")
+    write_stl_mm(BOX, tmp_path / "d.stl")
+    (tmp_path / "e.obj").write_text("# units: inch\n")
+    check_unit_known([*given, tmp_path / "d.stl", tmp_path / "e.obj"], None)
+    with pytest.raises(UserError, match=r"c\.stl does not state its unit; .*: m, cm, mm or inch"):
+        check_unit_known([*given, tmp_path / "c.stl"], None)
+
+
+def read_quietly(path, units=None):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return egad.read_mesh(path, units)
+
+
+def test_what_egad_writes_needs_no_unit(tmp_path):
+    write_stl_mm(BOX, tmp_path / "box.stl")
+    write_glb(tmp_path, "box", BOX)
+    write_3mf({"box": Placed(BOX, BOX.bounds[1])}, tmp_path / "box.3mf", {})
+    for ending in ("stl", "glb", "3mf"):
+        mesh = read_quietly(str(tmp_path / f"box.{ending}"))
+        assert mesh.extents == pytest.approx(BOX.extents, rel=1e-6)
+        assert mesh.volume == pytest.approx(BOX.volume, rel=1e-6)
+    with pytest.raises(RejectedError, match="states the unit mm, but m is given"):
+        egad.read_mesh(tmp_path / "box.stl", "m")
+
+
+@pytest.mark.parametrize("true", LENGTHS)
+@pytest.mark.parametrize("taken", LENGTHS)
+def test_a_wrong_unit_of_a_box_of_60_mm_gives_a_warning(tmp_path, true, taken):
+    BOX.copy().apply_scale(1 / LENGTHS[true]).export(tmp_path / "box.obj")
+    usual = "cm" in (true, taken) and "m" not in (true, taken)  # 6 to 600 mm
+    if true == taken or usual:
+        read_quietly(tmp_path / "box.obj", taken)
+        return
+    side = 0.06 * LENGTHS[taken] / LENGTHS[true]
+    with pytest.warns(egad.UnitsWarning, match=rf"of the mesh box\.obj is {side:.3g} m") as found:
+        egad.read_mesh(tmp_path / "box.obj", taken)
+    assert f"really in {taken}?" in str(found[0].message)
+    assert found[0].filename == __file__
+
+
+def test_no_unit_and_no_path_are_told(tmp_path):
+    BOX.export(tmp_path / "box.ply")
+    with pytest.raises(
+        RejectedError, match="does not state its unit; give `units`: m, cm, mm or inch"
+    ):
+        egad.read_mesh(tmp_path / "box.ply")
+    with pytest.raises(UserError, match="path"):
+        egad.read_mesh(3, "mm")
