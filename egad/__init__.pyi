@@ -16,6 +16,8 @@ from .errors import TableError as TableError
 from .errors import UserError as UserError
 from .exchange.grasps import load_grasps as load_grasps
 from .export import export as export
+from .geometry.checks import DroppedBodiesWarning as DroppedBodiesWarning
+from .geometry.checks import ScaleWarning as ScaleWarning
 from .geometry.checks import UnitsWarning as UnitsWarning
 from .geometry.repair import Repaired as Repaired
 from .geometry.repair import repair as repair

@@ -8,6 +8,7 @@ import typer
 import yaml
 from pydantic import BaseModel, ValidationError
 
+from egad._util.parameters import SCALE_RULES
 from egad.errors import UserError
 from egad.pipeline.cli.stages import StageGroup
 from egad.pipeline.config import Settings
@@ -29,6 +30,8 @@ Config = Annotated[
 ]
 Meshes = Annotated[list[Path], typer.Argument(help="mesh files, or folders of mesh files")]
 Units = Annotated[Literal["m", "cm", "mm", "inch"], typer.Option(help="unit of the meshes")]
+RULE_HELP = f"scaling to the gripper: {', '.join(SCALE_RULES)}"
+Rule = Annotated[str, typer.Option(help=RULE_HELP)]
 Jobs = Annotated[int, typer.Option(min=1, help="cores to use; results do not depend on it")]
 GripperName = Annotated[
     str | None,

@@ -18,15 +18,19 @@ WIDE = 200  # columns of a table that goes into a file
 MOST = 12  # columns of a matrix that still can be read
 
 
-def measured(table: pd.DataFrame, axes: AxisPair) -> None:
-    """Print columns of `tables.objects.MEASURED`."""
+def measured(table: pd.DataFrame, axes: AxisPair, gripper: str) -> None:
+    """Print columns of `tables.objects.MEASURED`, with the gripper that they are for."""
+    size = ["grasped at, mm", "times its size", "gripper"]
     show(
-        ["name", *_titles(axes), "cell", "certain %", "grasps"],
+        ["name", *_titles(axes), "cell", "certain %", "grasps", *size],
         [
             (
                 *_place(row, axes),
                 number(100 * row["cell_confidence"], 0),
                 number(row["grasps"], 0),
+                " x ".join(number(1000 * row[f"grasped_{side}"], 1) for side in (1, 2, 3)),
+                number(row["factor"], 3),
+                gripper,
             )
             for row in _rows(table)
         ],

@@ -19,7 +19,7 @@ from egad.measures import labels
 from egad.pipeline.archive_settings import check_provenance
 from egad.pipeline.config import Shape, Similarity
 from egad.pipeline.config.stage_settings import LocateMeshes
-from egad.pipeline.stages.measure import measure_row, warn_of_units
+from egad.pipeline.stages.measure import measure_row, warn_of_changes, warn_of_units
 from egad.reeb import Neighborhood
 from egad.reeb import graph as reeb
 from egad.report.locations import Located, Neighbor
@@ -125,7 +125,9 @@ def run(
     hood = Neighborhood(similarity.weight, settings.space.neighbors)
     hood.add(reeb.unpack(graph) for graph in packed)  # indices are those of the rows
     rows = [_placed(item, hood, among.objects) for item in mine]
-    warn_of_units(pd.DataFrame([item.row for item in mine], columns=MEASURED.names), units)
+    measured = pd.DataFrame([item.row for item in mine], columns=MEASURED.names)
+    warn_of_units(measured, units)
+    warn_of_changes(measured)
     return pd.DataFrame(rows, columns=LOCATED.names), [
         _located(row, item, among) for row, item in zip(rows, mine, strict=True) if item.graph
     ]

@@ -12,8 +12,8 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange import read_mesh
-from egad.geometry.repair import repair
 from egad.pipeline.config import Similarity
+from egad.pipeline.stages.measure import repaired_mesh
 from egad.reeb import graph as reeb
 from egad.reeb import similarity_matrix
 
@@ -50,12 +50,12 @@ def run(
 def _graph(path: Path, units: str, settings: Similarity) -> bytes | str:
     """The packed Reeb graph of a mesh, or the reason why there is none."""
     try:
-        return reeb.pack(graph_of(read_mesh(path, units), settings))
+        return reeb.pack(graph_of(read_mesh(path, units), settings, path.stem))
     except RejectedError as reason:
         return str(reason)
 
 
-def graph_of(mesh: trimesh.Trimesh, settings: Similarity) -> reeb.ReebGraph:
+def graph_of(mesh: trimesh.Trimesh, settings: Similarity, name: str) -> reeb.ReebGraph:
     """The Reeb graph of a mesh after repair, as in datasets.
 
     With `scan` bases it is the graph of the original mesh if possible: these bases depend on the
@@ -64,4 +64,4 @@ def graph_of(mesh: trimesh.Trimesh, settings: Similarity) -> reeb.ReebGraph:
     if settings.bases == "scan":
         with suppress(RejectedError):
             return reeb.extract(mesh, settings)
-    return reeb.extract(repair(mesh).mesh, settings)
+    return reeb.extract(repaired_mesh(mesh, name), settings)

@@ -12,10 +12,10 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange import read_mesh
-from egad.geometry.repair import repair
 from egad.measures import SizeEffectParameters
 from egad.measures.size_effect import size_effect
 from egad.pipeline.parameters import Evaluation, Input, Output, command
+from egad.pipeline.stages.measure import repaired_mesh
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import SIZE_EFFECT
@@ -92,6 +92,6 @@ def _curve(
     """The rows of a mesh, or the reason why there are none."""
     name, path = item
     try:
-        return size_effect(repair(read_mesh(path, units)).mesh, name, settings)
+        return size_effect(repaired_mesh(read_mesh(path, units), name), name, settings)
     except RejectedError as reason:
         return str(reason)
