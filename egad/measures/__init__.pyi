@@ -1,3 +1,6 @@
+from .attainable import Attainable as Attainable
+from .attainable import attainable_coverage as attainable_coverage
+from .attainable import attainable_difficulty as attainable_difficulty
 from .custom import check_measures as check_measures
 from .custom import plugin_name as plugin_name
 from .custom import source_hash as source_hash

@@ -133,6 +133,12 @@ COMPARISON = pa.schema(
             FLOAT,
             "archive coverage: fraction of the slots of all cells that are filled",
         ),
+        column(
+            "attainable_coverage",
+            FLOAT,
+            "fraction of the slots that are filled, without the easiest rows, in which no object "
+            "is expected (docs/search.md)",
+        ),
         column("filled_cells", FLOAT, "fraction of the cells that hold at least one object"),
         column("diversity_min", FLOAT, "diversity of the least diverse object"),
         column("diversity_max", FLOAT, "diversity of the most diverse object"),

@@ -214,6 +214,7 @@ def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
     """Draw the number of elites per cell of an archive, as SVG."""
     from egad._util.files import write_text
     from egad.data import archive_path
+    from egad.measures import MeasureParameters, attainable_difficulty
     from egad.pipeline.archive_settings import check_provenance
     from egad.pipeline.config.stage_settings import LocateMeshes, select
     from egad.report.axes import axis_pair
@@ -224,7 +225,9 @@ def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
     settings = settings_in(config)
     check_provenance(archive_path(archive), select(settings, LocateMeshes), ("space",))
     objects = parquet.read(archive_path(archive), ARCHIVE)
-    maps = dataset_maps({archive.stem: objects}, settings.space, axis_pair(settings.measures))
+    limit = attainable_difficulty(select(settings, MeasureParameters))
+    axes = axis_pair(settings.measures)
+    maps = dataset_maps({archive.stem: objects}, settings.space, axes, limit.rows)
     write_text(out, maps)
 
 
