@@ -17,6 +17,8 @@ from .errors import TableError as TableError
 from .errors import UserError as UserError
 from .exchange.grasps import load_grasps as load_grasps
 from .export import export as export
+from .geometry.checks import DroppedBodiesWarning as DroppedBodiesWarning
+from .geometry.checks import ScaleWarning as ScaleWarning
 from .geometry.checks import UnitsWarning as UnitsWarning
 from .geometry.repair import Repaired as Repaired
 from .geometry.repair import repair as repair
@@ -29,6 +31,7 @@ from .map_elites.archive import Archive as Archive
 from .map_elites.evolver import Evolver as Evolver
 from .map_elites.evolver import evolve as evolve
 from .map_elites.island import Candidate as Candidate
+from .measures.complexity import CoarseMeshWarning as CoarseMeshWarning
 from .objects import Dataset as Dataset
 from .objects import EvolvedObject as EvolvedObject
 from .objects import load as load

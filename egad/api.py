@@ -11,21 +11,33 @@ from numpy.typing import ArrayLike, NDArray
 
 from egad._util.arguments import check_array, check_number
 from egad._util.files import as_path
-from egad._util.parameters import MAX_SIDE_FRACTION, check_count, from_arguments
+from egad._util.parameters import (
+    MAX_SIDE_FRACTION,
+    SCALE_RULES,
+    check_count,
+    from_arguments,
+)
+from egad.errors import check_name
 from egad.evalset import Bundle
 from egad.exchange.hand_body import hand_body
 from egad.geometry import (
     DEVIATION,
+    ENLARGED,
     MAX_PARTS,
     MAX_VERTICES,
     SIDE_FRACTION,
     VOLUME_ERROR,
+    DroppedBodiesWarning,
+    ScaleWarning,
     check_units,
     mass_properties,
     scaling,
+    size_text,
+    warn_user,
 )
 from egad.geometry import convex_parts as decomposition
 from egad.geometry import stable_poses as resting
+from egad.geometry.repair import Repaired, dropped_text
 from egad.geometry.repair import repair as repair_mesh
 from egad.grasps import (
     APPROACH_ANGLES,
@@ -39,12 +51,17 @@ from egad.grasps import (
 from egad.grippers import Gripper, as_gripper
 from egad.io import read_mesh as read_any_mesh
 from egad.measures import (
+    MAP_RULE,
     MAX_CANDIDATES,
     Cell,
+    CoarseMeshWarning,
     cell_name,
     cell_of,
     center_of_mass,
+    coarse_advice,
     default_measures,
+    grasped_size,
+    is_coarse,
     measure_repeatably,
 )
 from egad.random import generator
@@ -53,6 +70,11 @@ from egad.reeb import graph as reeb
 from egad.reeb import similarity as matching
 
 Floats = NDArray[np.float64]
+MAP_GRIPPER = "yumi"  # the cells of the map are for it
+MEASURED_LARGER = (
+    "the mesh is measured larger than it is, as EGAD does; `factor` and `sides` of the result say "
+    "how large, and rule='none' measures it as it is"
+)
 
 
 def read_mesh(path: str | Path, units: str | None = None) -> trimesh.Trimesh:
@@ -84,7 +106,7 @@ def read_mesh(path: str | Path, units: str | None = None) -> trimesh.Trimesh:
 
 
 class Measures(NamedTuple):
-    """Where an object lies in EGAD's space.
+    """Where an object lies in EGAD's space, and at which size it was measured.
 
     Attributes:
         complexity: Entropy of the angular deficits of its vertices, bits.
@@ -96,6 +118,13 @@ class Measures(NamedTuple):
         cell_confidence: Probability that the percentile of all grasps lies in the same cell.
         fine_complexity: Complexity after long edges are split, bits. If it differs from the
             complexity by more than a cell, the triangles are too large for either to mean much.
+        rule: The scale rule. The cells of the map are by `exact`.
+        gripper: Name of the gripper; empty if it has none. The cells of the map are for `yumi`.
+        opening: Widest opening of the gripper, metres.
+        factor: The mesh was scaled by this before grasps were sampled.
+        sides: Sides of its box then, ascending, metres.
+        dropped_bodies: How many bodies of the mesh were left out: only the largest is measured.
+        dropped_volume: Their part of the volume of all bodies.
     """
 
     complexity: float
@@ -105,40 +134,91 @@ class Measures(NamedTuple):
     label: str
     cell_confidence: float
     fine_complexity: float
+    rule: str
+    gripper: str
+    opening: float
+    factor: float
+    sides: tuple[float, float, float]
+    dropped_bodies: int
+    dropped_volume: float
+
+    @property
+    def comparable(self) -> bool:
+        """Whether the mesh was measured as the objects of the map, by the same rule and opening."""
+        return self.rule == MAP_RULE and self.opening == as_gripper(MAP_GRIPPER).opening
+
+    def __repr__(self) -> str:
+        """The measures, then what they hold for."""
+        hand = f"{self.gripper}, " if self.gripper else ""
+        parts = [
+            f"{self.label}: complexity {self.complexity:.3f} bit",
+            f"difficulty {1000 * self.difficulty:.3f} ± {1000 * self.difficulty_std:.3f} 1e-3",
+            f"cell confidence {100 * self.cell_confidence:.0f} %",
+            f"grasped by a gripper ({hand}opening {1000 * self.opening:g} mm)",
+            f"at {size_text(self.sides, self.factor)} by the rule {self.rule}",
+        ]
+        if is_coarse(self.complexity, self.fine_complexity):
+            parts.append(f"too coarse: {self.fine_complexity:.3f} bit after long edges are split")
+        if self.dropped_bodies:
+            parts.append(dropped_text(self.dropped_bodies, self.dropped_volume))
+        if not self.comparable:
+            parts.append(f"not comparable with the map ({MAP_RULE}, {MAP_GRIPPER})")
+        return f"Measures({', '.join(parts)})"
 
 
 def measure(
     mesh: trimesh.Trimesh,
-    gripper: Gripper | str = "yumi",
+    gripper: Gripper | str = MAP_GRIPPER,
     *,
+    rule: str = MAP_RULE,
     max_candidates: int = MAX_CANDIDATES,
     seed: int = 0,
 ) -> Measures:
     """Complexity and grasp difficulty of a mesh.
 
-    The mesh is repaired, then scaled until its smallest side is 80 % of the opening of the
-    gripper, so its size and unit do not matter beyond rounding, which may lead to other grasps. The
-    same mesh and seed give the same values.
+    The mesh is repaired, then scaled by a rule. By default its smallest side becomes 80 % of the
+    opening of the gripper, as for the objects of the map, so its size and unit do not matter beyond
+    rounding, which may lead to other grasps. The same mesh and seed give the same values.
 
     Args:
-        mesh: Any mesh, in any unit.
+        mesh: Any mesh: in metres, or in any unit for the rule `exact`.
         gripper: The gripper that grasps are sampled for, or its name. The default is `yumi`, as
             the published labels are for it.
+        rule: At which size grasps are sampled, see `rescale`: `exact`, or `none` for the real size,
+            or `paper`. The smallest side is that of the minimum-volume box, for `exact` that of the
+            box along the principal axes, as in EGAD's program. Only cells by `exact` are comparable
+            with the map.
         max_candidates: Candidate grasps are doubled until the cell is certain, at most to this
             number.
         seed: Of the grasps.
 
     Raises:
         RejectedError: The mesh cannot be repaired, is flat, or has no grasp.
-        UserError: There is no gripper of this name, or a number is not allowed.
+        UserError: There is no gripper or rule of this name, or a number is not allowed.
+
+    Warns:
+        ScaleWarning: The mesh is measured larger than it is.
+        DroppedBodiesWarning: It has several bodies; only the largest is measured.
+        CoarseMeshWarning: Its triangles are so large that its complexity means little.
+        UnitsWarning: By another rule than `exact`, the size of the mesh suggests another unit than
+            the metre.
 
     Source: EGAD (Morrison, Corke and Leitner 2020), section III.
     """
     check_count("max_candidates", max_candidates)
-    solid = repair_mesh(mesh).mesh
-    settings = default_measures(as_gripper(gripper), seed)
-    found = measure_repeatably(solid, settings, max_candidates)
+    check_name("rule", rule, SCALE_RULES)
+    if rule != MAP_RULE:
+        check_units(mesh)
+    repaired, hand = _repaired(mesh), as_gripper(gripper)
+    settings = default_measures(hand, seed)
+    size = grasped_size(repaired.mesh, settings, rule)
+    if size.factor > ENLARGED:
+        warn_user(MEASURED_LARGER, ScaleWarning)
+    found = measure_repeatably(repaired.mesh, settings, max_candidates, size.factor)
+    if is_coarse(found.complexity, found.fine_complexity):
+        warn_user(coarse_advice(found.fine_complexity), CoarseMeshWarning)
     cell = cell_of(found.complexity, found.difficulty, settings.space)
+    first, second, third = map(float, size.sides)
     return Measures(
         complexity=found.complexity,
         difficulty=found.difficulty,
@@ -147,7 +227,22 @@ def measure(
         label=cell_name(*cell),
         cell_confidence=found.cell_confidence,
         fine_complexity=found.fine_complexity,
+        rule=rule,
+        gripper=gripper if isinstance(gripper, str) else "",
+        opening=hand.opening,
+        factor=size.factor,
+        sides=(first, second, third),
+        dropped_bodies=repaired.dropped_bodies,
+        dropped_volume=repaired.dropped_volume,
     )
+
+
+def _repaired(mesh: trimesh.Trimesh) -> Repaired:
+    """The repaired mesh, with a warning if bodies were left out."""
+    repaired = repair_mesh(mesh)
+    if repaired.dropped:
+        warn_user(f"only the largest body is used: {repaired.dropped}", DroppedBodiesWarning)
+    return repaired
 
 
 def similarity(first: trimesh.Trimesh, second: trimesh.Trimesh) -> float:
@@ -159,6 +254,9 @@ def similarity(first: trimesh.Trimesh, second: trimesh.Trimesh) -> float:
 
     Raises:
         RejectedError: A mesh cannot be repaired or has no Reeb graph.
+
+    Warns:
+        DroppedBodiesWarning: A mesh has several bodies; only the largest is compared.
 
     Source: Hilaga et al., Topology Matching, SIGGRAPH 2001.
     """
@@ -173,9 +271,12 @@ def similarity_matrix(meshes: Sequence[trimesh.Trimesh]) -> Floats:
 
     Raises:
         RejectedError: A mesh cannot be repaired or has no Reeb graph.
+
+    Warns:
+        DroppedBodiesWarning: A mesh has several bodies; only the largest is compared.
     """
     parameters = Similarity()
-    graphs = [reeb.extract(repair_mesh(mesh).mesh, parameters) for mesh in meshes]
+    graphs = [reeb.extract(_repaired(mesh).mesh, parameters) for mesh in meshes]
     return matching.similarity_matrix(graphs, parameters.weight)
 
 
@@ -193,7 +294,8 @@ def rescale(
         gripper: The gripper, or its name.
         rule: `paper`: the smallest side of the minimum-volume box becomes at most the fraction of
             the opening, smaller objects stay as they are. `egad-script`: the longest side becomes
-            the opening, then as `paper`. `exact`: the smallest side becomes the fraction.
+            the opening, then as `paper`. `exact`: the smallest side becomes the fraction. `none`:
+            the object stays as it is.
         side_fraction: Part of the opening that the rule aims at.
 
     Returns:

@@ -12,7 +12,7 @@ import pandas as pd
 import trimesh
 
 from egad._util.files import as_path
-from egad._util.parameters import from_arguments
+from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.api import dataset_grasps
@@ -23,7 +23,7 @@ from egad.exchange import check_ending
 from egad.geometry import Material
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper, as_gripper
-from egad.named_meshes import RULES, NamedMesh, named_meshes, scaled_solid
+from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.perception import NOISES, SCENE_KINDS, NoiseName, SceneKind
 from egad.sim import (
@@ -174,7 +174,7 @@ def run_benchmark(
         per_scene: Objects in packed and piled scenes.
         scale: Range of the sizes of the objects, of those by the rule.
         seed: The same seed gives the same scenes, for all detectors and kinds of noise.
-        rule: How objects are scaled to the gripper: see `egad.rescale`; `none`: not.
+        rule: How objects are scaled to the gripper: see `egad.rescale`.
         engine: What computes the physics: `mujoco`, `pybullet`; `auto`: PyBullet if installed.
         jobs: Processes; the result does not depend on them. With several, a script needs
             `if __name__ == "__main__":` around its call.
@@ -187,7 +187,7 @@ def run_benchmark(
         UnitsWarning: The size of a mesh suggests another unit than the metre.
     """
     hand = as_gripper(gripper)
-    check_name("rule", rule, RULES)
+    check_name("rule", rule, SCALE_RULES)
     clutter = from_arguments(
         Clutter,
         engine=installed_engine(engine),

@@ -13,7 +13,7 @@ import pandas as pd
 import trimesh
 
 from egad._util.files import as_path, atomic_output, check_empty
-from egad._util.parameters import check_count
+from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import progress
 from egad.api import dataset_grasps
 from egad.errors import RejectedError, check_name
@@ -38,7 +38,7 @@ from egad.exchange import (
 from egad.geometry import Material, mass_properties
 from egad.grasps import FRICTION, LabelParameters, label_parameters
 from egad.grippers import Gripper, as_gripper, finger_span
-from egad.named_meshes import RULES, NamedMesh, named_meshes, scaled_solid
+from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.sim import (
     EngineChoice,
@@ -88,7 +88,7 @@ def export(
         grasps: Most grasps of an object, 100 as in a dataset of the pipeline; formats without
             grasps ignore this, `seed` and `engine`.
         seed: Of the grasps. They are those that a dataset of the pipeline has with the same seed.
-        rule: How objects are scaled: see `egad.rescale`; `none`: not.
+        rule: How objects are scaled: see `egad.rescale`.
         engine: What simulates the grasps: `mujoco`, `pybullet`, or `auto`: PyBullet if it is
             installed, else MuJoCo.
 
@@ -105,7 +105,7 @@ def export(
         UnitsWarning: The size of a mesh suggests another unit than the metre.
     """
     write = _writer(check_name("format", format, FORMATS))
-    check_name("rule", rule, RULES)
+    check_name("rule", rule, SCALE_RULES)
     hand = as_gripper(gripper)
     labels = label_parameters(hand, check_count("grasps", grasps), seed)
     simulation = SimulatedLabelParameters(

@@ -2,18 +2,14 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import NamedTuple, get_args
+from typing import NamedTuple
 
 import trimesh
 
-from egad._util.parameters import ScaleRule
 from egad.errors import UserError
 from egad.geometry import SIDE_FRACTION, check_units, rescale, wind_outwards
 from egad.grippers import Gripper
 from egad.objects import Dataset
-
-UNSCALED = "none"
-RULES = (*get_args(ScaleRule), UNSCALED)
 
 
 class NamedMesh(NamedTuple):
@@ -63,7 +59,7 @@ def scaled_solid(target: NamedMesh, gripper: Gripper, rule: str) -> trimesh.Trim
     Args:
         target: The object.
         gripper: What it is scaled to.
-        rule: One of `RULES`: see `egad.rescale`; `none`: it is not scaled.
+        rule: See `egad.rescale`.
 
     Raises:
         RejectedError: The mesh does not bound a solid, or is flat.
@@ -75,8 +71,6 @@ def scaled_solid(target: NamedMesh, gripper: Gripper, rule: str) -> trimesh.Trim
     mesh = target.mesh()
     check_units(mesh, f"the mesh {target.label!r}")
     solid = wind_outwards(mesh)
-    if rule == UNSCALED:
-        return solid
     return rescale(solid, rule, gripper.opening, SIDE_FRACTION)[0]
 
 

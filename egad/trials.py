@@ -8,7 +8,7 @@ from typing import Any, Literal
 import pandas as pd
 import trimesh
 
-from egad._util.parameters import from_arguments
+from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.api import dataset_grasps
@@ -27,7 +27,7 @@ from egad.evalset import Bundle
 from egad.geometry import Material
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper, as_gripper
-from egad.named_meshes import RULES, NamedMesh, named_meshes, scaled_solid
+from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.outcomes import Outcome
 from egad.sim import (
@@ -114,7 +114,7 @@ def run_trials(
         gripper: The gripper, or its name.
         attempts: Attempts at each object; 20 as in the paper.
         seed: The same seed gives the same drops, for all detectors.
-        rule: How objects are scaled: see `egad.rescale`; `none`: not.
+        rule: How objects are scaled: see `egad.rescale`.
         reset: `continue`: after a success the hand drops the object from where it is, after a
             failure it stays where it lies; `redrop`: every attempt begins with a new drop.
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
@@ -134,7 +134,7 @@ def run_trials(
             it appears on the error output only.
     """
     hand = as_gripper(gripper)
-    check_name("rule", rule, RULES)
+    check_name("rule", rule, SCALE_RULES)
     trials = from_arguments(
         Protocol,
         engine=installed_engine(engine),

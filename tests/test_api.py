@@ -53,6 +53,15 @@ def test_a_released_object_has_the_measures_of_its_label():
         assert found.label == f"{'ABCDEFGHIJKLMNOPQRSTUVWXY'[found.cell[1]]}{found.cell[0]:02}"
 
 
+def test_a_mesh_that_is_too_coarse_is_measured_with_a_warning():
+    parts = [trimesh.creation.box([60, 40, 30]), trimesh.creation.cylinder(10, 50, sections=32)]
+    coarse = trimesh.boolean.union(parts, engine="manifold")
+    with pytest.warns(egad.CoarseMeshWarning, match="means little .* bits after .*: remesh"):
+        found = egad.measure(coarse, max_candidates=512)
+    assert "too coarse" in repr(found)
+    assert found.fine_complexity < found.complexity - 0.16
+
+
 def test_measures_do_not_depend_on_the_unit_and_repeat(mug):
     """By a power of two nothing is rounded; elsewhere, other grasps may be sampled."""
     first = egad.measure(mug, max_candidates=512)
@@ -64,6 +73,67 @@ def test_measures_do_not_depend_on_the_unit_and_repeat(mug):
         assert other.difficulty == pytest.approx(first.difficulty, abs=first.difficulty_std)
     assert egad.measure(mug, max_candidates=512) == first
     assert egad.measure(mug, max_candidates=512, seed=1).difficulty != first.difficulty
+
+
+def plate():
+    """100 x 100 mm and 1 mm thick."""
+    return trimesh.creation.box((0.1, 0.1, 0.001))
+
+
+def test_a_mesh_is_measured_at_the_size_of_the_rule(mug):
+    for rule in ("paper", "egad-script"):
+        found = egad.measure(mug, "panda", rule=rule, max_candidates=512)
+        assert found.factor == pytest.approx(egad.rescale(mug, "panda", rule)[1])
+        assert found.rule == rule
+    real = egad.measure(plate(), rule="none", max_candidates=512)
+    assert (real.factor, real.sides) == (1, pytest.approx((0.001, 0.1, 0.1)))
+    with pytest.warns(egad.ScaleWarning):
+        large = egad.measure(plate(), max_candidates=512)
+    assert (large.factor, large.sides) == (pytest.approx(40), pytest.approx((0.04, 4, 4)))
+    assert real.difficulty > 5 * large.difficulty  # contacts on a plate of 4 m are far off center
+
+
+def test_the_real_size_of_a_mesh_that_was_scaled_is_that_of_the_map(mug):
+    found = egad.measure(mug, max_candidates=4096)
+    scaled = mug.copy().apply_scale(found.factor)
+    same = egad.measure(scaled, rule="none", max_candidates=4096)
+    assert same.difficulty == pytest.approx(found.difficulty, abs=3 * found.difficulty_std)
+    assert same.complexity == pytest.approx(found.complexity, rel=1e-6)
+
+
+def test_the_size_is_said_and_whether_cells_are_comparable(mug):
+    found = egad.measure(mug, max_candidates=512)
+    assert found.comparable
+    assert found.label in repr(found)
+    assert "(yumi, opening 50 mm)" in repr(found)
+    assert "by the rule exact" in repr(found)
+    assert "comparable" not in repr(found)
+    for settings in (
+        {"rule": "none"},
+        {"gripper": "panda"},
+        {"gripper": egad.Gripper(opening=0.1)},
+    ):
+        other = egad.measure(mug, max_candidates=512, **settings)
+        assert not other.comparable
+        assert "not comparable with the map (exact, yumi)" in repr(other)
+    assert egad.measure(mug, egad.Gripper(opening=0.05), max_candidates=512).comparable
+    with pytest.raises(UserError, match="rule 'big' is not known"):
+        egad.measure(mug, rule="big")
+
+
+def test_a_mesh_that_is_enlarged_or_loses_bodies_is_named_once(recwarn):
+    two = trimesh.util.concatenate([plate(), plate().apply_translation((0, 0, 0.1))])
+    for mesh in (two, two.copy()):
+        found = egad.measure(mesh, max_candidates=512)
+    assert (found.dropped_bodies, found.dropped_volume) == (1, pytest.approx(0.5))
+    assert "1 of 2 bodies was dropped, 50 % of the volume" in repr(found)
+    categories = [each.category for each in recwarn.list]
+    assert categories.count(egad.ScaleWarning) == categories.count(egad.DroppedBodiesWarning) >= 1
+    assert {each.filename for each in recwarn.list} == {__file__}
+    recwarn.clear()
+    egad.measure(two, rule="none", max_candidates=512)
+    egad.similarity(two, plate())
+    assert {each.category for each in recwarn.list} == {egad.DroppedBodiesWarning}
 
 
 def test_similarity_is_one_for_a_turned_copy_and_less_for_another_shape(mug):
@@ -86,7 +156,7 @@ def test_rescaling_makes_the_smallest_side_fit():
     assert same.vertices == pytest.approx(box.vertices)
     for rule, hint in (
         ("papr", "did you mean paper"),
-        ("best", "known: egad-script, exact, paper"),
+        ("best", "known: egad-script, exact, none, paper"),
     ):
         with pytest.raises(UserError, match=f"rule '{rule}' is not known; {hint}"):
             egad.rescale(box, "panda", rule)

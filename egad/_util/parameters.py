@@ -3,7 +3,7 @@
 import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal, SupportsIndex, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, SupportsIndex, TypeVar, get_args
 
 from pydantic import (
     BaseModel,
@@ -32,7 +32,8 @@ MAX_SIDE_FRACTION = 3
 SideFraction = Annotated[float, Field(gt=0, le=MAX_SIDE_FRACTION)]
 Angle = Annotated[float, Field(ge=0, le=60)]
 Seed = Annotated[int, Field(ge=0, lt=2**32)]
-ScaleRule = Literal["paper", "egad-script", "exact"]
+ScaleRule = Literal["paper", "egad-script", "exact", "none"]
+SCALE_RULES = get_args(ScaleRule)
 
 
 Node = dict[str, Any]

@@ -1,10 +1,13 @@
 from .checks import USUAL_SIDES as USUAL_SIDES
+from .checks import DroppedBodiesWarning as DroppedBodiesWarning
+from .checks import ScaleWarning as ScaleWarning
 from .checks import check_mesh as check_mesh
 from .checks import check_solid as check_solid
 from .checks import check_surface as check_surface
 from .checks import check_units as check_units
 from .checks import has_usual_size as has_usual_size
 from .checks import units_doubt as units_doubt
+from .checks import warn_user as warn_user
 from .coacd import coacd_parts as coacd_parts
 from .convex_parts import union_of_parts as union_of_parts
 from .distance import DistanceField as DistanceField
@@ -37,9 +40,12 @@ from .refinement import face_areas as face_areas
 from .refinement import lexicographic as lexicographic
 from .refinement import refine as refine
 from .refinement import triangulation as triangulation
+from .scaling import ENLARGED as ENLARGED
 from .scaling import box_sides as box_sides
 from .scaling import rescale as rescale
+from .scaling import scale_factor as scale_factor
 from .scaling import scale_suffix as scale_suffix
+from .scaling import size_text as size_text
 from .stable_poses import StablePose as StablePose
 from .stable_poses import group_poses as group_poses
 from .surface_samples import rims as rims

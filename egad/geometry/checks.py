@@ -24,6 +24,19 @@ class UnitsWarning(UserWarning):
     """The size of a mesh suggests that its coordinates are not in metres."""
 
 
+class ScaleWarning(UserWarning):
+    """A mesh is measured larger than it is."""
+
+
+class DroppedBodiesWarning(UserWarning):
+    """Only the largest body of a mesh is used."""
+
+
+def warn_user(text: str, category: type[UserWarning]) -> None:
+    """Warn, and name the line that called egad."""
+    warnings.warn(text, category, stacklevel=_calls_within_egad())
+
+
 def check_mesh(mesh: trimesh.Trimesh) -> None:
     """Make sure that an argument is a mesh with faces and finite coordinates.
 
@@ -114,11 +127,10 @@ def check_units(mesh: trimesh.Trimesh, what: str = "the mesh", unit: str = "metr
     longest = float(mesh.extents.max())
     if not has_usual_size(longest):
         low, high = USUAL_SIDES
-        warnings.warn(
+        warn_user(
             f"the longest side of {what} is {longest:.3g} m, which is not between {low:g} m and "
             f"{high:g} m: are its coordinates really in {unit}?",
             UnitsWarning,
-            stacklevel=_calls_within_egad(),
         )
 
 

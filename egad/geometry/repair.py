@@ -89,6 +89,7 @@ LARGEST_HOLE = 0.1  # of the area of a shell; a larger one may be the mouth of a
 DEBRIS = 0.1  # of the area of all shells: open shells that together have less are dropped
 FLAT = 1e-6  # volume / longest side cubed: thinner than this bounds nothing
 THICKEN = "`open_surfaces: thicken` gives a surface without thickness a wall"
+CRUMB = 1e-4  # of the volume of the largest body: smaller ones are not counted as left out
 THIN = f"no volume, or less than {FLAT:g} of the cube of its longest side"
 
 
@@ -99,11 +100,20 @@ class Repaired(NamedTuple):
         mesh: The surface, wound outwards.
         changed: Whether more than merging vertices was needed.
         shell_thickness: Of the wall that an open surface was given; 0 for all others.
+        dropped_bodies: How many closed bodies were left out, as only the largest is kept.
+        dropped_volume: Their part of the volume of all bodies.
     """
 
     mesh: trimesh.Trimesh
     changed: bool
     shell_thickness: float = 0.0
+    dropped_bodies: int = 0
+    dropped_volume: float = 0.0
+
+    @property
+    def dropped(self) -> str:
+        """What was left out, as a phrase; empty if nothing was."""
+        return dropped_text(self.dropped_bodies, self.dropped_volume)
 
 
 def repair(
@@ -144,8 +154,19 @@ def repair(
     if _is_sound(merged):
         return Repaired(merged, changed=False)
     solids, thickened = _solids(_welded(merged), thickness if open_surfaces == "thicken" else None)
-    solid = _largest(untangle(_largest(union(solids))))
-    return Repaired(to_mesh(solid), True, thickness if thickened else 0.0)
+    whole = union(solids)
+    untangled = untangle(_largest(whole))
+    solid = _largest(untangled)
+    dropped = _dropped([whole, untangled], solid)
+    return Repaired(to_mesh(solid), True, thickness if thickened else 0.0, *dropped)
+
+
+def dropped_text(bodies: int, volume: float) -> str:
+    """How many bodies were left out and their part of the volume, as a phrase; empty for none."""
+    if not bodies:
+        return ""
+    was = "was" if bodies == 1 else "were"
+    return f"{bodies} of {bodies + 1} bodies {was} dropped, {100 * volume:.2g} % of the volume"
 
 
 def _check_options(open_surfaces: str, thickness: float) -> None:
@@ -174,6 +195,13 @@ def _largest(solid: Solid) -> Solid:
     if not best.volume() > FLAT * float((high - low).max()) ** 3:
         raise RejectedError(THIN)
     return best
+
+
+def _dropped(solids: list[Solid], kept: Solid) -> tuple[int, float]:
+    """How many bodies there are beside the largest of each solid, and their part of the volume."""
+    volumes = [sorted(part.volume() for part in solid.decompose())[:-1] for solid in solids]
+    bodies = [each for others in volumes for each in others if each > CRUMB * kept.volume()]
+    return len(bodies), float(sum(bodies) / (sum(bodies) + kept.volume()))
 
 
 def _solids(mesh: trimesh.Trimesh, wall: float | None) -> tuple[list[Solid], bool]:

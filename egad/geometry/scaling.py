@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize
 from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
@@ -19,6 +19,7 @@ STARTS = 3  # the best of them that are turned further
 FEW = 0  # digits of the angles of faces that trimesh tells apart: few of a smooth hull are enough
 TILT = 0.05  # radians: first step of that
 FLAT = 1e-9  # smallest side over longest: less is rounding
+ENLARGED = 1 + 1e-9  # a larger factor is more than rounding
 AT_ONCE = 50  # orientations whose products with the points are in memory: they fit into the cache
 
 
@@ -100,7 +101,8 @@ def scale_factor(rule: str, sides: Floats, opening: float, side_fraction: float)
     Args:
         rule: `paper`: the smallest side becomes at most the fraction of the opening, smaller
             objects stay as they are. `egad-script`: the longest side becomes the opening, then
-            as `paper`. `exact`: the smallest side becomes the fraction of the opening.
+            as `paper`. `exact`: the smallest side becomes the fraction of the opening. `none`:
+            objects stay as they are.
         sides: Sides of the minimum-volume box, ascending, metres, (3,).
         opening: Widest opening of the gripper, metres.
         side_fraction: That fraction.
@@ -113,8 +115,25 @@ def scale_factor(rule: str, sides: Floats, opening: float, side_fraction: float)
         "paper": min(1.0, fitting),
         "egad-script": min(opening / float(sides[-1]), fitting),
         "exact": fitting,
+        "none": 1.0,
     }
     return factors[check_name("rule", rule, factors)]
+
+
+def size_text(sides: ArrayLike, factor: float) -> str:
+    """The size of a scaled object in words, such as `40 x 52.3 x 60 mm, 0.8 times its size`.
+
+    Args:
+        sides: Sides of its box, metres, (3,).
+        factor: What it was scaled by.
+    """
+    millimetres = " x ".join(map(_digits, 1000 * np.asarray(sides)))
+    return f"{millimetres} mm, {_digits(factor)} times its size"
+
+
+def _digits(value: float) -> str:
+    """A number with three significant digits, without an exponent."""
+    return np.format_float_positional(value, precision=3, fractional=False, trim="-")
 
 
 def scale_suffix(rule: str, opening: float) -> str:

@@ -1,3 +1,6 @@
+from .attainable import Attainable as Attainable
+from .attainable import attainable_coverage as attainable_coverage
+from .attainable import attainable_difficulty as attainable_difficulty
 from .complexity import CoarseMeshWarning as CoarseMeshWarning
 from .complexity import coarse_advice as coarse_advice
 from .complexity import fine_complexity as fine_complexity
@@ -6,7 +9,9 @@ from .custom import check_measures as check_measures
 from .custom import plugin_name as plugin_name
 from .custom import source_hash as source_hash
 from .difficulty import GraspDifficulty as GraspDifficulty
+from .difficulty import GraspedSize as GraspedSize
 from .difficulty import center_of_mass as center_of_mass
+from .difficulty import grasped_size as grasped_size
 from .difficulty import rough_difficulty as rough_difficulty
 from .difficulty import spaced_difficulty as spaced_difficulty
 from .grid import Cell as Cell
@@ -23,6 +28,7 @@ from .measure import Estimate as Estimate
 from .measure import MeasureValues as MeasureValues
 from .measure import measure_mesh as measure_mesh
 from .measure import measure_repeatably as measure_repeatably
+from .parameters import MAP_RULE as MAP_RULE
 from .parameters import MAX_CANDIDATES as MAX_CANDIDATES
 from .parameters import Complexity as Complexity
 from .parameters import CustomMeasures as CustomMeasures

@@ -15,7 +15,7 @@ import trimesh
 from numpy.typing import ArrayLike, NDArray
 
 from egad.errors import RejectedError
-from egad.geometry import RayCaster, bounding_box, check_mesh
+from egad.geometry import RayCaster, bounding_box, box_sides, check_mesh, scale_factor
 from egad.grasps import (
     ContactPairs,
     SamplingStatistics,
@@ -27,7 +27,7 @@ from egad.grasps import (
     valid_contacts,
 )
 from egad.measures.grid import difficulty_limits
-from egad.measures.parameters import MeasureParameters
+from egad.measures.parameters import MAP_RULE, MeasureParameters
 from egad.measures.percentile import (
     BoundedSample,
     confidence_between,
@@ -57,20 +57,58 @@ class GraspDifficulty(NamedTuple):
     grasps: int
 
 
+class GraspedSize(NamedTuple):
+    """How large an object is while its grasps are sampled.
+
+    Attributes:
+        factor: The object is scaled by this.
+        sides: Sides of its box then, ascending, metres, (3,): the box along the principal axes for
+            the rule `exact`, the minimum-volume box for the others.
+    """
+
+    factor: float
+    sides: Floats
+
+
+def grasped_size(mesh: trimesh.Trimesh, settings: MeasureParameters, rule: str) -> GraspedSize:
+    """The size at which the grasps of a mesh are sampled.
+
+    Args:
+        mesh: Metres; in any unit for the rule `exact`.
+        settings: The gripper, and the part of its opening that the smallest side becomes.
+        rule: See `egad.rescale`. The cells of the map are by `exact`.
+
+    Raises:
+        RejectedError: The mesh is empty, flat or not finite.
+        UserError: It is not a mesh, or there is no such rule.
+    """
+    check_mesh(mesh)
+    sides = np.sort(_principal_box(mesh.vertices)[2]) if rule == MAP_RULE else box_sides(mesh)
+    return _scaled_size(sides, settings, rule)
+
+
+def _scaled_size(sides: Floats, settings: MeasureParameters, rule: str) -> GraspedSize:
+    opening, fraction = settings.gripper.opening, settings.difficulty.side_fraction
+    factor = scale_factor(rule, sides, opening, fraction)
+    return GraspedSize(factor, sides * factor)
+
+
 def difficulty(
     mesh: trimesh.Trimesh,
     settings: MeasureParameters,
     max_candidates: int,
     rng: np.random.Generator,
     com: Floats | None = None,
+    factor: float | None = None,
 ) -> GraspDifficulty:
     """A percentile of the quality of independent grasps: high values are easy objects.
 
     A copy of the mesh is measured: turned until its principal axes (of the vertices) are the
-    coordinate axes, then scaled until its smallest side is `side_fraction` of the opening. Grasps
-    without quality count as zeros. Candidates are doubled until the cell of the object is as
-    certain as the space asks for, or the budget is spent. The confidence holds on average over
-    objects, but not over those that were selected by their cell. (The estimator is ours.)
+    coordinate axes, then scaled until its smallest side is `side_fraction` of the opening, or by
+    the factor. Grasps without quality count as zeros. Candidates are doubled until the cell of the
+    object is as certain as the space asks for, or the budget is spent. The confidence holds on
+    average over objects, but not over those that were selected by their cell. (The estimator is
+    ours.)
 
     Args:
         mesh: The object, of any size, its triangles winding outwards.
@@ -78,12 +116,13 @@ def difficulty(
         max_candidates: Most candidates to draw; see `valid_contacts`.
         rng: Where chance comes from.
         com: Center of mass in the frame of the mesh; else the centroid of the volume.
+        factor: Of `grasped_size`; by default that of the rule `exact`.
 
     Raises:
         RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
         UserError: It is not a mesh.
     """
-    grasps, enough = _RatedGrasps(mesh, settings, rng, com), settings.space.confidence
+    grasps, enough = _RatedGrasps(mesh, settings, rng, com, factor), settings.space.confidence
     draws = min(settings.difficulty.candidates, max_candidates)
     while True:
         grasps.draw(draws)
@@ -155,10 +194,13 @@ class _RatedGrasps:
         settings: MeasureParameters,
         rng: np.random.Generator,
         com: Floats | None = None,
+        factor: float | None = None,
     ) -> None:
         check_mesh(mesh)
-        side = settings.difficulty.side_fraction * settings.gripper.opening
-        place = _alignment(np.asarray(mesh.vertices), side)
+        middle, axes, extents = _principal_box(mesh.vertices)
+        if factor is None:
+            factor = _scaled_size(np.sort(extents), settings, MAP_RULE).factor
+        place = middle, axes * factor
         scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
         self._com = _apply(place, center_of_mass(mesh) if com is None else com)
         self._settings, self._rng = settings, rng
@@ -254,18 +296,20 @@ def _volume_centroid(triangles: Floats) -> Floats:
     return center
 
 
-def _alignment(vertices: Floats, side: float) -> tuple[Floats, Floats]:
-    """The middle of the vertices, and what turns and scales points about it.
+def _principal_box(vertices: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    """The middle of the vertices, their principal axes as columns, the longest last, and extents.
 
-    Principal axes become coordinate axes, the longest z, and the smallest side becomes `side`.
+    Raises:
+        RejectedError: The vertices lie in a plane.
     """
+    vertices = np.asarray(vertices)
     middle = vertices.mean(axis=0)
     _, axes = np.linalg.eigh(np.cov(vertices - middle, rowvar=False))
     axes[:, 0] *= np.sign(np.linalg.det(axes))  # a rotation, no mirror
     extents = np.ptp((vertices - middle) @ axes, axis=0)
     if extents.min() <= FLAT * extents.max():
         raise RejectedError("flat")
-    return middle, axes * (side / extents.min())
+    return middle, axes, extents
 
 
 def _apply(place: tuple[Floats, Floats], points: ArrayLike) -> Floats:

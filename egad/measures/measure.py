@@ -71,7 +71,10 @@ def measure_mesh(
 
 
 def measure_repeatably(
-    mesh: trimesh.Trimesh, settings: MeasureParameters, max_candidates: int
+    mesh: trimesh.Trimesh,
+    settings: MeasureParameters,
+    max_candidates: int,
+    factor: float | None = None,
 ) -> MeasureValues:
     """Measure a closed mesh by grasps that are named after its triangles.
 
@@ -81,6 +84,7 @@ def measure_repeatably(
         mesh: One body, wound outwards, of any size.
         settings: What the measures depend on.
         max_candidates: Most candidate grasps to draw.
+        factor: Of `grasped_size`; by default that of the rule `exact`, which the map is made by.
 
     Raises:
         RejectedError: The mesh cannot be measured, or has no grasp.
@@ -89,7 +93,9 @@ def measure_repeatably(
     check_mesh(mesh)
     triangles = hashlib.sha256(np.asarray(mesh.faces, "<i8").tobytes()).hexdigest()
     rng = generator(settings.seed, "regrade", triangles)
-    estimate = partial(difficulty, settings=settings, max_candidates=max_candidates, rng=rng)
+    estimate = partial(
+        difficulty, settings=settings, max_candidates=max_candidates, rng=rng, factor=factor
+    )
     values = measure_mesh(mesh, settings, estimate)
     if settings.measures.complexity:
         return values

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from egad.measures import Space, coverage
+from egad.measures import Attainable, Space, coverage
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import COLOR_MAP, FAINT, LINES, SOFT
 from egad.report.drawing import new_figure, show_percent, svg_uri
@@ -44,7 +44,11 @@ PUBLISHED = pd.DataFrame(
 
 
 def section(
-    comparison: pd.DataFrame, datasets: Mapping[str, pd.DataFrame], space: Space, axes: AxisPair
+    comparison: pd.DataFrame,
+    datasets: Mapping[str, pd.DataFrame],
+    space: Space,
+    axes: AxisPair,
+    limit: Attainable,
 ) -> Section:
     """All datasets of a run, beside the published ones.
 
@@ -53,6 +57,7 @@ def section(
         datasets: Columns of `tables.objects.OBJECTS`, by name.
         space: The cells.
         axes: What the axes of the space are called.
+        limit: Which rows objects are expected in.
     """
     return section_of(
         "comparison",
@@ -60,8 +65,9 @@ def section(
         comparison=comparison.to_dict("records"),
         published=PUBLISHED.to_dict("records"),
         figure=svg_uri(comparison_chart(comparison)),
-        maps=svg_uri(dataset_maps(datasets, space, axes)),
+        maps=svg_uri(dataset_maps(datasets, space, axes, limit.rows)),
         space=space,
+        limit=limit,
     )
 
 
@@ -71,7 +77,7 @@ def comparison_text(comparison: pd.DataFrame) -> str:
     Args:
         comparison: Columns of `tables.objects.COMPARISON`.
     """
-    titles = ("objects", "coverage", "diversity: min", "max", "mean")
+    titles = ("objects", "coverage", "attainable", "diversity: min", "max", "mean")
     ours = [_comparison_line(row, 1) for row in comparison.to_dict("records")]
     theirs = [_comparison_line(row, 0) for row in PUBLISHED.to_dict("records")]
     return "\n".join([_columns("dataset", *titles), *ours, "published", *theirs])
@@ -81,11 +87,14 @@ def _comparison_line(row: Mapping[Any, Any], digits: int) -> str:
     values = [row[f"diversity_{name}"] for name in ("min", "max", "mean")]
     least, most, mean = ("-" if pd.isna(value) else f"{value:.2f}" for value in values)
     covered = f"{100 * row['coverage']:.{digits}f} %"
-    return _columns(row["dataset"], str(row["objects"]), covered, least, most, mean)
+    of_attainable = row.get("attainable_coverage")
+    part = "-" if of_attainable is None else f"{100 * of_attainable:.{digits}f} %"
+    return _columns(row["dataset"], str(row["objects"]), covered, part, least, most, mean)
 
 
-def _columns(name: str, objects: str, covered: str, least: str, most: str, mean: str) -> str:
-    return f"{name:20}{objects:>9}{covered:>10}{least:>16}{most:>6}{mean:>6}"
+def _columns(name: str, objects: str, covered: str, part: str, *diversity: str) -> str:
+    least, most, mean = diversity
+    return f"{name:20}{objects:>9}{covered:>10}{part:>12}{least:>16}{most:>6}{mean:>6}"
 
 
 def comparison_chart(comparison: pd.DataFrame) -> str:
@@ -126,7 +135,10 @@ def _comparison_row(left: Axes, right: Axes, y: float, row: Mapping[Any, Any], o
 
 
 def dataset_maps(
-    datasets: Mapping[str, pd.DataFrame], space: Space, names: AxisPair = USUAL
+    datasets: Mapping[str, pd.DataFrame],
+    space: Space,
+    names: AxisPair = USUAL,
+    unattainable: int = 0,
 ) -> str:
     """How many objects of each dataset lie in each cell, simple to complex and easy to hard.
 
@@ -134,6 +146,7 @@ def dataset_maps(
         datasets: Columns of `tables.objects.OBJECTS`, by name.
         space: The cells.
         names: What is written along the axes.
+        unattainable: So many of the easiest rows are hatched.
 
     Returns:
         SVG text: a map of each dataset, on the same axes and color scale.
@@ -147,6 +160,7 @@ def dataset_maps(
         panels = grid.ravel()
         for axes, (name, objects) in zip(panels, datasets.items(), strict=False):
             _map(axes, counts[name], most, space.cells)
+            _hatch(axes, unattainable, space.cells)
             covered = f"{100 * coverage(objects, space):.1f} %"
             axes.set_title(f"{name}\n{len(objects)} objects, coverage {covered}", size=10)
         for axes in panels[len(datasets) - columns : len(datasets)]:
@@ -166,6 +180,13 @@ def _color_bar(figure: Figure, grid: NDArray[np.object_], most: int) -> None:
     bar.set_ticks(ticks, labels=list(map(str, ticks)))
     bar.ax.minorticks_off()
     bar.outline.set_visible(False)
+
+
+def _hatch(axes: Axes, rows: int, cells: int) -> None:
+    """Hatch the easiest rows."""
+    if rows:
+        box = Rectangle((0, 0), cells, rows, fill=False, edgecolor=SOFT, hatch="/////", linewidth=0)
+        axes.add_patch(box)
 
 
 def _map(axes: Axes, counts: "pd.Series[int]", most: int, cells: int) -> None:

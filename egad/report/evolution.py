@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from egad.measures import Space, coverage, difficulty_cells
+from egad.measures import Attainable, Space, coverage, difficulty_cells
 from egad.report.axes import AxisPair
 from egad.report.colors import line_color
 from egad.report.drawing import data_uri, new_figure, show_percent, svg_uri
@@ -77,6 +77,7 @@ def section(
     views: Mapping[str, EvolutionView],
     space: Space,
     axes: AxisPair,
+    limit: Attainable,
     *,
     sampled: bool,
     islands: int,
@@ -88,11 +89,13 @@ def section(
         views: From `evolution_view`, by dataset.
         space: The cells.
         axes: What the axes of the space are called.
+        limit: Which rows objects are expected in.
         sampled: Whether difficulty comes from sampled grasps, not from a measure of the user.
         islands: How many evolved side by side.
         named: Whether to write the name of each dataset.
     """
-    values = {"space": space, "axes": axes, "sampled": sampled, "islands": islands, "named": named}
+    values = {"space": space, "axes": axes, "limit": limit, "sampled": sampled}
+    values |= {"islands": islands, "named": named}
     return section_of("evolution", "Evolution", views=views, **values)
 
 

@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 from PIL import Image, ImageDraw, ImageFont
 
-from egad.measures import Space, cell_name
-from egad.report.axes import USUAL, AxisPair
+from egad.measures import Attainable, Space, cell_name
+from egad.report.axes import USUAL, Axis, AxisPair
 from egad.report.colors import scale_color
 from egad.report.drawing import data_uri
 from egad.report.page import Section, section_of
@@ -67,16 +67,41 @@ class SpaceMap:
     pictured: bool
 
 
-def section(maps: Mapping[str, SpaceMap], space: Space, axes: AxisPair) -> Section:
+def section(
+    maps: Mapping[str, SpaceMap], space: Space, axes: AxisPair, limit: Attainable
+) -> Section:
     """The maps of all datasets.
 
     Args:
         maps: From `space_map`, by dataset.
         space: The cells.
         axes: What the axes of the space are called.
+        limit: Which rows objects are expected in; the others are hatched.
     """
     certain = any(cell.confidence >= 0 for each in maps.values() for cell in each.cells)
-    return section_of("map", "Map", maps=maps, space=space, axes=axes, certain=certain)
+    values = {"space": space, "axes": axes, "certain": certain}
+    hatched, legend = limit.rows, legend_of(limit, axes.upwards)
+    return section_of("map", "Map", maps=maps, hatched=hatched, legend=legend, **values)
+
+
+def legend_of(limit: Attainable, axis: Axis) -> str:
+    """What the hatched rows of a map are, in words; empty if there are none.
+
+    Args:
+        limit: Which rows objects are expected in.
+        axis: Difficulty: what its numbers are called.
+    """
+    if not limit.rows:
+        return ""
+    edge, best, most = (
+        f"{axis.factor * value:.2f}" for value in (limit.edge, limit.quality, limit.difficulty)
+    )
+    return (
+        f"Hatched: no object is expected in {limit.row_names}. Difficulty is a percentile of the "
+        f"quality of grasps. It would have to be {edge} {axis.printed_unit} or more there. A grasp "
+        f"has at most {best}, and the percentile of an object that is as thick as its box is "
+        f"expected to be at most {most}."
+    )
 
 
 def shown_objects(objects: pd.DataFrame) -> list[str]:

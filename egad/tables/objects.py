@@ -24,6 +24,10 @@ from egad.tables.columns import (
 _SHELL = column(
     "shell_thickness", FLOAT, "wall that an open surface was given; 0: it was not open", "m"
 )
+_DROPPED = [
+    column("dropped_bodies", INT, "bodies that repair left out, as it keeps the largest"),
+    column("dropped_volume", FLOAT, "their part of the volume of all bodies"),
+]
 _GRASPS = column("grasps", INT, "number of grasps that the difficulty was computed from")
 SOLIDS = pa.schema(
     [
@@ -44,6 +48,7 @@ SOLIDS = pa.schema(
         column("watertight", BOOL, "whether every edge has exactly two faces"),
         column("repaired", BOOL, "whether repair changed the mesh beyond merging vertices"),
         _SHELL,
+        *_DROPPED,
         *vector("extents", "sides of the axis-aligned box", "m"),
         *vector("com", "center of mass", "m"),
         column("mass", FLOAT, "mass at the configured density", "kg"),
@@ -92,8 +97,13 @@ MEASURED = pa.schema(
         CELL_CONFIDENCE,
         _GRASPS,
         column("longest_side", FLOAT, "longest side of the axis-aligned box", "m"),
+        column("rule", STRING, "scale rule; the cells of the map are by `exact`"),
+        column("opening", FLOAT, "widest opening of the gripper", "m"),
+        column("factor", FLOAT, "size at which grasps were sampled / size of the mesh"),
+        *vector("grasped", "side of the box at that size, ascending", "m", "123"),
         column("repaired", BOOL, "whether repair changed the mesh beyond merging vertices"),
         _SHELL,
+        *_DROPPED,
         _REASON,
     ]
 )
@@ -112,6 +122,7 @@ LOCATED = pa.schema(
         column("nearest", pa.list_(STRING), "nearest objects, nearest first"),
         column("distances", pa.list_(FLOAT), "distances to them"),
         _SHELL,
+        *_DROPPED,
         _REASON,
     ]
 )
@@ -124,6 +135,12 @@ COMPARISON = pa.schema(
             "coverage",
             FLOAT,
             "archive coverage: fraction of the slots of all cells that are filled",
+        ),
+        column(
+            "attainable_coverage",
+            FLOAT,
+            "fraction of the slots that are filled, without the easiest rows, in which no object "
+            "is expected (docs/search.md)",
         ),
         column("filled_cells", FLOAT, "fraction of the cells that hold at least one object"),
         column("diversity_min", FLOAT, "diversity of the least diverse object"),

@@ -4,7 +4,7 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.geometry.manifold import to_mesh, to_solid
-from egad.geometry.repair import repair
+from egad.geometry.repair import dropped_text, repair
 from egad.geometry.self_intersections import crossings, untangle
 
 box, icosphere = trimesh.creation.box, trimesh.creation.icosphere
@@ -53,7 +53,7 @@ def assert_sound(mesh):
 
 def test_a_sound_mesh_comes_back_as_it_is():
     ball = icosphere(subdivisions=3)
-    mesh, changed, _ = repair(ball)
+    mesh, changed, *_ = repair(ball)
     assert not changed
     assert np.array_equal(mesh.vertices, ball.vertices)
     assert np.array_equal(mesh.faces, ball.faces)
@@ -62,7 +62,7 @@ def test_a_sound_mesh_comes_back_as_it_is():
 def test_merging_vertices_is_no_change_and_the_input_is_kept():
     given = soup(icosphere(subdivisions=2))
     before = given.faces.copy()
-    mesh, changed, _ = repair(given)
+    mesh, changed, *_ = repair(given)
     assert not changed
     assert_sound(mesh)
     assert np.array_equal(given.faces, before)
@@ -70,7 +70,7 @@ def test_merging_vertices_is_no_change_and_the_input_is_kept():
 
 def test_an_inside_out_mesh_is_turned_round():
     ball = icosphere(subdivisions=2)
-    mesh, changed, _ = repair(raw(ball.vertices, ball.faces[:, ::-1]))
+    mesh, changed, *_ = repair(raw(ball.vertices, ball.faces[:, ::-1]))
     assert changed
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(ball.volume)
@@ -88,7 +88,7 @@ def test_mixed_winding_is_made_consistent():
 def test_cracks_are_welded():
     given = soup(box((1, 1, 1)).subdivide())
     noise = np.random.default_rng(0).uniform(-2e-5, 2e-5, given.vertices.shape)
-    mesh, changed, _ = repair(raw(given.vertices + noise, given.faces))
+    mesh, changed, *_ = repair(raw(given.vertices + noise, given.faces))
     assert changed
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(1, rel=1e-3)
@@ -105,7 +105,7 @@ def test_a_small_hole_is_closed_and_a_large_one_is_named():
 def test_degenerate_and_doubled_faces_go():
     block = box()
     extra = [block.faces[0], [0, 0, 1], [0, 1, 2], [2, 1, 0]]
-    mesh, changed, _ = repair(raw(block.vertices, np.vstack([block.faces, extra])))
+    mesh, changed, *_ = repair(raw(block.vertices, np.vstack([block.faces, extra])))
     assert changed
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(1)
@@ -122,10 +122,35 @@ def test_a_fin_on_a_closed_body_is_dropped():
 
 
 def test_only_the_largest_part_stays():
-    mesh, changed, _ = repair(together(box(), shifted(box((0.5, 0.5, 0.5)), 3, 0, 0)))
+    mesh, changed, *_ = repair(together(box(), shifted(box((0.5, 0.5, 0.5)), 3, 0, 0)))
     assert changed
     assert mesh.volume == pytest.approx(1)
     assert mesh.bounds[1, 0] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "bodies", "volume"),
+    [
+        (box(), 0, 0),
+        (together(box(), shifted(box((0.5, 0.5, 0.5)), 3, 0, 0)), 1, 0.125 / 1.125),
+        (together(*(shifted(box(), 2 * n, 0, 0) for n in range(4))), 3, 0.75),
+        (together(box(), shifted(box(), 0.5, 0, 0)), 0, 0),  # they overlap
+        (together(box(), box((0.5, 0.5, 0.5))), 0, 0),  # a void is no body
+        (together(box(), shifted(box((0.01, 0.01, 0.01)), 3, 0, 0)), 0, 0),  # a crumb
+        (crossing_tube(), 0, 0),
+    ],
+)
+def test_bodies_that_are_dropped_are_counted_with_their_part_of_the_volume(mesh, bodies, volume):
+    found = repair(mesh)
+    assert found.dropped_bodies == bodies
+    assert found.dropped_volume == pytest.approx(volume, abs=1e-9)
+    assert bool(found.dropped) == (bodies > 0)
+
+
+def test_what_was_dropped_is_said_in_words():
+    assert dropped_text(0, 0.0) == ""
+    assert dropped_text(1, 0.19) == "1 of 2 bodies was dropped, 19 % of the volume"
+    assert dropped_text(2, 0.005) == "2 of 3 bodies were dropped, 0.5 % of the volume"
 
 
 def test_an_open_part_is_dropped_only_if_little_is_lost():
@@ -148,7 +173,7 @@ def test_trapped_voids_are_filled_however_their_walls_wind(inverted):
     inner = icosphere(subdivisions=2, radius=0.3)
     if inverted:
         inner.invert()
-    mesh, changed, _ = repair(together(box(), inner))
+    mesh, changed, *_ = repair(together(box(), inner))
     assert changed
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(1)
@@ -158,7 +183,7 @@ def test_a_surface_that_runs_through_itself_is_untangled():
     tube = crossing_tube()
     assert tube.is_volume
     assert len(crossings(tube.vertices, tube.faces, 1e-6)) > 10
-    mesh, changed, _ = repair(tube)
+    mesh, changed, *_ = repair(tube)
     assert changed
     assert_sound(mesh)
     overlap = 0.12**3 * 16 / 3  # of two round tubes at a right angle; these meet at 90 degrees
@@ -193,7 +218,7 @@ def test_repair_is_idempotent_and_deterministic():
     first, second = repair(crossing_tube()).mesh, repair(crossing_tube()).mesh
     assert first.vertices.tobytes() == second.vertices.tobytes()
     assert first.faces.tobytes() == second.faces.tobytes()
-    again, changed, _ = repair(first)
+    again, changed, *_ = repair(first)
     assert not changed
     assert again.volume == pytest.approx(first.volume)
 

@@ -3,8 +3,9 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from egad._util.parameters import SCALE_RULES
 from egad.errors import RejectedError, UserError
-from egad.geometry.scaling import box_sides, rescale, scale_factor
+from egad.geometry.scaling import box_sides, rescale, scale_factor, size_text
 from egad.tables.grasping import SCALES
 
 
@@ -53,6 +54,8 @@ def test_sides_scale_with_the_object_and_ascend():
         ("egad-script", [0.01, 0.01, 0.025], 3.0),  # grows
         ("exact", [0.03, 0.05, 0.2], 2.0),
         ("exact", [0.12, 0.12, 0.2], 0.5),
+        ("none", [0.03, 0.05, 0.2], 1.0),
+        ("none", [0.12, 0.12, 0.2], 1.0),
     ],
 )
 def test_the_rules(rule, sides, factor):
@@ -69,6 +72,24 @@ def test_the_row_says_what_was_done(rule):
     assert np.allclose(box_sides(scaled), after, rtol=1e-3)
     assert after[0] <= 0.016 * (1 + 1e-9)
     assert (rule, 0.02) == (row["rule"], row["opening"])
+
+
+def test_without_a_rule_an_object_stays_as_it_is():
+    mesh = blob()
+    scaled, row = rescale(mesh, "none", 0.02, 0.8)
+    assert (scaled.vertices == mesh.vertices).all()
+    assert row["factor"] == 1
+    assert [row[f"after_{n}"] for n in (1, 2, 3)] == [row[f"before_{n}"] for n in (1, 2, 3)]
+
+
+def test_every_rule_has_a_factor():
+    for rule in SCALE_RULES:
+        assert scale_factor(rule, np.ones(3), 0.075, 0.8) > 0
+
+
+def test_a_size_is_said_in_millimetres_without_exponents():
+    assert size_text([0.04, 4, 4], 40.0) == "40 x 4000 x 4000 mm, 40 times its size"
+    assert size_text([0.0004, 0.0123456, 0.1], 1 / 3) == "0.4 x 12.3 x 100 mm, 0.333 times its size"
 
 
 def test_the_released_script_makes_the_longest_side_the_opening():

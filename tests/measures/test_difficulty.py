@@ -7,8 +7,8 @@ from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.sampler import join, sample_contacts, valid_contacts
 from egad.measures.difficulty import (
-    _alignment,
     _apply,
+    _principal_box,
     center_of_mass,
     difficulty,
     rough_difficulty,
@@ -45,9 +45,14 @@ def wedge():
     return trimesh.convex.convex_hull(np.random.default_rng(0).normal(size=(12, 3)) * [1, 1.5, 2])
 
 
+def aligned(mesh, settings):
+    middle, axes, extents = _principal_box(mesh.vertices)
+    return middle, axes * (0.8 * settings.gripper.opening / extents.min())
+
+
 def every_quality(mesh, settings, candidates, rng, com):
     """All qualities of all grasps, as the sampler gives them after any number of rounds."""
-    place = _alignment(mesh.vertices, 0.8 * settings.gripper.opening)
+    place = aligned(mesh, settings)
     scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
     caster, parts = RayCaster(scaled), []
     for count in candidates:
@@ -119,7 +124,7 @@ def test_the_estimator_of_the_paper_is_the_percentile_of_its_grasps():
     settings = parameters()
     found = spaced_difficulty(wedge(), settings, 100, np.random.default_rng(0))
     mesh = wedge()
-    place = _alignment(mesh.vertices, 0.8 * settings.gripper.opening)
+    place = aligned(mesh, settings)
     scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
     grasps, _ = sample_contacts(
         RayCaster(scaled), 0.05, 100, settings.sampling, np.random.default_rng(0)

@@ -203,6 +203,7 @@ def report(
             "dataset": ["egad", "mine"],
             "objects": [40, 12],
             "coverage": [0.016, 0.0048],
+            "attainable_coverage": [0.0174, 0.0052],
             "filled_cells": [0.0576, 0.0192],
             "diversity_min": [0.1, 0.12],
             "diversity_max": [0.3, 0.28],

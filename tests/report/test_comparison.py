@@ -78,6 +78,12 @@ def test_the_chart_marks_what_is_published(report):
     assert {"egad", "mine", "EGAD, 2020 (published)", "YCB (published)"} <= set(shown)
 
 
+@pytest.mark.parametrize("rows", [0, 2])
+def test_rows_in_which_no_object_is_expected_are_hatched(objects, rows):
+    root = ElementTree.fromstring(dataset_maps({"egad": objects}, Space(), unattainable=rows))  # noqa: S314
+    assert len(list(root.iter(f"{SVG}pattern"))) == bool(rows)
+
+
 def test_the_chart_is_the_same_every_time_and_undated(report):
     svg = comparison_chart(report.comparison)
     assert svg == comparison_chart(report.comparison)
@@ -92,9 +98,10 @@ def test_published_coverage_is_of_slots():
 def test_the_table_for_a_terminal_has_ours_above_the_published(report):
     comparison = report.comparison.assign(diversity_max=[0.3, np.nan])
     head, egad, mine, published, *theirs = comparison_text(comparison).splitlines()
-    assert head.split() == ["dataset", "objects", "coverage", "diversity:", "min", "max", "mean"]
-    assert egad.split() == ["egad", "40", "1.6", "%", "0.10", "0.30", "0.20"]
-    assert mine.split() == ["mine", "12", "0.5", "%", "0.12", "-", "0.21"]
+    measures = ["coverage", "attainable", "diversity:", "min", "max", "mean"]
+    assert head.split() == ["dataset", "objects", *measures]
+    assert egad.split() == ["egad", "40", "1.6", "%", "1.7", "%", "0.10", "0.30", "0.20"]
+    assert mine.split() == ["mine", "12", "0.5", "%", "0.5", "%", "0.12", "-", "0.21"]
     assert published == "published"
-    assert theirs[1].split() == ["YCB", "78", "3", "%", "0.11", "0.65", "0.19"]
+    assert theirs[1].split() == ["YCB", "78", "3", "%", "-", "0.11", "0.65", "0.19"]
     assert len({len(line) for line in (head, egad, mine, *theirs)}) == 1

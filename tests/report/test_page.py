@@ -81,7 +81,7 @@ def test_the_page_needs_nothing_else(html, page):
     assert not page.open
     assert all(reference.startswith(("data:", "#")) for reference in page.references)
     assert "@import" not in html
-    assert "url(" not in html.replace("url(#scale", "")
+    assert "url(" not in html.replace("url(#scale", "").replace("url(#hatch", "")
     assert "default-src 'none'" in html
 
 
@@ -152,10 +152,30 @@ def test_key_numbers(page):
     words = page.words()
     assert "40 objects" in words
     assert "15 of 40 attempts on 2 objects: 38 % (95 % interval 0 % to 75 %)" in words
-    assert "EGAD, 2020 published 2 331 93 % \N{EN DASH} 0.07 0.27 0.19" in words
-    assert "Dex-Net 2.0 published 1 497 37 % \N{EN DASH} 0.03 0.26 0.11" in words
+    assert "EGAD, 2020 published 2 331 93 % \N{EN DASH} \N{EN DASH} 0.07 0.27 0.19" in words
+    assert "Dex-Net 2.0 published 1 497 37 % \N{EN DASH} \N{EN DASH} 0.03 0.26 0.11" in words
     assert "no volume postprocess 2" in words
     assert "on no plate: G6" in words
+
+
+def test_rows_in_which_no_object_is_expected_are_hatched_and_named(page, html, report):
+    words = page.words()
+    assert html.count('fill="url(#hatch-') == len(report.datasets)
+    assert "Hatched: no object is expected in rows A and B." in words
+    assert "It would have to be 3.72 \N{MULTIPLICATION SIGN}10" in words
+    assert "A grasp has at most 3.93" in words
+    assert "so coverage can be 92 % at most" in words
+    assert "Coverage without rows A and B" in words
+    assert "egad 40 1.6 % 1.7 %" in words
+
+
+def test_without_such_rows_nothing_is_hatched(report):
+    wide = report.settings.space.model_copy(update={"difficulty_range": (0.0005, 0.003)})
+    settings = report.settings.model_copy(update={"space": wide})
+    html = build(replace(report, settings=settings))
+    assert "url(#hatch-" not in html
+    assert "no object is expected" not in html.lower()
+    assert "Coverage without" not in html
 
 
 def test_every_setting_is_listed_with_its_meaning(page, report):

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from egad._util.parameters import SCALE_RULES
 from egad.errors import UserError, check_name
 from egad.pipeline.cli.common import (
     CORES,
     TOOL,
     Config,
     Jobs,
+    Rule,
     Units,
     app,
     changed,
@@ -57,9 +59,7 @@ def benchmark(
     rounds: Annotated[
         int | None, typer.Option(min=1, help="rounds of each kind of scene and noise")
     ] = None,
-    rule: Annotated[
-        str, typer.Option(help="scaling to the gripper: paper, egad-script, exact or none")
-    ] = "paper",
+    rule: Rule = "paper",
     films: Annotated[
         Path | None,
         typer.Option(help="folder for films of the first round of each kind of scene"),
@@ -72,7 +72,6 @@ def benchmark(
 ) -> None:
     """Let a grasp detector clear tables: success rates and shares of objects cleared."""
     from egad.exchange import check_ending
-    from egad.named_meshes import RULES
     from egad.pipeline.cli.terminal_tables import cleared
     from egad.pipeline.config.stage_settings import select
     from egad.pipeline.provenance.record import run_recorded
@@ -81,7 +80,7 @@ def benchmark(
 
     settings = changed(settings_in(config), "clutter", rounds=rounds)
     check_name("gripper", gripper, settings.grippers)
-    check_name("rule", rule, RULES)
+    check_name("rule", rule, SCALE_RULES)
     name, found = _detector(detector, weights, command, settings)
     path = out or FOLDER / f"{name}.parquet"
     for folder in [films, None if out else FOLDER]:

@@ -8,6 +8,7 @@ import typer
 import yaml
 from pydantic import BaseModel, ValidationError
 
+from egad._util.parameters import SCALE_RULES
 from egad.errors import UserError
 from egad.pipeline.cli.stages import StageGroup
 from egad.pipeline.config import Settings
@@ -32,6 +33,8 @@ Units = Annotated[
     Literal["m", "cm", "mm", "inch"] | None,
     typer.Option(help="unit of the meshes; needed unless the files state it"),
 ]
+RULE_HELP = f"scaling to the gripper: {', '.join(SCALE_RULES)}"
+Rule = Annotated[str, typer.Option(help=RULE_HELP)]
 Jobs = Annotated[int, typer.Option(min=1, help="cores to use; results do not depend on it")]
 GripperName = Annotated[
     str | None,

@@ -5,9 +5,10 @@ from typing import Annotated
 
 import typer
 
-from egad.errors import check_name
+from egad.errors import UserError, check_name
 from egad.pipeline.cli.common import (
     CORES,
+    RULE_HELP,
     TOOL,
     Config,
     GripperName,
@@ -75,6 +76,9 @@ def view(
         Path, typer.Option("--in", help="folder of the dataset with this label")
     ] = Path("results/egad"),
     units: Units = None,
+    rule: Annotated[
+        str | None, typer.Option(help=f"{RULE_HELP}; default: as in the configuration")
+    ] = None,
     out: Annotated[Path, typer.Option(help="HTML page to write")] = Path("view.html"),
     grasps: Annotated[
         int | None, typer.Option(min=1, help="number of grasps for a mesh file")
@@ -90,10 +94,16 @@ def view(
 
     check_ending(out, (".html",))
     whole = changed(settings_in(config), "grasp_label", grasps=grasps)
+    whole = changed(whole, "rescale", rule=rule)
     name = check_name("gripper", gripper or whole.targets.grippers[0], whole.grippers)
     if Path(item).suffix.lower() not in ENDINGS and not Path(item).is_file():
+        if rule is not None:
+            raise UserError(
+                f"--rule is for mesh files; the grasps of {item} were made for one size"
+            )
         shown = stage.from_dataset(dataset, name, item, whole.grippers[name].opening)
     else:
         shown = stage.from_mesh(Path(item), units, select(whole, ViewMesh, name))
     write_text(out, page(shown, name, whole.grippers[name]))
-    typer.echo(f"{shown.name}: {shown.note or f'{len(shown.grasps)} grasps'}; see {out}")
+    found = shown.note or f"{len(shown.grasps)} grasps of {name}"
+    typer.echo(f"{shown.name}: {found}, at {shown.title}; see {out}")

@@ -6,13 +6,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from egad._util.parameters import SCALE_RULES
 from egad.errors import UserError, check_name
+from egad.measures import MAP_RULE
 from egad.pipeline.cli.common import (
     CORES,
     TOOL,
     Config,
     Jobs,
     Meshes,
+    Rule,
     Units,
     app,
     changed,
@@ -51,6 +54,7 @@ def measure(
         str | None,
         typer.Option(help="gripper that difficulty is for; default: as in the configuration"),
     ] = None,
+    rule: Rule = MAP_RULE,
     out: TableFile = None,
     max_candidates: MaxCandidates = None,
     config: Config = None,
@@ -67,11 +71,14 @@ def measure(
     check_ending(out)
     whole = changed(settings_in(config), "postprocess", max_candidates=max_candidates)
     name = check_name("gripper", gripper or whole.difficulty.gripper, whole.grippers)
+    check_name("rule", rule, SCALE_RULES)
     files = object_names(files_in(meshes, units))
-    table = stage.run(select(whole, MeasureMeshes, name), files, units, jobs)
+    table = stage.run(select(whole, MeasureMeshes, name), files, units, jobs, rule)
     if out is not None:
         write_frame(table, MEASURED, out)
-    measured(table, axis_pair(whole.measures))
+    measured(table, axis_pair(whole.measures), name)
+    if note := stage.incomparable(whole, name, rule):
+        typer.echo(note)
     complain(_reasons(table), len(table))
 
 

@@ -15,6 +15,7 @@ from egad.pipeline.cli.common import (
     Meshes,
     Out,
     OutFolder,
+    Rule,
     Units,
     app,
     files_in,
@@ -32,7 +33,7 @@ def rescale(
     out: OutFolder,
     settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
     opening: Annotated[float | None, typer.Option(help="opening of the gripper, metres")] = None,
-    rule: Annotated[str, typer.Option(help="paper, egad-script or exact")] = "paper",
+    rule: Rule = "paper",
     units: Units = None,
     ending: Annotated[str, typer.Option("--format", help="obj (m) or stl (mm)")] = "obj",
     jobs: Jobs = CORES,
@@ -213,6 +214,7 @@ def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
     """Draw the number of elites per cell of an archive, as SVG."""
     from egad._util.files import write_text
     from egad.data import archive_path
+    from egad.measures import MeasureParameters, attainable_difficulty
     from egad.pipeline.archive_settings import check_provenance
     from egad.pipeline.config.stage_settings import LocateMeshes, select
     from egad.report.axes import axis_pair
@@ -223,7 +225,9 @@ def heatmap(archive: ArchiveFile, out: Out, config: Config = None) -> None:
     settings = settings_in(config)
     check_provenance(archive_path(archive), select(settings, LocateMeshes), ("space",))
     objects = parquet.read(archive_path(archive), ARCHIVE)
-    maps = dataset_maps({archive.stem: objects}, settings.space, axis_pair(settings.measures))
+    limit = attainable_difficulty(select(settings, MeasureParameters))
+    axes = axis_pair(settings.measures)
+    maps = dataset_maps({archive.stem: objects}, settings.space, axes, limit.rows)
     write_text(out, maps)
 
 

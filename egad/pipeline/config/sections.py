@@ -62,7 +62,8 @@ class Rescale(Parameters):
     rule: ScaleRule = Field(
         "paper",
         description="paper: smallest side at most `side_fraction` of the opening; egad-script: "
-        "longest side = opening, then as paper; exact: smallest side = `side_fraction` of it",
+        "longest side = opening, then as paper; exact: smallest side = `side_fraction` of it; "
+        "none: objects stay as they are",
     )
     side_fraction: PositiveFraction = Field(
         SIDE_FRACTION, description="fraction of the opening that the rule uses"

@@ -25,7 +25,7 @@ from egad.pipeline.config import (
 
 
 class StageSettings(ParameterGroup):
-    """The sections that one stage reads; `gripper`, `camera`, `detector` are entries of tables."""
+    """The sections that one stage reads; `gripper`, `camera` and the like are entries of tables."""
 
 
 class MeasureMeshes(MeasureParameters):
@@ -71,7 +71,8 @@ def select(
         gripper: Name of the gripper, for stages that read one.
         detector: Name of the grasp detector, for the stage that tries one.
     """
-    names = [name for name in stage.model_fields if name not in ("gripper", "camera", "detector")]
+    entries = ("gripper", "map_gripper", "camera", "detector")
+    names = [name for name in stage.model_fields if name not in entries]
     values = {name: getattr(settings, name) for name in names}
     if issubclass(stage, MeasureParameters) and settings.difficulty.metric == "nominal":
         values["robust"] = None
@@ -83,6 +84,8 @@ def select(
         chooses = "select_eval" in values
         own = _narrowest(settings) if chooses else settings.difficulty.gripper
         values["gripper"] = settings.grippers[gripper or own]
+    if "map_gripper" in stage.model_fields:
+        values["map_gripper"] = settings.grippers[settings.difficulty.gripper]
     if "camera" in stage.model_fields:
         values["camera"] = settings.cameras[settings.render.camera]
     if "detector" in stage.model_fields:

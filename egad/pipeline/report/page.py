@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 
 import pandas as pd
 
+from egad.measures import Attainable, MeasureParameters, attainable_difficulty
 from egad.pipeline.config.settings import Settings
+from egad.pipeline.config.stage_settings import select
 from egad.pipeline.report.config_tables import entry_tables, parameter_tables
 from egad.report import (
     agreement,
@@ -102,6 +104,7 @@ def _sections(report: ReportData) -> Iterator[Section]:
     """All sections, in their order; those without any content are left out."""
     settings, datasets = report.settings, report.datasets
     axes, space = axis_pair(settings.measures), settings.space
+    limit = attainable_difficulty(select(settings, MeasureParameters))
     results = {name: _results(data, settings, axes) for name, data in datasets.items()}
     objects = {name: data.objects for name, data in datasets.items()}
     yield _summary(datasets, results, settings, axes)
@@ -109,10 +112,10 @@ def _sections(report: ReportData) -> Iterator[Section]:
         name: space_map.space_map(data.objects, data.pictures, space)
         for name, data in datasets.items()
     }
-    yield space_map.section(maps, space, axes)
-    yield from _evolution(datasets, settings, axes)
+    yield space_map.section(maps, space, axes, limit)
+    yield from _evolution(datasets, settings, axes, limit)
     yield from _evaluation(datasets, settings, axes)
-    yield comparison.section(report.comparison, objects, space, axes)
+    yield comparison.section(report.comparison, objects, space, axes, limit)
     yield from _grasps(datasets, settings)
     yield from _trials(results, settings)
     yield from _clutter(datasets)
@@ -159,7 +162,7 @@ def _summary(
 
 
 def _evolution(
-    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair
+    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair, limit: Attainable
 ) -> Iterator[Section]:
     found = {
         name: evolution.evolution_view(data.objects, data.history, settings.space)
@@ -171,6 +174,7 @@ def _evolution(
             views,
             settings.space,
             axes,
+            limit,
             sampled=not settings.measures.difficulty,
             islands=settings.schedule.islands,
             named=len(datasets) > 1,

@@ -26,7 +26,7 @@ def run(
     Args:
         settings: Settings of the benchmark.
         objects: What the objects are called together.
-        rule: How they are scaled: see `egad.rescale`; `none`: not.
+        rule: How they are scaled: see `egad.rescale`.
         targets: The objects.
         files: The files that they come from, for the provenance.
         out: One attempt per row.

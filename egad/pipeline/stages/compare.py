@@ -7,9 +7,15 @@ import pandas as pd
 import typer
 
 from egad._util.files import write_text
-from egad.measures import coverage, filled_cells
-from egad.pipeline.config import CustomMeasures, Space
-from egad.pipeline.config.stage_settings import StageSettings
+from egad.measures import (
+    Attainable,
+    MeasureParameters,
+    Space,
+    attainable_coverage,
+    attainable_difficulty,
+    coverage,
+    filled_cells,
+)
 from egad.pipeline.parameters import Input, Output, command
 from egad.report.axes import axis_pair
 from egad.report.comparison import comparison_text, dataset_maps
@@ -17,11 +23,8 @@ from egad.tables import parquet
 from egad.tables.objects import COMPARISON, OBJECTS
 
 
-class Compare(StageSettings):
-    """Datasets side by side."""
-
-    space: Space
-    measures: CustomMeasures
+class Compare(MeasureParameters):
+    """Datasets side by side, and the cells that the measures leave to objects."""
 
 
 @command()
@@ -43,19 +46,21 @@ def run(
         The table for a terminal, with the published numbers below.
     """
     objects = {name: parquet.read(path, OBJECTS) for name, path in datasets.items()}
-    comparison = pd.DataFrame([_row(name, each, settings) for name, each in objects.items()])
+    space, limit = settings.space, attainable_difficulty(settings)
+    comparison = pd.DataFrame([_row(name, each, space, limit) for name, each in objects.items()])
     parquet.write(comparison, COMPARISON, out)
-    write_text(figure, dataset_maps(objects, settings.space, axis_pair(settings.measures)))
+    write_text(figure, dataset_maps(objects, space, axis_pair(settings.measures), limit.rows))
     return comparison_text(comparison)
 
 
-def _row(name: str, objects: pd.DataFrame, settings: Compare) -> dict[str, Any]:
+def _row(name: str, objects: pd.DataFrame, space: Space, limit: Attainable) -> dict[str, Any]:
     diversity = objects["diversity"]
     return {
         "dataset": name,
         "objects": len(objects),
-        "coverage": coverage(objects, settings.space),
-        "filled_cells": filled_cells(objects, settings.space),
+        "coverage": coverage(objects, space),
+        "attainable_coverage": attainable_coverage(objects, space, limit.rows),
+        "filled_cells": filled_cells(objects, space),
         "diversity_min": diversity.min(),
         "diversity_max": diversity.max(),
         "diversity_mean": diversity.mean(),

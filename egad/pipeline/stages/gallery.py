@@ -22,7 +22,8 @@ from egad.exchange import is_simulated, read_mesh
 from egad.geometry.repair import repair
 from egad.map_elites import EvolutionParameters, Lineage
 from egad.map_elites.evaluation import express
-from egad.pipeline.config import Release
+from egad.measures import attainable_difficulty
+from egad.pipeline.config import Gripper, Release
 from egad.pipeline.parameters import Input, Jobs, Output, command
 from egad.pipeline.stages.evolve import rules_of
 from egad.report.axes import AxisPair, axis_pair
@@ -34,6 +35,7 @@ from egad.report.gallery.page import gallery_page
 from egad.report.gallery.sheets import TILE, Place, ancestor_sheets, cell_ranks, sheet
 from egad.report.genome_drawing import genome_svg
 from egad.report.pictures import Pixels, render
+from egad.report.space_map import legend_of
 from egad.tables import parquet
 from egad.tables.columns import ID, LABEL
 from egad.tables.evaluation import EVAL49, TRIALS
@@ -51,6 +53,7 @@ SIMULATED = ["simulated_outcome", "simulated_success", "simulated_engine"]
 class Gallery(EvolutionParameters):
     """The gallery: how genomes become shapes, the space, and the gripper of the release."""
 
+    map_gripper: Gripper  # that difficulty is for
     release: Release
 
 
@@ -137,9 +140,16 @@ def run(
             (folder / name).mkdir(parents=True)
         _write_objects(items, settings, axes, folder, mapper)
         _write_ancestors(data, settings, axes, folder, mapper)
-        index = index_data(data.objects, settings.space, axes, data.member, settings.gripper)
+        measured = settings.model_copy(update={"gripper": settings.map_gripper})
+        limit = attainable_difficulty(measured)
+        index = index_data(
+            data.objects, settings.space, axes, data.member, settings.gripper, limit.rows
+        )
         _write(folder, INDEX, data_script(INDEX, index))
-    write_text(page, gallery_page(settings.release.title, data, axes, whole))
+    write_text(
+        page,
+        gallery_page(settings.release.title, data, axes, whole, legend_of(limit, axes.upwards)),
+    )
 
 
 def _factors(scales: Path | None) -> dict[str, float]:

@@ -19,7 +19,7 @@ from egad.measures import labels
 from egad.pipeline.archive_settings import check_provenance
 from egad.pipeline.config import Shape, Similarity
 from egad.pipeline.config.stage_settings import LocateMeshes
-from egad.pipeline.stages.measure import SIZE, measure_row, warn_of_coarse, warn_of_units
+from egad.pipeline.stages.measure import SIZE, measure_row, warn_of_measures, warn_of_units
 from egad.reeb import Neighborhood
 from egad.reeb import graph as reeb
 from egad.report.locations import Located, Neighbor
@@ -126,7 +126,7 @@ def run(
     hood.add(reeb.unpack(graph) for graph in packed)  # indices are those of the rows
     rows = [_placed(item, hood, among.objects) for item in mine]
     warn_of_units([item.row for item in mine], units)
-    warn_of_coarse(pd.DataFrame([item.row for item in mine], columns=MEASURED.names))
+    warn_of_measures(pd.DataFrame([item.row for item in mine], columns=MEASURED.names))
     return pd.DataFrame(rows, columns=LOCATED.names), [
         _located(row, item, among) for row, item in zip(rows, mine, strict=True) if item.graph
     ]

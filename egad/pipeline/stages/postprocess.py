@@ -207,9 +207,8 @@ def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids
     Raises:
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
     """
-    (solid, repaired, wall), mass = repaired_body(
-        mesh, settings.postprocess, settings.material.density
-    )
+    repaired, mass = repaired_body(mesh, settings.postprocess, settings.material.density)
+    solid = repaired.mesh
     place = measure_repeatably(solid, settings, settings.postprocess.max_candidates)
     return {
         "id": object_id,
@@ -217,8 +216,10 @@ def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids
         "volume": mass.volume,
         "area": mass.area,
         "watertight": bool(solid.is_watertight),
-        "repaired": repaired,
-        "shell_thickness": wall,
+        "repaired": repaired.changed,
+        "shell_thickness": repaired.shell_thickness,
+        "dropped_bodies": repaired.dropped_bodies,
+        "dropped_volume": repaired.dropped_volume,
         **dict(zip(("extents_x", "extents_y", "extents_z"), solid.extents, strict=True)),
         **dict(zip(("com_x", "com_y", "com_z"), mass.com, strict=True)),
         "mass": mass.mass,

@@ -15,8 +15,8 @@ from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange import read_mesh
 from egad.geometry import units_doubt
-from egad.geometry.repair import repair
 from egad.pipeline.config import Similarity
+from egad.pipeline.stages.measure import repaired_mesh
 from egad.reeb import graph as reeb
 from egad.reeb import similarity_matrix
 
@@ -60,12 +60,12 @@ def _graph(path: Path, units: str | None, settings: Similarity) -> tuple[bytes |
     try:
         mesh = read_mesh(path, units)
         longest = float(mesh.extents.max())
-        return reeb.pack(graph_of(mesh, settings)), longest
+        return reeb.pack(graph_of(mesh, settings, path.stem)), longest
     except RejectedError as reason:
         return str(reason), longest
 
 
-def graph_of(mesh: trimesh.Trimesh, settings: Similarity) -> reeb.ReebGraph:
+def graph_of(mesh: trimesh.Trimesh, settings: Similarity, name: str) -> reeb.ReebGraph:
     """The Reeb graph of a mesh after repair, as in datasets.
 
     With `scan` bases it is the graph of the original mesh if possible: these bases depend on the
@@ -74,4 +74,4 @@ def graph_of(mesh: trimesh.Trimesh, settings: Similarity) -> reeb.ReebGraph:
     if settings.bases == "scan":
         with suppress(RejectedError):
             return reeb.extract(mesh, settings)
-    return reeb.extract(repair(mesh).mesh, settings)
+    return reeb.extract(repaired_mesh(mesh, name), settings)

@@ -14,10 +14,10 @@ from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.exchange import read_mesh
 from egad.geometry import units_doubt
-from egad.geometry.repair import repair
 from egad.measures import SizeEffectParameters
 from egad.measures.size_effect import size_effect
 from egad.pipeline.parameters import Evaluation, Input, Output, command
+from egad.pipeline.stages.measure import repaired_mesh
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import SIZE_EFFECT
@@ -99,6 +99,6 @@ def _curve(
     try:
         mesh = read_mesh(path, units)
         longest = float(mesh.extents.max())
-        return size_effect(repair(mesh).mesh, name, settings), longest
+        return size_effect(repaired_mesh(mesh, name), name, settings), longest
     except RejectedError as reason:
         return str(reason), longest

@@ -1,16 +1,19 @@
 """view: the contents of the viewer for an object of a dataset or a mesh."""
 
 import logging
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange import check_opening, read_mesh
 from egad.exchange.hand_body import hand_body
-from egad.geometry import rescale, units_doubt
-from egad.geometry.repair import repair
+from egad.geometry import ENLARGED, rescale, size_text, units_doubt
 from egad.grasps import label_grasps
 from egad.measures import center_of_mass
 from egad.pipeline.config.stage_settings import ViewMesh
+from egad.pipeline.stages.measure import repaired_mesh
 from egad.pipeline.stages.scenes import scene
 from egad.random import generator
 from egad.report.viewer import Scene
@@ -43,12 +46,14 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> Scene
             raise UserError(f"{path} is not there; make it with: snakemake --cores 2 {table}")
     check_opening(folder, gripper, opening)
     evaluation = folder / "eval49.parquet"
-    labels = {each: each for each in parquet.read(scales, SCALES)["label"]}
+    sizes = parquet.read(scales, SCALES).set_index("label")
+    labels = {str(each): str(each) for each in sizes.index}
     if evaluation.is_file():
         chosen = parquet.read(evaluation, EVAL49)
         labels = dict(zip(chosen["label"], chosen["object_label"], strict=True)) | labels
     check_name("object", name, labels, f" in {folder} for {gripper}")
-    return scene(folder, gripper, labels[name], parquet.read(table, GRASPS))
+    shown = scene(folder, gripper, labels[name], parquet.read(table, GRASPS))
+    return replace(shown, title=_size(sizes.loc[labels[name]].to_dict()))
 
 
 def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> Scene:
@@ -67,14 +72,22 @@ def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> Scene:
         given = read_mesh(path, units)
         if doubt := units_doubt({path.name: float(given.extents.max())}, units):
             log.warning("%s", doubt)
-        solid = repair(given).mesh
+        solid = repaired_mesh(given, path.stem)
         mesh, row = rescale(solid, rule.rule, settings.gripper.opening, rule.side_fraction)
     except RejectedError as reason:
         raise UserError(f"{path}: {reason}") from reason
-    title = f"{path.name}, scaled by {row['factor']:.3g}"
+    if row["factor"] > ENLARGED:
+        log.warning("%s is shown and grasped larger than it is; --rule none changes that", path)
+    title = _size(row)
     rng = generator(settings.seed, "grasps", path.stem)
     try:
         rows = label_grasps(mesh, center_of_mass(mesh), settings, rng, hand_body(settings.gripper))
         return Scene(path.stem, title, mesh, rows)
     except RejectedError as reason:
         return Scene(path.stem, title, mesh, parquet.empty(GRASPS), str(reason))
+
+
+def _size(row: Mapping[Any, Any]) -> str:
+    """The size that grasps are for, from columns of `tables.grasping.SCALES`."""
+    sides = [row[f"after_{number}"] for number in (1, 2, 3)]
+    return f"{size_text(sides, row['factor'])} (rule {row['rule']})"

@@ -34,6 +34,7 @@ def index_data(
     axes: AxisPair,
     member: Membership,
     gripper: Gripper | None = None,
+    unattainable: int = 0,
 ) -> dict[str, Any]:
     """The data of the first view, ready for JSON.
 
@@ -43,9 +44,11 @@ def index_data(
         axes: What the axes of the space are called.
         member: What the objects belong to.
         gripper: What the grasps are for; None without grasps.
+        unattainable: So many of the easiest rows are hatched.
 
     Returns:
-        `finger`: from the contacts back to the palm, metres; `cells` along each axis; `sheets`:
+        `finger`: from the contacts back to the palm, metres; `cells` along each axis;
+        `unattainable`: the number of hatched rows; `sheets`:
         their files; `measures`: key, name, unit, factor and decimals of what can be filtered;
         `columns`: a list with one entry for each object, by name: label, id, column,
         row, rank, family, place, and each measure.
@@ -70,6 +73,7 @@ def index_data(
     return {
         "finger": 0.0 if gripper is None else -finger_span(gripper)[0],
         "cells": space.cells,
+        "unattainable": unattainable,
         "sheets": [sheet_file(rank) for rank in range(int(ranks.max(initial=-1)) + 1)],
         "measures": measures,
         "columns": columns,

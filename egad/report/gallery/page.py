@@ -11,7 +11,9 @@ from egad.report.page import render_template
 from egad.report.viewer import LABELS
 
 
-def gallery_page(title: str, data: GalleryData, axes: AxisPair, links: Sequence[Link]) -> str:
+def gallery_page(
+    title: str, data: GalleryData, axes: AxisPair, links: Sequence[Link], legend: str = ""
+) -> str:
     """The HTML page that shows the data in the folder beside it.
 
     Args:
@@ -19,6 +21,7 @@ def gallery_page(title: str, data: GalleryData, axes: AxisPair, links: Sequence[
         data: The dataset.
         axes: What the axes of the map are called.
         links: Files of the whole dataset to download.
+        legend: What the hatched rows of the map are.
     """
     return render_template(
         "gallery",
@@ -27,6 +30,7 @@ def gallery_page(title: str, data: GalleryData, axes: AxisPair, links: Sequence[
         axes=axes,
         gripper=data.gripper,
         links=links,
+        legend=legend,
         folder=FOLDER,
         labels=LABELS,
         ancestor_columns=COLUMNS,

@@ -195,6 +195,11 @@ function drawMap() {
     button.append(make("i"));
     cells.set(cell, { button, members, column, row });
   }
+  if (index.unattainable) {
+    const rows = make("div", "", { className: "unattainable" });
+    rows.style.gridArea = `${count - index.unattainable + 1} / 1 / ${count + 1} / ${count + 1}`;
+    map.append(rows);
+  }
   map.append(...[...cells.values()].map(({ button }) => button));
   const first = cells.get(filters.cell) ?? cells.values().next().value;
   if (first) first.button.tabIndex = 0;

@@ -197,6 +197,19 @@ def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_pat
         assert table.loc["broken", "reason"] == "no faces"
 
 
+def test_measure_says_at_which_size_and_what_cannot_be_compared(tmp_path):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    given = ["measure", tmp_path / "cube.obj", "--units", "cm", "--jobs", 1]
+    result = egad(*given)
+    assert "40.0 x " in result.stdout
+    assert "yumi" in result.stdout
+    assert "cannot be compared" not in result.stdout
+    result = egad(*given, "--rule", "none")
+    assert "10.0 x 10.0 x 10.0" in result.stdout
+    assert "Cells by the rule none for yumi cannot be compared with the map" in result.stdout
+    assert "did you mean paper" in egad(*given, "--rule", "papr").stderr
+
+
 def test_measure_fails_if_no_mesh_can_be_used(folder):
     result = egad("measure", folder / "broken.stl", "--units", "m", "--jobs", 1)
     assert result.returncode == 1
@@ -350,6 +363,8 @@ def test_size_effect_rates_the_good_and_names_the_bad(tmp_path):
         (["view", "a.obj", "--units", "mm"], "a.obj: no such file"),
         (["view", "a.obj", "--units", "foot"], "not one of"),
         (["view", "A0", "--out", "a.png"], "must end in .html"),
+        (["view", "A0", "--rule", "exact"], "--rule is for mesh files"),
+        (["view", "a.obj", "--units", "mm", "--rule", "papr"], "paper or egad-script or exact"),
     ],
 )
 def test_tools_about_grasps_say_what_is_wrong(tmp_path, monkeypatch, arguments, sentence):
@@ -389,7 +404,8 @@ def test_view_writes_a_page_of_a_mesh(tmp_path):
     out = tmp_path / "cube.html"
     result = egad("view", tmp_path / "cube.obj", "--units", "m", "--grasps", 3, "--out", out)
     assert result.returncode == 0, result.stderr
-    assert "cube: 3 grasps" in result.stdout
+    assert "cube: 3 grasps of egad_75mm, at " in result.stdout
+    assert "times its size (rule paper); see" in result.stdout
     assert "<title>Grasps of cube</title>" in out.read_text()
 
 

@@ -98,7 +98,8 @@ def test_every_section_is_read_by_some_stage():
             importlib.import_module(f"{package.__name__}.{module.name}")
     read = {name for stage in stage_models(ParameterGroup) for name in stage.model_fields}
     of_the_workflow = {"shards", "datasets", "targets", "schedule"}
-    tables, entries = {"grippers", "cameras", "detectors"}, {"gripper", "camera", "detector"}
+    tables = {"grippers", "cameras", "detectors"}
+    entries = {"gripper", "map_gripper", "camera", "detector"}
     assert set(Settings.model_fields) - of_the_workflow - tables == read - entries
 
 

@@ -167,6 +167,40 @@ def test_units_of_meshes_that_cannot_be_used_are_doubted_too(tmp_path, caplog):
     assert "metres for one (6e-05 m): is their unit mm?" in caplog.text
 
 
+def test_the_size_is_that_of_the_rule(bad, table, caplog):
+    large = table.loc["wide"]
+    assert (large["rule"], large["opening"]) == ("exact", 0.05)
+    assert large["grasped_1"] == pytest.approx(0.8 * 0.05)
+    assert large["factor"] == pytest.approx(table.loc["good", "factor"] / 100)
+    files = {"small": bad["good"].with_name("small.ply")}
+    potato().apply_scale(0.5).export(files["small"])
+    (scaled,) = measure.run(SETTINGS, files, "m", 1).to_dict("records")
+    assert scaled["factor"] == pytest.approx(2 * table.loc["good", "factor"], rel=1e-3)
+    assert "1 of 1 meshes are measured larger than they are, small for one" in caplog.text
+    caplog.clear()
+    (real,) = measure.run(SETTINGS, files, "m", 1, "none").to_dict("records")
+    assert (real["rule"], real["factor"]) == ("none", 1)
+    assert real["grasped_3"] == pytest.approx(0.03, rel=0.05)
+    assert caplog.text == ""
+
+
+def test_bodies_that_are_left_out_are_said_with_their_part_of_the_volume(bad, table, caplog):
+    crumb, body = trimesh.creation.icosphere(subdivisions=1, radius=0.002), potato()
+    part = crumb.volume / (crumb.volume + body.volume)
+    row = table.loc["several_bodies"]
+    assert (row["dropped_bodies"], row["dropped_volume"]) == (1, pytest.approx(part, rel=1e-4))
+    assert (table.loc["good", ["dropped_bodies", "dropped_volume"]] == 0).all()
+    measure.run(SETTINGS, {"crumbs": bad["several_bodies"]}, "m", 1)
+    assert f"crumbs: 1 of 2 bodies was dropped, {100 * part:.2g} % of the volume" in caplog.text
+
+
+def test_cells_are_comparable_with_the_map_by_its_rule_and_gripper():
+    own = DEFAULTS.difficulty.gripper
+    assert measure.incomparable(DEFAULTS, own, "exact") == ""
+    assert "by the rule none for yumi cannot" in measure.incomparable(DEFAULTS, own, "none")
+    assert "by the rule exact for panda cannot" in measure.incomparable(DEFAULTS, "panda", "exact")
+
+
 def test_workers_leave_no_trace(bad, table):
     one = measure.run(SETTINGS, bad, "m", 1).set_index("name")
     pd.testing.assert_frame_equal(one, table)

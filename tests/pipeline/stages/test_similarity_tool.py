@@ -58,7 +58,7 @@ def test_only_even_bases_are_taken_after_repair():
     box = trimesh.creation.box([0.02, 0.03, 0.08]).subdivide()
     holed = trimesh.Trimesh(box.vertices, box.faces[1:], process=False)
     scan = SETTINGS.model_copy(update={"bases": "scan"})
-    even, raw = (tool.graph_of(holed, settings) for settings in (SETTINGS, scan))
+    even, raw = (tool.graph_of(holed, settings, "holed") for settings in (SETTINGS, scan))
     assert similarity(even, reeb.extract(box, SETTINGS), 0.5) > 0.98
     assert fields(raw) == fields(reeb.extract(holed, scan))
 

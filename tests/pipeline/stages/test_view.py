@@ -103,7 +103,7 @@ def test_a_mesh_is_scaled_by_the_rule_and_labelled(tmp_path):
     trimesh.creation.box([400, 500, 600]).export(tmp_path / "crate.stl")
     found = view.from_mesh(tmp_path / "crate.stl", "mm", SETTINGS)
     assert np.sort(found.mesh.extents)[0] == pytest.approx(0.8 * 0.05, rel=1e-3)
-    assert found.title == "crate.stl, scaled by 0.1"
+    assert found.title == "40 x 50 x 60 mm, 0.1 times its size (rule paper)"
     assert 0 < len(found.grasps) <= 6
     again = view.from_mesh(tmp_path / "crate.stl", "mm", SETTINGS)
     assert again.grasps.equals(found.grasps)

@@ -1,0 +1,100 @@
+"""Which cells objects can be expected in: how high the percentile of grasp quality gets (ours).
+
+docs/search.md derives it, and has the solids that come close to it and those beyond it.
+"""
+
+import math
+import string
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from egad.grasps import Quality, quality_bound
+from egad.measures.grid import cell_counts
+from egad.measures.parameters import MeasureParameters, Space
+from egad.measures.percentile import percentile
+
+Floats = NDArray[np.float64]
+LEANS, HEIGHTS = 500, 81  # steps of the model
+
+
+class Attainable(NamedTuple):
+    """What the measure of difficulty leaves to objects.
+
+    Attributes:
+        quality: No grasp has a higher quality; infinite if difficulty is not the nominal quality.
+        difficulty: No higher percentile is expected of an object as thick as its box; or infinite.
+        rows: So many of the easiest rows lie above that difficulty.
+        edge: The lowest difficulty of these rows.
+    """
+
+    quality: float
+    difficulty: float
+    rows: int
+    edge: float
+
+    @property
+    def row_names(self) -> str:
+        """The rows that lie above, such as `rows A and B`; empty if there are none."""
+        names = string.ascii_uppercase[: self.rows]
+        if self.rows > 2:
+            return f"rows {names[0]} to {names[-1]}"
+        return f"row{'s' * (self.rows - 1)} {' and '.join(names)}" if names else ""
+
+
+def attainable_difficulty(settings: MeasureParameters) -> Attainable:
+    """The highest quality of a grasp, and the percentile that is expected at most.
+
+    The percentile is that of a model, in which every grasp spans the smallest side of the box and
+    both of its contacts lean alike, with a tangent that is uniform up to the cone of the sampler.
+    Without lean, its line passes through the center of mass, which lies at the best height between
+    the contacts.
+
+    Args:
+        settings: Gripper, cone of the sampler, contact model, percentile, and the cells.
+    """
+    if settings.measures.difficulty or settings.robust is not None:
+        return Attainable(math.inf, math.inf, 0, math.inf)
+    side = settings.difficulty.side_fraction * settings.gripper.opening
+    leans = settings.sampling.cone * (np.arange(LEANS) + 0.5) / LEANS
+    heights = np.linspace(0, side, HEIGHTS)
+    qualities = np.array([_qualities(height, leans, settings.quality) for height in heights])
+    from_both = np.concatenate([qualities, qualities[::-1]], axis=1)  # either contact is the first
+    percent = settings.difficulty.percentile
+    highest = max(percentile(each, percent) for each in from_both)
+    best = float(_qualities(0.0, np.zeros(1), settings.quality)[0])
+    edges = _row_edges(settings.space)
+    rows = int(np.sum(edges > highest))
+    return Attainable(best, highest, rows, float(edges[rows - 1]) if rows else math.inf)
+
+
+def attainable_coverage(objects: pd.DataFrame, space: Space, rows: int) -> float:
+    """The fraction of the slots that is filled, without some of the easiest rows.
+
+    Args:
+        objects: Columns complexity_cell and difficulty_cell.
+        space: The cells.
+        rows: How many rows are left out: see `attainable_difficulty`.
+    """
+    filled = np.minimum(cell_counts(objects, space), space.elites_per_cell)[rows:]
+    return float(filled.sum() / (filled.size * space.elites_per_cell))
+
+
+def _qualities(height: float, leans: Floats, rules: Quality) -> Floats:
+    """Quality of grasps that lean by some tangents, (n,), the center of mass above one contact."""
+    normals = np.tile([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], (len(leans), 1, 1))
+    axes = np.stack([leans, np.zeros_like(leans), np.ones_like(leans)], axis=1)
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    first = np.array([0.0, 0.0, -height])
+    points = np.stack([np.broadcast_to(first, axes.shape), first + axes], axis=1)
+    contact = rules.model_dump(exclude={"cone_faces"})
+    return quality_bound(points, normals, axes, np.zeros(3), **contact)
+
+
+def _row_edges(space: Space) -> Floats:
+    """The lowest difficulty of each row, the easiest first, without the last, which has no end."""
+    low, high = space.difficulty_range
+    edges: Floats = high - (high - low) * np.arange(1, space.cells) / space.cells
+    return edges
