@@ -6,7 +6,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import cache
 from typing import Self, TypeVar
 
 T = TypeVar("T")
@@ -100,7 +99,6 @@ def progress(
     Yields:
         The items, unchanged and in order.
     """
-    report_compilation()
     if sys.stderr.isatty():
         yield from _bar(items, what, total, scale, state)
     else:
@@ -178,28 +176,3 @@ def _lines(
 def _write(status: Status) -> None:
     if status.total:
         print(status, file=sys.stderr, flush=True)
-
-
-def report_compilation() -> None:
-    """Have this process say when it compiles kernels, which takes long; once numba is loaded."""
-    if "numba" in sys.modules:
-        _listen_to_compiler()
-
-
-@cache
-def _listen_to_compiler() -> None:
-    from numba.core import event  # noqa: PLC0415 (it is loaded already)
-
-    last = -LONGEST
-
-    class Compilation(event.Listener):
-        def on_start(self, _: event.Event) -> None:
-            nonlocal last
-            if time.monotonic() - last >= LONGEST:
-                last = time.monotonic()
-                phase("compiling kernels")
-
-        def on_end(self, _: event.Event) -> None:
-            pass
-
-    event.register("numba:compile", Compilation())

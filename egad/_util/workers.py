@@ -17,7 +17,6 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from egad._util.parameters import check_count
-from egad._util.progress import report_compilation
 from egad.errors import LESS_MEMORY, UserError
 
 # New processes, not copies of this one, which have its locks without the threads that hold them.
@@ -96,13 +95,12 @@ def _main_file() -> str:
 
 
 def _told(work: bytes, item: bytes) -> Any:  # noqa: ANN401 (whatever the work gives)
-    """Do pickled work on an item in a process that says when it compiles kernels.
+    """Do pickled work on an item.
 
     Raises:
         UserError: The work or the item is of a module that this process does not have.
         Exception: What the work raises.
     """
-    report_compilation()
     try:
         call, what = pickle.loads(work), pickle.loads(item)  # noqa: S301 (our own)
     except (ImportError, AttributeError) as error:

@@ -4,11 +4,11 @@ Wang et al., "Assessing shape complexity by the entropy of angular deficits", as
 (Morrison, Corke and Leitner, RA-L 2020).
 """
 
-import numba
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.geometry import check_mesh
 from egad.measures.parameters import BINS
 
@@ -46,7 +46,7 @@ def angular_deficits(mesh: trimesh.Trimesh) -> Floats:
     return np.asarray(2 * np.pi - angles[used])
 
 
-@numba.njit(cache=True)
+@kernel()
 def corner_angles(triangles: Floats) -> Floats:
     """Angles at the corners of (n, 3, 3) triangles: (n, 3), radians; 0 between zero edges."""
     result = np.empty((len(triangles), 3))

@@ -1,6 +1,5 @@
 import itertools
 
-import numba
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -137,10 +136,3 @@ def test_an_error_inside_the_loop_is_not_swallowed():
 
     with pytest.raises(ValueError, match="1"):
         work()
-
-
-def test_a_process_says_when_it_compiles_kernels(capsys):
-    module._listen_to_compiler.cache_clear()
-    module.report_compilation()
-    numba.njit(lambda x: x + 1)(1)
-    assert "compiling kernels" in map(parse_phase, capsys.readouterr().err.splitlines())
