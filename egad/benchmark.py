@@ -30,21 +30,21 @@ from egad.sim import (
     ENDINGS,
     Clutter,
     ClutterParameters,
-    EngineChoice,
+    EngineName,
     Model,
     Propose,
     Round,
     SceneLabels,
     build,
+    check_engine,
     film_round,
-    installed_engine,
     proposed_by,
     rounds_of,
     run_round,
     timed,
     write_film,
 )
-from egad.stats import Clearing, ClearingComparison, clearing_rates, compare_clearing
+from egad.stats import Clearing, ClearingComparison, clearing_rates, compare_clearing, engine_names
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
@@ -90,7 +90,8 @@ class Benchmark:
         self._scenes = scenes
 
     def __repr__(self) -> str:
-        return f"Benchmark({len(self.table)} attempts)"
+        attempts = f"{len(self.table)} attempts"
+        return f"Benchmark in {engine_names(self.table)}: {attempts}; see rates()"
 
     def rates(self) -> list[Clearing]:
         """Success rate and share of objects cleared for each kind of scene and noise."""
@@ -146,7 +147,7 @@ def run_benchmark(
     scale: tuple[float, float] = (0.8, 1.0),
     seed: int = 0,
     rule: str = "paper",
-    engine: EngineChoice = "mujoco",
+    engine: EngineName = "mujoco",
     jobs: int = 1,
 ) -> Benchmark:
     """Let a detector clear a table, as in the experiments of VGN (Breyer et al. 2020, section V).
@@ -175,7 +176,7 @@ def run_benchmark(
         scale: Range of the sizes of the objects, of those by the rule.
         seed: The same seed gives the same scenes, for all detectors and kinds of noise.
         rule: How objects are scaled to the gripper: see `egad.rescale`; `none`: not.
-        engine: What computes the physics: `mujoco`, `pybullet`; `auto`: PyBullet if installed.
+        engine: What computes the physics: `mujoco` or `pybullet`.
         jobs: Processes; the result does not depend on them. With several, a script needs
             `if __name__ == "__main__":` around its call.
 
@@ -188,9 +189,10 @@ def run_benchmark(
     """
     hand = as_gripper(gripper)
     check_name("rule", rule, RULES)
+    check_engine(engine)
     clutter = from_arguments(
         Clutter,
-        engine=installed_engine(engine),
+        engine=engine,
         scenes=tuple(scenes),
         noise=tuple(noise),
         rounds=rounds,

@@ -41,12 +41,12 @@ from egad.grippers import Gripper, as_gripper, finger_span
 from egad.named_meshes import RULES, NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.sim import (
-    EngineChoice,
+    EngineName,
     Lifting,
     SimulatedLabel,
     SimulatedLabelParameters,
     build,
-    installed_engine,
+    check_engine,
     simulate_labels,
 )
 
@@ -68,7 +68,7 @@ def export(
     grasps: int = 100,
     seed: int = 0,
     rule: str = "paper",
-    engine: EngineChoice = "mujoco",
+    engine: EngineName = "mujoco",
 ) -> list[str]:
     """Write objects, scaled to a gripper, in the format of another program.
 
@@ -89,8 +89,7 @@ def export(
             grasps ignore this, `seed` and `engine`.
         seed: Of the grasps. They are those that a dataset of the pipeline has with the same seed.
         rule: How objects are scaled: see `egad.rescale`; `none`: not.
-        engine: What simulates the grasps: `mujoco`, `pybullet`, or `auto`: PyBullet if it is
-            installed, else MuJoCo.
+        engine: What simulates the grasps: `mujoco` or `pybullet`.
 
     Returns:
         The labels of objects that were left out: their mesh does not bound a solid, or they cannot
@@ -106,13 +105,14 @@ def export(
     """
     write = _writer(check_name("format", format, FORMATS))
     check_name("rule", rule, RULES)
+    check_engine(engine)
     hand = as_gripper(gripper)
     labels = label_parameters(hand, check_count("grasps", grasps), seed)
     simulation = SimulatedLabelParameters(
         gripper=hand,
         quality=labels.quality,
         trials=Lifting(),
-        simulated_label=SimulatedLabel(engine=installed_engine(engine), grasps=grasps),
+        simulated_label=SimulatedLabel(engine=engine, grasps=grasps),
     )
     job = _Job(gripper if isinstance(gripper, str) else "gripper", labels, simulation)
     items, left_out = named_meshes(objects), []

@@ -31,15 +31,15 @@ from egad.named_meshes import RULES, NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.outcomes import Outcome
 from egad.sim import (
-    EngineChoice,
+    EngineName,
     TrialParameters,
     build,
+    check_engine,
     failed_attempts,
-    installed_engine,
     run_attempts,
 )
 from egad.sim import Trials as Protocol
-from egad.stats import Comparison, Mean, by_object, compare, mean_rate, results
+from egad.stats import Comparison, Mean, by_object, compare, engine_names, mean_rate, results
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
@@ -62,8 +62,7 @@ class Trials:
         return len(self.table)
 
     def __repr__(self) -> str:
-        rate = self.success_rate()
-        return f"Trials({rate.successes} of {rate.attempts} attempts succeeded)"
+        return f"Trials in {engine_names(self.table)}: {self.success_rate()}"
 
     def success_rate(self) -> Mean:
         """Successes over attempts, `value`, with its 95 % confidence `interval` over objects."""
@@ -92,7 +91,7 @@ def run_trials(
     rule: str = "paper",
     reset: Literal["continue", "redrop"] = "continue",
     depth_noise: float = 0.0,
-    engine: EngineChoice = "auto",
+    engine: EngineName = "mujoco",
     jobs: int = 1,
 ) -> Trials:
     """Let a detector grasp objects in simulation, as in EGAD, section V.
@@ -119,8 +118,7 @@ def run_trials(
             failure it stays where it lies; `redrop`: every attempt begins with a new drop.
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
             If it is not 0, the image also has holes beside edges and on steep surfaces.
-        engine: What computes the physics: `pybullet` or `mujoco`; `auto`: PyBullet if it is
-            installed, else MuJoCo.
+        engine: What computes the physics: `mujoco` or `pybullet`.
         jobs: Processes; the result does not depend on them. With several, a script needs
             `if __name__ == "__main__":` around its call.
 
@@ -135,9 +133,10 @@ def run_trials(
     """
     hand = as_gripper(gripper)
     check_name("rule", rule, RULES)
+    check_engine(engine)
     trials = from_arguments(
         Protocol,
-        engine=installed_engine(engine),
+        engine=engine,
         attempts=attempts,
         reset=reset,
         depth_noise=depth_noise,

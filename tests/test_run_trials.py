@@ -52,9 +52,12 @@ def test_the_same_seed_gives_the_same_attempts(good):
     assert not other.table["initial_qw"].equals(good.table["initial_qw"])
 
 
-def test_the_engine_is_the_one_that_was_asked_for():
-    trials = egad.run_trials(across_the_bar, {"bar": BAR}, "panda", attempts=1, engine="mujoco")
-    assert trials.table["engine"].tolist() == ["mujoco"]
+def test_the_engine_is_mujoco_unless_another_one_is_asked_for(good):
+    assert good.table["engine"].unique().tolist() == ["mujoco"]
+    assert repr(good).startswith("Trials in mujoco: 100.0 % (")
+    pytest.importorskip("pybullet")
+    trials = egad.run_trials(across_the_bar, {"bar": BAR}, "panda", attempts=1, engine="pybullet")
+    assert trials.table["engine"].tolist() == ["pybullet"]
 
 
 def test_a_detector_that_asks_for_more_than_a_view_is_told_where_to_go():
@@ -158,6 +161,7 @@ def test_an_object_without_grasps_gives_the_labels_nothing_to_propose():
         ({"gripper": "pandas"}, "gripper 'pandas' is not known; did you mean panda"),
         ({"attempts": 0}, "attempts is 0"),
         ({"rule": "best"}, "rule 'best' is not known; .*none"),
+        ({"engine": "auto"}, "engine 'auto' is not known; .*mujoco, pybullet"),
         ({"reset": "never"}, "reset is 'never'"),
         ({"seed": "x"}, "seed is 'x'"),
         ({"detect": 3}, "a detector is a function or the name of one, got 3"),

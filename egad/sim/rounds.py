@@ -16,7 +16,7 @@ from egad.random import entropy, generator
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose
 from egad.sim.film import Film, Pixels
 from egad.sim.model import Model
-from egad.sim.parameters import ClutterParameters, installed_engine
+from egad.sim.parameters import ClutterParameters
 from egad.sim.robots import free_hand
 from egad.sim.scenes import BOX
 from egad.sim.world import World, open_world
@@ -234,7 +234,7 @@ def _table(
         "objects": " ".join(this.ids),
         "factors": " ".join(map(repr, this.factors)),
         "n_objects": at_first,
-        "engine": installed_engine(settings.clutter.engine),
+        "engine": settings.clutter.engine,
     }
     rows = [
         known | {"attempt": number} | _columns_of(attempt, this, models)

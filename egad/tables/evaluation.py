@@ -132,6 +132,7 @@ RESULTS = pa.schema(
             STRING,
             "initial pose of the object, in hexadecimal; empty on a real robot",
         ),
+        column("engine", STRING, "physics engine; empty on a real robot"),
     ]
 )
 

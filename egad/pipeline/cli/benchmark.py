@@ -78,10 +78,13 @@ def benchmark(
     from egad.pipeline.provenance.record import run_recorded
     from egad.pipeline.stages import benchmark as stage
     from egad.pipeline.stages.clutter import ClearedTables
+    from egad.sim import check_engine
+    from egad.stats import engine_names
 
     settings = changed(settings_in(config), "clutter", rounds=rounds)
     check_name("gripper", gripper, settings.grippers)
     check_name("rule", rule, RULES)
+    check_engine(settings.clutter.engine)
     name, found = _detector(detector, weights, command, settings)
     path = out or FOLDER / f"{name}.parquet"
     for folder in [films, None if out else FOLDER]:
@@ -100,7 +103,7 @@ def benchmark(
         out=path,
         jobs=jobs,
     )
-    cleared({name: result.rates()})
+    cleared({name: result.rates()}, {name: engine_names(result.table)})
     outcomes = result.table["outcome"].value_counts()
     typer.echo(f"outcomes: {', '.join(f'{count} {name}' for name, count in outcomes.items())}")
     typer.echo(f"planning takes {result.planning_time:.2g} s (median); attempts: {path}")
