@@ -17,6 +17,7 @@ from egad.detectors import (
     SHIPPED_NETWORK,
     Detector,
     DetectorConfig,
+    FailureMonitor,
     Labels,
     check_views_will_do,
     make_detector,
@@ -93,6 +94,7 @@ def run_trials(
     depth_noise: float = 0.0,
     engine: EngineName = "mujoco",
     jobs: int = 1,
+    keep_going: bool = False,
 ) -> Trials:
     """Let a detector grasp objects in simulation, as in EGAD, section V.
 
@@ -100,7 +102,8 @@ def run_trials(
     the detector proposes grasps, and the best one is carried out: approach, close, lift, hold.
     An object that cannot be simulated has failed attempts only.
 
-    An error of the detector is one failed attempt, but an endless loop is not ended.
+    An error of the detector is one failed attempt, whose traceback is in the column `failure`; that
+    of the first one is logged. An endless loop is not ended.
 
     Args:
         detect: A function or object that is called with `(view, gripper, rng)` and returns grasps
@@ -121,11 +124,14 @@ def run_trials(
         engine: What computes the physics: `mujoco` or `pybullet`.
         jobs: Processes; the result does not depend on them. With several, a script needs
             `if __name__ == "__main__":` around its call.
+        keep_going: Whether to go on with a detector that fails in every attempt at the first three
+            objects.
 
     Raises:
-        UserError: There is no such gripper, detector or rule, the engine is not installed, a number
-            is out of bounds, there are no objects, a mesh file of the dataset is missing, or the
-            detector cannot be imported by other processes.
+        UserError: The detector fails in every attempt at the first three objects, or at all if
+            there are fewer. There is no such gripper, detector or rule, the engine is not
+            installed, a number is out of bounds, there are no objects, a mesh file of the dataset
+            is missing, or the detector cannot be imported by other processes.
 
     Warns:
         UnitsWarning: The size of a mesh suggests another unit than the metre. With several jobs,
@@ -140,6 +146,7 @@ def run_trials(
         attempts=attempts,
         reset=reset,
         depth_noise=depth_noise,
+        keep_going=keep_going,
     )
     parameters = from_arguments(TrialParameters, seed=seed, gripper=hand, trials=trials)
     targets = named_meshes(objects)
@@ -150,9 +157,12 @@ def run_trials(
     else:
         check_views_will_do(detect)
     work = partial(_attempts, detect=detect, rule=rule, parameters=parameters)
+    tables, monitor = [], FailureMonitor(len(targets), keep_going)
     with workers(jobs, chunk=1) as mapper:
-        tables = progress(mapper(work, targets), "trying", len(targets))
-        return Trials(pd.concat(list(tables)))
+        for table in progress(mapper(work, targets), "trying", len(targets)):
+            monitor.check(table)
+            tables.append(table)
+    return Trials(pd.concat(tables))
 
 
 def _attempts(

@@ -33,6 +33,11 @@ def blind(*_):
     return []
 
 
+def broken_unless_centered(view, _gripper, _rng):
+    points = view.points()[view.heights() > 0.01]
+    raise ValueError(f"{len(points)} points")
+
+
 @pytest.fixture(scope="module")
 def good():
     return egad.run_trials(across_the_bar, {"bar": BAR}, "panda", attempts=4, seed=2)
@@ -76,10 +81,22 @@ def test_the_shipped_network_lifts_a_bar():
 
 @pytest.mark.parametrize(("detector", "outcome"), [(broken, "error"), (blind, "no_grasp")])
 def test_what_a_detector_does_wrong_is_the_outcome(good, detector, outcome):
-    trials = egad.run_trials(detector, {"bar": BAR}, "panda", attempts=2, seed=2)
+    trials = egad.run_trials(detector, {"bar": BAR}, "panda", attempts=2, seed=2, keep_going=True)
     assert trials.table["outcome"].tolist() == [outcome] * 2
+    assert trials.table["failure"].str.contains("ZeroDivisionError").all() == (outcome == "error")
     found = good.compare(trials)
     assert (found.attempts, found.difference) == (2, 1.0)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_detector_that_only_fails_stops_with_its_traceback(jobs, caplog):
+    many = {f"bar{number}": BAR for number in range(8)}
+    with pytest.raises(UserError, match=r"all 6 attempts of the first 3 objects") as raised:
+        egad.run_trials(broken_unless_centered, many, "panda", attempts=2, jobs=jobs)
+    line = broken_unless_centered.__code__.co_firstlineno + 2
+    for text in (str(raised.value), caplog.text):
+        assert f'File "{__file__}", line {line}, in broken_unless_centered' in text
+        assert "points" in text.splitlines()[-1]
 
 
 def open_box():

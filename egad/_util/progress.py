@@ -17,6 +17,7 @@ LINE = re.compile(
     r"(?:, (?P<rate>[\d.]+)/(?P<unit>s|min|h))?(?:, [\d:]+ left)?(?:, (?P<state>.+))?"
 )
 PHASE_END = " ..."
+MARK = "! "
 WINDOW, STEADY = 60.0, 2.0  # seconds that a rate is taken over: at most, and at least
 BURST = 0.05  # seconds; what comes within them was done together
 
@@ -113,6 +114,16 @@ def phase(what: str) -> None:
 def parse_phase(line: str) -> str:
     """The words that `phase` was given; empty for any other line."""
     return line.removesuffix(PHASE_END) if line.endswith(PHASE_END) else ""
+
+
+def marked(text: str) -> str:
+    """Lines for a log that reach the terminal of the workflow, too."""
+    return "\n".join(f"{MARK}{line}" for line in text.splitlines())
+
+
+def parse_marked(line: str) -> str | None:
+    """A line that `marked` was given; None for any other."""
+    return line.removeprefix(MARK) if line.startswith(MARK) else None
 
 
 class _Meter:

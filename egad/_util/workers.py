@@ -62,7 +62,11 @@ def workers(count: int, chunk: int = 2) -> Iterator[Mapper]:
 
     try:
         with ProcessPoolExecutor(count, ANEW, _start_worker, (started,)) as pool:
-            yield mapper
+            try:
+                yield mapper
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)  # else it does all that is queued
+                raise
     except BrokenProcessPool as error:
         raise UserError(f"a worker process {_ending(started.is_set())}") from error
 

@@ -109,6 +109,7 @@ def columns_of(attempt: Attempt) -> dict[str, Any]:
         **{name: getattr(grasp, name) if grasp else np.nan for name in NUMBERS},
         "lifted": attempt.lifted,
         **dict(zip(END, _numbers(attempt.end), strict=True)),
+        "failure": attempt.failure,
     }
 
 

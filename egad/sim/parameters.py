@@ -83,6 +83,10 @@ class Trials(Lifting):
         "for a D435; if not 0, the image also has holes beside edges and on steep surfaces",
     )
     planning_time: PlanningTime = 60.0
+    keep_going: bool = Field(
+        False,
+        description="go on with a detector that fails in every attempt at the first three objects",
+    )
 
 
 class Clutter(Parameters):
@@ -108,6 +112,10 @@ class Clutter(Parameters):
     )
     views: int = Field(6, ge=1, le=64, description="cameras around the table")
     planning_time: PlanningTime = 60.0
+    keep_going: bool = Field(
+        False,
+        description="go on with a detector that fails in every attempt at the first three rounds",
+    )
 
     @model_validator(mode="after")
     def _scale_can_be_drawn_from(self) -> Self:

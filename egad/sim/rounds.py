@@ -256,6 +256,7 @@ def _columns_of(attempt: ClutterAttempt, this: Round, models: Sequence[Model]) -
         "width": np.nan if grasp is None else grasp.width,
         "score": np.nan if grasp is None else grasp.score,
         "stopped": attempt.stopped,
+        "failure": attempt.failure,
     }
 
 

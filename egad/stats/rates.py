@@ -130,7 +130,7 @@ def engine_names(table: pd.DataFrame) -> str:
     Args:
         table: Has a column `engine`.
     """
-    return " and ".join(sorted(set(table["engine"]) - {""}))
+    return " and ".join(sorted(set(table["engine"].dropna()) - {""}))
 
 
 def by_object(trials: pd.DataFrame) -> pd.DataFrame:

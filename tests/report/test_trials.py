@@ -14,9 +14,9 @@ OUTCOMES = ("missed", "success")
 def tried(name, rates, seed=0):
     rng = np.random.default_rng(seed)
     rows = [
-        (label, label, n, bool(success), OUTCOMES[int(success)], rng.random(), name, f"{n}", "mujoco")
+        (label, label, n, bool(won), OUTCOMES[int(won)], rng.random(), name, f"{n}", "mujoco")
         for label, rate in rates.items()
-        for n, success in enumerate(rng.random(20) < rate)
+        for n, won in enumerate(rng.random(20) < rate)
     ]
     return pd.DataFrame(rows, columns=RESULTS.names)
 

@@ -57,6 +57,10 @@ def benchmark(
     rounds: Annotated[
         int | None, typer.Option(min=1, help="rounds of each kind of scene and noise")
     ] = None,
+    keep_going: Annotated[
+        bool,
+        typer.Option("--keep-going", help="go on with a detector that fails in every attempt"),
+    ] = False,
     rule: Annotated[
         str, typer.Option(help="scaling to the gripper: paper, egad-script, exact or none")
     ] = "paper",
@@ -81,7 +85,7 @@ def benchmark(
     from egad.sim import check_engine
     from egad.stats import engine_names
 
-    settings = changed(settings_in(config), "clutter", rounds=rounds)
+    settings = changed(settings_in(config), "clutter", rounds=rounds, keep_going=keep_going or None)
     check_name("gripper", gripper, settings.grippers)
     check_name("rule", rule, RULES)
     check_engine(settings.clutter.engine)
