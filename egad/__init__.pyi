@@ -15,6 +15,7 @@ from .errors import RejectedError as RejectedError
 from .errors import TableError as TableError
 from .errors import UserError as UserError
 from .exchange.grasps import load_grasps as load_grasps
+from .export import Exported as Exported
 from .export import export as export
 from .geometry.checks import UnitsWarning as UnitsWarning
 from .geometry.repair import Repaired as Repaired

@@ -98,4 +98,6 @@ def view(
     else:
         shown = stage.from_mesh(Path(item), units, select(whole, ViewMesh, name))
     write_text(out, page(shown, name, whole.grippers[name]))
-    typer.echo(f"{shown.name}: {shown.note or f'{len(shown.grasps)} grasps'}; see {out}")
+    free = int(shown.grasps["collision_free"].sum())
+    what = shown.note or f"{len(shown.grasps)} grasps, {free} of them collision-free"
+    typer.echo(f"{shown.name}: {what}; see {out}")
