@@ -1,12 +1,13 @@
-"""Progress of long work: a bar on a terminal, else plain lines in a log, which can be read back."""
+"""Progress of long work: a bar on a terminal or in a notebook, else lines that can be read back."""
 
+import importlib
 import re
 import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar
 
 T = TypeVar("T")
 # Seconds between two lines: a tenth of the time the work has taken so far, within these limits.
@@ -18,6 +19,7 @@ LINE = re.compile(
 )
 PHASE_END = " ..."
 MARK = "! "
+BAR_WIDTH, FULL, EMPTY = 20, "\N{FULL BLOCK}", "\N{LIGHT SHADE}"
 WINDOW, STEADY = 60.0, 2.0  # seconds that a rate is taken over: at most, and at least
 BURST = 0.05  # seconds; what comes within them was done together
 
@@ -88,7 +90,7 @@ def progress(
     scale: int = 1,
     state: Callable[[], str] = lambda: "",
 ) -> Iterator[T]:
-    """Pass items through and show on stderr how far the work is.
+    """Pass items through and show on stderr, or in a notebook, how far the work is.
 
     Args:
         items: Things to work on.
@@ -102,8 +104,10 @@ def progress(
     """
     if sys.stderr.isatty():
         yield from _bar(items, what, total, scale, state)
+    elif write := _notebook_line():
+        yield from _lines(items, what, total, scale, state, write, SHORTEST)
     else:
-        yield from _lines(items, what, total, scale, state)
+        yield from _lines(items, what, total, scale, state, _write, LONGEST)
 
 
 def phase(what: str) -> None:
@@ -170,18 +174,40 @@ def _bar(
 
 
 def _lines(
-    items: Iterable[T], what: str, total: int, scale: int, state: Callable[[], str]
+    items: Iterable[T],
+    what: str,
+    total: int,
+    scale: int,
+    state: Callable[[], str],
+    write: Callable[[Status], None],
+    longest: float,
 ) -> Iterator[T]:
     start = last = time.monotonic()
     meter = _Meter()
-    _write(Status(what, 0, scale * total))
+    write(Status(what, 0, scale * total))
     for done, item in enumerate(items, 1):
         yield item
         now = time.monotonic()
         rate = scale * meter.rate(now, done)
-        if done == total or now - last >= min(max(SHARE * (now - start), SHORTEST), LONGEST):
+        if done == total or now - last >= min(max(SHARE * (now - start), SHORTEST), longest):
             last = now
-            _write(Status(what, scale * done, scale * total, rate, state()))
+            write(Status(what, scale * done, scale * total, rate, state()))
+
+
+def _notebook_line() -> Callable[[Status], None] | None:
+    """What shows a status in a line of a notebook, which it then changes; None elsewhere."""
+    shell: Any = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    if getattr(shell, "kernel", None) is None:
+        return None
+    display: Any = importlib.import_module("IPython.display").display
+    line = display({"text/plain": ""}, raw=True, display_id=True)
+
+    def write(status: Status) -> None:
+        done = BAR_WIDTH * status.done // max(status.total, 1)
+        bar = FULL * done + EMPTY * (BAR_WIDTH - done)
+        line.update({"text/plain": f"{bar} {status}"}, raw=True)
+
+    return write
 
 
 def _write(status: Status) -> None:

@@ -1,4 +1,6 @@
 import itertools
+import sys
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
@@ -127,6 +129,36 @@ def test_a_terminal_gets_a_bar(monkeypatch, capsys):
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     assert list(progress("abc", "working", 3, state=lambda: "coverage 0.81")) == list("abc")
     assert "100%" in capsys.readouterr().err
+
+
+def test_a_notebook_gets_one_line_that_moves(monkeypatch, clock, capsys):
+    """As IPython shows it: a display that is made once and updated."""
+    shown, updates = [], []
+
+    def display(data, *, raw, display_id):
+        assert raw
+        assert display_id
+        shown.append(data)
+        return SimpleNamespace(update=lambda data, **_: updates.append(data["text/plain"]))
+
+    shell = SimpleNamespace(kernel=object())
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setitem(sys.modules, "IPython.display", SimpleNamespace(display=display))
+    assert list(progress(clock.work([2] * 10), "working", 10)) == [2] * 10
+    assert len(shown) == 1
+    assert len(updates) == 11
+    assert [line.partition(" ")[0].count("\N{FULL BLOCK}") for line in updates] == [
+        *range(0, 21, 2)
+    ]
+    assert Status.parse(updates[-1].partition(" ")[2]).done == 10
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("shell", [None, SimpleNamespace()])
+def test_a_prompt_of_ipython_is_no_notebook(monkeypatch, shell, capsys):
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    list(progress("ab", "working", 2))
+    assert "working: 2/2" in capsys.readouterr().err
 
 
 def test_an_error_inside_the_loop_is_not_swallowed():
