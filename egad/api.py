@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from egad._util.arguments import check_array, check_number
 from egad._util.parameters import MAX_SIDE_FRACTION, check_count, from_arguments
+from egad._util.progress import phase_if_slow
 from egad.evalset import Bundle
 from egad.exchange.hand_body import hand_body
 from egad.geometry import (
@@ -73,6 +74,7 @@ class Measures(NamedTuple):
     cell_confidence: float
 
 
+@phase_if_slow("measuring a mesh")
 def measure(
     mesh: trimesh.Trimesh,
     gripper: Gripper | str = "yumi",
@@ -123,6 +125,7 @@ def similarity(first: trimesh.Trimesh, second: trimesh.Trimesh) -> float:
     return float(similarity_matrix([first, second])[0, 1])
 
 
+@phase_if_slow("comparing meshes")
 def similarity_matrix(meshes: Sequence[trimesh.Trimesh]) -> Floats:
     """Similarities of all pairs of n shapes, (n, n): symmetric, with 1 on the diagonal.
 
@@ -170,6 +173,7 @@ def rescale(
     return scaled, row["factor"]
 
 
+@phase_if_slow("sampling grasps")
 def sample_grasps(
     mesh: trimesh.Trimesh,
     gripper: Gripper | str,
@@ -245,6 +249,7 @@ def dataset_grasps(
     return label_grasps(mesh, center_of_mass(mesh), parameters, rng, body)
 
 
+@phase_if_slow("decomposing a mesh into convex parts")
 def convex_parts(
     mesh: trimesh.Trimesh,
     *,

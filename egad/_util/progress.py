@@ -3,9 +3,11 @@
 import importlib
 import re
 import sys
+import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Self, TypeVar
 
@@ -19,6 +21,7 @@ LINE = re.compile(
 )
 PHASE_END = " ..."
 MARK = "! "
+SLOW = 3.0  # seconds
 BAR_WIDTH, FULL, EMPTY = 20, "\N{FULL BLOCK}", "\N{LIGHT SHADE}"
 WINDOW, STEADY = 60.0, 2.0  # seconds that a rate is taken over: at most, and at least
 BURST = 0.05  # seconds; what comes within them was done together
@@ -113,6 +116,18 @@ def progress(
 def phase(what: str) -> None:
     """Say on stderr what is done now, where it cannot be said how far it is."""
     print(f"{what}{PHASE_END}", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def phase_if_slow(what: str) -> Iterator[None]:
+    """Say on stderr what is done in a block, or a function, if it takes more than a few seconds."""
+    timer = threading.Timer(SLOW, phase, [what])
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def parse_phase(line: str) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
+from egad._util.progress import phase_if_slow
 from egad.detectors import PoseGrasp
 from egad.errors import UserError
 from egad.geometry import nearest
@@ -139,6 +140,7 @@ def repeat_round(
     return _table(this, sized, attempts, settings)
 
 
+@phase_if_slow("simulating and filming the round")
 def film_round(
     table: pd.DataFrame,
     scene: str,

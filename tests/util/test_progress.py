@@ -1,5 +1,6 @@
 import itertools
 import sys
+import threading
 from types import SimpleNamespace
 
 import pytest
@@ -159,6 +160,23 @@ def test_a_prompt_of_ipython_is_no_notebook(monkeypatch, shell, capsys):
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
     list(progress("ab", "working", 2))
     assert "working: 2/2" in capsys.readouterr().err
+
+
+def test_slow_work_is_named_and_quick_work_is_not(monkeypatch, capsys):
+    monkeypatch.setattr(module, "SLOW", 0.05)
+
+    @module.phase_if_slow("thinking")
+    def think(seconds):
+        threading.Event().wait(seconds)
+        return seconds
+
+    assert think(0.0) == 0.0
+    threading.Event().wait(0.2)
+    assert capsys.readouterr().err == ""
+    assert think(0.5) == 0.5
+    assert capsys.readouterr().err == "thinking ...\n"
+    with pytest.raises(ZeroDivisionError), module.phase_if_slow("failing"):
+        1 / 0  # noqa: B018
 
 
 def test_an_error_inside_the_loop_is_not_swallowed():

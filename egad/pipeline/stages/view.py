@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from egad._util.progress import phase_if_slow
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange import check_opening, read_mesh
 from egad.exchange.hand_body import hand_body
@@ -48,6 +49,7 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> Scene
     return scene(folder, gripper, labels[name], parquet.read(table, GRASPS))
 
 
+@phase_if_slow("sampling grasps")
 def from_mesh(path: Path, units: str, settings: ViewMesh) -> Scene:
     """A mesh, repaired and scaled to the gripper, with newly labelled grasps.
 
