@@ -310,7 +310,10 @@ def _cleared(
     models = {each.id: each.model for each in objects}
     grasps = {each.id: each.grasps for each in objects}
     with open_table(detect, models.__getitem__, grasps.__getitem__, settings) as clear:
-        done, monitor = [], FailureMonitor(len(rounds), settings.clutter.keep_going, quiet=True)
+        done, monitor = (
+            [],
+            FailureMonitor(len(rounds), settings.clutter.keep_going, "rounds", quiet=True),
+        )
         for this in rounds:
             done.append(clear(this))
             monitor.check(done[-1][0])

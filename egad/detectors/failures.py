@@ -70,15 +70,18 @@ def failure_text(error: Exception) -> str:
 class FailureMonitor:
     """Tells the first failure of a detector, and ends a run in which it does nothing else."""
 
-    def __init__(self, total: int, keep_going: bool, *, quiet: bool = False) -> None:
+    def __init__(
+        self, total: int, keep_going: bool, what: str = "objects", *, quiet: bool = False
+    ) -> None:
         """Begin a run.
 
         Args:
             total: Objects, or rounds, of the run.
             keep_going: Whether the run goes on in any case.
+            what: Objects or rounds, for messages.
             quiet: Whether the first failure is told by someone else.
         """
-        self._left, self._keep_going, self._quiet = total, keep_going, quiet
+        self._left, self._keep_going, self._what, self._quiet = total, keep_going, what, quiet
         self._objects = self._attempts = 0  # at which the detector did nothing but fail
         self._worked = False
         self._first = ""
@@ -106,7 +109,7 @@ class FailureMonitor:
         if self._is_hopeless():
             raise UserError(
                 f"the detector failed in all {self._attempts} attempts of the first "
-                f"{self._objects} objects or rounds; to go on nevertheless, set keep_going "
+                f"{self._objects} {self._what}; to go on nevertheless, set keep_going "
                 f"(--keep-going of a command). Its first failure:\n{self._first}"
             )
 

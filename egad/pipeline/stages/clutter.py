@@ -74,7 +74,7 @@ def run(
     tables, seconds = [parquet.empty(CLUTTER)], []
     phase("starting the simulator")
     attempt = settings.clutter.planning_time + STARTING_TIME + ENGINE_TIME
-    monitor = FailureMonitor(len(todo), settings.clutter.keep_going)
+    monitor = FailureMonitor(len(todo), settings.clutter.keep_going, "rounds")
     limit = 2 * settings.clutter.objects * attempt
     with Survivor(partial(open_bundle, settings, bundle, grasps), limit) as clear:
         for this in progress(todo, "clearing", len(todo)):
