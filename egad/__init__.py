@@ -5,10 +5,6 @@ Everything that `__init__.pyi` lists is imported when it is first used, so `impo
 
 import lazy_loader
 
-from egad._util.kernel_cache import use_own_cache
-
 __version__ = "0.1.0"
-
-use_own_cache()
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

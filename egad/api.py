@@ -17,6 +17,7 @@ from egad._util.parameters import (
     check_count,
     from_arguments,
 )
+from egad._util.progress import phase_if_slow
 from egad.errors import check_name
 from egad.evalset import Bundle
 from egad.exchange.hand_body import hand_body
@@ -166,6 +167,7 @@ class Measures(NamedTuple):
         return f"Measures({', '.join(parts)})"
 
 
+@phase_if_slow("measuring a mesh")
 def measure(
     mesh: trimesh.Trimesh,
     gripper: Gripper | str = MAP_GRIPPER,
@@ -263,6 +265,7 @@ def similarity(first: trimesh.Trimesh, second: trimesh.Trimesh) -> float:
     return float(similarity_matrix([first, second])[0, 1])
 
 
+@phase_if_slow("comparing meshes")
 def similarity_matrix(meshes: Sequence[trimesh.Trimesh]) -> Floats:
     """Similarities of all pairs of n shapes, (n, n): symmetric, with 1 on the diagonal.
 
@@ -314,6 +317,7 @@ def rescale(
     return scaled, row["factor"]
 
 
+@phase_if_slow("sampling grasps")
 def sample_grasps(
     mesh: trimesh.Trimesh,
     gripper: Gripper | str,
@@ -389,6 +393,7 @@ def dataset_grasps(
     return label_grasps(mesh, center_of_mass(mesh), parameters, rng, body)
 
 
+@phase_if_slow("decomposing a mesh into convex parts")
 def convex_parts(
     mesh: trimesh.Trimesh,
     *,

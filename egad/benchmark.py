@@ -16,7 +16,15 @@ from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.api import dataset_grasps
-from egad.detectors import IN_SCENES, SHIPPED_NETWORK, DetectorConfig, opened, with_checked_answers
+from egad.detectors import (
+    IN_SCENES,
+    SHIPPED_NETWORK,
+    DetectorConfig,
+    FailureMonitor,
+    opened,
+    wanted_input,
+    with_checked_answers,
+)
 from egad.errors import RejectedError, UserError, check_name
 from egad.evalset import Bundle
 from egad.exchange import check_ending
@@ -30,21 +38,21 @@ from egad.sim import (
     ENDINGS,
     Clutter,
     ClutterParameters,
-    EngineChoice,
+    EngineName,
     Model,
     Propose,
     Round,
     SceneLabels,
     build,
+    check_engine,
     film_round,
-    installed_engine,
     proposed_by,
     rounds_of,
     run_round,
     timed,
     write_film,
 )
-from egad.stats import Clearing, ClearingComparison, clearing_rates, compare_clearing
+from egad.stats import Clearing, ClearingComparison, clearing_rates, compare_clearing, engine_names
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
@@ -90,7 +98,8 @@ class Benchmark:
         self._scenes = scenes
 
     def __repr__(self) -> str:
-        return f"Benchmark({len(self.table)} attempts)"
+        attempts = f"{len(self.table)} attempts"
+        return f"Benchmark in {engine_names(self.table)}: {attempts}; see rates()"
 
     def rates(self) -> list[Clearing]:
         """Success rate and share of objects cleared for each kind of scene and noise."""
@@ -146,8 +155,9 @@ def run_benchmark(
     scale: tuple[float, float] = (0.8, 1.0),
     seed: int = 0,
     rule: str = "paper",
-    engine: EngineChoice = "mujoco",
+    engine: EngineName = "mujoco",
     jobs: int = 1,
+    keep_going: bool = False,
 ) -> Benchmark:
     """Let a detector clear a table, as in the experiments of VGN (Breyer et al. 2020, section V).
 
@@ -156,7 +166,8 @@ def run_benchmark(
     carries out the best one. What is held is removed. The round ends when nothing is left, nothing
     is proposed, or two attempts in a row have failed.
 
-    An error of the detector is one failed attempt, but an endless loop is not ended.
+    An error of the detector is one failed attempt, whose traceback is in the column `failure`; that
+    of the first one is logged. An endless loop is not ended.
 
     Args:
         detect: A function or object that is called with what it asks for, the gripper and a random
@@ -175,27 +186,31 @@ def run_benchmark(
         scale: Range of the sizes of the objects, of those by the rule.
         seed: The same seed gives the same scenes, for all detectors and kinds of noise.
         rule: How objects are scaled to the gripper: see `egad.rescale`.
-        engine: What computes the physics: `mujoco`, `pybullet`; `auto`: PyBullet if installed.
+        engine: What computes the physics: `mujoco` or `pybullet`.
         jobs: Processes; the result does not depend on them. With several, a script needs
             `if __name__ == "__main__":` around its call.
+        keep_going: Whether to go on with a detector that fails in every attempt of three rounds.
 
     Raises:
-        UserError: There is no such gripper, detector, scene, noise or rule, the engine is not
-            installed, a number is out of bounds, or there are no objects that can be simulated.
+        UserError: The detector fails in every attempt of three rounds. There is no such gripper,
+            detector, scene, noise or rule, the engine is not installed, a number is out of bounds,
+            or there are no objects that can be simulated.
 
     Warns:
         UnitsWarning: The size of a mesh suggests another unit than the metre.
     """
     hand = as_gripper(gripper)
     check_name("rule", rule, SCALE_RULES)
+    check_engine(engine)
     clutter = from_arguments(
         Clutter,
-        engine=installed_engine(engine),
+        engine=engine,
         scenes=tuple(scenes),
         noise=tuple(noise),
         rounds=rounds,
         objects=per_scene,
         scale=scale,
+        keep_going=keep_going,
     )
     settings = from_arguments(ClutterParameters, seed=seed, gripper=hand, clutter=clutter)
     if isinstance(detect, str):
@@ -204,6 +219,8 @@ def run_benchmark(
         )
     elif not callable(detect) and not isinstance(detect, DetectorConfig):
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")
+    if not isinstance(detect, DetectorConfig):
+        wanted_input(detect)
     label_seed = seed if _knows(detect) else None
     known = prepare_objects(named_meshes(objects), hand, rule, label_seed, jobs)
     return clear_tables(detect, known, settings, jobs)
@@ -251,8 +268,11 @@ def clear_tables(
     todo = rounds_of([each.id for each in objects], settings)
     shards = [todo[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(todo)))]
     work = partial(_cleared, objects=objects, detect=detect, settings=settings)
+    done, monitor = [], FailureMonitor(len(shards), keep_going=True)
     with workers(jobs, chunk=1) as mapper:
-        done = list(progress(mapper(work, shards), "clearing", len(shards)))
+        for cleared in progress(mapper(work, shards), "clearing", len(shards)):
+            monitor.check(cleared[0])
+            done.append(cleared)
     by_round = {key: rows for table, _ in done for key, rows in table.groupby(ROUND)}
     seconds = [time for _, times in done for time in times]
     return Benchmark(
@@ -290,7 +310,13 @@ def _cleared(
     models = {each.id: each.model for each in objects}
     grasps = {each.id: each.grasps for each in objects}
     with open_table(detect, models.__getitem__, grasps.__getitem__, settings) as clear:
-        done = [clear(this) for this in rounds]
+        done, monitor = (
+            [],
+            FailureMonitor(len(rounds), settings.clutter.keep_going, "rounds", quiet=True),
+        )
+        for this in rounds:
+            done.append(clear(this))
+            monitor.check(done[-1][0])
     return pd.concat([table for table, _ in done]), [time for _, times in done for time in times]
 
 

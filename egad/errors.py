@@ -1,6 +1,7 @@
 """Errors that are meant to be read by a person."""
 
 import difflib
+from collections import Counter
 from collections.abc import Iterable
 
 LESS_MEMORY = "use fewer processes: `jobs` in Python, --jobs of a command, --cores of the workflow"
@@ -21,6 +22,11 @@ class RejectedError(EgadError):
 
 class TableError(EgadError, ValueError):
     """A Parquet file is missing, damaged, or does not have the columns of its schema."""
+
+
+def most_common(reasons: Counter[str]) -> str:
+    """The three most frequent reasons, with how often they were given."""
+    return "; ".join(f"{reason} ({count})" for reason, count in reasons.most_common(3))
 
 
 def check_name(what: str, name: object, names: Iterable[str], where: str = "") -> str:

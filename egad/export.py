@@ -5,6 +5,7 @@ Its formats of grasps and images are in `egad/pipeline/exports/`: they read resu
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -41,12 +42,12 @@ from egad.grippers import Gripper, as_gripper, finger_span
 from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.sim import (
-    EngineChoice,
+    EngineName,
     Lifting,
     SimulatedLabel,
     SimulatedLabelParameters,
     build,
-    installed_engine,
+    check_engine,
     simulate_labels,
 )
 
@@ -59,6 +60,32 @@ class _Job(NamedTuple):
     simulation: SimulatedLabelParameters
 
 
+@dataclass(frozen=True, repr=False)
+class Exported:
+    """What `export` wrote.
+
+    Attributes:
+        folder: Where it is.
+        labels: The objects that were written.
+        left_out: Why other objects were not, by label.
+    """
+
+    folder: Path
+    labels: list[str]
+    left_out: dict[str, str]
+
+    def __repr__(self) -> str:
+        missing = "; ".join(f"{label}: {reason}" for label, reason in self.left_out.items())
+        return f"{self.folder}: {len(self.labels)} exported" + (
+            f"; left out: {missing}" if missing else ""
+        )
+
+    @property
+    def files(self) -> list[Path]:
+        """All files in the folder and below it, in alphabetical order."""
+        return sorted(path for path in self.folder.rglob("*") if path.is_file())
+
+
 def export(
     objects: Dataset | Mapping[str, trimesh.Trimesh],
     format: str,  # noqa: A002 (what users call it)
@@ -68,8 +95,8 @@ def export(
     grasps: int = 100,
     seed: int = 0,
     rule: str = "paper",
-    engine: EngineChoice = "mujoco",
-) -> list[str]:
+    engine: EngineName = "mujoco",
+) -> Exported:
     """Write objects, scaled to a gripper, in the format of another program.
 
     Args:
@@ -89,12 +116,11 @@ def export(
             grasps ignore this, `seed` and `engine`.
         seed: Of the grasps. They are those that a dataset of the pipeline has with the same seed.
         rule: How objects are scaled: see `egad.rescale`.
-        engine: What simulates the grasps: `mujoco`, `pybullet`, or `auto`: PyBullet if it is
-            installed, else MuJoCo.
+        engine: What simulates the grasps: `mujoco` or `pybullet`.
 
     Returns:
-        The labels of objects that were left out: their mesh does not bound a solid, or they cannot
-        be scaled, grasped or decomposed.
+        What was written, and which objects were left out for which reason: their mesh does not
+        bound a solid, or they cannot be scaled, grasped or decomposed.
 
     Raises:
         UserError: There is no such format, gripper or rule, there are no objects, a name or number
@@ -106,16 +132,17 @@ def export(
     """
     write = _writer(check_name("format", format, FORMATS))
     check_name("rule", rule, SCALE_RULES)
+    check_engine(engine)
     hand = as_gripper(gripper)
     labels = label_parameters(hand, check_count("grasps", grasps), seed)
     simulation = SimulatedLabelParameters(
         gripper=hand,
         quality=labels.quality,
         trials=Lifting(),
-        simulated_label=SimulatedLabel(engine=installed_engine(engine), grasps=grasps),
+        simulated_label=SimulatedLabel(engine=engine, grasps=grasps),
     )
     job = _Job(gripper if isinstance(gripper, str) else "gripper", labels, simulation)
-    items, left_out = named_meshes(objects), []
+    items, left_out = named_meshes(objects), dict[str, str]()
     for item in items:
         check_key(item.label)
     target = as_path("out", out)
@@ -125,9 +152,10 @@ def export(
         for item in progress(items, "exporting", len(items)):
             try:
                 write(folder, item, scaled_solid(item, hand, rule), job)
-            except RejectedError:
-                left_out.append(item.label)
-    return left_out
+            except RejectedError as reason:
+                left_out[item.label] = str(reason)
+    written = [item.label for item in items if item.label not in left_out]
+    return Exported(target, written, left_out)
 
 
 def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:

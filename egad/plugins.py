@@ -5,12 +5,15 @@ import hashlib
 import importlib
 import importlib.util
 import sys
+import traceback
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeGuard
 
 from egad.errors import UserError
+
+PACKAGE = Path(__file__).parent
 
 
 @lru_cache
@@ -35,6 +38,13 @@ def find(name: str, where: str, kind: str) -> Any:  # noqa: ANN401 (it is the us
     if not callable(found):
         raise UserError(f"{where}: there is no {kind} {attribute} in {path}")
     return found
+
+
+def place_of(error: Exception) -> str:
+    """Where code of the user failed, in words: ` in line 3 of mine.py`; empty if it did not."""
+    frames = traceback.extract_tb(error.__traceback__)
+    theirs = [frame for frame in frames if not Path(frame.filename).is_relative_to(PACKAGE)]
+    return f" in line {theirs[-1].lineno} of {Path(theirs[-1].filename).name}" if theirs else ""
 
 
 def named(text: str, arguments: int = 3) -> str:

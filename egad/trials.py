@@ -17,6 +17,7 @@ from egad.detectors import (
     SHIPPED_NETWORK,
     Detector,
     DetectorConfig,
+    FailureMonitor,
     Labels,
     check_views_will_do,
     make_detector,
@@ -31,15 +32,15 @@ from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.outcomes import Outcome
 from egad.sim import (
-    EngineChoice,
+    EngineName,
     TrialParameters,
     build,
+    check_engine,
     failed_attempts,
-    installed_engine,
     run_attempts,
 )
 from egad.sim import Trials as Protocol
-from egad.stats import Comparison, Mean, by_object, compare, mean_rate, results
+from egad.stats import Comparison, Mean, by_object, compare, engine_names, mean_rate, results
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
@@ -62,8 +63,7 @@ class Trials:
         return len(self.table)
 
     def __repr__(self) -> str:
-        rate = self.success_rate()
-        return f"Trials({rate.successes} of {rate.attempts} attempts succeeded)"
+        return f"Trials in {engine_names(self.table)}: {self.success_rate()}"
 
     def success_rate(self) -> Mean:
         """Successes over attempts, `value`, with its 95 % confidence `interval` over objects."""
@@ -92,8 +92,9 @@ def run_trials(
     rule: str = "paper",
     reset: Literal["continue", "redrop"] = "continue",
     depth_noise: float = 0.0,
-    engine: EngineChoice = "auto",
+    engine: EngineName = "mujoco",
     jobs: int = 1,
+    keep_going: bool = False,
 ) -> Trials:
     """Let a detector grasp objects in simulation, as in EGAD, section V.
 
@@ -101,7 +102,8 @@ def run_trials(
     the detector proposes grasps, and the best one is carried out: approach, close, lift, hold.
     An object that cannot be simulated has failed attempts only.
 
-    An error of the detector is one failed attempt, but an endless loop is not ended.
+    An error of the detector is one failed attempt, whose traceback is in the column `failure`; that
+    of the first one is logged. An endless loop is not ended.
 
     Args:
         detect: A function or object that is called with `(view, gripper, rng)` and returns grasps
@@ -119,15 +121,17 @@ def run_trials(
             failure it stays where it lies; `redrop`: every attempt begins with a new drop.
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
             If it is not 0, the image also has holes beside edges and on steep surfaces.
-        engine: What computes the physics: `pybullet` or `mujoco`; `auto`: PyBullet if it is
-            installed, else MuJoCo.
+        engine: What computes the physics: `mujoco` or `pybullet`.
         jobs: Processes; the result does not depend on them. With several, a script needs
             `if __name__ == "__main__":` around its call.
+        keep_going: Whether to go on with a detector that fails in every attempt at the first three
+            objects.
 
     Raises:
-        UserError: There is no such gripper, detector or rule, the engine is not installed, a number
-            is out of bounds, there are no objects, a mesh file of the dataset is missing, or the
-            detector cannot be imported by other processes.
+        UserError: The detector fails in every attempt at the first three objects, or at all if
+            there are fewer. There is no such gripper, detector or rule, the engine is not
+            installed, a number is out of bounds, there are no objects, a mesh file of the dataset
+            is missing, or the detector cannot be imported by other processes.
 
     Warns:
         UnitsWarning: The size of a mesh suggests another unit than the metre. With several jobs,
@@ -135,12 +139,14 @@ def run_trials(
     """
     hand = as_gripper(gripper)
     check_name("rule", rule, SCALE_RULES)
+    check_engine(engine)
     trials = from_arguments(
         Protocol,
-        engine=installed_engine(engine),
+        engine=engine,
         attempts=attempts,
         reset=reset,
         depth_noise=depth_noise,
+        keep_going=keep_going,
     )
     parameters = from_arguments(TrialParameters, seed=seed, gripper=hand, trials=trials)
     targets = named_meshes(objects)
@@ -151,9 +157,12 @@ def run_trials(
     else:
         check_views_will_do(detect)
     work = partial(_attempts, detect=detect, rule=rule, parameters=parameters)
+    tables, monitor = [], FailureMonitor(len(targets), keep_going)
     with workers(jobs, chunk=1) as mapper:
-        tables = progress(mapper(work, targets), "trying", len(targets))
-        return Trials(pd.concat(list(tables)))
+        for table in progress(mapper(work, targets), "trying", len(targets)):
+            monitor.check(table)
+            tables.append(table)
+    return Trials(pd.concat(tables))
 
 
 def _attempts(

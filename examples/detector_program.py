@@ -8,6 +8,7 @@ Replace `detect` by your detector, and OBSERVES by what it wants to see.
 import os
 import struct
 import sys
+import traceback
 
 import msgpack
 import numpy as np
@@ -82,8 +83,8 @@ def main():
         try:
             poses, widths, scores = detect(asked["observation"], asked["gripper"], rng)
             send({"poses": poses, "widths": widths, "scores": scores})
-        except Exception as error:
-            send({"error": f"{type(error).__name__}: {error}"})
+        except Exception:
+            send({"error": traceback.format_exc()})
 
 
 if __name__ == "__main__":

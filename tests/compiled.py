@@ -31,5 +31,5 @@ def reached(module):
     return {
         name
         for name, source in sources.items()
-        if source.exists() and b"@numba.njit" in source.read_bytes()
+        if source.exists() and b"\n@kernel(" in source.read_bytes()
     }

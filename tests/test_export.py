@@ -23,10 +23,13 @@ FACTOR = 0.8 * 0.08 / 0.1  # the smallest side becomes 80 % of the opening
 
 
 def test_acronym_files_hold_the_object_and_its_grasps(tmp_path):
-    left_out = egad.export(
+    found = egad.export(
         {"block": BLOCK, "sheet": SHEET}, "acronym", "panda", tmp_path / "out", grasps=8
     )
-    assert left_out == ["sheet"]
+    assert (found.labels, list(found.left_out)) == (["block"], ["sheet"])
+    assert repr(found).startswith(f"{tmp_path}/out: 1 exported; left out: sheet: ")
+    written = [str(path.relative_to(found.folder)) for path in found.files]
+    assert written == ["block.h5", "meshes/block.obj"]
     with h5py.File(tmp_path / "out/block.h5") as file:
         mesh = trimesh.load_mesh(tmp_path / "out" / file["object/file"][()].decode())
         assert np.sort(mesh.extents) == pytest.approx(FACTOR * np.array([0.1, 0.15, 0.2]))
@@ -38,7 +41,10 @@ def test_acronym_files_hold_the_object_and_its_grasps(tmp_path):
 
 def test_graspgen_and_graspnet_hold_the_same_grasps(tmp_path):
     for style in ("graspgen", "graspnet"):
-        assert egad.export({"block": BLOCK}, style, "panda", tmp_path / style, grasps=6) == []
+        assert (
+            list(egad.export({"block": BLOCK}, style, "panda", tmp_path / style, grasps=6).left_out)
+            == []
+        )
     file = tmp_path / "graspgen/grasp_data/panda/block.json"
     grasps = json.loads(file.read_text())["grasps"]
     array = np.load(tmp_path / "graspnet/block.npy")
@@ -57,14 +63,21 @@ def test_isaac_grasp_needs_a_gripper_with_joints(tmp_path):
         egad.export({"block": BLOCK}, "isaac_grasp", "panda", tmp_path / "out")
     assert not (tmp_path / "out").exists()
     hand = egad.Gripper.from_file(box_urdf(tmp_path / "hand.urdf"))
-    assert egad.export({"block": BLOCK}, "isaac_grasp", hand, tmp_path / "out", grasps=2) == []
+    assert (
+        list(
+            egad.export({"block": BLOCK}, "isaac_grasp", hand, tmp_path / "out", grasps=2).left_out
+        )
+        == []
+    )
     grasps = yaml.safe_load((tmp_path / "out/block.yaml").read_text())["grasps"]
     assert len(grasps) == 2
     assert (tmp_path / "out/meshes/block.obj").exists()
 
 
 def test_simulation_files_have_the_mass_of_the_solid(tmp_path):
-    assert egad.export({"block": BLOCK}, "simulation", "panda", tmp_path / "out") == []
+    assert (
+        list(egad.export({"block": BLOCK}, "simulation", "panda", tmp_path / "out").left_out) == []
+    )
     urdf = ElementTree.parse(tmp_path / "out/block/block.urdf").getroot()  # noqa: S314 (our own)
     mass = float(urdf.find("link/inertial/mass").get("value"))
     assert mass == pytest.approx(Material().density * BLOCK.volume * FACTOR**3)
@@ -76,8 +89,8 @@ def test_simulation_files_have_the_mass_of_the_solid(tmp_path):
 def test_formats_of_simulators_have_a_folder_for_each_object(tmp_path, style):
     if style == "usd":
         pytest.importorskip("pxr")
-    left_out = egad.export({"block": BLOCK, "sheet": SHEET}, style, "panda", tmp_path / "out")
-    assert left_out == ["sheet"]
+    found = egad.export({"block": BLOCK, "sheet": SHEET}, style, "panda", tmp_path / "out")
+    assert list(found.left_out) == ["sheet"]
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names == {"block"} | ({"block.urdf"} if style == "vgn" else set())
 
@@ -95,7 +108,7 @@ def test_a_mesh_is_wound_outwards_and_an_open_one_left_out(tmp_path, style):
     inverted.invert()
     tray = trimesh.Trimesh(BLOCK.vertices, BLOCK.faces[2:], process=False)
     given = {"inverted": inverted, "tray": tray}
-    assert egad.export(given, style, "panda", tmp_path / "out", grasps=2) == ["tray"]
+    assert list(egad.export(given, style, "panda", tmp_path / "out", grasps=2).left_out) == ["tray"]
     files = [p for p in (tmp_path / "out").rglob("*") if p.suffix in (".obj", ".stl")]
     assert files
     for path in files:
@@ -104,7 +117,10 @@ def test_a_mesh_is_wound_outwards_and_an_open_one_left_out(tmp_path, style):
 
 
 def test_objects_need_not_be_scaled(tmp_path):
-    assert egad.export({"block": BLOCK}, "obj", "panda", tmp_path / "out", rule="none") == []
+    assert (
+        list(egad.export({"block": BLOCK}, "obj", "panda", tmp_path / "out", rule="none").left_out)
+        == []
+    )
     assert trimesh.load_mesh(tmp_path / "out/block.obj").extents == pytest.approx(BLOCK.extents)
 
 

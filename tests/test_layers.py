@@ -89,7 +89,7 @@ def test_no_module_imports_upwards():
 
 def test_every_package_has_its_place():
     found = {path.stem for path in PACKAGE.iterdir() if path.suffix == ".py" or path.is_dir()}
-    assert found - {"__init__", "__pycache__"} == set(LAYERS)
+    assert found - {"__init__", "__main__", "__pycache__"} == set(LAYERS)
 
 
 def test_packages_are_imported_by_what_they_offer():

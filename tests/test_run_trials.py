@@ -33,6 +33,11 @@ def blind(*_):
     return []
 
 
+def broken_unless_centered(view, _gripper, _rng):
+    points = view.points()[view.heights() > 0.01]
+    raise ValueError(f"{len(points)} points")
+
+
 @pytest.fixture(scope="module")
 def good():
     return egad.run_trials(across_the_bar, {"bar": BAR}, "panda", attempts=4, seed=2)
@@ -52,9 +57,12 @@ def test_the_same_seed_gives_the_same_attempts(good):
     assert not other.table["initial_qw"].equals(good.table["initial_qw"])
 
 
-def test_the_engine_is_the_one_that_was_asked_for():
-    trials = egad.run_trials(across_the_bar, {"bar": BAR}, "panda", attempts=1, engine="mujoco")
-    assert trials.table["engine"].tolist() == ["mujoco"]
+def test_the_engine_is_mujoco_unless_another_one_is_asked_for(good):
+    assert good.table["engine"].unique().tolist() == ["mujoco"]
+    assert repr(good).startswith("Trials in mujoco: 100.0 % (")
+    pytest.importorskip("pybullet")
+    trials = egad.run_trials(across_the_bar, {"bar": BAR}, "panda", attempts=1, engine="pybullet")
+    assert trials.table["engine"].tolist() == ["pybullet"]
 
 
 def test_a_detector_that_asks_for_more_than_a_view_is_told_where_to_go():
@@ -73,10 +81,22 @@ def test_the_shipped_network_lifts_a_bar():
 
 @pytest.mark.parametrize(("detector", "outcome"), [(broken, "error"), (blind, "no_grasp")])
 def test_what_a_detector_does_wrong_is_the_outcome(good, detector, outcome):
-    trials = egad.run_trials(detector, {"bar": BAR}, "panda", attempts=2, seed=2)
+    trials = egad.run_trials(detector, {"bar": BAR}, "panda", attempts=2, seed=2, keep_going=True)
     assert trials.table["outcome"].tolist() == [outcome] * 2
+    assert trials.table["failure"].str.contains("ZeroDivisionError").all() == (outcome == "error")
     found = good.compare(trials)
     assert (found.attempts, found.difference) == (2, 1.0)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_detector_that_only_fails_stops_with_its_traceback(jobs, caplog):
+    many = {f"bar{number}": BAR for number in range(8)}
+    with pytest.raises(UserError, match=r"all 6 attempts of the first 3 objects") as raised:
+        egad.run_trials(broken_unless_centered, many, "panda", attempts=2, jobs=jobs)
+    line = broken_unless_centered.__code__.co_firstlineno + 2
+    for text in (str(raised.value), caplog.text):
+        assert f'File "{__file__}", line {line}, in broken_unless_centered' in text
+        assert "points" in text.splitlines()[-1]
 
 
 def open_box():
@@ -158,6 +178,7 @@ def test_an_object_without_grasps_gives_the_labels_nothing_to_propose():
         ({"gripper": "pandas"}, "gripper 'pandas' is not known; did you mean panda"),
         ({"attempts": 0}, "attempts is 0"),
         ({"rule": "best"}, "rule 'best' is not known; .*none"),
+        ({"engine": "auto"}, "engine 'auto' is not known; .*mujoco, pybullet"),
         ({"reset": "never"}, "reset is 'never'"),
         ({"seed": "x"}, "seed is 'x'"),
         ({"detect": 3}, "a detector is a function or the name of one, got 3"),

@@ -15,7 +15,6 @@ from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
 from typing import Any, Self
 
-from egad._util.progress import report_compilation
 from egad._util.workers import Work, one_thread
 from egad.errors import LESS_MEMORY, RejectedError, UserError
 
@@ -224,7 +223,6 @@ def serve(number: int) -> None:
         except Exception as error:
             pipe.send((None, _portable(error)))
             return
-        report_compilation()
         pipe.send((None, None))
         while True:
             try:

@@ -1,4 +1,4 @@
-"""Where numba keeps compiled kernels: a folder of its own for every state of their sources.
+"""Where compiled kernels are kept: a folder of its own for every state of their sources.
 
 numba looks only at the file of a kernel when it decides whether its cached machine code is still
 good, not at the kernels of other files that were compiled into it. After an edit or an update it
@@ -12,6 +12,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -23,24 +24,23 @@ def kernel_sources_version(package: Path = PACKAGE) -> str:
     digest = hashlib.sha256()
     for path in sorted(package.rglob("*.py")):
         text = path.read_bytes()
-        if b"@numba.njit" in text:
+        if b"\n@kernel(" in text:
             digest.update(path.name.encode() + text)
     return digest.hexdigest()[:16]
 
 
-def use_own_cache(package: Path = PACKAGE) -> None:
-    """Tell numba, before it is imported, unless the user has told it already.
+@cache
+def kernel_folder(package: Path = PACKAGE) -> Path:
+    """A folder for the compiled kernels of a package; it is made.
 
-    Args:
-        package: The folder whose kernels are compiled. They are kept in it, or in the user's cache
-            folder if it cannot be written, or else in a folder for temporary files.
+    It is in the folder that the environment variable NUMBA_CACHE_DIR names, or in the package, or
+    in the user's cache folder if that cannot be written, or else among temporary files.
     """
-    if "NUMBA_CACHE_DIR" not in os.environ:
-        checked = "-bounds" if os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0" else ""
-        name = f"kernels-{kernel_sources_version(package)}{checked}"
-        folders = (parent / name for parent in _parents(package))
-        found = next((folder for folder in folders if _can_write(folder)), None)
-        os.environ["NUMBA_CACHE_DIR"] = str(found or tempfile.mkdtemp(prefix="egad-"))
+    checked = "-bounds" if os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0" else ""
+    name = f"kernels-{kernel_sources_version(package)}{checked}"
+    folders = (parent / name for parent in _parents(package))
+    found = next((folder for folder in folders if _can_write(folder)), None)
+    return found or Path(tempfile.mkdtemp(prefix="egad-"))
 
 
 def compiled_marker() -> Path:
@@ -49,7 +49,7 @@ def compiled_marker() -> Path:
 
     made_for = (sys.implementation.cache_tag, version("numba"), get_host_cpu_name())
     name = "-".join(["compiled", kernel_sources_version(), *map(str, made_for)])
-    return Path(os.environ["NUMBA_CACHE_DIR"]) / name
+    return kernel_folder() / name
 
 
 def compile_kernels() -> None:
@@ -71,6 +71,8 @@ def compile_kernels() -> None:
 
 def _parents(package: Path) -> Iterator[Path]:
     """Folders to keep kernels in, the preferred one first."""
+    if given := os.environ.get("NUMBA_CACHE_DIR"):
+        yield Path(given)
     yield package / "__pycache__"
     with suppress(RuntimeError):  # there is no home
         yield Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "egad"

@@ -1,13 +1,15 @@
-"""Progress of long work: a bar on a terminal, else plain lines in a log, which can be read back."""
+"""Progress of long work: a bar on a terminal or in a notebook, else lines that can be read back."""
 
+import importlib
 import re
 import sys
+import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar
 
 T = TypeVar("T")
 # Seconds between two lines: a tenth of the time the work has taken so far, within these limits.
@@ -18,7 +20,9 @@ LINE = re.compile(
     r"(?:, (?P<rate>[\d.]+)/(?P<unit>s|min|h))?(?:, [\d:]+ left)?(?:, (?P<state>.+))?"
 )
 PHASE_END = " ..."
-WARNING = "Warning: "  # begins lines of the logs of stages that the terminal shows, too
+MARK = "! "
+SLOW = 3.0  # seconds
+BAR_WIDTH, FULL, EMPTY = 20, "\N{FULL BLOCK}", "\N{LIGHT SHADE}"
 WINDOW, STEADY = 60.0, 2.0  # seconds that a rate is taken over: at most, and at least
 BURST = 0.05  # seconds; what comes within them was done together
 
@@ -89,7 +93,7 @@ def progress(
     scale: int = 1,
     state: Callable[[], str] = lambda: "",
 ) -> Iterator[T]:
-    """Pass items through and show on stderr how far the work is.
+    """Pass items through and show on stderr, or in a notebook, how far the work is.
 
     Args:
         items: Things to work on.
@@ -101,11 +105,12 @@ def progress(
     Yields:
         The items, unchanged and in order.
     """
-    report_compilation()
     if sys.stderr.isatty():
         yield from _bar(items, what, total, scale, state)
+    elif write := _notebook_line():
+        yield from _lines(items, what, total, scale, state, write, SHORTEST)
     else:
-        yield from _lines(items, what, total, scale, state)
+        yield from _lines(items, what, total, scale, state, _write, LONGEST)
 
 
 def phase(what: str) -> None:
@@ -113,9 +118,31 @@ def phase(what: str) -> None:
     print(f"{what}{PHASE_END}", file=sys.stderr, flush=True)
 
 
+@contextmanager
+def phase_if_slow(what: str) -> Iterator[None]:
+    """Say on stderr what is done in a block, or a function, if it takes more than a few seconds."""
+    timer = threading.Timer(SLOW, phase, [what])
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
 def parse_phase(line: str) -> str:
     """The words that `phase` was given; empty for any other line."""
     return line.removesuffix(PHASE_END) if line.endswith(PHASE_END) else ""
+
+
+def marked(text: str) -> str:
+    """Lines for a log that reach the terminal of the workflow, too."""
+    return "\n".join(f"{MARK}{line}" for line in text.splitlines())
+
+
+def parse_marked(line: str) -> str | None:
+    """A line that `marked` was given; None for any other."""
+    return line.removeprefix(MARK) if line.startswith(MARK) else None
 
 
 class _Meter:
@@ -162,45 +189,42 @@ def _bar(
 
 
 def _lines(
-    items: Iterable[T], what: str, total: int, scale: int, state: Callable[[], str]
+    items: Iterable[T],
+    what: str,
+    total: int,
+    scale: int,
+    state: Callable[[], str],
+    write: Callable[[Status], None],
+    longest: float,
 ) -> Iterator[T]:
     start = last = time.monotonic()
     meter = _Meter()
-    _write(Status(what, 0, scale * total))
+    write(Status(what, 0, scale * total))
     for done, item in enumerate(items, 1):
         yield item
         now = time.monotonic()
         rate = scale * meter.rate(now, done)
-        if done == total or now - last >= min(max(SHARE * (now - start), SHORTEST), LONGEST):
+        if done == total or now - last >= min(max(SHARE * (now - start), SHORTEST), longest):
             last = now
-            _write(Status(what, scale * done, scale * total, rate, state()))
+            write(Status(what, scale * done, scale * total, rate, state()))
+
+
+def _notebook_line() -> Callable[[Status], None] | None:
+    """What shows a status in a line of a notebook, which it then changes; None elsewhere."""
+    shell: Any = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    if getattr(shell, "kernel", None) is None:
+        return None
+    display: Any = importlib.import_module("IPython.display").display
+    line = display({"text/plain": ""}, raw=True, display_id=True)
+
+    def write(status: Status) -> None:
+        done = BAR_WIDTH * status.done // max(status.total, 1)
+        bar = FULL * done + EMPTY * (BAR_WIDTH - done)
+        line.update({"text/plain": f"{bar} {status}"}, raw=True)
+
+    return write
 
 
 def _write(status: Status) -> None:
     if status.total:
         print(status, file=sys.stderr, flush=True)
-
-
-def report_compilation() -> None:
-    """Have this process say when it compiles kernels, which takes long; once numba is loaded."""
-    if "numba" in sys.modules:
-        _listen_to_compiler()
-
-
-@cache
-def _listen_to_compiler() -> None:
-    from numba.core import event  # noqa: PLC0415 (it is loaded already)
-
-    last = -LONGEST
-
-    class Compilation(event.Listener):
-        def on_start(self, _: event.Event) -> None:
-            nonlocal last
-            if time.monotonic() - last >= LONGEST:
-                last = time.monotonic()
-                phase("compiling kernels")
-
-        def on_end(self, _: event.Event) -> None:
-            pass
-
-    event.register("numba:compile", Compilation())

@@ -17,7 +17,6 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from egad._util.parameters import check_count
-from egad._util.progress import report_compilation
 from egad.errors import LESS_MEMORY, UserError
 
 # New processes, not copies of this one, which have its locks without the threads that hold them.
@@ -63,7 +62,11 @@ def workers(count: int, chunk: int = 2) -> Iterator[Mapper]:
 
     try:
         with ProcessPoolExecutor(count, ANEW, _start_worker, (started,)) as pool:
-            yield mapper
+            try:
+                yield mapper
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)  # else it does all that is queued
+                raise
     except BrokenProcessPool as error:
         raise UserError(f"a worker process {_ending(started.is_set())}") from error
 
@@ -96,13 +99,12 @@ def _main_file() -> str:
 
 
 def _told(work: bytes, item: bytes) -> Any:  # noqa: ANN401 (whatever the work gives)
-    """Do pickled work on an item in a process that says when it compiles kernels.
+    """Do pickled work on an item.
 
     Raises:
         UserError: The work or the item is of a module that this process does not have.
         Exception: What the work raises.
     """
-    report_compilation()
     try:
         call, what = pickle.loads(work), pickle.loads(item)  # noqa: S301 (our own)
     except (ImportError, AttributeError) as error:

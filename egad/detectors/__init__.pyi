@@ -3,12 +3,14 @@ from .asking import check_views_will_do as check_views_will_do
 from .asking import choose as choose
 from .asking import from_above as from_above
 from .asking import seen_by as seen_by
-from .asking import try_to_plan as try_to_plan
 from .asking import wanted_input as wanted_input
 from .base import DetectorError as DetectorError
 from .base import DetectorTimeoutError as DetectorTimeoutError
 from .base import Grasp as Grasp
 from .base import best_grasp as best_grasp
+from .failures import Failure as Failure
+from .failures import FailureMonitor as FailureMonitor
+from .failures import try_to_plan as try_to_plan
 from .ggcnn import GGCNN as GGCNN
 from .labels import Labels as Labels
 from .parameters import DETECTORS as DETECTORS

@@ -1,19 +1,16 @@
-"""Asking a detector: with what it wants to see, and whatever it does wrong."""
+"""Asking a detector: what it wants to see, and the best of its answer."""
 
 import inspect
-import logging
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
-from egad.detectors.base import DetectorTimeoutError, Grasp, best_grasp
+from egad.detectors.base import DetectorError, Grasp, best_grasp
 from egad.detectors.poses import GraspPoses, PoseGrasp, best_pose, pose_of
 from egad.errors import UserError, check_name
 from egad.grippers import Gripper
 from egad.outcomes import Outcome
 from egad.perception import Observation, PointCloud, Tsdf, View
 
-log = logging.getLogger(__name__)
-T = TypeVar("T")
 Seen = View | tuple[View, ...] | PointCloud | Tsdf | Observation
 
 INPUTS = ("view", "views", "cloud", "tsdf", "observation")
@@ -23,21 +20,29 @@ def wanted_input(detect: Callable[..., Any]) -> str:
     """What a detector wants to see: one of `INPUTS`.
 
     Args:
-        detect: Has an attribute `observes` that names it, or a first parameter of that name;
-            otherwise it gets the view from above.
+        detect: Has an attribute `observes` that names it, or a first parameter of that name. One
+            whose first parameter says nothing gets the view from above: a name that begins with an
+            underscore, or `*args`.
 
     Raises:
-        UserError: The attribute is something else.
+        UserError: The attribute or the parameter is something else.
     """
     whole = inspect.unwrap(detect)
     declared = getattr(whole, "observes", None)
     if declared is not None:
         return check_name("input of detectors", declared, INPUTS)
     try:
-        first = next(iter(inspect.signature(whole).parameters), "")
+        first = next(iter(inspect.signature(whole).parameters.values()), None)
     except ValueError:  # of code that is not Python
         return INPUTS[0]
-    return first if first in INPUTS else INPUTS[0]
+    if first is None or first.kind is first.VAR_POSITIONAL or first.name.startswith("_"):
+        return INPUTS[0]
+    if first.name not in INPUTS:
+        raise UserError(
+            f"the first parameter of a detector says what it gets, and {first.name!r} is none of "
+            f"{', '.join(INPUTS)}; rename it, or set an attribute `observes`"
+        )
+    return first.name
 
 
 def check_views_will_do(detect: Callable[..., Any]) -> None:
@@ -68,27 +73,8 @@ def from_above(answer: list[Grasp] | GraspPoses) -> list[Grasp]:
     """An answer of grasps from above.
 
     Raises:
-        TypeError: They are poses, which only a hand without an arm can carry out.
+        DetectorError: They are poses, which only a hand without an arm can carry out.
     """
     if isinstance(answer, GraspPoses):
-        raise TypeError("it gives poses, not grasps from above: `egad benchmark` can try those")
+        raise DetectorError("it gives poses, not grasps from above: `egad benchmark` tries those")
     return answer
-
-
-def try_to_plan(plan: Callable[[], T]) -> T | Outcome:
-    """The result of asking a detector, or the outcome of the attempt if that goes wrong.
-
-    Raises:
-        UserError: The detector cannot be used at all.
-        MemoryError: There is not enough.
-    """
-    try:
-        return plan()
-    except (UserError, MemoryError):
-        raise
-    except DetectorTimeoutError as error:
-        log.warning("the detector was stopped: %s", error)
-        return Outcome.TIMEOUT
-    except Exception as error:
-        log.warning("the detector failed: %s: %s", type(error).__name__, error)
-        return Outcome.ERROR

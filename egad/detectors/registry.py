@@ -1,6 +1,7 @@
 """Grasp detectors: what they get, what they give, and how one is found by its name."""
 
 import functools
+import inspect
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ import numpy as np
 
 from egad import plugins as own_code
 from egad.detectors.antipodal import antipodal_depth
-from egad.detectors.base import WHERE, Grasp
+from egad.detectors.base import WHERE, DetectorError, Grasp
 from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.graspgen import GraspGen
@@ -58,15 +59,30 @@ def with_checked_answers(detect: Callable[..., Any]) -> Detector:
         seen: object, gripper: Gripper, rng: np.random.Generator, /
     ) -> list[Grasp] | GraspPoses:
         answer = detect(seen, gripper, rng)
-        if (
-            isinstance(answer, tuple)
-            and answer
-            and not any(hasattr(each, "center") for each in answer)
-        ):
-            return poses_of(answer)
-        return [_plain(grasp) for grasp in answer]
+        try:
+            return _grasps_of(answer)
+        except (TypeError, ValueError, AttributeError) as error:
+            raise DetectorError(
+                f"{_name_with_place(detect)} must return a list of grasps, or a tuple of poses, "
+                f"widths and scores, but returned {type(answer).__name__} {answer!r:.200}: {error}"
+            ) from error
 
     return ask
+
+
+def _grasps_of(answer: Any) -> list[Grasp] | GraspPoses:  # noqa: ANN401 (whatever it gives)
+    """An answer as grasps from above, or as poses if it is a tuple of arrays."""
+    if isinstance(answer, tuple) and answer and not any(hasattr(each, "center") for each in answer):
+        return poses_of(answer)
+    return [_plain(grasp) for grasp in answer]
+
+
+def _name_with_place(detect: Callable[..., Any]) -> str:
+    """A detector with the file and line of its code, if it is Python."""
+    called = inspect.unwrap(detect if inspect.isroutine(detect) else type(detect).__call__)
+    code = getattr(called, "__code__", None)
+    name = getattr(detect, "__qualname__", type(detect).__name__)
+    return f"{name} ({code.co_filename}, line {code.co_firstlineno})" if code else name
 
 
 def _plain(grasp: Any) -> Grasp:  # noqa: ANN401 (whatever the user's code gives)

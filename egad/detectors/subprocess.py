@@ -8,8 +8,9 @@ from typing import Self
 import numpy as np
 
 from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
-from egad.detectors.asking import check_views_will_do, seen_by
+from egad.detectors.asking import check_views_will_do, seen_by, wanted_input
 from egad.detectors.base import DetectorError, DetectorTimeoutError, Grasp
+from egad.detectors.failures import failure_text
 from egad.detectors.parameters import DetectorConfig
 from egad.detectors.poses import Detector, GraspPoses
 from egad.detectors.program import Program
@@ -21,7 +22,7 @@ from egad.perception import Observation, View
 STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load
 
 Question = tuple[View | Observation, Gripper, np.random.Generator]
-Answer = list[Grasp] | GraspPoses | MemoryError | str  # text: what went wrong
+Answer = list[Grasp] | GraspPoses | MemoryError | str  # text: what went wrong, with a traceback
 
 
 class Child:
@@ -106,7 +107,9 @@ def opened(config: DetectorConfig, limit: float) -> Iterator[Detector]:
 @contextmanager
 def _answering(config: DetectorConfig) -> Iterator[Callable[[Question], Answer]]:
     """Make the detector, in its own process."""
-    yield partial(_answer, make_detector(config))
+    detect = make_detector(config)
+    wanted_input(detect)
+    yield partial(_answer, detect)
 
 
 def _answer(detect: Detector, question: Question) -> Answer:
@@ -120,4 +123,4 @@ def _answer(detect: Detector, question: Question) -> Answer:
     except MemoryError as error:
         return MemoryError(str(error))
     except Exception as error:
-        return f"{type(error).__name__}: {error}"
+        return failure_text(error)

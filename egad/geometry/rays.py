@@ -2,12 +2,13 @@
 
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 import trimesh
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
+
+from egad._util.kernels import kernel
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -152,7 +153,7 @@ class RayCaster:
         return np.asarray(np.isfinite(hits.distances) & ~hits.entering)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _exact_hits(
     faces: NDArray[np.int64],
     distances: Singles,
@@ -183,7 +184,7 @@ def _exact_hits(
     return exact, found, entering
 
 
-@numba.njit(cache=True)
+@kernel()
 def bounding_box(triangles: Floats) -> tuple[Floats, Floats]:
     """The lowest and the highest corner of the box of (n, 3, 3) triangles, n > 0."""
     low, high = triangles[0, 0].copy(), triangles[0, 0].copy()
@@ -194,7 +195,7 @@ def bounding_box(triangles: Floats) -> tuple[Floats, Floats]:
     return low, high
 
 
-@numba.njit(cache=True)
+@kernel()
 def _normals_and_areas(triangles: Floats) -> tuple[Floats, Floats]:
     """Unit normals of (n, 3, 3) triangles, zeros for those without area; and their areas."""
     normals, areas = np.zeros((len(triangles), 3)), np.empty(len(triangles))

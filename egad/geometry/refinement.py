@@ -2,9 +2,10 @@
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from egad._util.kernels import kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -38,7 +39,7 @@ def distinct_corners(faces: NDArray[np.int64]) -> Ints:
     return np.asarray(faces[distinct], np.int32)
 
 
-@numba.njit(cache=True)
+@kernel()
 def triangulation(vertices: Floats, faces: Ints) -> Triangulation:
     """Number the edges of a mesh by their lower vertex, then the higher one.
 
@@ -63,7 +64,7 @@ def triangulation(vertices: Floats, faces: Ints) -> Triangulation:
     return Triangulation(vertices, faces, edges[: edge + 1].copy(), face_edges)
 
 
-@numba.njit(cache=True)
+@kernel()
 def lexicographic(low: Ints, high: Ints, bound: int) -> NDArray[np.int64]:
     """Indices that sort pairs of numbers below `bound`: a counting sort by each, stable."""
     order = np.arange(len(low))
@@ -80,7 +81,7 @@ def lexicographic(low: Ints, high: Ints, bound: int) -> NDArray[np.int64]:
     return order
 
 
-@numba.njit(cache=True)
+@kernel()
 def face_areas(mesh: Triangulation) -> Floats:
     """Area of each face, (f,)."""
     result = np.empty(len(mesh.faces))
@@ -101,7 +102,7 @@ def face_areas(mesh: Triangulation) -> Floats:
     return result
 
 
-@numba.njit(cache=True)
+@kernel()
 def refine(mesh: Triangulation, count: int, longest: float = 0.0) -> Triangulation:
     """Split the longest edge at its midpoint, again and again.
 
@@ -136,7 +137,7 @@ def refine(mesh: Triangulation, count: int, longest: float = 0.0) -> Triangulati
     )
 
 
-@numba.njit(cache=True)
+@kernel()
 def _room(mesh: Triangulation, splits: int) -> _Room:
     first = np.full(len(mesh.edges), -1, np.int32)
     following = np.empty(mesh.face_edges.size, np.int32)
@@ -160,7 +161,7 @@ def _room(mesh: Triangulation, splits: int) -> _Room:
     return room
 
 
-@numba.njit(cache=True)
+@kernel()
 def _set_edge(room: _Room, edge: int, one: int, other: int) -> None:
     room.edges[edge, 0], room.edges[edge, 1] = one, other
     room.lengths[edge] = 0.0
@@ -168,7 +169,7 @@ def _set_edge(room: _Room, edge: int, one: int, other: int) -> None:
         room.lengths[edge] += (room.vertices[one, k] - room.vertices[other, k]) ** 2
 
 
-@numba.njit(cache=True)
+@kernel()
 def _split(room: _Room, edge: int, middle: int, faces: int, edges: int) -> int:
     """Split an edge at the new vertex `middle`; returns how many faces that adds.
 
@@ -193,7 +194,7 @@ def _split(room: _Room, edge: int, middle: int, faces: int, edges: int) -> int:
     return added
 
 
-@numba.njit(cache=True)
+@kernel()
 def _split_face(
     room: _Room, corner: int, middle: int, halves: tuple[int, int], new: int, across: int
 ) -> None:
@@ -215,12 +216,12 @@ def _split_face(
     _join(room, across, 3 * new + 2)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _join(room: _Room, edge: int, corner: int) -> None:
     room.following[corner], room.first[edge] = room.first[edge], corner
 
 
-@numba.njit(cache=True)
+@kernel()
 def _move(room: _Room, edge: int, corner: int, to: int) -> None:
     """An edge meets corner `to` in place of another one."""
     room.following[to] = room.following[corner]
@@ -233,14 +234,14 @@ def _move(room: _Room, edge: int, corner: int, to: int) -> None:
     room.following[place] = to
 
 
-@numba.njit(cache=True)
+@kernel()
 def _above(lengths: Floats, one: int, other: int) -> bool:
     if lengths[one] == lengths[other]:
         return one < other
     return bool(lengths[one] > lengths[other])
 
 
-@numba.njit(cache=True)
+@kernel()
 def _sink(heap: Ints, count: int, lengths: Floats, slot: int) -> None:
     item = heap[slot]
     while 2 * slot + 1 < count:
@@ -254,7 +255,7 @@ def _sink(heap: Ints, count: int, lengths: Floats, slot: int) -> None:
     heap[slot] = item
 
 
-@numba.njit(cache=True)
+@kernel()
 def _rise(heap: Ints, lengths: Floats, slot: int) -> None:
     item = heap[slot]
     while slot > 0 and _above(lengths, item, heap[(slot - 1) // 2]):

@@ -1,9 +1,9 @@
 """How far the rounding of coordinates has moved the vertices of a mesh."""
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.geometry.refinement import Triangulation, distinct_corners, face_areas, triangulation
 
 Floats = NDArray[np.float64]
@@ -43,7 +43,7 @@ def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
     return float(heights[flat].max(initial=0.0))
 
 
-@numba.njit(cache=True)
+@kernel()
 def fold_heights(mesh: Triangulation, areas: Floats) -> Floats:
     """Height of the fold at each edge, (e,): from one face to the plane of the other, larger one.
 

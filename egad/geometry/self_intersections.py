@@ -1,9 +1,9 @@
 """Find where a surface passes through itself, and remove these regions."""
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.errors import RejectedError
 from egad.geometry.manifold import Solid, arrays, box, is_solid, union
 
@@ -48,7 +48,7 @@ def crossings(vertices: Floats, faces: Ints, depth: float) -> Ints:
     return pairs
 
 
-@numba.njit(cache=True)
+@kernel()
 def _sweep(
     vertices: Floats, faces: Ints, normals: Floats, low: Floats, high: Floats, depth: float
 ) -> Ints:
@@ -75,7 +75,7 @@ def _sweep(
     return pairs
 
 
-@numba.njit(cache=True)
+@kernel()
 def _pierces(
     vertices: Floats, faces: Ints, normals: Floats, first: int, second: int, depth: float
 ) -> bool:
@@ -93,13 +93,13 @@ def _pierces(
     return False
 
 
-@numba.njit(cache=True)
+@kernel()
 def _is_corner(vertex: int, faces: Ints, face: int) -> bool:
     a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
     return bool(vertex in (a, b, c))
 
 
-@numba.njit(cache=True)
+@kernel()
 def _height(vertices: Floats, vertex: int, faces: Ints, normals: Floats, face: int) -> float:
     """Signed distance of a vertex from the plane of a triangle; 0 if that has no area."""
     height = 0.0
@@ -108,7 +108,7 @@ def _height(vertices: Floats, vertex: int, faces: Ints, normals: Floats, face: i
     return height
 
 
-@numba.njit(cache=True)
+@kernel()
 def _passes_within(vertices: Floats, p: int, q: int, faces: Ints, face: int) -> bool:
     """Whether the line p-q winds the same way about all three sides of a triangle."""
     a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
@@ -118,7 +118,7 @@ def _passes_within(vertices: Floats, p: int, q: int, faces: Ints, face: int) -> 
     return bool((x >= 0 and y >= 0 and z >= 0) or (x <= 0 and y <= 0 and z <= 0))
 
 
-@numba.njit(cache=True)
+@kernel()
 def _turn(vertices: Floats, p: int, q: int, a: int, b: int) -> float:
     """Six times the signed volume of the tetrahedron p, q, a, b."""
     total = 0.0

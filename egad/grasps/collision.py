@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.grippers import Gripper, Part
 
 Floats = NDArray[np.float64]
@@ -80,7 +80,7 @@ def spheres(triangles: Floats) -> tuple[Floats, Floats]:
     return np.ascontiguousarray(centers), radii
 
 
-@numba.njit(cache=True)
+@kernel()
 def _block_turns(
     triangles: Floats,
     centers: Floats,
@@ -122,7 +122,7 @@ def _block_turns(
                         left -= 1
 
 
-@numba.njit(cache=True)
+@kernel()
 def _touches(triangle: Floats, box: Floats, planes: Floats, first: int, end: int) -> bool:
     """Whether a triangle meets the part with this box and these of the planes, if any."""
     if not box_meets_triangle(triangle, box):
@@ -137,13 +137,13 @@ def _touches(triangle: Floats, box: Floats, planes: Floats, first: int, end: int
     return bool(clipped(triangle, planes[first:end])[1] > 0)
 
 
-@numba.njit(cache=True)
+@kernel()
 def apart(middle: float, radius: float, box: Floats, axis: int) -> bool:
     """Whether a sphere misses a box along one axis."""
     return bool(middle + radius < box[0, axis] or middle - radius > box[1, axis])
 
 
-@numba.njit(cache=True)
+@kernel()
 def local(
     points: Floats, i: int, origins: Floats, frames: Floats, n: int
 ) -> tuple[float, float, float]:
@@ -158,7 +158,7 @@ def local(
     )
 
 
-@numba.njit(cache=True)
+@kernel()
 def clipped(polygon: Floats, planes: Floats) -> tuple[Floats, int]:
     """What planes leave of a convex polygon (c, 3): corners, and how many of them; 0 if nothing.
 
@@ -190,12 +190,12 @@ def clipped(polygon: Floats, planes: Floats) -> tuple[Floats, int]:
     return corners, count
 
 
-@numba.njit(cache=True)
+@kernel()
 def _height(plane: Floats, point: Floats) -> float:
     return float(plane[0] * point[0] + plane[1] * point[1] + plane[2] * point[2] + plane[3])
 
 
-@numba.njit(cache=True)
+@kernel()
 def box_meets_triangle(triangle: Floats, box: Floats) -> bool:
     """Whether a triangle (3, 3) and a box (low and high corner) share a point: separating axes."""
     if _corner_within(triangle, box):
@@ -231,7 +231,7 @@ def box_meets_triangle(triangle: Floats, box: Floats) -> bool:
     return True
 
 
-@numba.njit(cache=True)
+@kernel()
 def _corner_within(triangle: Floats, box: Floats) -> bool:
     for i in range(3):
         within = True

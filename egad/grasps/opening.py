@@ -1,10 +1,10 @@
 """The opening that a grasp needs for whole fingers, and the part of a surface that fits (ours)."""
 
-import numba
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.geometry import RayCaster, spread
 from egad.grasps.closing import needed_openings_of_model
 from egad.grasps.collision import apart, clipped, local, spheres
@@ -60,7 +60,7 @@ def needed_openings(
     return np.asarray(2 * half)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _gaps(
     triangles: Floats,
     centers: Floats,
@@ -103,7 +103,7 @@ def _gaps(
     return starts, ends
 
 
-@numba.njit(cache=True)
+@kernel()
 def _taken(
     triangles: Floats,
     centers: Floats,
@@ -137,7 +137,7 @@ def _taken(
     return count
 
 
-@numba.njit(cache=True)
+@kernel()
 def _extent(corners: Floats, column: Floats, planes: Floats, least: float) -> tuple[float, float]:
     """The range of x that a triangle has within a column; 0 to 0 if it is not beyond `least`."""
     low, high = np.inf, -np.inf
@@ -156,7 +156,7 @@ def _extent(corners: Floats, column: Floats, planes: Floats, least: float) -> tu
     return rest[:size, 0].min(), rest[:size, 0].max()
 
 
-@numba.njit(cache=True)
+@kernel()
 def _first_gap(taken: Floats, least: float) -> tuple[float, float]:
     """Where the first gap between open intervals begins, at `least` or later, and where it ends."""
     free = least

@@ -5,10 +5,10 @@ that the fingers can resist in every direction while their contact forces add up
 model and its constants are those of Dex-Net 2.0 (Mahler et al., RSS 2017).
 """
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from egad._util.kernels import kernel
 from egad.grasps.wrench_hull import depths
 
 Floats = NDArray[np.float64]
@@ -147,7 +147,7 @@ def wrenches(
     return result
 
 
-@numba.njit(cache=True)
+@kernel()
 def _wrenches(
     arms: Floats,
     normals: Floats,
@@ -181,7 +181,7 @@ def _wrenches(
     return result
 
 
-@numba.njit(cache=True)
+@kernel()
 def _frame(normal: Floats, tangent: Floats, other: Floats) -> None:
     """Fill in the unit tangent nearest to x, or to y where the normal is along x, and their cross.
 

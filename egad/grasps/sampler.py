@@ -7,10 +7,10 @@ exact ray casting in place of a search along lines in a distance field.
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.geometry import RayCaster
 from egad.grasps.parameters import Sampling
 
@@ -181,7 +181,7 @@ def _points(caster: RayCaster, count: int, rng: np.random.Generator) -> tuple[Fl
     return points, faces
 
 
-@numba.njit(cache=True)
+@kernel()
 def _points_inside(triangles: Floats, faces: Indices, along: Floats) -> Floats:
     """Points at parts of two sides of triangles, back from the other half of a parallelogram."""
     points = np.empty((len(faces), 3))
@@ -204,7 +204,7 @@ def _axes_in_cone(normals: Floats, cone: float, rng: np.random.Generator) -> Flo
     return axes
 
 
-@numba.njit(cache=True)
+@kernel()
 def _leaning(normals: Floats, first: Floats, second: Floats) -> Floats:
     """Unit vectors along -normals plus so much of two directions at right angles to them."""
     axes, one, two = np.empty_like(normals), np.empty(3), np.empty(3)
@@ -284,7 +284,7 @@ def _keep_apart(old: ContactPairs, new: ContactPairs, spacing: float) -> Indices
     return kept
 
 
-@numba.njit(cache=True)
+@kernel()
 def _spread(centers: Floats, axes: Floats, old: int, spacing: float) -> Indices:
     kept = np.arange(len(centers))
     count = old
@@ -300,7 +300,7 @@ def _spread(centers: Floats, axes: Floats, old: int, spacing: float) -> Indices:
     return kept[old:count] - old
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _gap(centers: Floats, axes: Floats, i: int, j: int, spacing: float) -> float:
     """How far apart two grasps are; without their turn if their centers are `spacing` apart."""
     square = 0.0

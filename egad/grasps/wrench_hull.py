@@ -9,10 +9,11 @@ points need no special case.
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
+
+from egad._util.kernels import kernel
 
 TOLERANCE = 1e-12  # of the largest coordinate: what is nearer to a plane lies on it
 _FACETS = 4096
@@ -38,7 +39,7 @@ class Workspace(NamedTuple):
     ends: NDArray[np.int64]  # facet and vertex that wait at this ridge for a neighbor
 
 
-@numba.njit(cache=True)
+@kernel()
 def _workspace() -> Workspace:
     return Workspace(
         np.empty((_FACETS, 6), np.int64),
@@ -82,7 +83,7 @@ def slow_depth(points: NDArray[np.float64]) -> float:
     return offset if offset > TOLERANCE * np.abs(points).max() else 0.0
 
 
-@numba.njit(cache=True)
+@kernel()
 def _depths(points: NDArray[np.float64], floor: float) -> NDArray[np.float64]:
     space = _workspace()
     result = np.empty(len(points))
@@ -91,7 +92,7 @@ def _depths(points: NDArray[np.float64], floor: float) -> NDArray[np.float64]:
     return result
 
 
-@numba.njit(cache=True)
+@kernel()
 def _depth(points: NDArray[np.float64], space: Workspace, floor: float) -> float:
     """The smallest facet offset, or 0; any upper bound of it that is below the floor.
 
@@ -122,7 +123,7 @@ def _depth(points: NDArray[np.float64], space: Workspace, floor: float) -> float
     return np.nan
 
 
-@numba.njit(cache=True)
+@kernel()
 def _start(points: NDArray[np.float64], space: Workspace, tolerance: float) -> bool:
     """Make a simplex of seven far-apart points; False if all points are in one hyperplane."""
     chosen = np.zeros(7, np.int64)
@@ -153,7 +154,7 @@ def _start(points: NDArray[np.float64], space: Workspace, tolerance: float) -> b
     return True
 
 
-@numba.njit(cache=True)
+@kernel()
 def _find_horizon(
     apex: NDArray[np.float64], first: int, used: int, space: Workspace, tolerance: float
 ) -> tuple[int, int]:
@@ -182,7 +183,7 @@ def _find_horizon(
     return hidden, edges
 
 
-@numba.njit(cache=True)
+@kernel()
 def _raise_facets(
     apex: int, edges: int, used: int, free: int, space: Workspace, tolerance: float
 ) -> tuple[int, int]:
@@ -225,7 +226,7 @@ def _raise_facets(
     return used, free if unmatched == 0 else -1
 
 
-@numba.njit(cache=True)
+@kernel()
 def _tilt(
     new: int,
     old: int,
@@ -250,7 +251,7 @@ def _tilt(
     return True
 
 
-@numba.njit(cache=True)
+@kernel()
 def _match(
     ridge: int,
     facet: int,
@@ -272,7 +273,7 @@ def _match(
     return -1
 
 
-@numba.njit(cache=True)
+@kernel()
 def _nearest(offsets: NDArray[np.float64], used: int) -> int:
     best = 0
     for f in range(1, used):
@@ -281,7 +282,7 @@ def _nearest(offsets: NDArray[np.float64], used: int) -> int:
     return best
 
 
-@numba.njit(cache=True)
+@kernel()
 def _farthest(points: NDArray[np.float64], normal: NDArray[np.float64]) -> tuple[int, float]:
     best, height = 0, -np.inf
     for i in range(len(points)):
@@ -291,7 +292,7 @@ def _farthest(points: NDArray[np.float64], normal: NDArray[np.float64]) -> tuple
     return best, height
 
 
-@numba.njit(cache=True)
+@kernel()
 def _dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
     total = 0.0
     for j in range(6):

@@ -5,11 +5,11 @@ Morrison, Corke and Leitner, "Learning robust, real-time, reactive robotic grasp
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad._util.kernels import kernel
 from egad.learning.parameters import SIZE
 from egad.perception import Rectangles
 
@@ -95,7 +95,7 @@ def targets(rectangles: Rectangles, size: int = SIZE) -> NDArray[np.float32]:
     return maps
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def _paint(rectangles: Rectangles, maps: NDArray[np.float32]) -> None:
     size = maps.shape[1]
     for u, v, angle, opening, breadth in rectangles:

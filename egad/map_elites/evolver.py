@@ -13,7 +13,7 @@ from egad._util.parameters import Range, check_count, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry, packed_surface
-from egad.errors import RejectedError, UserError
+from egad.errors import RejectedError, UserError, most_common
 from egad.grippers import gripper
 from egad.map_elites.archive import Archive
 from egad.map_elites.evaluation import Measured, Solid
@@ -139,7 +139,8 @@ def evolve(
 
     Raises:
         UserError: A number is out of bounds; the measures are no function, do not return two
-            numbers, or cannot be imported by other processes.
+            numbers, or cannot be imported by other processes; or no object was accepted, such as
+            when they are always NaN.
 
     Source: EGAD (Morrison, Corke and Leitner 2020), section III.
     """
@@ -154,6 +155,9 @@ def evolve(
         island = Island(archive, settings, 0, 0, mapper=mapper, evaluate=evaluate)
         for _ in progress(range(steps), "evaluations", steps, scale=size):
             island.advance()
+    if not len(archive):
+        counts = island.outcomes
+        raise UserError(f"none of {counts.total()} offspring was accepted: {most_common(counts)}")
     return archive
 
 
@@ -223,7 +227,7 @@ def _with_graph(
 ) -> Measured | str:
     """Two measures with the Reeb graph that diversity needs, or why the shape is rejected."""
     if not math.isfinite(first + second):
-        return "not measured"
+        return f"the measures are not two finite numbers ({first:g} and {second:g})"
     try:
         return Measured(first, second, reeb.extract(mesh, similarity))
     except RejectedError as reason:

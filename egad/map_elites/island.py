@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from egad._util.progress import progress
 from egad._util.workers import Mapper
 from egad.cppn import UNBOUND, Rules, Shape, packed_surface, voxels
+from egad.errors import UserError, most_common
 from egad.map_elites.archive import Archive, Elite, Refine
 from egad.map_elites.evaluation import Evaluate, Measured, Solid, express, measure, refine
 from egad.map_elites.parameters import EvolutionParameters
@@ -23,6 +24,7 @@ from egad.measures import coverage_of, filled_part
 from egad.tables.evolution import HISTORY, LINEAGE
 
 EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
+UNMEASURED = 100  # objects; if not one of the first could be measured, none ever will
 SCORED = 10  # the QD-score is computed once in as many steps
 LINE = "coverage {coverage:.3f}, {elites} elites"
 Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
@@ -120,6 +122,7 @@ class Island:
         once = evaluate or settings.measures.difficulty or settings.evolution.estimator == "paper"
         self._refiner: Refine | None = None if once else self._refine
         self.archive, self.outcomes, self.refined = archive, Counter[str](), 0
+        self._unmeasured = Counter[str]()
         self._settings, self._rules, self._mapper = settings, rules, mapper
         self._step = Step(epoch, island, 0)
 
@@ -167,11 +170,18 @@ class Island:
         return list(self._mapper(partial(refine, settings=self._settings), elites))
 
     def advance(self) -> Advance:
-        """One step: ask, measure and tell."""
+        """One step: ask, measure and tell.
+
+        Raises:
+            UserError: The first `UNMEASURED` objects have no measures.
+        """
         outcomes, refined = self.outcomes.copy(), self.refined
         candidates = self.ask()
         results = list(self._mapper(self._evaluate, [each.solid for each in candidates]))
         self.tell(candidates, results, self._refiner)
+        self._unmeasured.update(_kind(each) for each in results if isinstance(each, str))
+        if self._unmeasured.total() >= UNMEASURED and not self.outcomes[EVALUATED]:
+            raise UserError(f"no object could be measured: {most_common(self._unmeasured)}")
         accepted = [self.archive[each.id] for each in candidates if each.id in self.archive]
         return Advance(self.outcomes - outcomes, self.refined - refined, accepted)
 

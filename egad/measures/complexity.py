@@ -4,11 +4,11 @@ Wang et al., "Assessing shape complexity by the entropy of angular deficits", as
 (Morrison, Corke and Leitner, RA-L 2020).
 """
 
-import numba
 import numpy as np
 import trimesh
 from numpy.typing import ArrayLike, NDArray
 
+from egad._util.kernels import kernel
 from egad.geometry import check_mesh, distinct_corners, refine, triangulation
 from egad.geometry.rounding import rounding
 from egad.measures.parameters import BINS
@@ -124,7 +124,7 @@ def _vertex_sums(faces: NDArray[np.int64], values: Floats) -> Floats:
     return np.asarray(np.bincount(faces.ravel(), values.ravel())[used])
 
 
-@numba.njit(cache=True)
+@kernel()
 def corner_angles(triangles: Floats) -> Floats:
     """Angles at the corners of (n, 3, 3) triangles: (n, 3), radians; 0 between zero edges."""
     result = np.empty((len(triangles), 3))

@@ -30,11 +30,15 @@ def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: CustomMeasures | Non
     function, name = _function(measure), plugin_name(measure)
     try:
         given = function(mesh.copy(), **_parameters(function, axes or CustomMeasures()))
-        value = float(given)
     except MemoryError:
         raise  # says nothing of the object
     except Exception as error:
-        raise RejectedError(f"{name} failed: {type(error).__name__}: {error}") from error
+        what = f"{own_code.place_of(error)}: {type(error).__name__}: {error}"
+        raise RejectedError(f"{name} failed{what}") from error
+    try:
+        value = float(given)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise RejectedError(f"{name} is not a number but {type(given).__name__}") from error
     if not math.isfinite(value):
         raise RejectedError(f"{name} is not a finite number ({value})")
     return value

@@ -9,11 +9,11 @@ their distribution; so here grasps are independent, and there are as many as cer
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 import trimesh
 from numpy.typing import ArrayLike, NDArray
 
+from egad._util.kernels import kernel
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, bounding_box, box_sides, check_mesh, scale_factor
 from egad.grasps import (
@@ -272,7 +272,7 @@ def center_of_mass(mesh: trimesh.Trimesh) -> Floats:
     return center if inside else np.asarray(mesh.centroid)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _volume_centroid(triangles: Floats) -> Floats:
     """The centroid of a solid from its (n, 3, 3) triangles; NaN or infinite without volume.
 

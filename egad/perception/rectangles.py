@@ -7,10 +7,10 @@ axis, in [-pi/2, pi/2); the opening along that axis and the breadth of the jaws 
 
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.grasps import roomy
 from egad.grippers import Gripper
 from egad.perception.arrangement import TableGrasps
@@ -113,7 +113,7 @@ def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
     return any(overlap(np.append(proposed, row[4]), row) > LEAST_OVERLAP for row in near)
 
 
-@numba.njit(cache=True)
+@kernel()
 def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     """Intersection over union of two rectangles (5,), exact; 0 if one has no area."""
     area = one[3] * one[4]
@@ -139,7 +139,7 @@ def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     return result
 
 
-@numba.njit(cache=True)
+@kernel()
 def _clipped(
     corners: NDArray[np.float64], axis: int, sign: float, limit: float
 ) -> NDArray[np.float64]:
@@ -158,7 +158,7 @@ def _clipped(
     return kept[:count]
 
 
-@numba.njit(cache=True)
+@kernel()
 def _area(corners: NDArray[np.float64]) -> float:
     total = 0.0
     for k in range(len(corners)):

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from skimage.measure import marching_cubes
 
+from egad._util.kernels import kernel
 from egad.perception.camera import View
 
 Floats = NDArray[np.float64]
@@ -94,7 +94,7 @@ def fuse(
     return Tsdf(distances, weights, corner, voxel, truncation * voxel)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _integrate(
     distances: Singles,
     weights: Singles,

@@ -4,10 +4,10 @@ import hashlib
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.errors import UserError
 from egad.reeb.graph import ReebGraph
 
@@ -49,7 +49,7 @@ CHOSEN = 12  # best partners so far
 _ROWS = 13
 
 
-@numba.njit(cache=True)
+@kernel()
 def space(starts: Ints) -> Space:
     """Memory to match any two of the graphs that start at these nodes, the end of all included."""
     largest = 0
@@ -170,7 +170,7 @@ def _profile(graph: ReebGraph, values: Floats) -> Floats:
     return np.concatenate(sums)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _around(starts: Ints, neighbors: Ints, values: Floats) -> Floats:
     """Sums of values over the neighbors of each node in the range below, and above."""
     result = np.zeros((len(values), 4))

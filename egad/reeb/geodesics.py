@@ -7,10 +7,10 @@ vertices that stand for parts of it.
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.geometry import Triangulation
 from egad.reeb.sweeps import order_of, weighted_distances
 
@@ -37,7 +37,7 @@ class EdgeGraph(NamedTuple):
     preceding: Ints  # (n,): the one before, or -1 - bucket
 
 
-@numba.njit(cache=True)
+@kernel()
 def edge_graph(mesh: Triangulation, shortcuts: bool) -> EdgeGraph:
     """The graph of the edges of a mesh, ready for searches.
 
@@ -72,7 +72,7 @@ def edge_graph(mesh: Triangulation, shortcuts: bool) -> EdgeGraph:
     )
 
 
-@numba.njit(cache=True)
+@kernel()
 def _lengths(mesh: Triangulation) -> Floats:
     lengths = np.zeros(len(mesh.edges))
     for edge, (one, other) in enumerate(mesh.edges):
@@ -81,7 +81,7 @@ def _lengths(mesh: Triangulation) -> Floats:
     return np.sqrt(lengths)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _shortcuts(mesh: Triangulation, lengths: Floats) -> tuple[Ints, Floats]:
     """Straight lines across an edge, between the far corners of its two faces laid flat."""
     count = len(mesh.edges)
@@ -104,7 +104,7 @@ def _shortcuts(mesh: Triangulation, lengths: Floats) -> tuple[Ints, Floats]:
     return far[used], result[used]
 
 
-@numba.njit(cache=True)
+@kernel()
 def _flat(
     vertices: Floats, one: int, other: int, corner: int, length: float
 ) -> tuple[float, float]:
@@ -118,7 +118,7 @@ def _flat(
     return along, np.sqrt(max(square - along * along, 0.0))
 
 
-@numba.njit(cache=True)
+@kernel()
 def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
     """Lower the distances of all vertices that a path from the source brings nearer, in place.
 
@@ -170,7 +170,7 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
                 preceding[after] = neighbor
 
 
-@numba.njit(cache=True)
+@kernel()
 def even_integral(
     graph: EdgeGraph, vertices: Floats, faces: Ints, areas: Floats, count: int
 ) -> Floats:
@@ -198,7 +198,7 @@ def even_integral(
     return weighted_distances(graph.starts, graph.neighbors, graph.lengths, order, bases, weights)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _farthest(graph: EdgeGraph, base: int, count: int) -> tuple[Integers, Integers, Integers]:
     """Farthest-point bases, the owner of each vertex, and the vertices from the first base on.
 
@@ -218,7 +218,7 @@ def _farthest(graph: EdgeGraph, base: int, count: int) -> tuple[Integers, Intege
     return bases[:used], owner, order
 
 
-@numba.njit(cache=True)
+@kernel()
 def _shares(faces: Ints, areas: Floats, count: int) -> Floats:
     """Area of the surface that belongs to each vertex: a third of each of its faces."""
     share = np.zeros(count)
@@ -228,7 +228,7 @@ def _shares(faces: Ints, areas: Floats, count: int) -> Floats:
     return share
 
 
-@numba.njit(cache=True)
+@kernel()
 def _farthest_from_center(vertices: Floats, share: Floats) -> int:
     squares = np.zeros(len(vertices))
     for k in range(3):
@@ -237,7 +237,7 @@ def _farthest_from_center(vertices: Floats, share: Floats) -> int:
     return int(np.argmax(squares))
 
 
-@numba.njit(cache=True)
+@kernel()
 def _claim(nearest: Floats, before: Floats, owner: Integers, number: int) -> int:
     """Give vertices that are nearer than before to a base; returns the one farthest from all."""
     farthest = 0
@@ -249,7 +249,7 @@ def _claim(nearest: Floats, before: Floats, owner: Integers, number: int) -> int
     return farthest
 
 
-@numba.njit(cache=True)
+@kernel()
 def scan_integral(graph: EdgeGraph, faces: Ints, areas: Floats, radius: float) -> Floats:
     """The integral from the bases of the program that the published values come from.
 
@@ -278,7 +278,7 @@ def scan_integral(graph: EdgeGraph, faces: Ints, areas: Floats, radius: float) -
     return result
 
 
-@numba.njit(cache=True)
+@kernel()
 def _patch(faces: Ints, areas: Floats, owner: Integers, base: int) -> float:
     """Area of the faces that have a vertex of a base."""
     total = 0.0

@@ -8,11 +8,11 @@ import struct
 import zlib
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.errors import RejectedError, UserError
 from egad.geometry import (
     Triangulation,
@@ -33,7 +33,7 @@ _CHECKSUM = struct.Struct("<I")
 _MAGIC, _VERSION = b"REEB", 1
 
 
-@numba.njit(cache=True)
+@kernel()
 def levels(
     parts: Parts, count: int
 ) -> tuple[Ints, Ints, Floats, Floats, Ints, Ints, Ints, Ints, Ints]:
@@ -83,7 +83,7 @@ def levels(
     )
 
 
-@numba.njit(cache=True)
+@kernel()
 def _coarser(parts: Parts) -> tuple[Parts, Ints]:
     """The next level, and which of its nodes each part belongs to."""
     roots = np.arange(len(parts.ranges)).astype(np.int32)
@@ -103,7 +103,7 @@ def _coarser(parts: Parts) -> tuple[Parts, Ints]:
     return Parts(ranges, areas, lengths, links), parent
 
 
-@numba.njit(cache=True)
+@kernel()
 def _rows(owners: Ints, items: Ints, count: int) -> tuple[Ints, Ints]:
     """Items by their owners, in compressed rows; within a row they keep their order."""
     starts = np.zeros(count + 1, np.int32)

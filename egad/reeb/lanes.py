@@ -17,6 +17,8 @@ from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
+
 _WIDE, _COUNT = 4, 13  # numbers in a register; registers: most processors have 16 that wide
 LANES = _WIDE * _COUNT  # sources of a row
 
@@ -77,7 +79,7 @@ def _spread(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
 _lower: Any = intrinsic(_typed)
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def lower(
     distances: NDArray[np.float64],
     vertex: int,

@@ -11,10 +11,10 @@ Functions are inlined, and no part of an array gets a name of its own: counting 
 arrays would take longer than the matching.
 """
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.reeb.forest import (
     ADDED,
     CHOSEN,
@@ -41,7 +41,7 @@ NEIGHBOR_WEIGHT = 0.1
 MOST_RUNS = 64  # that one node is compared to: a bound that does not depend on time
 
 
-@numba.njit(cache=True)
+@kernel()
 def match(
     nodes: Nodes,
     starts: tuple[int, int],
@@ -88,7 +88,7 @@ def match(
     return min(total, 1.0), True
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _bout(nodes: Nodes, space: Space, i: int, half: int) -> float:
     """Match the children of a match in one half of the range; returns what they share."""
     middle = space.ints[SECOND, i]
@@ -102,7 +102,7 @@ def _bout(nodes: Nodes, space: Space, i: int, half: int) -> float:
     return _contest(nodes, space, first, second)
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _children(nodes: Nodes, space: Space, side: int, start: int, end: int, half: int) -> int:
     """List the children of some nodes in one half of the range; returns their number."""
     count = 0
@@ -117,7 +117,7 @@ def _children(nodes: Nodes, space: Space, side: int, start: int, end: int, half:
     return count
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _match(nodes: Nodes, space: Space, side: int, node: int, count: int) -> float:
     """Match a node of a side to the chosen ones of the other; returns what they share."""
     area = length = 0.0
@@ -145,7 +145,7 @@ def _match(nodes: Nodes, space: Space, side: int, node: int, count: int) -> floa
     return common
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _contest(nodes: Nodes, space: Space, first: int, second: int) -> float:
     """Match the nodes of two sides, the largest first; returns what they share."""
     for side, count in ((0, first), (1, second)):
@@ -168,7 +168,7 @@ def _contest(nodes: Nodes, space: Space, first: int, second: int) -> float:
     return total
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _sort(nodes: Nodes, space: Space, first: int, second: int) -> None:
     for i in range(first + second):
         item = i if i < first else first - 1 - i
@@ -180,14 +180,14 @@ def _sort(nodes: Nodes, space: Space, first: int, second: int) -> None:
         space.ints[ORDER, slot] = item
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _size(nodes: Nodes, space: Space, item: int) -> float:
     node = space.ints[SIDE, item] if item >= 0 else space.ints[SIDE + 1, -1 - item]
     size: float = nodes.values[node, 0] + nodes.values[node, 1]
     return size
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _choose(nodes: Nodes, space: Space, node: int, side: int, count: int) -> int:
     """Find the partners on the other side that cost least; returns how many there are."""
     least, chosen, free = np.inf, 0, 0
@@ -209,7 +209,7 @@ def _choose(nodes: Nodes, space: Space, node: int, side: int, count: int) -> int
     return _choose_run(nodes, space, node, side, count, least, chosen) if free > 1 else chosen
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _choose_run(
     nodes: Nodes, space: Space, node: int, side: int, count: int, least: float, chosen: int
 ) -> int:
@@ -238,14 +238,14 @@ def _choose_run(
     return chosen
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _tick(space: Space) -> int:
     space.ints[STATE, 2] += 1
     visit: int = space.ints[STATE, 2]
     return visit
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _line(nodes: Nodes, space: Space, neighbor: int, other: int, side: int) -> int:
     """List the free nodes that a neighbor has in the range of another; returns their number."""
     length = 0
@@ -258,7 +258,7 @@ def _line(nodes: Nodes, space: Space, neighbor: int, other: int, side: int) -> i
     return length
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _best_end(
     nodes: Nodes, space: Space, node: int, side: int, start: int, end: int
 ) -> tuple[float, int]:
@@ -289,7 +289,7 @@ def _best_end(
     return least, best
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _cost(nodes: Nodes, node: int, values: Pair, below: Pair, above: Pair) -> float:
     """Twice what is lost by matching a node to one, or a run, of these values."""
     cost: float = abs(nodes.around[node, 0] - below[0]) + abs(nodes.around[node, 1] - below[1])

@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.reeb.forest import Forest, Space, Trees, space
 from egad.reeb.graph import ReebGraph
 from egad.reeb.similarity import SLACK, bound, compare
@@ -228,7 +228,7 @@ class _Table(NamedTuple):
     known: Bytes  # (m, m)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def _nearest_to_each(table: _Table, rows: Integers, others: Integers, count: int) -> Integers:
     """The nearest of other indices to each of n, except itself: (n, count), padded with -1.
 
@@ -242,7 +242,7 @@ def _nearest_to_each(table: _Table, rows: Integers, others: Integers, count: int
     return result
 
 
-@numba.njit(cache=True)
+@kernel()
 def _nearest(table: _Table, index: int, others: Integers, count: int, memory: Space) -> Integers:
     """The nearest of some other indices; those that cannot be near are not compared."""
     near, found = np.empty(min(count, len(others)), np.int64), 0
@@ -265,7 +265,7 @@ def _nearest(table: _Table, index: int, others: Integers, count: int, memory: Sp
     return near
 
 
-@numba.njit(cache=True)
+@kernel()
 def _estimate(table: _Table, one: int, other: int) -> None:
     """Keep a lower bound of a distance, for the one alone: computing it again costs little."""
     most = bound(table.trees.profiles, table.numbers[one], table.numbers[other])
@@ -273,7 +273,7 @@ def _estimate(table: _Table, one: int, other: int) -> None:
     table.known[one, other] = _BOUND
 
 
-@numba.njit(cache=True)
+@kernel()
 def _measure(table: _Table, one: int, other: int, limit: float, memory: Space) -> bool:
     """Keep the distance for the one and say True, or a better bound if it exceeds a limit."""
     numbers = table.numbers[one], table.numbers[other]
@@ -283,7 +283,7 @@ def _measure(table: _Table, one: int, other: int, limit: float, memory: Space) -
     return exact
 
 
-@numba.njit(cache=True)
+@kernel()
 def _tell(table: _Table, rows: Integers) -> None:
     """Keep what was compared for some indices for the other ones too."""
     distances, known = table.distances, table.known
@@ -296,7 +296,7 @@ def _tell(table: _Table, rows: Integers) -> None:
                 distances[other, one], known[other, one] = distances[one, other], known[one, other]
 
 
-@numba.njit(cache=True)
+@kernel()
 def _insert(near: Integers, found: int, distances: Floats, other: int) -> int:
     """Insert an index by (distance, index) if it is among the nearest; returns their number."""
     slot = min(found, len(near))

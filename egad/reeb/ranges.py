@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.errors import RejectedError
 from egad.geometry import Triangulation, lexicographic
 
@@ -29,7 +29,7 @@ class _Crossings(NamedTuple):
     first: Ints  # (e + 1,): number of the crossing of an edge with its lowest range
 
 
-@numba.njit(cache=True)
+@kernel()
 def cut(mesh: Triangulation, areas: Floats, values: Floats) -> Parts:
     """Cut a surface wherever a function takes an integer value.
 
@@ -63,7 +63,7 @@ def cut(mesh: Triangulation, areas: Floats, values: Floats) -> Parts:
     return Parts(ranges, sizes, highest - lowest, _links(crossings, part, count))
 
 
-@numba.njit(cache=True)
+@kernel()
 def _crossings(mesh: Triangulation, values: Floats) -> _Crossings:
     count = len(mesh.edges)
     low, high = np.empty(count, np.int32), np.empty(count, np.int32)
@@ -75,7 +75,7 @@ def _crossings(mesh: Triangulation, values: Floats) -> _Crossings:
     return _Crossings(low, high, first)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _join_at_vertices(
     mesh: Triangulation, values: Floats, crossings: _Crossings, roots: Ints
 ) -> None:
@@ -90,7 +90,7 @@ def _join_at_vertices(
                 unite(roots, met[vertex], crossing)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _join_face(edges: Ints, crossings: _Crossings, roots: Ints) -> int:
     """Join the crossings of a face in each range; returns its edge that passes through them all."""
     low, high, first = crossings
@@ -105,14 +105,14 @@ def _join_face(edges: Ints, crossings: _Crossings, roots: Ints) -> int:
     return carrier
 
 
-@numba.njit(cache=True)
+@kernel()
 def unite(roots: Ints, one: int, other: int) -> None:
     """Join two sets of a forest in which every item points towards the lowest of its set."""
     one, other = _root(roots, one), _root(roots, other)
     roots[max(one, other)] = min(one, other)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _root(roots: Ints, item: int) -> int:
     while roots[item] != item:
         roots[item] = roots[roots[item]]
@@ -120,7 +120,7 @@ def _root(roots: Ints, item: int) -> int:
     return item
 
 
-@numba.njit(cache=True)
+@kernel()
 def labels(roots: Ints) -> tuple[Ints, int]:
     """Number the sets of a forest by their lowest items; also how many there are."""
     result, count = np.empty_like(roots), 0
@@ -133,13 +133,13 @@ def labels(roots: Ints) -> tuple[Ints, int]:
     return result, count
 
 
-@numba.njit(cache=True)
+@kernel()
 def _ascending(values: Floats, face: Ints) -> tuple[float, float, float]:
     a, b, c = values[face[0]], values[face[1]], values[face[2]]
     return min(a, b, c), max(min(a, b), min(max(a, b), c)), max(a, b, c)
 
 
-@numba.njit(cache=True)
+@kernel()
 def _fraction(level: float, a: float, b: float, c: float) -> float:
     """The part of a triangle that lies below a level; corners at a <= b <= c."""
     if level >= c:
@@ -149,7 +149,7 @@ def _fraction(level: float, a: float, b: float, c: float) -> float:
     return 1 - (c - level) / (c - b) * ((c - level) / (c - a))
 
 
-@numba.njit(cache=True)
+@kernel()
 def _links(crossings: _Crossings, part: Ints, count: int) -> Ints:
     steps = crossings.first[-1] - len(crossings.low)
     low, high = np.empty(steps, np.int32), np.empty(steps, np.int32)
@@ -161,7 +161,7 @@ def _links(crossings: _Crossings, part: Ints, count: int) -> Ints:
     return distinct(low, high, count)
 
 
-@numba.njit(cache=True)
+@kernel()
 def distinct(low: Ints, high: Ints, bound: int) -> Ints:
     """The distinct ones of some pairs of numbers below `bound`, (n, 2), sorted."""
     result, count = np.empty((len(low), 2), np.int32), 0
@@ -204,7 +204,7 @@ def outer_shell(vertices: Floats, faces: Ints) -> Ints:
     return outer
 
 
-@numba.njit(cache=True)
+@kernel()
 def _shells(faces: Ints, count: int) -> Ints:
     """Number of the connected piece that each face belongs to."""
     roots = np.arange(count).astype(np.int32)

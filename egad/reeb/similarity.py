@@ -7,10 +7,10 @@ Hilaga et al., "Topology Matching for Fully Automatic Similarity Estimation of 3
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.reeb.forest import Forest, Space, Trees, space
 from egad.reeb.graph import ReebGraph
 from egad.reeb.matching import match
@@ -71,7 +71,7 @@ def similarities(forest: Forest, pairs: Integers) -> Floats:
     return result
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def _similarities(trees: Trees, pairs: Integers) -> Floats:
     result = np.empty(len(pairs))
     if len(pairs) > 0:
@@ -81,7 +81,7 @@ def _similarities(trees: Trees, pairs: Integers) -> Floats:
     return result
 
 
-@numba.njit(cache=True)
+@kernel()
 def compare(trees: Trees, one: int, other: int, least: float, memory: Space) -> tuple[float, bool]:
     """Similarity of two graphs of a forest and True; the graph with the smaller key goes first.
 
@@ -97,7 +97,7 @@ def compare(trees: Trees, one: int, other: int, least: float, memory: Space) -> 
     return match(trees.nodes, starts, roots, most, least, memory)
 
 
-@numba.njit(cache=True, fastmath={"reassoc"})
+@kernel(fastmath={"reassoc"})
 def bound(profiles: Floats, one: int, other: int) -> float:
     """What the similarity of two graphs cannot exceed.
 
@@ -111,7 +111,7 @@ def bound(profiles: Floats, one: int, other: int) -> float:
     return total
 
 
-@numba.njit(cache=True, fastmath={"reassoc"})
+@kernel(fastmath={"reassoc"})
 def level_bounds(profiles: Floats, one: int, other: int, levels: int) -> Floats:
     """The same for what they share on each level, the finest first: (levels,)."""
     result = np.empty(levels)

@@ -10,10 +10,10 @@ keep their order when a length is added to both, so the order of the visits does
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.kernels import kernel
 from egad.reeb.lanes import LANES, lower
 
 Floats = NDArray[np.float64]
@@ -31,7 +31,7 @@ class Rows(NamedTuple):
     lengths: Floats  # (2 e,)
 
 
-@numba.njit(cache=True)
+@kernel()
 def order_of(distances: Floats) -> Integers:
     """Vertices in about the order of their distances, (n,): those out of reach are the last.
 
@@ -54,7 +54,7 @@ def order_of(distances: Floats) -> Integers:
     return result
 
 
-@numba.njit(cache=True)
+@kernel()
 def weighted_distances(
     starts: Indices,
     neighbors: Indices,
@@ -90,7 +90,7 @@ def weighted_distances(
     return result
 
 
-@numba.njit(cache=True)
+@kernel()
 def renumber(
     starts: Indices, neighbors: Indices, lengths: Floats, order: Integers, rank: Integers
 ) -> Rows:
@@ -123,7 +123,7 @@ def renumber(
     return result
 
 
-@numba.njit(cache=True)
+@kernel()
 def sweep(rows: Rows, sources: Integers) -> Floats:
     """Distances of all vertices to each source.
 
@@ -162,7 +162,7 @@ def sweep(rows: Rows, sources: Integers) -> Floats:
     return distances
 
 
-@numba.njit(cache=True, inline="always")
+@kernel(inline="always")
 def _mark(rows: Rows, vertex: int, ahead: Flags, back: Flags) -> None:
     """Have the neighbors of a vertex visited: later ones on the way forward, others back."""
     for edge in range(rows.starts[vertex], rows.middles[vertex]):

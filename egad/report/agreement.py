@@ -14,7 +14,7 @@ from egad.report.colors import LINES, SOFT
 from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 from egad.report.trial_charts import draw_rates, outcome_counts
-from egad.stats import Area, Bin, Rate, area, gain, rate, reliability
+from egad.stats import Area, Bin, Rate, area, engine_names, gain, rate, reliability
 
 QUALITIES = {
     "quality": "nominal quality",
@@ -30,6 +30,7 @@ class Agreement:
     """Labelled grasps and their success in simulation.
 
     Attributes:
+        engine: What computed the physics.
         rates: Success of the grasps that could be carried out: in each row of the evaluation set,
             and then over all.
         outcomes: Grasps of the sample by outcome.
@@ -42,6 +43,7 @@ class Agreement:
         bins: Success by quality.
     """
 
+    engine: str
     rates: list[Rate]
     outcomes: dict[str, int]
     labelled: int
@@ -99,6 +101,7 @@ def agreement(table: pd.DataFrame, rows: int) -> Agreement:
     groups = [*(tried[row == each] for each in range(rows)), tried]
     objects = table.drop_duplicates("label")
     return Agreement(
+        engine=engine_names(table),
         rates=[rate(each) for each in groups],
         outcomes=outcome_counts(table),
         labelled=int(objects["n_labelled"].sum()),

@@ -1,13 +1,24 @@
 """The section Cleared tables: how well detectors clear tables of several objects."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import combinations
 
 import pandas as pd
 
 from egad.report.drawing import data_uri
-from egad.report.page import Section, section_of
-from egad.stats import Clearing, Rate, by_difficulty, clearing_rates
+from egad.report.page import Section, render_template, section_of
+from egad.stats import (
+    Clearing,
+    ClearingComparison,
+    NothingInCommonError,
+    Rate,
+    by_difficulty,
+    clearing_rates,
+    compare_clearing,
+    engine_names,
+)
 from egad.tables import parquet
 
 
@@ -16,12 +27,14 @@ class ClutterView:
     """Cleared tables of one gripper.
 
     Attributes:
+        engine: What computed the physics.
         rates: Of each kind of scene and noise, by detector.
         thirds: Success of attempts, and share of objects that were cleared, by detector, axis
             (complexity, difficulty) and third of the objects.
         pictures: Addresses of pictures of scenes at the beginning of a round, by kind.
     """
 
+    engine: str
     rates: dict[str, list[Clearing]]
     thirds: dict[str, dict[str, list[tuple[Rate, Rate]]]]
     pictures: dict[str, list[str]]
@@ -50,10 +63,46 @@ def clutter_view(
         pictures: PNGs of scenes, by kind.
     """
     return ClutterView(
+        engine_names(pd.concat(tables.values())),
         {name: clearing_rates(table) for name, table in tables.items()},
         {name: _thirds(table, objects) for name, table in tables.items()},
         {kind: [data_uri(png) for png in each] for kind, each in pictures.items()},
     )
+
+
+@dataclass(frozen=True)
+class ClearingResults:
+    """Detectors that cleared tables.
+
+    Attributes:
+        engines: What computed the physics, by detector.
+        rates: Of each kind of scene and noise, by detector.
+        pairs: Comparisons of every two detectors that cleared the same tables, by `A vs B`.
+    """
+
+    engines: dict[str, str]
+    rates: dict[str, list[Clearing]]
+    pairs: dict[str, list[ClearingComparison]]
+
+
+def clearing_results(tables: Mapping[str, pd.DataFrame]) -> ClearingResults:
+    """Rates of detectors, and comparisons of those that have rounds in common.
+
+    Args:
+        tables: Columns of `tables.clutter.CLUTTER`, by detector.
+    """
+    pairs = {}
+    for one, other in combinations(tables, 2):
+        with suppress(NothingInCommonError):
+            pairs[f"{one} vs {other}"] = compare_clearing(tables[one], tables[other])
+    engines = {name: engine_names(table) for name, table in tables.items()}
+    rates = {name: clearing_rates(table) for name, table in tables.items()}
+    return ClearingResults(engines, rates, pairs)
+
+
+def page(results: ClearingResults) -> str:
+    """An HTML page about cleared tables that needs no other file."""
+    return render_template("clutter_page", **vars(results))
 
 
 def _thirds(table: pd.DataFrame, objects: pd.DataFrame) -> dict[str, list[tuple[Rate, Rate]]]:

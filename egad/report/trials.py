@@ -32,6 +32,7 @@ from egad.stats import (
     TrialGrid,
     compare,
     discrimination,
+    engine_names,
     object_positions,
     reliability,
     trend,
@@ -62,6 +63,7 @@ class TrialView:
 
     Attributes:
         name: The detector.
+        engine: What computed the physics; empty for a real robot.
         rate: Over all attempts.
         objects: How many objects were tried.
         outcomes: Attempts by outcome.
@@ -73,6 +75,7 @@ class TrialView:
     """
 
     name: str
+    engine: str
     rate: Mean
     objects: int
     outcomes: dict[str, int]
@@ -181,6 +184,7 @@ def _view(
     bins = reliability(table)
     return TrialView(
         name=name,
+        engine=engine_names(table),
         rate=grid.overall,
         objects=len(grid.cells),
         outcomes=outcome_counts(table),

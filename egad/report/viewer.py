@@ -179,7 +179,7 @@ def _top(scenes: Sequence[Scene], key: str) -> float:
     return top if top > 0 else 1e-3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MeshView:
     """An interactive view in 3D: shown by notebooks, or saved as a page.
 
@@ -188,6 +188,9 @@ class MeshView:
     """
 
     html: str
+
+    def __repr__(self) -> str:
+        return "MeshView: save('view.html') writes a page; a notebook shows it"
 
     def save(self, path: str | Path) -> None:
         """Write the page, atomically.

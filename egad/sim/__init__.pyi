@@ -29,7 +29,6 @@ from .parameters import ENGINES as ENGINES
 from .parameters import Agreement as Agreement
 from .parameters import Clutter as Clutter
 from .parameters import ClutterParameters as ClutterParameters
-from .parameters import EngineChoice as EngineChoice
 from .parameters import EngineName as EngineName
 from .parameters import LabelTrialParameters as LabelTrialParameters
 from .parameters import Lifting as Lifting
@@ -37,7 +36,7 @@ from .parameters import SimulatedLabel as SimulatedLabel
 from .parameters import SimulatedLabelParameters as SimulatedLabelParameters
 from .parameters import TrialParameters as TrialParameters
 from .parameters import Trials as Trials
-from .parameters import installed_engine as installed_engine
+from .parameters import check_engine as check_engine
 from .rounds import Round as Round
 from .rounds import failed_round as failed_round
 from .rounds import film_round as film_round

@@ -11,7 +11,7 @@ from egad.outcomes import Outcome
 from egad.random import entropy
 from egad.sim.arms import ARMS
 from egad.sim.model import Model
-from egad.sim.parameters import TrialParameters, installed_engine
+from egad.sim.parameters import TrialParameters
 from egad.sim.trial import Attempt, InitialPose, TrialRunner
 from egad.sim.world import Pose, open_world
 from egad.tables.columns import INITIAL, POSE_PARTS
@@ -70,7 +70,7 @@ def read_attempt(row: Mapping[str, Any]) -> tuple[InitialPose, Grasp | None]:
 
 
 def _engine(settings: TrialParameters) -> dict[str, str]:
-    return {"engine": installed_engine(settings.trials.engine)}
+    return {"engine": settings.trials.engine}
 
 
 def _seeds(object_id: str, settings: TrialParameters) -> list[int]:
@@ -109,6 +109,7 @@ def columns_of(attempt: Attempt) -> dict[str, Any]:
         **{name: getattr(grasp, name) if grasp else np.nan for name in NUMBERS},
         "lifted": attempt.lifted,
         **dict(zip(END, _numbers(attempt.end), strict=True)),
+        "failure": attempt.failure,
     }
 
 

@@ -3,11 +3,12 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from egad.detectors import Detector, PoseGrasp, choose, seen_by, try_to_plan
+from egad.detectors import Detector, Failure, PoseGrasp, choose, seen_by, try_to_plan
 from egad.grippers import Gripper
 from egad.outcomes import Outcome
 from egad.perception import (
@@ -30,7 +31,8 @@ from egad.sim.world import UnstableError, World
 
 Floats = NDArray[np.float64]
 Generator = np.random.Generator
-Propose = Callable[[Observation, Sequence[Placed], Generator], PoseGrasp | Outcome]
+Proposal: TypeAlias = PoseGrasp | Outcome | Failure
+Propose = Callable[[Observation, Sequence[Placed], Generator], Proposal]
 
 CAMERA_DISTANCE = 2 * WORKSPACE
 CAMERA_TILT = np.radians(30)
@@ -51,6 +53,7 @@ class ClutterAttempt:
         grasp: What was tried, if it came to that.
         held: Number of the object that was held.
         stopped: How far before the grasp something stopped the hand, metres.
+        failure: What the detector did wrong, if it failed.
     """
 
     outcome: Outcome
@@ -58,6 +61,7 @@ class ClutterAttempt:
     grasp: PoseGrasp | None = None
     held: int | None = None
     stopped: float = 0.0
+    failure: str = ""
 
 
 class ClutterRunner:
@@ -140,12 +144,15 @@ class ClutterRunner:
         return Observation(seen(OVERHEAD, camera_above(OVERHEAD_HEIGHT)), views, WORKSPACE)
 
     def carry_out(
-        self, grasp: PoseGrasp | Outcome, present: Sequence[Placed]
+        self, grasp: Proposal, present: Sequence[Placed]
     ) -> tuple[ClutterAttempt, list[Placed]]:
         """Try a grasp, if there is one; what came of it, and what is left when all lies still.
 
         If the simulation goes wrong while things settle, nothing is left to go on with.
         """
+        if isinstance(grasp, Failure):
+            failed = ClutterAttempt(grasp.outcome, tuple(present), failure=grasp.text)
+            return failed, list(present)
         if isinstance(grasp, Outcome):
             return ClutterAttempt(grasp, tuple(present)), list(present)
         put(self.world, present)
@@ -162,9 +169,7 @@ class ClutterRunner:
 def proposed_by(detect: Detector, gripper: Gripper) -> Propose:
     """A detector that sees what it wants of the scene, and whose best grasp is tried."""
 
-    def propose(
-        observation: Observation, _: Sequence[Placed], rng: Generator
-    ) -> PoseGrasp | Outcome:
+    def propose(observation: Observation, _: Sequence[Placed], rng: Generator) -> Proposal:
         return try_to_plan(
             lambda: choose(detect(seen_by(detect, observation), gripper, rng), gripper)
         )
@@ -175,9 +180,7 @@ def proposed_by(detect: Detector, gripper: Gripper) -> Propose:
 def timed(propose: Propose, seconds: list[float]) -> Propose:
     """The same, but it notes how long each answer took, from the depth images to the grasp."""
 
-    def ask(
-        observation: Observation, present: Sequence[Placed], rng: Generator
-    ) -> PoseGrasp | Outcome:
+    def ask(observation: Observation, present: Sequence[Placed], rng: Generator) -> Proposal:
         begin = time.perf_counter()
         grasp = propose(observation, present, rng)
         seconds.append(time.perf_counter() - begin)

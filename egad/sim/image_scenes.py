@@ -11,7 +11,7 @@ from egad.geometry import mass_properties
 from egad.grasps import ContactPairs
 from egad.perception import SceneKind
 from egad.sim.model import Model, model_of
-from egad.sim.parameters import EngineChoice, SimulatedLabelParameters
+from egad.sim.parameters import EngineName, SimulatedLabelParameters
 from egad.sim.scenes import BOX, make_scene
 from egad.sim.simulated_labels import simulate_grasps
 from egad.sim.world import UnstableError, open_world
@@ -37,7 +37,7 @@ def model_at_size(
 
 
 def settle_scene(
-    models: Sequence[Model], kind: SceneKind, engine: EngineChoice, rng: np.random.Generator
+    models: Sequence[Model], kind: SceneKind, engine: EngineName, rng: np.random.Generator
 ) -> list[tuple[int, Floats]]:
     """Put objects on a table as `make_scene` does.
 

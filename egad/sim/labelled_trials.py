@@ -21,7 +21,7 @@ from egad.random import generator
 from egad.sim.arms import ARMS
 from egad.sim.execution import Execution, execute
 from egad.sim.model import Model
-from egad.sim.parameters import LabelTrialParameters, installed_engine
+from egad.sim.parameters import LabelTrialParameters
 from egad.sim.world import Pose, open_world
 from egad.tables import parquet
 from egad.tables.columns import vector_names
@@ -141,6 +141,6 @@ def _table(
         outcome=[each.outcome.value for each in found],
         success=[each.outcome == Outcome.SUCCESS for each in found],
         lifted=[each.lifted for each in found],
-        engine=installed_engine(settings.trials.engine),
+        engine=settings.trials.engine,
     )
     return table.loc[:, list(AGREEMENT.names)]

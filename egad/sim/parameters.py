@@ -11,9 +11,8 @@ from egad.grasps import Quality
 from egad.grippers import Gripper
 from egad.perception import NOISES, SCENE_KINDS, NoiseName, SceneKind
 
-EngineName = Literal["pybullet", "mujoco"]
+EngineName = Literal["mujoco", "pybullet"]  # the default first
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
-EngineChoice = Literal["auto", EngineName]
 PlanningTime = Annotated[
     float,
     Field(
@@ -23,33 +22,22 @@ PlanningTime = Annotated[
 ]
 
 
-def installed_engine(name: EngineChoice) -> EngineName:
-    """The engine of a name; of `auto`, the first of `ENGINES` that is installed.
-
-    Raises:
-        UserError: There is no such engine, or it is not installed.
-    """
-    if name == "auto":
-        found = [engine for engine in ENGINES if importlib.util.find_spec(engine)]
-        if not found:
-            raise UserError("no physics engine is installed: pip install mujoco")
-        return found[0]
-    check_name("engine", name, ("auto", *ENGINES))
+def check_engine(name: str) -> None:
+    """Raise UserError unless there is an engine of this name and it is installed."""
+    check_name("engine", name, ENGINES)
     if importlib.util.find_spec(name) is None:
         raise UserError(
             f"the physics engine {name} is not installed: pip install {name}, or choose another "
             f"one of {', '.join(ENGINES)}"
         )
-    return name
 
 
 class Lifting(Parameters):
     """Execution of a grasp."""
 
-    engine: EngineChoice = Field(
-        "auto",
-        description="physics engine; auto: pybullet if it is installed, as on Python 3.11, else "
-        "mujoco",
+    engine: EngineName = Field(
+        ENGINES[0],
+        description="physics engine; pybullet has packages for Python 3.11 and older only",
     )
     arm: Literal["axis", "panda"] = Field(
         "axis",
@@ -95,12 +83,16 @@ class Trials(Lifting):
         "for a D435; if not 0, the image also has holes beside edges and on steep surfaces",
     )
     planning_time: PlanningTime = 60.0
+    keep_going: bool = Field(
+        False,
+        description="go on with a detector that fails in every attempt at the first three objects",
+    )
 
 
 class Clutter(Parameters):
     """Rounds of clearing a table of several objects."""
 
-    engine: EngineChoice = Field("mujoco", description="physics engine, as in `trials`")
+    engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
     scenes: tuple[SceneKind, ...] = Field(
         SCENE_KINDS,
         min_length=1,
@@ -120,6 +112,10 @@ class Clutter(Parameters):
     )
     views: int = Field(6, ge=1, le=64, description="cameras around the table")
     planning_time: PlanningTime = 60.0
+    keep_going: bool = Field(
+        False,
+        description="go on with a detector that fails in every attempt at the first three rounds",
+    )
 
     @model_validator(mode="after")
     def _scale_can_be_drawn_from(self) -> Self:
@@ -142,7 +138,7 @@ class Agreement(Parameters):
 class SimulatedLabel(Parameters):
     """Simulated labels of grasps: closed in free space, shaken and lifted."""
 
-    engine: EngineChoice = Field("mujoco", description="physics engine, as in `trials`")
+    engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
     grasps: int = Field(
         100, ge=1, description="collision-free grasps of each object that are simulated"
     )

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
+from egad._util.progress import phase_if_slow
 from egad.detectors import PoseGrasp
 from egad.errors import UserError
 from egad.geometry import nearest
@@ -16,7 +17,7 @@ from egad.random import entropy, generator
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose
 from egad.sim.film import Film, Pixels
 from egad.sim.model import Model
-from egad.sim.parameters import ClutterParameters, installed_engine
+from egad.sim.parameters import ClutterParameters
 from egad.sim.robots import free_hand
 from egad.sim.scenes import BOX
 from egad.sim.world import World, open_world
@@ -139,6 +140,7 @@ def repeat_round(
     return _table(this, sized, attempts, settings)
 
 
+@phase_if_slow("simulating and filming the round")
 def film_round(
     table: pd.DataFrame,
     scene: str,
@@ -234,7 +236,7 @@ def _table(
         "objects": " ".join(this.ids),
         "factors": " ".join(map(repr, this.factors)),
         "n_objects": at_first,
-        "engine": installed_engine(settings.clutter.engine),
+        "engine": settings.clutter.engine,
     }
     rows = [
         known | {"attempt": number} | _columns_of(attempt, this, models)
@@ -256,6 +258,7 @@ def _columns_of(attempt: ClutterAttempt, this: Round, models: Sequence[Model]) -
         "width": np.nan if grasp is None else grasp.width,
         "score": np.nan if grasp is None else grasp.score,
         "stopped": attempt.stopped,
+        "failure": attempt.failure,
     }
 
 

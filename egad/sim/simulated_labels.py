@@ -20,7 +20,7 @@ from egad.sim.execution import lift_and_hold
 from egad.sim.gripper import COLLISION_FORCE, Hand
 from egad.sim.labelled_trials import floating_pose
 from egad.sim.model import Model
-from egad.sim.parameters import Lifting, SimulatedLabelParameters, installed_engine
+from egad.sim.parameters import Lifting, SimulatedLabelParameters
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World, open_world
 from egad.tables import parquet
 from egad.tables.grasping import MOTIONS
@@ -119,7 +119,7 @@ def with_simulated_labels(
     rows = [(each.outcome.value, each.success, *each.closing, *each.shaking) for each in found]
     names = ["simulated_outcome", "simulated_success", *MOTIONS]
     labels = pd.DataFrame(rows, index=chosen, columns=names, dtype=object)
-    labels["simulated_engine"] = installed_engine(settings.simulated_label.engine)
+    labels["simulated_engine"] = settings.simulated_label.engine
     return grasps.reset_index(drop=True).join(labels)
 
 

@@ -10,7 +10,15 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.detectors import Detector, Grasp, Labels, best_grasp, from_above, try_to_plan
+from egad.detectors import (
+    Detector,
+    Failure,
+    Grasp,
+    Labels,
+    best_grasp,
+    from_above,
+    try_to_plan,
+)
 from egad.outcomes import Outcome
 from egad.perception import (
     DepthCamera,
@@ -114,6 +122,7 @@ class Attempt:
         grasp: What was tried, if it came to that.
         lifted: Height that the object's center of mass gained, metres.
         end: Where it was at last; None if the simulation broke down.
+        failure: What the detector did wrong, if it failed.
     """
 
     outcome: Outcome | None
@@ -122,6 +131,7 @@ class Attempt:
     grasp: Grasp | None = None
     lifted: float = 0.0
     end: Pose | None = None
+    failure: str = ""
 
 
 class Ready(NamedTuple):
@@ -175,6 +185,8 @@ class TrialRunner:
                 view, ImageNoise(disparity=self.trials.depth_noise, holes=True), camera_rng
             )
         grasp = self._plan(detect, view, detector_rng)
+        if isinstance(grasp, Failure):
+            return Attempt(grasp.outcome, *ready, end=ready.rest, failure=grasp.text)
         if isinstance(grasp, Outcome):
             return Attempt(grasp, *ready, end=ready.rest)
         return self._carried_out(grasp, ready)
@@ -218,7 +230,7 @@ class TrialRunner:
 
     def _plan(
         self, detect: Detector | Labels, view: View, rng: np.random.Generator
-    ) -> Grasp | Outcome:
+    ) -> Grasp | Outcome | Failure:
         """The grasp to try, or the outcome if there is none; a detector may fail as it likes."""
         place = self.world.pose().matrix @ self.world.model.to_principal
         if isinstance(detect, Labels):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from egad.sim.model import Model
-from egad.sim.parameters import EngineChoice, installed_engine
+from egad.sim.parameters import EngineName, check_engine
 from egad.sim.robot import Box, Robot
 
 Floats = NDArray[np.float64]
@@ -262,7 +262,7 @@ class World(ABC):
 
 
 def open_world(
-    engine: EngineChoice,
+    engine: EngineName,
     models: Sequence[Model],
     robot: Robot | None = None,
     walls: float | None = None,
@@ -270,7 +270,7 @@ def open_world(
     """A world in an engine, for a `with` block.
 
     Args:
-        engine: Its name; `auto`: PyBullet if it is installed, else MuJoCo.
+        engine: Its name.
         models: The objects.
         robot: What may grasp them; nothing if None.
         walls: Inner length and width of a box around the middle, without a floor; none if None.
@@ -278,7 +278,8 @@ def open_world(
     Raises:
         UserError: There is no such engine, or it is not installed.
     """
-    if installed_engine(engine) == "pybullet":
+    check_engine(engine)
+    if engine == "pybullet":
         from egad.sim.pybullet_world import PyBulletWorld  # noqa: PLC0415 (may not be installed)
 
         return PyBulletWorld(models, robot, walls)

@@ -13,6 +13,7 @@ from .rates import Rate as Rate
 from .rates import Trend as Trend
 from .rates import TrialGrid as TrialGrid
 from .rates import by_object as by_object
+from .rates import engine_names as engine_names
 from .rates import mean_rate as mean_rate
 from .rates import object_positions as object_positions
 from .rates import rate as rate

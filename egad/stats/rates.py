@@ -63,7 +63,7 @@ def bootstrap(
     return float(ends[0]), float(ends[1])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Rate:
     """How often something worked."""
 
@@ -80,8 +80,16 @@ class Rate:
         """Lower and upper end of the Wilson interval of 95 %."""
         return wilson(self.successes, self.attempts)
 
+    def __repr__(self) -> str:
+        """The rate and its interval in percent, and what they are of."""
+        if not self.attempts:
+            return "no attempts"
+        value, low, high = (100 * each for each in (self.value, *self.interval))
+        between = "no interval" if np.isnan(low) else f"95 % interval {low:.1f} to {high:.1f} %"
+        return f"{value:.1f} % ({between}), {self.successes} of {self.attempts}"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Mean(Rate):
     """The rate over several objects, each of them tried again and again."""
 
@@ -114,6 +122,15 @@ class TrialGrid:
 def rate(trials: pd.DataFrame) -> Rate:
     """The success rate over all rows of a table of attempts."""
     return Rate(int(trials["success"].sum()), len(trials))
+
+
+def engine_names(table: pd.DataFrame) -> str:
+    """What computed the physics of attempts; empty for a real robot.
+
+    Args:
+        table: Has a column `engine`.
+    """
+    return " and ".join(sorted(set(table["engine"].dropna()) - {""}))
 
 
 def by_object(trials: pd.DataFrame) -> pd.DataFrame:

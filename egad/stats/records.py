@@ -178,4 +178,5 @@ def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
         "quality": quality,
         "detector": row["detector"] or path.stem,
         "initial_pose": "",
+        "engine": "",
     }

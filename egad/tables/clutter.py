@@ -4,7 +4,7 @@ import pyarrow as pa
 
 from egad.outcomes import POSE_FAILURES, SIMULATION_FAILURES, Outcome, listed
 from egad.tables.columns import FLOAT, INT, STRING, column
-from egad.tables.evaluation import ENGINE, SUCCESS
+from egad.tables.evaluation import ENGINE, FAILURE, SUCCESS
 
 GRASP_POSE = tuple(f"pose_{row}{part}" for row in "xyz" for part in ("x", "y", "z", "t"))
 CARRIED_OUT = (
@@ -43,5 +43,6 @@ CLUTTER = pa.schema(
         column("score", FLOAT, "score that the detector predicted"),
         column("stopped", FLOAT, "how far before the grasp something stopped the hand", "m"),
         ENGINE,
+        FAILURE,
     ]
 )

@@ -17,6 +17,7 @@ from egad.tables.columns import (
     ROBUST_SUCCESS_RATE,
     STRING,
     column,
+    optional,
     pose,
     vector,
 )
@@ -33,6 +34,9 @@ BURIED = column(
 )
 PLACE = column("label", STRING, "name in the evaluation set")
 ENGINE = column("engine", STRING, "physics engine")
+FAILURE = optional(
+    column("failure", STRING, "what the detector did wrong, with its traceback; empty if nothing")
+)
 SUCCESS = column("success", BOOL, "whether the object was still held at the end")
 
 EVAL49 = pa.schema(
@@ -132,6 +136,7 @@ RESULTS = pa.schema(
             STRING,
             "initial pose of the object, in hexadecimal; empty on a real robot",
         ),
+        optional(column("engine", STRING, "physics engine; empty on a real robot")),
     ]
 )
 
@@ -163,6 +168,7 @@ TRIALS = pa.schema(
         column("parts", INT, "number of convex parts of the simulated object"),
         column("volume_error", FLOAT, "volume of the parts / volume of the object - 1"),
         ENGINE,
+        FAILURE,
     ]
 )
 

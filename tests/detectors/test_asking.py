@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.detectors import GraspPoses, from_above, seen_by, wanted_input, with_checked_answers
+from egad.detectors import (
+    DetectorError,
+    GraspPoses,
+    from_above,
+    seen_by,
+    wanted_input,
+    with_checked_answers,
+)
 from egad.detectors.base import Grasp
 from egad.errors import UserError
 from egad.perception import DepthCamera, Intrinsics, Observation, camera_above, cameras_around
@@ -43,8 +50,21 @@ class Declared:
         return cloud
 
 
-def of_anything(x, _gripper, _rng):
-    return x
+def of_anything(_, _gripper, _rng):
+    return _
+
+
+def of_several(*seen):
+    return seen
+
+
+def misnamed(point_cloud, _gripper, _rng):
+    return point_cloud
+
+
+class Misnamed:
+    def __call__(self, image, _gripper, _rng):
+        return image
 
 
 @pytest.mark.parametrize(
@@ -55,6 +75,7 @@ def of_anything(x, _gripper, _rng):
         (OfCloud(), "cloud"),
         (Declared(), "views"),
         (of_anything, "view"),
+        (of_several, "view"),
         (with_checked_answers(of_tsdf), "tsdf"),
         (with_checked_answers(Declared()), "views"),
         (functools.partial(of_tsdf), "tsdf"),
@@ -73,6 +94,33 @@ def test_an_unknown_input_is_named():
         wanted_input(detect)
 
 
+@pytest.mark.parametrize(
+    ("detect", "name"),
+    [
+        (misnamed, "point_cloud"),
+        (Misnamed(), "image"),
+        (with_checked_answers(misnamed), "point_cloud"),
+        (functools.partial(misnamed), "point_cloud"),
+    ],
+)
+def test_a_first_parameter_of_another_name_is_refused_with_those_that_are_allowed(detect, name):
+    with pytest.raises(UserError, match=rf"'{name}' is none of view, views, cloud, tsdf, obs"):
+        wanted_input(detect)
+
+
+def returns_nothing(_view, _gripper, _rng):
+    pass
+
+
+@pytest.mark.parametrize("answer", [None, 3, [1, 2], (1, 2, 3), "grasp", [np.eye(4)]])
+def test_an_answer_that_is_no_grasps_names_the_code_that_gave_it(answer):
+    line = returns_nothing.__code__.co_firstlineno
+    with pytest.raises(DetectorError, match=rf"{__file__}, line {line}.*NoneType None"):
+        with_checked_answers(returns_nothing)(None, None, None)
+    with pytest.raises(DetectorError, match="must return a list of grasps"):
+        with_checked_answers(lambda *_: answer)(None, None, None)
+
+
 def test_a_tuple_of_arrays_is_an_answer_of_poses():
     answer = (np.eye(4)[None].tolist(), [0.05], [1])
     found = with_checked_answers(lambda *_: answer)(None, None, None)
@@ -86,5 +134,5 @@ def test_a_tuple_of_grasps_is_an_answer_of_grasps():
 
 
 def test_poses_are_not_from_above():
-    with pytest.raises(TypeError, match="benchmark"):
+    with pytest.raises(DetectorError, match="benchmark"):
         from_above(GraspPoses(np.empty((0, 4, 4)), np.empty(0), np.empty(0)))

@@ -1,5 +1,7 @@
 """Evolution from Python, in one call and step by step, against the island of the pipeline."""
 
+import math
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -72,6 +74,20 @@ def test_a_rejected_or_missing_measure_leaves_an_object_out(archive):
     evolver = egad.Evolver(population=8)
     evolver.tell(np.full((len(evolver.ask()), 2), np.nan))
     assert len(evolver.archive) == 0
+
+
+@pytest.mark.parametrize("evaluations", [40, 2000])
+def test_a_measure_that_is_always_nan_is_told(evaluations):
+    """Soon, and not when all evaluations are done."""
+    asked = []
+
+    def measures(mesh):
+        asked.append(mesh)
+        return math.nan, 0.5
+
+    with pytest.raises(UserError, match="the measures are not two finite numbers"):
+        egad.evolve(evaluations, measures=measures, population=20)
+    assert len(asked) < 150
 
 
 def test_steps_out_of_order_and_wrong_numbers_are_refused():

@@ -158,7 +158,7 @@ def test_reading_the_source_finds_what_importing_finds():
     names = set(loaded.stdout.split())
     packages = {name.rpartition(".")[0] for name in names}  # some are loaded for parameters only
     # those that only the top module or the definitions of settings import
-    by_others = {"egad._util.kernel_cache", "egad.grippers.table", "egad.pipeline.exports"}
+    by_others = {"egad.grippers.table", "egad.pipeline.exports"}
     expected = {
         name
         for name in names - packages - by_others

@@ -14,9 +14,9 @@ OUTCOMES = ("missed", "success")
 def tried(name, rates, seed=0):
     rng = np.random.default_rng(seed)
     rows = [
-        (label, label, n, bool(success), OUTCOMES[int(success)], rng.random(), name, f"{n}")
+        (label, label, n, bool(won), OUTCOMES[int(won)], rng.random(), name, f"{n}", "mujoco")
         for label, rate in rates.items()
-        for n, success in enumerate(rng.random(20) < rate)
+        for n, won in enumerate(rng.random(20) < rate)
     ]
     return pd.DataFrame(rows, columns=RESULTS.names)
 
@@ -46,6 +46,7 @@ def test_each_detector_has_its_view(tables):
     found = trial_results(tables, EvaluationSet(7, 7))
     assert [view.name for view in found.views] == list(tables)
     assert [view.objects for view in found.views] == [5, 5, 1]
+    assert {view.engine for view in found.views} == {"mujoco"}
     assert found.outcome_figure
     assert found.rows_figure
     alone = trial_results({"good": tables["good"]}, EvaluationSet(7, 7))
@@ -58,6 +59,7 @@ def test_a_page_needs_no_other_file_and_is_the_same_every_time(tables):
     assert text == page(strange, EvaluationSet(7, 7))
     assert text.startswith("<!DOCTYPE html>")
     assert "<script>alert" not in text
+    assert text.count("simulated in mujoco") == len(strange)
     assert "http" not in text.replace("http-equiv", "").split("<main>")[0]
     assert "good vs. &lt;script&gt;" in text
 

@@ -167,3 +167,10 @@ def test_grasps_are_shown_with_the_gripper_that_they_are_for():
     with pytest.raises(UserError, match="fingers of a gripper: name it"):
         egad.view(box, grasps)
     assert "opening" not in egad.view(box).html.partition("<script")[0].partition("<h1")[2]
+
+
+def test_a_view_prints_a_line_and_not_its_page():
+    shown = egad.view(trimesh.creation.box((0.1, 0.1, 0.1)))
+    assert len(repr(shown)) < 100
+    assert "save(" in repr(shown)
+    assert "\n" not in str(shown)

@@ -15,7 +15,7 @@ from egad.sim import mujoco_world
 from egad.sim.arms import HandPose
 from egad.sim.model import build
 from egad.sim.mujoco_model import scene_spec
-from egad.sim.parameters import EngineName, installed_engine
+from egad.sim.parameters import EngineName, check_engine
 from egad.sim.world import (
     GRAVITY,
     TABLE_FRICTION,
@@ -147,17 +147,16 @@ def test_pose_matrix_moves_the_mesh() -> None:
 
 def test_an_engine_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(UserError, match="did you mean pybullet"):
-        installed_engine("bullet")  # type: ignore[arg-type]
+        check_engine("bullet")
     found = importlib.util.find_spec
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name: None if name == "pybullet" else found(name)
     )
-    assert installed_engine("auto") == "mujoco"
+    check_engine("mujoco")
     with pytest.raises(UserError, match="pybullet is not installed"):
-        installed_engine("pybullet")
-    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
-    with pytest.raises(UserError, match="no physics engine is installed"):
-        installed_engine("auto")
+        check_engine("pybullet")
+    with pytest.raises(UserError, match="pybullet is not installed"):
+        open_world("pybullet", [])
 
 
 @EACH_ENGINE

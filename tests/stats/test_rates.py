@@ -14,6 +14,7 @@ from egad.stats.rates import (
     Rate,
     bootstrap,
     by_object,
+    engine_names,
     mean_rate,
     object_positions,
     rate,
@@ -70,6 +71,19 @@ def table(successes: Sequence[int], attempts: int = 20) -> pd.DataFrame:
     """Objects A0, A1, ... with so many successes each."""
     rows = [(f"A{i}", n < k) for i, k in enumerate(successes) for n in range(attempts)]
     return pd.DataFrame(rows, columns=["label", "success"])
+
+
+def test_a_rate_prints_as_a_person_would_write_it() -> None:
+    assert repr(Rate(15, 20)) == "75.0 % (95 % interval 53.1 to 88.8 %), 15 of 20"
+    assert repr(Mean(15, 20, 0.5, 0.9)) == "75.0 % (95 % interval 50.0 to 90.0 %), 15 of 20"
+    assert repr(Mean(15, 20, math.nan, math.nan)) == "75.0 % (no interval), 15 of 20"
+    assert str(Rate(0, 0)) == "no attempts"
+
+
+def test_engines_are_named_once_and_a_real_robot_has_none() -> None:
+    table = pd.DataFrame({"engine": ["pybullet", "mujoco", "mujoco", ""]})
+    assert engine_names(table) == "mujoco and pybullet"
+    assert engine_names(table[3:]) == ""
 
 
 def test_successes_are_counted_by_object() -> None:

@@ -1,6 +1,8 @@
 import itertools
+import sys
+import threading
+from types import SimpleNamespace
 
-import numba
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -130,6 +132,53 @@ def test_a_terminal_gets_a_bar(monkeypatch, capsys):
     assert "100%" in capsys.readouterr().err
 
 
+def test_a_notebook_gets_one_line_that_moves(monkeypatch, clock, capsys):
+    """As IPython shows it: a display that is made once and updated."""
+    shown, updates = [], []
+
+    def display(data, *, raw, display_id):
+        assert raw
+        assert display_id
+        shown.append(data)
+        return SimpleNamespace(update=lambda data, **_: updates.append(data["text/plain"]))
+
+    shell = SimpleNamespace(kernel=object())
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setitem(sys.modules, "IPython.display", SimpleNamespace(display=display))
+    assert list(progress(clock.work([2] * 10), "working", 10)) == [2] * 10
+    assert len(shown) == 1
+    assert len(updates) == 11
+    assert [line.partition(" ")[0].count("\N{FULL BLOCK}") for line in updates] == [
+        *range(0, 21, 2)
+    ]
+    assert Status.parse(updates[-1].partition(" ")[2]).done == 10
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("shell", [None, SimpleNamespace()])
+def test_a_prompt_of_ipython_is_no_notebook(monkeypatch, shell, capsys):
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    list(progress("ab", "working", 2))
+    assert "working: 2/2" in capsys.readouterr().err
+
+
+def test_slow_work_is_named_and_quick_work_is_not(monkeypatch, capsys):
+    monkeypatch.setattr(module, "SLOW", 0.05)
+
+    @module.phase_if_slow("thinking")
+    def think(seconds):
+        threading.Event().wait(seconds)
+        return seconds
+
+    assert think(0.0) == 0.0
+    threading.Event().wait(0.2)
+    assert capsys.readouterr().err == ""
+    assert think(0.5) == 0.5
+    assert capsys.readouterr().err == "thinking ...\n"
+    with pytest.raises(ZeroDivisionError), module.phase_if_slow("failing"):
+        1 / 0  # noqa: B018
+
+
 def test_an_error_inside_the_loop_is_not_swallowed():
     def work():
         for item in progress([1], "working", 1):
@@ -137,10 +186,3 @@ def test_an_error_inside_the_loop_is_not_swallowed():
 
     with pytest.raises(ValueError, match="1"):
         work()
-
-
-def test_a_process_says_when_it_compiles_kernels(capsys):
-    module._listen_to_compiler.cache_clear()
-    module.report_compilation()
-    numba.njit(lambda x: x + 1)(1)
-    assert "compiling kernels" in map(parse_phase, capsys.readouterr().err.splitlines())

@@ -13,7 +13,7 @@ from snakemake.exceptions import WorkflowError
 from egad.pipeline.cli.stages import stage_function
 from egad.pipeline.config import training_study
 from egad.pipeline.code_version import code_version
-from egad.pipeline.config.check import check, with_engine
+from egad.pipeline.config.check import check, check_engines
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.exports import (
     OF_OBJECTS,
@@ -35,7 +35,7 @@ from egad.detectors import fingerprint
 from egad.perception import shard_count
 
 try:
-    SETTINGS = with_engine(check(config))
+    SETTINGS = check_engines(check(config))
     # The same, with the networks of the training study among the detectors.
     TRIED = training_study.with_networks(SETTINGS)
     # The user's own measures by their code, so that editing it re-runs what they measure.

@@ -3,6 +3,7 @@
 import logging
 import sys
 
+from egad._util.progress import marked
 from egad.errors import LESS_MEMORY, RejectedError, TableError, UserError
 from egad.pipeline.cli import (
     benchmark,
@@ -31,9 +32,20 @@ __all__ = [
 ]
 
 
+class _Formatter(logging.Formatter):
+    """Messages alone; in a file, such as the log of a stage, warnings and errors are marked."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        text = super().format(record)
+        in_file = record.levelno >= logging.WARNING and not sys.stderr.isatty()
+        return marked(text) if in_file else text
+
+
 def main() -> None:
     """Run the command; report errors as one sentence, without a traceback."""
-    logging.basicConfig(level=logging.WARNING, format="%(message)s", stream=sys.stderr)
+    handler = logging.StreamHandler()
+    handler.setFormatter(_Formatter())
+    logging.basicConfig(level=logging.WARNING, handlers=[handler])
     logging.getLogger("egad").setLevel(logging.INFO)
     try:
         app()

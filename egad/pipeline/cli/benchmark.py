@@ -59,6 +59,10 @@ def benchmark(
     rounds: Annotated[
         int | None, typer.Option(min=1, help="rounds of each kind of scene and noise")
     ] = None,
+    keep_going: Annotated[
+        bool,
+        typer.Option("--keep-going", help="go on with a detector that fails in every attempt"),
+    ] = False,
     rule: Rule = "paper",
     films: Annotated[
         Path | None,
@@ -77,10 +81,13 @@ def benchmark(
     from egad.pipeline.provenance.record import run_recorded
     from egad.pipeline.stages import benchmark as stage
     from egad.pipeline.stages.clutter import ClearedTables
+    from egad.sim import check_engine
+    from egad.stats import engine_names
 
-    settings = changed(settings_in(config), "clutter", rounds=rounds)
+    settings = changed(settings_in(config), "clutter", rounds=rounds, keep_going=keep_going or None)
     check_name("gripper", gripper, settings.grippers)
     check_name("rule", rule, SCALE_RULES)
+    check_engine(settings.clutter.engine)
     name, found = _detector(detector, weights, command, settings)
     path = out or FOLDER / f"{name}.parquet"
     for folder in [films, None if out else FOLDER]:
@@ -99,7 +106,7 @@ def benchmark(
         out=path,
         jobs=jobs,
     )
-    cleared({name: result.rates()})
+    cleared({name: result.rates()}, {name: engine_names(result.table)})
     outcomes = result.table["outcome"].value_counts()
     typer.echo(f"outcomes: {', '.join(f'{count} {name}' for name, count in outcomes.items())}")
     typer.echo(f"planning takes {result.planning_time:.2g} s (median); attempts: {path}")

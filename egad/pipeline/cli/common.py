@@ -8,6 +8,7 @@ import typer
 import yaml
 from pydantic import BaseModel, ValidationError
 
+from egad import __version__
 from egad._util.parameters import SCALE_RULES
 from egad.errors import UserError
 from egad.pipeline.cli.stages import StageGroup
@@ -18,8 +19,24 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    help="Evolved objects for robot grasping. Lengths are metres unless stated otherwise.",
 )
+
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"egad {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _program(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="print it")
+    ] = False,
+) -> None:
+    """Evolved objects for robot grasping. Lengths are metres unless stated otherwise."""
+
+
 TOOL = "Tools"
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 

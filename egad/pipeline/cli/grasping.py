@@ -105,5 +105,6 @@ def view(
     else:
         shown = stage.from_mesh(Path(item), units, select(whole, ViewMesh, name))
     write_text(out, page(shown, name, whole.grippers[name]))
-    found = shown.note or f"{len(shown.grasps)} grasps of {name}"
+    free = int(shown.grasps["collision_free"].sum())
+    found = shown.note or f"{len(shown.grasps)} grasps of {name}, {free} of them collision-free"
     typer.echo(f"{shown.name}: {found}, at {shown.title}; see {out}")

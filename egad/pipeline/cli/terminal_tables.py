@@ -91,12 +91,15 @@ def square(matrix: pd.DataFrame) -> None:
     show(["", *names], [(name, *row) for name, row in zip(names, numbers, strict=True)])
 
 
-def succeeded(rates: Mapping[str, Mean]) -> None:
-    """Print success rates by detector."""
+def succeeded(rates: Mapping[str, Mean], engines: Mapping[str, str]) -> None:
+    """Print success rates by detector, with the physics engine; a dash is a real robot."""
     show(
-        ["detector", "attempts", "success %", "95 % interval"],
+        ["detector", "engine", "attempts", "success %", "95 % interval"],
         [
-            (name, str(rate.attempts), number(100 * rate.value, 1), _interval(rate.interval))
+            (
+                *(name, engines[name] or DASH, str(rate.attempts)),
+                *(number(100 * rate.value, 1), _interval(rate.interval)),
+            )
             for name, rate in rates.items()
         ],
     )
@@ -127,16 +130,17 @@ def compared(pairs: Sequence[Pair]) -> None:
     )
 
 
-def cleared(rates: Mapping[str, Sequence[Clearing]]) -> None:
-    """Print how well detectors clear tables."""
+def cleared(rates: Mapping[str, Sequence[Clearing]], engines: Mapping[str, str]) -> None:
+    """Print how well detectors clear tables, with the physics engine."""
     show(
         [
-            *("detector", "scenes", "noise", "rounds", "attempts"),
+            *("detector", "engine", "scenes", "noise", "rounds", "attempts"),
             *("success %", "95 % interval", "cleared %", "95 % interval"),
         ],
         [
             (
-                *(name, rate.scene, rate.noise, str(rate.rounds), str(rate.success.attempts)),
+                *(name, engines[name], rate.scene, rate.noise, str(rate.rounds)),
+                str(rate.success.attempts),
                 number(100 * rate.success.value, 1),
                 _interval(rate.success.interval),
                 number(100 * rate.cleared.value, 1),

@@ -45,14 +45,13 @@ def compare(
 
     check_ending(out, (".html",))
     is_clutter = [path.suffix == ".parquet" and "scene" in parquet.columns(path) for path in tables]
-    if all(is_clutter) and len(tables) > 1 and out is None:
-        _compare_clearing(tables)
+    if any(is_clutter) and not all(is_clutter):
+        one, other = (tables[is_clutter.index(kind)] for kind in (True, False))
+        raise UserError(f"{one} is of cleared tables, {other} of trials: compare them apart")
+    if len(tables) > 1 and all(is_clutter):
+        _compare_clearing(tables, out)
         return
-    if any(is_clutter):
-        raise UserError(
-            "cleared tables are compared with each other, at least two, and without --out"
-        )
-    found = gather(tables)
+    found = {} if all(is_clutter) else gather(tables)
     if len(found) < 2:
         raise UserError("compare needs the results of at least two detectors")
     _tell(found)
@@ -198,32 +197,35 @@ def template(
     typer.echo(f"{out}: {len(frame)} attempts at {len(labels)} objects")
 
 
-def _compare_clearing(tables: list[Path]) -> None:
-    """Print rates of detectors that cleared the same tables, and comparisons of pairs."""
-    from itertools import combinations
-
+def _compare_clearing(tables: list[Path], out: Path | None) -> None:
+    """Print rates of detectors that cleared tables, and comparisons of pairs; write a page."""
+    from egad._util.files import write_text
     from egad.pipeline.cli.terminal_tables import cleared, clearing_compared
-    from egad.stats import clearing_rates, compare_clearing
+    from egad.report.clutter import clearing_results, page
     from egad.tables import parquet
     from egad.tables.clutter import CLUTTER
 
     several = len({path.stem for path in tables}) < len(tables)
     names = [str(path.with_suffix("")) if several else path.stem for path in tables]
     found = {name: parquet.read(path, CLUTTER) for name, path in zip(names, tables, strict=True)}
-    cleared({name: clearing_rates(table) for name, table in found.items()})
-    pairs = combinations(found, 2)
-    clearing_compared(
-        {f"{one} vs {other}": compare_clearing(found[one], found[other]) for one, other in pairs}
-    )
+    results = clearing_results(found)
+    cleared(results.rates, results.engines)
+    if results.pairs:
+        clearing_compared(results.pairs)
+    else:
+        typer.echo("No two tables have a round in common: same scene, noise, objects and seed")
+    if out is not None:
+        write_text(out, page(results))
 
 
 def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
     """Print success rates, and comparisons of pairs of detectors."""
     from egad.pipeline.cli.terminal_tables import compared, succeeded
     from egad.report.trials import pairs
-    from egad.stats import mean_rate
+    from egad.stats import engine_names, mean_rate
 
-    succeeded({name: mean_rate(table) for name, table in found.items()})
+    engines = {name: engine_names(table) for name, table in found.items()}
+    succeeded({name: mean_rate(table) for name, table in found.items()}, engines)
     if len(found) > 1:
         compared(pairs(found))
 

@@ -12,7 +12,7 @@ from egad._util.parameters import Node, keys_of, wanted
 from egad.errors import UserError
 from egad.pipeline.config import Settings
 from egad.pipeline.config.schema import node_at, schema
-from egad.sim import installed_engine
+from egad.sim import check_engine
 
 Problem = Mapping[str, Any]  # an error of pydantic: its type, loc, input and msg
 Path = tuple[str | int, ...]
@@ -51,20 +51,15 @@ def check(config: Mapping[str, Any]) -> Settings:
     return Settings.model_validate_json(json.dumps(plain), strict=True)
 
 
-def with_engine(settings: Settings) -> Settings:
-    """Settings with the names of physics engines in the place of `auto`.
-
-    So rules re-run when another one is installed, rather than mixing results of two engines.
+def check_engines(settings: Settings) -> Settings:
+    """The settings.
 
     Raises:
-        UserError: An engine is not installed.
+        UserError: A physics engine that they name is not installed.
     """
-    sections = {name: getattr(settings, name) for name in ("trials", "clutter", "simulated_label")}
-    chosen = {
-        name: section.model_copy(update={"engine": installed_engine(section.engine)})
-        for name, section in sections.items()
-    }
-    return settings.model_copy(update=chosen)
+    for section in (settings.trials, settings.clutter, settings.simulated_label):
+        check_engine(section.engine)
+    return settings
 
 
 def _errors(config: dict[str, Any]) -> list[Problem]:

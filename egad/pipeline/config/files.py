@@ -176,7 +176,8 @@ TRAINING_BASE: Values = {
     "datasets": {**RELEASED["datasets"], **YCB["datasets"]},
     "targets": {"grippers": ["panda"]},
     "grasp_label": RELEASED["grasp_label"],
-    "trials": {"attempts": 10, "reset": "redrop"},
+    # the engine of the trials in docs/training.parquet
+    "trials": {"engine": "pybullet", "attempts": 10, "reset": "redrop"},
 }
 
 

@@ -12,7 +12,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any, TextIO
 
-from egad._util.progress import WARNING, duration
+from egad._util.progress import duration, parse_marked
 from egad.pipeline.display.jobs import Job, Jobs, last_lines
 from egad.pipeline.display.lines import Lines, View, clock
 
@@ -114,12 +114,11 @@ class Display(logging.Handler):
         for job in self._done:
             taken = duration(time.monotonic() - job.start)
             self._view.print(f"{clock()} done  {job.rule}: {job.title}, {taken} {steps}")
-            if job.log and job.rule in self._whole_logs:
-                self._view.print("\n".join(last_lines(job.log)))
-            elif job.log:
-                for line in last_lines(job.log):
-                    if line.startswith(WARNING):
-                        self._view.print(line, CAUTION)
+            lines = last_lines(job.log) if job.log else []
+            if job.rule in self._whole_logs:
+                self._view.print("\n".join(lines))
+            elif shown := [text for line in lines if (text := parse_marked(line)) is not None]:
+                self._view.print("\n".join(shown), CAUTION)
         if not self._done and message["done"] == message["total"]:
             self._view.print(f"{clock()} done  all {message['total']} steps")
         self._done.clear()

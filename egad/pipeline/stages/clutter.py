@@ -14,7 +14,7 @@ from PIL import Image
 from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
 from egad.benchmark import LABELS, Cleared, open_table
-from egad.detectors import STARTING_TIME, DetectorConfig
+from egad.detectors import STARTING_TIME, DetectorConfig, FailureMonitor
 from egad.errors import UserError
 from egad.outcomes import Outcome
 from egad.pipeline.parameters import Input, Output, Shard, command
@@ -74,6 +74,7 @@ def run(
     tables, seconds = [parquet.empty(CLUTTER)], []
     phase("starting the simulator")
     attempt = settings.clutter.planning_time + STARTING_TIME + ENGINE_TIME
+    monitor = FailureMonitor(len(todo), settings.clutter.keep_going, "rounds")
     limit = 2 * settings.clutter.objects * attempt
     with Survivor(partial(open_bundle, settings, bundle, grasps), limit) as clear:
         for this in progress(todo, "clearing", len(todo)):
@@ -82,6 +83,7 @@ def run(
                 log.warning("round %d, %s: %s", this.number, this.scene, Outcome.CRASHED)
             table, times = done or (failed_round(this, settings, Outcome.CRASHED), [])
             tables.append(table)
+            monitor.check(table)
             seconds += times
     whole = pd.concat([table for table in tables if len(table)] or tables)
     parquet.write(whole, CLUTTER, out)

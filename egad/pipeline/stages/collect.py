@@ -13,7 +13,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad._util.files import atomic_output
-from egad._util.progress import WARNING, progress
+from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.exchange import write_obj
 from egad.geometry import units_doubt
@@ -21,6 +21,7 @@ from egad.measures import complexity_cells, difficulty_cells, labels
 from egad.pipeline.config import Similarity, Space
 from egad.pipeline.config.stage_settings import StageSettings
 from egad.pipeline.parameters import Input, Jobs, Output, command
+from egad.pipeline.stages.measure import warn_of_shapes
 from egad.pipeline.stages.shards import join
 from egad.reeb import diversities
 from egad.reeb import graph as reeb
@@ -77,7 +78,7 @@ def run(
 
 
 def _warn(frame: pd.DataFrame, left_out: pd.DataFrame) -> None:
-    """Say which of a user's meshes could not be used, or have sizes that make their unit doubtful.
+    """Say which of a user's meshes could not be used, and what is doubtful of the others.
 
     Args:
         frame: Columns of `tables.objects.SOLIDS`.
@@ -85,12 +86,14 @@ def _warn(frame: pd.DataFrame, left_out: pd.DataFrame) -> None:
     """
     longest = frame[["extents_x", "extents_y", "extents_z"]].max(axis=1)
     if doubt := units_doubt(dict(zip(frame["id"], longest, strict=True)), None):
-        log.warning("%s%s", WARNING, doubt)
+        log.warning("%s", doubt)
     if len(left_out):
-        text, first = "%s%d of %d meshes cannot be used; %s: %s", left_out.iloc[0]
+        first = left_out.iloc[0]
         log.warning(
-            text, WARNING, len(left_out), len(frame) + len(left_out), first["id"], first["reason"]
+            "%d of %d meshes cannot be used; %s: %s",
+            *(len(left_out), len(frame) + len(left_out), first["id"], first["reason"]),
         )
+    warn_of_shapes(frame)
 
 
 def arrange(

@@ -10,7 +10,7 @@ import trimesh
 from egad._util.progress import phase
 from egad._util.workers import workers
 from egad.cppn import Rules, build_rules
-from egad.errors import RejectedError, UserError
+from egad.errors import RejectedError, UserError, most_common
 from egad.exchange import read_mesh
 from egad.geometry.repair import repair
 from egad.map_elites import Archive, EvolutionParameters, Watch, elites_of, evolve
@@ -62,8 +62,7 @@ def run(
         done = evolve(archive, settings, epoch, island, rules, mapper, watch)
     counts = done.outcomes
     if not len(archive):
-        most = "; ".join(f"{reason} ({count})" for reason, count in counts.most_common(3))
-        raise UserError(f"none of {counts.total()} offspring was accepted: {most}")
+        raise UserError(f"none of {counts.total()} offspring was accepted: {most_common(counts)}")
     parquet.write(done.history, HISTORY, history)
     parquet.write(done.lineage, LINEAGE, lineage)
     parquet.write(archive.to_frame(), EPOCH, out, provenance(settings))

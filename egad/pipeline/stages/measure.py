@@ -133,17 +133,6 @@ def _row(
     return {**found, **row}
 
 
-def warn_of_coarse(table: pd.DataFrame) -> None:
-    """Warn of meshes whose complexity says more of their triangles than of their shape."""
-    coarse = table[is_coarse(table["complexity"], table["fine_complexity"])]
-    if len(coarse):
-        log.warning(
-            "%d of %d meshes are too coarse, such as %s: %s",
-            *(len(coarse), len(table), coarse.iloc[0, 0]),
-            coarse_advice(coarse["fine_complexity"].iloc[0]),
-        )
-
-
 def warn_of_units(rows: Iterable[Mapping[str, Any]], units: str | None) -> None:
     """Warn if the size of meshes suggests that their unit is wrong.
 
@@ -173,8 +162,7 @@ def incomparable(settings: Settings, gripper: str, rule: str) -> str:
 
 
 def warn_of_measures(table: pd.DataFrame) -> None:
-    """Warn if meshes are measured larger than they are, without some bodies, or too coarse."""
-    warn_of_coarse(table)
+    """Warn of meshes that are measured larger than they are, and as `warn_of_shapes`."""
     larger = table[table["factor"] > ENLARGED]
     if len(larger):
         log.warning(
@@ -182,8 +170,23 @@ def warn_of_measures(table: pd.DataFrame) -> None:
             "with --rule none, egad measure takes their real size",
             *(len(larger), len(table), larger["name"].iloc[0], larger["factor"].iloc[0]),
         )
-    dropped = table[table["dropped_bodies"] > 0]
-    for name, bodies, volume in zip(
-        dropped["name"], dropped["dropped_bodies"], dropped["dropped_volume"], strict=True
-    ):
-        log.warning("%s: %s", name, dropped_text(int(bodies), volume))
+    warn_of_shapes(table)
+
+
+def warn_of_shapes(table: pd.DataFrame) -> None:
+    """Warn of meshes that lost bodies, or whose triangles are too large for their complexity.
+
+    Args:
+        table: Columns of `tables.objects.SOLIDS` or `MEASURED`; the first has the names.
+    """
+    names = table.iloc[:, 0]
+    coarse = is_coarse(table["complexity"], table["fine_complexity"])
+    for name, fine in zip(names[coarse][:1], table["fine_complexity"][coarse], strict=False):
+        log.warning(
+            "%d of %d meshes are too coarse, such as %s: %s",
+            *(coarse.sum(), len(table), name, coarse_advice(fine)),
+        )
+    dropped = table["dropped_bodies"] > 0
+    bodies, volumes = table["dropped_bodies"][dropped], table["dropped_volume"][dropped]
+    for name, count, volume in zip(names[dropped], bodies, volumes, strict=True):
+        log.warning("%s: %s", name, dropped_text(int(count), volume))

@@ -1,6 +1,7 @@
 """postprocess: repaired meshes, mass properties and measures of the objects of a shard."""
 
 import logging
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
@@ -13,7 +14,7 @@ import typer
 
 from egad._util.progress import progress
 from egad.cppn import packed_surface
-from egad.errors import RejectedError, UserError
+from egad.errors import RejectedError, UserError, most_common
 from egad.exchange import EVERY_FILE, objects_in, read_mesh
 from egad.geometry import has_usual_size, joined_primitives
 from egad.measures import MeasureParameters, measure_repeatably
@@ -25,7 +26,7 @@ from egad.pipeline.archive_settings import (
 )
 from egad.pipeline.config import Material, Postprocess, Shape
 from egad.pipeline.parameters import Input, NotNoted, Output, Shard, command
-from egad.pipeline.stages.measure import repaired_body, warn_of_coarse
+from egad.pipeline.stages.measure import repaired_body
 from egad.pipeline.stages.shards import in_shard, rejection
 from egad.random import generator
 from egad.reeb import graph as reeb
@@ -95,14 +96,12 @@ def run(
         sources, known = from_primitives(primitives, settings, *shard)
     else:
         raise UserError("postprocess needs --archive, --folder or --primitives")
-    solids = measure_objects(settings, sources, known, out, rejected)
-    if folder is not None:
-        warn_of_coarse(solids)
+    measure_objects(settings, sources, known, out, rejected)
 
 
 def measure_objects(
     settings: PostprocessSolids, sources: Sources, known: pd.Series, out: Path, rejected: Path
-) -> pd.DataFrame:
+) -> None:
     """Repair and measure objects.
 
     Args:
@@ -111,9 +110,6 @@ def measure_objects(
         known: Difficulty by id that evolution used for selection; empty for other meshes.
         out: Table with the columns of `tables.objects.SOLIDS`.
         rejected: Table of the rejected objects, with reasons.
-
-    Returns:
-        The first of these tables.
     """
     rows, left_out = [], []
     for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
@@ -126,10 +122,11 @@ def measure_objects(
         else:
             rows.append(row | {"archive_difficulty": known.get(object_id, np.nan)})
     log.info("%d objects, %d rejected", len(rows), len(left_out))
-    solids = pd.DataFrame(rows, columns=SOLIDS.names)
-    parquet.write(solids, SOLIDS, out)
+    if left_out and not rows:
+        reasons = most_common(Counter(each["reason"] for each in left_out))
+        log.error("none of %d objects could be used: %s", len(left_out), reasons)
+    parquet.write(pd.DataFrame(rows), SOLIDS, out)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
-    return solids
 
 
 def _doubt(mesh: trimesh.Trimesh | None) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from egad._util.progress import phase_if_slow
 from egad.errors import UserError
 from egad.pipeline.stages.bundled import model_in, rows_by_id
 from egad.pipeline.stages.simulate import SimulatedTrials
@@ -25,6 +26,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 
 
+@phase_if_slow("simulating and filming the attempt")
 def run(
     settings: SimulatedTrials, trials: Path, bundle: Path, label: str, attempt: int, out: Path
 ) -> str:

@@ -15,6 +15,7 @@ from egad.detectors import (
     IN_SCENES,
     Detector,
     DetectorConfig,
+    FailureMonitor,
     Labels,
     check_views_will_do,
     opened,
@@ -65,10 +66,12 @@ def run(
     parts = []
     limit = settings.trials.attempts * (settings.trials.planning_time + ENGINE_TIME)
     phase("starting the simulator")
+    monitor = FailureMonitor(len(chosen), settings.trials.keep_going)
     with Survivor(partial(open_runner, settings, bundle, grasps), limit) as attempt:
         for row in progress(parquet.records(chosen), "trying", len(chosen)):
             failed = partial(failed_attempts, row["label"], row["id"], settings)
             parts.append(outlived(row, attempt, known.get(row["id"]), failed))
+            monitor.check(parts[-1])
     whole = pd.concat(parts) if parts else parquet.empty(TRIALS)
     parquet.write(whole, TRIALS, out)
     log.info("%d attempts, %d successes", len(whole), int(whole["success"].sum()))

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from egad._util.progress import phase_if_slow
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange import check_opening, read_mesh
 from egad.exchange.hand_body import hand_body
@@ -56,6 +57,7 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> Scene
     return replace(shown, title=_size(sizes.loc[labels[name]].to_dict()))
 
 
+@phase_if_slow("sampling grasps")
 def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> Scene:
     """A mesh, repaired and scaled to the gripper, with newly labelled grasps.
 

@@ -10,6 +10,8 @@ const RAMPS = {
   "blue to yellow (color-blind safe)": [[0.0, 0.14, 0.42], [0.47, 0.46, 0.47], [1.0, 0.90, 0.20]],
 };
 
+const COLLIDING = [0.54, 0.35, 0.66]; // violet, as in the gallery; in no ramp
+
 function ramp(name, share) {
   const stops = RAMPS[name];
   const place = Math.min(Math.max(share, 0), 1) * (stops.length - 1);
@@ -55,7 +57,8 @@ function start(root) {
     const { passing, shown } = chosen(object, wanted);
     const rows = [];
     for (const grasp of shown) {
-      addJaws(rows, object, grasp, ramp(part("colors").value, object.metrics[metric][grasp] / top));
+      const color = ramp(part("colors").value, object.metrics[metric][grasp] / top);
+      addJaws(rows, object, grasp, object.free[grasp] ? color : COLLIDING);
     }
     paint.layer("jaws", new Float32Array(rows));
     part("status").textContent = `${shown.length} of ${passing} matching grasps shown (${object.grasps} in total)`;

@@ -10,6 +10,7 @@ import trimesh
 from commands import egad
 from described_hands import box_urdf
 
+from egad import __version__
 from egad.pipeline.cli.common import parse, settings_in
 from egad.pipeline.config import Gripper, Settings
 from egad.pipeline.config.stage_settings import select
@@ -18,6 +19,10 @@ from egad.pipeline.stages.postprocess import PostprocessSolids
 from egad.tables import parquet
 from egad.tables.grasping import SCALES, SIZE_EFFECT
 from egad.tables.objects import MEASURED, OBJECTS, REJECTED
+
+
+def test_the_version_is_printed():
+    assert egad("--version").stdout.strip() == f"egad {__version__}"
 
 
 def test_help_lists_every_stage_and_imports_nothing_heavy():

@@ -5,6 +5,7 @@ import pytest
 from commands import egad
 
 from egad.tables import parquet
+from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import EVAL49, RESULTS, TRIALS
 
 
@@ -64,6 +65,49 @@ def test_tables_of_two_evaluation_sets_are_refused(tmp_path):
     assert result.returncode == 1
     assert "A0 is the object A0-1 in one table and A0-2 in the other" in result.stderr
     assert "Traceback" not in result.stderr
+
+
+def cleared_table(path, won, **changes):
+    """Two rounds with one object each."""
+    blank = {"string": "", "bool": False, "double": 0.0}
+    row = {field.name: blank.get(str(field.type), 1) for field in CLUTTER}
+    row |= {"scene": "single", "noise": "none", "objects": "a", "engine": "mujoco", "attempt": 0}
+    ends = ["success" if each else "missed" for each in won]
+    rounds = enumerate(zip(won, ends, strict=True))
+    rows = [row | {"round": n, "success": ok, "outcome": end} | changes for n, (ok, end) in rounds]
+    parquet.write(pd.DataFrame(rows), CLUTTER, path)
+    return path
+
+
+def test_cleared_tables_are_compared_and_make_a_page(tmp_path):
+    good = cleared_table(tmp_path / "good.parquet", (True, True))
+    fair = cleared_table(tmp_path / "fair.parquet", (True, False), engine="pybullet")
+    page = tmp_path / "page.html"
+    result = trials("compare", good, fair, "--out", page)
+    assert result.returncode == 0, result.stderr
+    words = result.stdout.split()
+    assert {"good", "fair", "mujoco", "pybullet", "100.0", "50.0"} <= set(words)
+    assert "good vs fair" in result.stdout
+    text = page.read_text()
+    assert text.startswith("<!DOCTYPE html>")
+    assert "good vs fair" in text
+    assert "fair: simulated in pybullet" in text
+
+
+def test_cleared_tables_without_a_common_round_say_so(tmp_path):
+    good = cleared_table(tmp_path / "good.parquet", (True, True))
+    other = cleared_table(tmp_path / "other.parquet", (True, True), seed="00ff")
+    result = trials("compare", good, other)
+    assert result.returncode == 0, result.stderr
+    assert "No two tables have a round in common" in result.stdout
+
+
+def test_cleared_tables_and_trials_are_compared_apart(tmp_path, filled):
+    good = cleared_table(tmp_path / "cleared.parquet", (True,))
+    result = trials("compare", filled / "good.csv", good)
+    assert result.returncode == 1
+    assert "cleared.parquet is of cleared tables" in result.stderr
+    assert "at least two detectors" in trials("compare", good).stderr
 
 
 @pytest.mark.parametrize(

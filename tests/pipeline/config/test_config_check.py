@@ -1,11 +1,11 @@
 import copy
+import importlib.util
 
 import pytest
 
 from egad.errors import UserError
 from egad.pipeline.config import Settings
-from egad.pipeline.config.check import check, with_engine
-from egad.sim import installed_engine
+from egad.pipeline.config.check import check, check_engines
 
 
 def problems(config):
@@ -126,14 +126,22 @@ def test_the_number_of_rounds_is_bounded_by_the_mistakes():
     }
 
 
-def test_auto_becomes_the_engine_that_is_installed(monkeypatch):
-    """Else results of two engines could be joined, as Snakemake would see no change."""
-    sections = ("trials", "clutter", "simulated_label")
-    open_to_all = Settings.model_validate({name: {"engine": "auto"} for name in sections})
-    found = with_engine(open_to_all)
-    assert {getattr(found, name).engine for name in sections} == {installed_engine("auto")}
-    chosen = Settings.model_validate({"trials": {"engine": "mujoco"}})
-    assert with_engine(chosen) == chosen
+ENGINES_IN = ("trials", "clutter", "simulated_label")
+
+
+def test_the_engine_is_the_same_on_every_python(monkeypatch):
+    """Whatever is installed; else the same line would give two results."""
     monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
-    with pytest.raises(UserError, match="no physics engine"):
-        with_engine(Settings())
+    assert {getattr(Settings(), name).engine for name in ENGINES_IN} == {"mujoco"}
+
+
+@pytest.mark.parametrize("section", ENGINES_IN)
+def test_an_engine_that_is_not_installed_is_named(section, monkeypatch):
+    found = importlib.util.find_spec
+    chosen = check({section: {"engine": "pybullet"}})
+    monkeypatch.setattr(
+        "importlib.util.find_spec", lambda name: None if name == "pybullet" else found(name)
+    )
+    with pytest.raises(UserError, match="pybullet is not installed"):
+        check_engines(chosen)
+    assert check_engines(check({})) == check({})

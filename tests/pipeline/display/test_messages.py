@@ -3,6 +3,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from egad._util.progress import marked
 from egad.pipeline.display import messages
 
 RULES, ALL, REASON = (SimpleNamespace(name=name) for name in ("RULES", "ALL", "REASON"))
@@ -58,13 +59,14 @@ def test_logs_of_some_rules_are_shown_as_a_whole(start_run):
     assert "table of compare" in run.shown
 
 
-def test_warnings_in_the_log_of_a_job_are_shown_when_it_is_done(start_run):
+def test_marked_lines_of_a_log_are_shown(start_run):
+    """As when a detector fails, and the run goes on."""
     run = start_run()
-    run.start(1, "collect")
-    run.log(1).write_text("measuring: 2/2\nWarning: is their unit right?\n")
+    run.start(1)
+    run.log(1).write_text(f"trying: 1/2\n{marked('it failed:' + chr(10) + '  line 3')}\nthe end\n")
     run.finish(1)
-    assert run.shown.count("\nWarning: is their unit right?\n") == 1
-    assert "measuring" not in run.shown
+    assert run.shown.splitlines()[-2:] == ["it failed:", "  line 3"]
+    assert "the end" not in run.shown
 
 
 def test_the_jobs_of_a_failed_group_are_gone(start_run):

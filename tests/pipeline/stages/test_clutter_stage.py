@@ -51,6 +51,14 @@ def dying(cloud, gripper, rng):
     os.kill(os.getpid(), signal.SIGSEGV)
 
 
+def failing(cloud, gripper, rng):
+    return 1 / 0
+
+
+def misnamed(point_cloud, gripper, rng):
+    return []
+
+
 def answering_nonsense(cloud, gripper, rng):
     return "up"
 """
@@ -122,9 +130,25 @@ def test_it_is_what_the_library_does_in_this_process(table, made, own):
 def test_what_a_detector_does_wrong_is_an_outcome_and_the_run_goes_on(
     made, own, tmp_path, name, outcome
 ):
-    given = settings(f"{own}:{name}", planning_time=2.0, rounds=1, scenes=["packed"])
-    found = cleared(given, made, tmp_path / "out.parquet")
+    changes = {"planning_time": 2.0, "rounds": 1, "scenes": ["packed"], "keep_going": True}
+    found = cleared(settings(f"{own}:{name}", **changes), made, tmp_path / "out.parquet")
     assert found["outcome"].tolist() == [outcome, outcome]  # two in a row end a round
+    assert (found["failure"] != "").all()
+
+
+def test_a_detector_that_only_fails_stops_the_run_with_its_traceback(made, own, tmp_path):
+    given = settings(f"{own}:failing", scenes=["packed"], rounds=4)
+    with pytest.raises(UserError, match=r"all 6 attempts of the first 3 .*--keep-going") as stopped:
+        cleared(given, made, tmp_path / "out.parquet")
+    line = OWN[: OWN.index("1 / 0")].count("\n") + 1
+    assert f'File "{own}", line {line}, in failing' in str(stopped.value)
+    assert str(stopped.value).endswith("ZeroDivisionError: division by zero")
+    assert not (tmp_path / "out.parquet").exists()
+
+
+def test_a_detector_that_asks_for_something_unknown_stops_the_run_at_once(made, own, tmp_path):
+    with pytest.raises(UserError, match=r"'point_cloud' is none of view, views, cloud"):
+        cleared(settings(f"{own}:misnamed"), made, tmp_path / "out.parquet")
 
 
 def test_a_round_that_kills_the_engine_is_marked(made, monkeypatch, tmp_path):
@@ -189,10 +213,10 @@ def test_commands_benchmark_and_compare(own, tmp_path, monkeypatch, capsys):
             main()
         assert stopped.value.code == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines()]
-    assert {(row[0], row[1]) for row in rows} >= {
-        ("own", "packed"),
-        ("own", "pile"),
-        ("random", "pile"),
+    assert {tuple(row[:3]) for row in rows} >= {
+        ("own", "mujoco", "packed"),
+        ("own", "mujoco", "pile"),
+        ("random", "mujoco", "pile"),
     }
     assert {path.name for path in (tmp_path / "films").iterdir()} == {
         "own-packed.gif",

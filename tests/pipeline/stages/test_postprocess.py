@@ -3,7 +3,7 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.pipeline.config import Settings
+from egad.pipeline.config import CustomMeasures, Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.postprocess import (
     PostprocessSolids,
@@ -85,6 +85,25 @@ def test_random_objects_follow_the_seed():
         return from_primitives(1, settings, 0, 1)[0]["p00000"]().vertices.tobytes()
 
     assert bytes_of(1) == bytes_of(1) != bytes_of(2)
+
+
+def test_a_measure_of_the_user_that_never_works_is_told(tmp_path, caplog):
+    (tmp_path / "mine.py").write_text("def hollow(mesh): return float('nan')\n")
+    measures = {
+        "complexity": f"{tmp_path}/mine.py:hollow",
+        "difficulty": f"{tmp_path}/mine.py:hollow",
+    }
+    settings = select(
+        COARSE.model_copy(update={"measures": CustomMeasures(**measures)}), PostprocessSolids
+    )
+    sources = {name: lambda: trimesh.creation.box((0.03, 0.04, 0.05)) for name in ("a", "b")}
+    measure_objects(
+        settings, sources, pd.Series(), tmp_path / "out.parquet", tmp_path / "no.parquet"
+    )
+    (record,) = (each for each in caplog.records if each.levelname == "ERROR")
+    assert record.getMessage() == (
+        "none of 2 objects could be used: hollow is not a finite number (nan) (2)"
+    )
 
 
 def write_cup(path, side=0.04, height=0.05):

@@ -1,0 +1,118 @@
+"""What a detector does wrong: the error with its traceback, and when that ends a run."""
+
+import logging
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+import pandas as pd
+
+from egad.detectors.base import DetectorError, DetectorTimeoutError
+from egad.errors import UserError
+from egad.outcomes import SIMULATION_FAILURES, Outcome
+
+log = logging.getLogger(__name__)
+T = TypeVar("T")
+
+PACKAGE = Path(__file__).parents[1]
+FRAMES = 20  # of a traceback, the innermost ones
+FIRST = 3  # objects, or rounds, at which a detector that only fails ends the run
+FAILURES = (Outcome.ERROR, Outcome.TIMEOUT)
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A detector failed in an attempt.
+
+    Attributes:
+        outcome: `error` or `timeout`.
+        text: What went wrong, with the traceback if there is one.
+    """
+
+    outcome: Outcome
+    text: str
+
+
+def try_to_plan(plan: Callable[[], T]) -> T | Failure:
+    """The result of asking a detector, or how it failed.
+
+    Raises:
+        UserError: The detector cannot be used at all.
+        MemoryError: There is not enough.
+    """
+    try:
+        return plan()
+    except (UserError, MemoryError):
+        raise
+    except DetectorTimeoutError as error:
+        return Failure(Outcome.TIMEOUT, str(error))
+    except Exception as error:
+        return Failure(Outcome.ERROR, failure_text(error))
+
+
+def failure_text(error: Exception) -> str:
+    """An error with its traceback, which begins outside of egad if it leads there.
+
+    What another process or program said of its error is left as it is.
+    """
+    if isinstance(error, DetectorError):
+        return str(error)
+    trace = error.__traceback__
+    while trace and Path(trace.tb_frame.f_code.co_filename).is_relative_to(PACKAGE):
+        trace = trace.tb_next
+    shown = trace or error.__traceback__
+    lines = traceback.format_exception(type(error), error, shown, limit=-FRAMES)
+    return "".join(lines).rstrip()
+
+
+class FailureMonitor:
+    """Tells the first failure of a detector, and ends a run in which it does nothing else."""
+
+    def __init__(
+        self, total: int, keep_going: bool, what: str = "objects", *, quiet: bool = False
+    ) -> None:
+        """Begin a run.
+
+        Args:
+            total: Objects, or rounds, of the run.
+            keep_going: Whether the run goes on in any case.
+            what: Objects or rounds, for messages.
+            quiet: Whether the first failure is told by someone else.
+        """
+        self._left, self._keep_going, self._what, self._quiet = total, keep_going, what, quiet
+        self._objects = self._attempts = 0  # at which the detector did nothing but fail
+        self._worked = False
+        self._first = ""
+
+    def check(self, table: pd.DataFrame) -> None:
+        """Look at the attempts at the next object, or in the next round.
+
+        Args:
+            table: Columns `outcome` and `failure`.
+
+        Raises:
+            UserError: The detector has failed in all attempts at the first `FIRST` objects, or at
+                all if there are fewer.
+        """
+        texts = table.loc[table["failure"].fillna("") != "", "failure"]
+        if not self._first and len(texts):
+            self._first = str(texts.iloc[0])
+            if not self._quiet:
+                log.error("the detector failed, for the first time:\n%s", self._first)
+        self._left -= 1
+        asked = table[~table["outcome"].isin(SIMULATION_FAILURES)]
+        if len(asked):
+            self._worked |= not asked["outcome"].isin(FAILURES).all()
+            self._objects, self._attempts = self._objects + 1, self._attempts + len(asked)
+        if self._is_hopeless():
+            raise UserError(
+                f"the detector failed in all {self._attempts} attempts of the first "
+                f"{self._objects} {self._what}; to go on nevertheless, set keep_going "
+                f"(--keep-going of a command). Its first failure:\n{self._first}"
+            )
+
+    def _is_hopeless(self) -> bool:
+        enough = self._objects >= FIRST or (self._left == 0 and self._objects > 0)
+        return enough and not self._worked and not self._keep_going
