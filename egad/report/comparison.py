@@ -55,7 +55,7 @@ def section(
         axes: What the axes of the space are called.
     """
     return section_of(
-        "comparison",
+        "comparison.html.j2",
         "Comparison",
         comparison=comparison.to_dict("records"),
         published=PUBLISHED.to_dict("records"),

@@ -93,7 +93,7 @@ def section(
         named: Whether to write the name of each dataset.
     """
     values = {"space": space, "axes": axes, "sampled": sampled, "islands": islands, "named": named}
-    return section_of("evolution", "Evolution", views=views, **values)
+    return section_of("evolution.html.j2", "Evolution", views=views, **values)
 
 
 def re_evaluation(objects: pd.DataFrame, space: Space) -> ReEvaluation | None:

@@ -76,7 +76,7 @@ def section(maps: Mapping[str, SpaceMap], space: Space, axes: AxisPair) -> Secti
         axes: What the axes of the space are called.
     """
     certain = any(cell.confidence >= 0 for each in maps.values() for cell in each.cells)
-    return section_of("map", "Map", maps=maps, space=space, axes=axes, certain=certain)
+    return section_of("map.html.j2", "Map", maps=maps, space=space, axes=axes, certain=certain)
 
 
 def shown_objects(objects: pd.DataFrame) -> list[str]:

@@ -46,7 +46,9 @@ rule gallery:
         pieces=each("--pieces", "pieces"),
         archives=each("--pieces", "archives"),
         trials=lambda wildcards: [f"{k}={v}" for k, v in trials_of_release(wildcards).items()],
-        contents=contents_of(region_meshes),
+        contents=contents_of(
+            lambda wildcards: [*region_meshes(wildcards), *ancestry_of_release(wildcards)]
+        ),
         code=code_of("gallery"),
     message:
         "Writing the gallery of the release"

@@ -38,6 +38,7 @@ rule release_tables:
         settings=settings_of("release_tables"),
         grasps=each("--grasps", "grasps"),
         ancestry=each("--ancestry", "ancestry"),
+        contents=contents_of(ancestry_of_release),
         code=code_of("release_tables"),
     message:
         "Writing the tables of the release"
@@ -157,6 +158,7 @@ rule release_card:
         settings=settings_of("release_card"),
         pieces=lambda wildcards, input: [w for file in input for w in ("--pieces", file)],
         folder=subpath(output.card, parent=True),
+        network=contents_of(shipped_network),
         code=code_of("release_card"),
     message:
         "Describing the release"

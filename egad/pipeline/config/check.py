@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from egad._util.parameters import Node, keys_of, wanted
 from egad.errors import UserError
 from egad.pipeline.config import Settings
+from egad.pipeline.config.references import wrong_references
 from egad.pipeline.config.schema import node_at, schema
 from egad.sim import installed_engine
 
@@ -46,9 +47,12 @@ def check(config: Mapping[str, Any]) -> Settings:
         for error in errors:
             _mend(plain, error)
         errors = _errors(plain) if plain != before else []
-    if problems:
+    settings = None if _errors(plain) else _validated(plain)
+    if settings:
+        problems |= dict.fromkeys(wrong_references(settings))
+    if problems or not settings:
         raise UserError("\n".join(problems))
-    return Settings.model_validate_json(json.dumps(plain), strict=True)
+    return settings
 
 
 def with_engine(settings: Settings) -> Settings:
@@ -67,10 +71,14 @@ def with_engine(settings: Settings) -> Settings:
     return settings.model_copy(update=chosen)
 
 
+def _validated(config: dict[str, Any]) -> Settings:
+    # JSON, for lists are tuples there; strict, for a number in quotes is a mistake
+    return Settings.model_validate_json(json.dumps(config), strict=True)
+
+
 def _errors(config: dict[str, Any]) -> list[Problem]:
     try:
-        # JSON, for lists are tuples there; strict, for a number in quotes is a mistake
-        Settings.model_validate_json(json.dumps(config), strict=True)
+        _validated(config)
     except ValidationError as error:
         return list(error.errors(include_url=False))
     return []

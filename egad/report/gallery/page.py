@@ -21,7 +21,7 @@ def gallery_page(title: str, data: GalleryData, axes: AxisPair, links: Sequence[
         links: Files of the whole dataset to download.
     """
     return render_template(
-        "gallery",
+        "gallery.html.j2",
         title=title,
         facts=_facts(data),
         axes=axes,
