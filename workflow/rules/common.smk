@@ -29,7 +29,7 @@ from egad.pipeline.parameters import settings_type
 from egad.data import released, released_ancestry
 from egad.pipeline.display import start_display
 from egad.errors import UserError
-from egad.exchange import check_installed, checksum
+from egad.exchange import check_installed, checksum, missing_files
 from egad.grippers import files_of
 from egad._util.kernel_cache import compile_kernels
 from egad.measures import source_hash
@@ -216,6 +216,21 @@ def contents_of(files):
 def _contents(files):
     sums = [checksum(Path(file)) for file in files if Path(file).exists()]
     return hashlib.sha256("".join(sums).encode()).hexdigest()[:16]
+
+
+def again_if_incomplete(output):
+    """No input; but if files are missing in the folder of an output, its job runs again.
+
+    Snakemake sees that a folder is there, not what is in it. `SHA256SUMS` lists what was written.
+    """
+
+    def look(wildcards):
+        path = Path(output.format(**wildcards))
+        if missing_files(path if path.is_dir() else path.parent):
+            workflow.dag.forcefiles.add(str(path))  # as `--forcerun` does
+        return []
+
+    return look
 
 
 def check_results():

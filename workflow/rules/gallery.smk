@@ -12,6 +12,7 @@ Outputs: results/release/index.html, and its data in results/release/gallery.
 rule gallery:
     """Write the gallery of the release."""
     input:
+        again_if_incomplete("results/release/gallery"),
         objects=of_release("results/{dataset}/objects.parquet"),
         meshes=of_release("results/{dataset}/meshes"),
         scales=of_release("results/{dataset}/rescaled/{gripper}/scales.parquet"),

@@ -16,6 +16,7 @@ localrules:
 rule release_tables:
     """Write the tables of the release."""
     input:
+        again_if_incomplete("results/release/data"),
         objects=of_release("results/{dataset}/objects.parquet"),
         scales=of_release("results/{dataset}/rescaled/{gripper}/scales.parquet"),
         evaluation=of_release("results/{dataset}/eval49.parquet"),
@@ -51,6 +52,7 @@ rule release_tables:
 rule release_meshes:
     """Write the meshes of the release."""
     input:
+        again_if_incomplete("results/release/meshes"),
         objects=of_release("results/{dataset}/objects.parquet"),
         meshes=of_release("results/{dataset}/meshes"),
     output:
@@ -76,6 +78,7 @@ rule release_meshes:
 rule release_previews:
     """Draw the objects of the release."""
     input:
+        again_if_incomplete("results/release/previews"),
         objects=of_release("results/{dataset}/objects.parquet"),
         meshes=of_release("results/{dataset}/meshes"),
     output:
