@@ -3,7 +3,7 @@
 import ast
 from functools import cache
 
-from egad.pipeline.code_version import PACKAGE, imported
+from egad.pipeline.code_version import PACKAGE, used_names
 
 
 def reached_kernels(path):
@@ -24,7 +24,7 @@ def reached(module):
     if module.partition(".")[0] != "egad":
         return set()
     try:
-        modules = {module, *imported(module)}
+        modules = {module, *(name for name, _ in used_names(module))}
     except ModuleNotFoundError:  # the name of something in a module
         return set()
     sources = {name: PACKAGE.parent / f"{name.replace('.', '/')}.py" for name in modules}

@@ -1,11 +1,13 @@
 """Base classes of all sections, which are closed and immutable; their limits, also in words."""
 
 import operator
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, SupportsIndex, TypeVar, get_args
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -17,6 +19,8 @@ from typing_extensions import TypedDict
 
 from egad.errors import UserError, check_name
 
+# A file or folder that the user names; `~` is the home directory, as in a shell.
+UserPath = Annotated[str, AfterValidator(os.path.expanduser)]
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_\-]*$")]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 PositiveFraction = Annotated[float, Field(gt=0, le=1)]

@@ -14,6 +14,7 @@ from egad._util.parameters import (
     PositiveFraction,
     Range,
     Sigma,
+    UserPath,
     check_ascending,
 )
 
@@ -47,7 +48,7 @@ class Region(Parameters):
         (0, 0, 0), description="center, as fractions of the cube relative to its center"
     )
     axis: Axis = Field("z", description="axis of a cylinder")
-    mesh: str = Field(
+    mesh: UserPath = Field(
         "", description="mesh file, scaled uniformly to fit `size`; the region is its interior"
     )
 

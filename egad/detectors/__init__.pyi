@@ -15,6 +15,7 @@ from .ggcnn import GGCNN as GGCNN
 from .labels import Labels as Labels
 from .parameters import DETECTORS as DETECTORS
 from .parameters import SHIPPED_NETWORK as SHIPPED_NETWORK
+from .parameters import SHIPPED_WEIGHTS as SHIPPED_WEIGHTS
 from .parameters import DetectorConfig as DetectorConfig
 from .poses import Detector as Detector
 from .poses import GraspPoses as GraspPoses

@@ -5,7 +5,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Parameters
+from egad._util.parameters import Parameters, UserPath
 
 SHIPPED_NETWORK = "ggcnn2-evolved"
 # What `egad train` wrote; without `egad.data`, whose other files change no answer of a detector.
@@ -26,16 +26,16 @@ KNOWN = f"{', '.join(SHIPPED)}, {GRASPGEN}"
 class DetectorConfig(Parameters):
     """A named grasp detector."""
 
-    detector: str | None = Field(
+    detector: UserPath | None = Field(
         None,
         description=f"a built-in one ({KNOWN}), or your own: FILE.py:CLASS or package.module:CLASS",
     )
-    command: tuple[str, ...] | None = Field(
+    command: tuple[UserPath, ...] | None = Field(
         None,
         min_length=1,
         description="instead of `detector`: the command that starts it in its own environment",
     )
-    weights: str | None = Field(
+    weights: UserPath | None = Field(
         None, description="file that the detector loads, such as the weights of a network"
     )
 

@@ -1,6 +1,8 @@
 """Folders of mesh files: which files are objects, and what these are called."""
 
+import difflib
 import hashlib
+import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -21,10 +23,10 @@ def mesh_files(folder: Path, pattern: str = EVERY_FILE) -> list[Path]:
         pattern: A glob relative to the folder; `**`, once, is any number of folders.
 
     Raises:
-        UserError: There is no such folder, no mesh file in it, or the pattern is no such glob.
+        UserError: There is no such folder, it cannot be read, no mesh file is in it, or the pattern
+            is no such glob.
     """
-    if not folder.is_dir():
-        raise UserError(f"{folder}: there is no such folder of meshes")
+    _check_folder(folder)
     try:
         if pattern.count("**") > 1:
             raise ValueError("`**` is allowed once")
@@ -35,6 +37,28 @@ def mesh_files(folder: Path, pattern: str = EVERY_FILE) -> list[Path]:
         where = "in it" if pattern == EVERY_FILE else f"that fit the pattern {pattern}"
         raise UserError(f"{folder}: no mesh files {where}; allowed endings: {' '.join(ENDINGS)}")
     return found
+
+
+def _check_folder(folder: Path) -> None:
+    """Raise UserError if a folder is missing or cannot be read."""
+    try:
+        os.scandir(folder).close()
+    except (FileNotFoundError, NotADirectoryError) as error:
+        if folder.is_file():
+            raise UserError(f"{folder}: is a file, not a folder of meshes") from error
+        raise UserError(f"{folder}: there is no such folder of meshes{_similar(folder)}") from error
+    except OSError as error:
+        raise UserError(f"{folder}: cannot be read: {error.strerror}") from error
+
+
+def _similar(folder: Path) -> str:
+    """A question for the folder that a missing one may be meant for, if there is any."""
+    try:
+        names = [path.name for path in folder.parent.iterdir() if path.is_dir()]
+    except OSError:
+        return ""
+    near = difflib.get_close_matches(folder.name, names, n=1)
+    return f"; did you mean {folder.with_name(near[0])}?" if near else ""
 
 
 def _is_mesh(path: Path, folder: Path) -> bool:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from egad._util.parameters import Length, UserParameters
+from egad._util.parameters import Length, UserParameters, UserPath
 
 
 class Pad(NamedTuple):
@@ -30,7 +30,7 @@ def _as_text(path: object) -> object:
 if TYPE_CHECKING:  # what may be given; it is kept as a text
     FilePath = str | Path
 else:
-    FilePath = Annotated[str, BeforeValidator(_as_text)]
+    FilePath = Annotated[UserPath, BeforeValidator(_as_text)]
 
 
 Place = tuple[float, float, float]
@@ -143,7 +143,7 @@ class Gripper(UserParameters):
         from egad.grippers.reading import choices_of, read_model  # noqa: PLC0415 (loads an engine)
         from egad.grippers.sizes import sizes_of  # noqa: PLC0415
 
-        found = sizes_of(read_model(Path(values["file"]), choices_of(values)))
+        found = sizes_of(read_model(Path(values["file"]).expanduser(), choices_of(values)))
         if isinstance(opening := values.get("opening"), int | float) and opening > found["opening"]:
             raise ValueError(
                 f"opening is {opening:g}; the hand of {values['file']} opens "

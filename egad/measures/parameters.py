@@ -16,6 +16,7 @@ from egad._util.parameters import (
     Range,
     Seed,
     SideFraction,
+    UserPath,
     check_ascending,
     from_arguments,
 )
@@ -70,8 +71,8 @@ class CustomMeasures(Parameters):
 
     # Another key is a parameter of the measures whose function has an argument of that name.
 
-    complexity: str = Field("", description="replaces complexity; empty: none")
-    difficulty: str = Field(
+    complexity: UserPath = Field("", description="replaces complexity; empty: none")
+    difficulty: UserPath = Field(
         "", description="replaces difficulty, high values in row A; empty: none"
     )
 

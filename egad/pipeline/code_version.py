@@ -4,25 +4,28 @@ Snakemake sees a changed rule but not a changed module. The workflow gives every
 its stage module as a parameter.
 """
 
-import ast
 import hashlib
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
+from egad.pipeline.definitions import LOOSE, Definition, offered, read_module, source_of
+
 PACKAGE = Path(__file__).parents[1]
-# Values of settings reach a stage as parameters of its rule; their definitions decide nothing else.
-# The top module, also left out, holds the version of the release and where kernels are kept.
-EXCLUDED = {"config", "parameters"}
-_DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+EXCLUDED = "pipeline.parameters"  # declares the options of commands, and decides nothing else
+# The top module counts only for what it re-exports: it has the version of the release.
+Name = tuple[str, str]  # of a definition: its module, and its name there
 
 
 def code_version(module: str, package: Path = PACKAGE) -> str:
-    """A fingerprint of a module and of all modules of the package that it imports, at any depth.
+    """A fingerprint of a module and of all definitions of the package that it uses, at any depth.
 
-    Imports are read from the source, those within functions too, and nothing is imported.
-    Comments, docstrings and layout do not count. Other files that lie in an imported subpackage,
-    such as templates, count byte for byte.
+    Functions, classes and constants count where their names are used, wherever these come from; so
+    do the types and defaults of settings. Other files of a package, such as templates and data,
+    count byte for byte where a definition that counts has their name, or that of their folder.
+    Everything is read from the source, and nothing is imported. Comments, docstrings and layout do
+    not count, nor do descriptions and bounds of settings: a stage gets their values.
 
     Args:
         module: Dotted name, e.g. `"egad.pipeline.stages.evolve"`.
@@ -34,72 +37,120 @@ def code_version(module: str, package: Path = PACKAGE) -> str:
     Raises:
         ModuleNotFoundError: There is no such module in the package.
     """
+    used = _Used(module, package)
     digest = hashlib.sha256()
-    for name in sorted(imported(module, package)):
-        digest.update(f"{name}\n{_read(package, name)[0]}\n".encode())
-        for path in _other_files(package, name):
-            digest.update(f"{path.relative_to(package).as_posix()}\n".encode())
-            digest.update(path.read_bytes())
+    for name in sorted(used.found):
+        digest.update(f"{'.'.join(name)}\n".encode())
+        for each in used.found[name]:
+            digest.update(f"{each.code}\n".encode())
+    for path in sorted(used.files):
+        digest.update(f"{path.relative_to(package).as_posix()}\n".encode())
+        digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
 
-def imported(module: str, package: Path = PACKAGE) -> set[str]:
-    """The module itself and all modules of the package that it imports, at any depth."""
-    found: set[str] = set()
-    waiting = list(_with_parents(module))
-    while waiting:
-        name = waiting.pop()
-        if name not in found | {package.name} and EXCLUDED.isdisjoint(name.split(".")):
-            found.add(name)
-            waiting.extend(_read(package, name)[1])
-    return found
+def used_names(module: str, package: Path = PACKAGE) -> set[Name]:
+    """The definitions that count for a module: the module of each, and its name there."""
+    return {name for name in _Used(module, package).found if name[1]}
+
+
+class _Used:
+    """The definitions and files that count for a module."""
+
+    def __init__(self, module: str, package: Path) -> None:
+        self.found: dict[Name, list[Definition]] = {}
+        self.files: set[Path] = set()
+        self._package = package
+        self._modules: set[str] = set()
+        self._words: set[str] = set()
+        self._methods: dict[Name, tuple[str, Definition]] = {}
+        read_module(package, module)
+        self._follow(_everything_in(package, module))
+        while self._follow_methods() or self._follow_files():
+            pass
+
+    def _follow(self, names: Iterable[Name]) -> None:
+        """Let definitions count, and those that they use."""
+        waiting = list(names)
+        while waiting:
+            name = waiting.pop()
+            if name not in self.found:
+                self._take(name, read_module(self._package, name[0]).definitions.get(name[1], []))
+                waiting.extend(_uses(self._package, name))
+
+    def _take(self, name: Name, definitions: list[Definition]) -> None:
+        module, local = name
+        self.found[name] = definitions
+        self._modules.add(module)
+        self._words.update(word for each in definitions for word in each.words)
+        for method, definition in read_module(self._package, module).methods.get(local, {}).items():
+            self._methods[module, f"{local}.{method}"] = (method, definition)
+
+    def _follow_methods(self) -> bool:
+        """Let methods of settings count whose names occur; whether there were more."""
+        more = [
+            (name, definition)
+            for name, (method, definition) in self._methods.items()
+            if name not in self.found and (method in self._words or method.startswith("__"))
+        ]
+        for name, definition in more:
+            self._take(name, [definition])
+            self._follow(_named_in(self._package, name[0], definition))
+        return bool(more)
+
+    def _follow_files(self) -> bool:
+        """Let files count whose names occur, or those of their folders; whether there were more."""
+        more = {
+            path
+            for module in self._modules
+            for path in _other_files(self._package, module)
+            if path not in self.files and not self._words.isdisjoint((path.name, path.parent.name))
+        }
+        self.files |= more
+        self._words.update(word for path in more for word in _words(path))
+        return bool(more)
 
 
 @cache
-def _read(package: Path, module: str) -> tuple[str, frozenset[str]]:
-    """The code of a module in one fixed layout, and the modules of the package it imports."""
-    path = _source(package, module)
-    if path is None:
-        raise ModuleNotFoundError(f"{module} is not a module of {package}")
-    tree = ast.parse(path.read_bytes(), filename=str(path))
-    here = module if path.name == "__init__.py" else module.rpartition(".")[0]
-    found = {
-        name
-        for node in ast.walk(tree)
-        for target in _targets(node, here)
-        for name in _with_parents(_resolved(package, target))
-        if _source(package, name) is not None
-    }
-    _drop_docstrings(tree)
-    return ast.unparse(tree), frozenset(found)
+def _uses(package: Path, name: Name) -> frozenset[Name]:
+    """What a definition uses, and what runs when the modules around it are imported."""
+    module, local = name
+    definitions = read_module(package, module).definitions.get(local, [])
+    used = {found for each in definitions for found in _named_in(package, module, each)}
+    return frozenset(used | {(each, LOOSE) for each in _with_parents(module) if "." in each})
 
 
-def _targets(node: ast.AST, here: str) -> Iterator[str]:
-    """Dotted names that a node imports: of modules, or of things within modules."""
-    if isinstance(node, ast.Import):
-        yield from (alias.name for alias in node.names)
-    elif isinstance(node, ast.ImportFrom):
-        parts = here.split(".")
-        start = parts[: len(parts) + 1 - node.level] if node.level else []
-        base = ".".join([*start, *([node.module] if node.module else [])])
-        yield from (f"{base}.{alias.name}" for alias in node.names)
-
-
-def _resolved(package: Path, target: str) -> str:
-    """The module that a name really comes from, where a package offers it in `__init__.pyi`."""
-    base, _, name = target.rpartition(".")
-    return _offered(package, base).get(name, target)
+def _named_in(package: Path, module: str, definition: Definition) -> Iterator[Name]:
+    for used in definition.uses:
+        yield from _resolved(package, module, tuple(used.split(".")))
 
 
 @cache
-def _offered(package: Path, module: str) -> dict[str, str]:
-    """Names that the stub of a package re-exports, and the module that each comes from."""
-    path = _source(package, module)
-    stub = path.with_suffix(".pyi") if path else None
-    if stub is None or not stub.is_file():
-        return {}
-    nodes = [n for n in ast.parse(stub.read_bytes()).body if isinstance(n, ast.ImportFrom)]
-    return {alias.name: f"{module}.{node.module}" for node in nodes for alias in node.names}
+def _resolved(package: Path, module: str, used: tuple[str, ...]) -> frozenset[Name]:
+    """The definitions that a dotted name in a module stands for."""
+    if module.partition(".")[2] == EXCLUDED or source_of(package, module) is None:
+        return frozenset()
+    if not used:  # the module itself, of which anything may be used
+        return _everything_in(package, module)
+    read, (first, *rest) = read_module(package, module), used
+    own = first in read.definitions and module != package.name
+    found = {(module, first)} if own else set()
+    targets = [*read.imports.get(first, ()), *read.imports.get("*", ())]
+    if (stands_for := offered(package, module).get(first)) is not None:
+        targets.append(stands_for)
+    elif source_of(package, f"{module}.{first}"):
+        targets.append(f"{module}.{first}")
+    for target in targets:
+        base, _, name = target.rpartition(".")
+        if source_of(package, target):
+            found |= _resolved(package, target, tuple(rest))
+        elif base != module:
+            found |= _resolved(package, base, (first if name == "*" else name, *rest))
+    return frozenset(found)
+
+
+def _everything_in(package: Path, module: str) -> frozenset[Name]:
+    return frozenset((module, name) for name in [*read_module(package, module).definitions, LOOSE])
 
 
 def _with_parents(name: str) -> Iterator[str]:
@@ -109,20 +160,11 @@ def _with_parents(name: str) -> Iterator[str]:
         name = name.rpartition(".")[0]
 
 
-def _source(package: Path, module: str) -> Path | None:
-    """The file of a module; None if the name is no module of the package."""
-    top, *rest = module.split(".")
-    if top != package.name:
-        return None
-    path = package.joinpath(*rest)
-    candidates = (path / "__init__.py", path.with_suffix(".py"))
-    return next((file for file in candidates if file.is_file()), None)
-
-
+@cache
 def _other_files(package: Path, module: str) -> list[Path]:
     """Files in the folder of a subpackage, and below it, that are neither code nor stubs."""
-    path = _source(package, module)
-    if path is None or path.name != "__init__.py":
+    path = source_of(package, module)
+    if path is None or path.name != "__init__.py" or module == package.name:
         return []
     return sorted(
         file
@@ -131,7 +173,11 @@ def _other_files(package: Path, module: str) -> list[Path]:
     )
 
 
-def _drop_docstrings(tree: ast.Module) -> None:
-    for node in ast.walk(tree):
-        if isinstance(node, _DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
-            node.body = node.body[1:]
+@cache
+def _words(path: Path) -> frozenset[str]:
+    """The words and quoted names of files in a file of text."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        return frozenset()
+    return frozenset([*re.findall(r"(?<=[\"'])[\w.-]+(?=[\"'])", text), *re.findall(r"\w+", text)])

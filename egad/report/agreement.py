@@ -83,7 +83,7 @@ def section(
         named: Whether to write the name of each dataset.
     """
     values = {"lift_height": lift_height, "hold_time": hold_time, "friction": friction}
-    return section_of("agreement", "Labels", datasets=datasets, named=named, **values)
+    return section_of("agreement.html.j2", "Labels", datasets=datasets, named=named, **values)
 
 
 def agreement(table: pd.DataFrame, rows: int) -> Agreement:

@@ -47,7 +47,7 @@ def section(datasets: Mapping[str, Mapping[str, ClutterView]], *, named: bool) -
         datasets: From `clutter_view`, by dataset and gripper.
         named: Whether to write the name of each dataset.
     """
-    return section_of("clutter", "Cleared tables", datasets=datasets, named=named)
+    return section_of("clutter.html.j2", "Cleared tables", datasets=datasets, named=named)
 
 
 def clutter_view(

@@ -60,7 +60,7 @@ def section(
         limit: Which rows objects are expected in.
     """
     return section_of(
-        "comparison",
+        "comparison.html.j2",
         "Comparison",
         comparison=comparison.to_dict("records"),
         published=PUBLISHED.to_dict("records"),

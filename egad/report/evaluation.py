@@ -118,7 +118,7 @@ def section(
         named: Whether to write the name of each dataset.
     """
     values = {"axes": axes, "percentile": percentile, "gripper": gripper, "named": named}
-    return section_of("evaluation", "Evaluation set", views=views, **values)
+    return section_of("evaluation.html.j2", "Evaluation set", views=views, **values)
 
 
 def contact_sheet(

@@ -96,7 +96,7 @@ def section(
     """
     values = {"space": space, "axes": axes, "limit": limit, "sampled": sampled}
     values |= {"islands": islands, "named": named}
-    return section_of("evolution", "Evolution", views=views, **values)
+    return section_of("evolution.html.j2", "Evolution", views=views, **values)
 
 
 def re_evaluation(objects: pd.DataFrame, space: Space) -> ReEvaluation | None:

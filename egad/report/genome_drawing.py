@@ -39,7 +39,7 @@ def genome_svg(genome: Row) -> str:
     places = _places(layers)
     heaviest = max((abs(edge.weight) for edge in edges), default=1.0) or 1.0
     return render_template(
-        "genome",
+        "genome.html.j2",
         width=2 * MARGIN + WIDTH + COLUMN * (len(layers) - 1),
         height=2 * MARGIN + LINE * (max(map(len, layers)) - 1) + HEIGHT,
         node_width=WIDTH,

@@ -133,7 +133,7 @@ def section(
         named: Whether to write the name of each dataset.
     """
     return section_of(
-        "grasps",
+        "grasps.html.j2",
         "Grasps",
         views=views,
         most_grasps=most_grasps,

@@ -74,7 +74,7 @@ def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
     words = ("open", "half open", "closed")
     scenes = [hand_scene(model, *each) for each in zip(words, map(float, openings), strict=True)]
     return render_template(
-        "hand",
+        "hand.html.j2",
         name=name,
         facts=hand_facts(gripper, model),
         entry=hand_entry(name, gripper),

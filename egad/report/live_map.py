@@ -185,7 +185,7 @@ def page_of(states: Sequence[State], space: Space, axes: AxisPair = USUAL) -> st
             cells[name] = max(cells.get(name, (0, "")), (count, picture), key=lambda cell: cell[0])
     size = range(space.cells)
     return render_template(
-        "live_map",
+        "live_map.html.j2",
         states=states,
         cells=cells,
         size=space.cells,

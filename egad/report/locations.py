@@ -73,7 +73,7 @@ def page(
     """
     cells = [(each.row["complexity_cell"], each.row["difficulty_cell"]) for each in located]
     return render_template(
-        "locations",
+        "locations.html.j2",
         name=name,
         objects=len(objects),
         located=[_view(each) for each in located],

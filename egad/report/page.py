@@ -33,30 +33,30 @@ class Section:
 
 
 def section_of(template: str, title: str, /, **values: Any) -> Section:  # noqa: ANN401 (as Jinja)
-    """Fill the template of a section; its anchor is the name of the template.
+    """Fill the template of a section; its anchor is the name of the template without endings.
 
     Args:
-        template: Name of the template, without its endings.
+        template: Name of the template, such as `map.html.j2`.
         title: Text of the link to the section.
         values: What the template reads.
     """
     html = render_template(template, **values)
-    return Section(template, title, Markup(html))  # noqa: S704 (templates escape what they show)
+    return Section(template.partition(".")[0], title, Markup(html))  # noqa: S704 (templates escape what they show)
 
 
 def report_page(sections: Iterable[Section]) -> str:
     """One HTML page of all sections, with links to each, that needs no other file."""
-    return render_template("report", sections=list(sections))
+    return render_template("report.html.j2", sections=list(sections))
 
 
 def render_template(name: str, /, **values: Any) -> str:  # noqa: ANN401 (as Jinja)
     """The text of a template of this package, filled with values.
 
     Args:
-        name: Name of the template, without its endings.
+        name: Name of the template, such as `view.html.j2`.
         values: What the template reads.
     """
-    return _environment().get_template(f"{name}.html.j2").render(**values)
+    return _environment().get_template(name).render(**values)
 
 
 @cache

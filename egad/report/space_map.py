@@ -81,7 +81,7 @@ def section(
     certain = any(cell.confidence >= 0 for each in maps.values() for cell in each.cells)
     values = {"space": space, "axes": axes, "certain": certain}
     hatched, legend = limit.rows, legend_of(limit, axes.upwards)
-    return section_of("map", "Map", maps=maps, hatched=hatched, legend=legend, **values)
+    return section_of("map.html.j2", "Map", maps=maps, hatched=hatched, legend=legend, **values)
 
 
 def legend_of(limit: Attainable, axis: Axis) -> str:

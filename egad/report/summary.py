@@ -87,7 +87,7 @@ def section(
         capacity: How many objects an evaluation set can have.
     """
     values = {"space": space, "axes": axes, "capacity": capacity}
-    return section_of("summary", "Summary", datasets=datasets, **values)
+    return section_of("summary.html.j2", "Summary", datasets=datasets, **values)
 
 
 def rejected_section(rejected: Mapping[str, pd.DataFrame]) -> Section:
@@ -100,7 +100,7 @@ def rejected_section(rejected: Mapping[str, pd.DataFrame]) -> Section:
         name: (rejection_counts(table), table.sort_values(["stage", "id"]).to_dict("records"))
         for name, table in rejected.items()
     }
-    return section_of("rejected", "Rejected", tables=tables)
+    return section_of("rejected.html.j2", "Rejected", tables=tables)
 
 
 def rejection_counts(rejected: pd.DataFrame) -> list[dict[str, Any]]:

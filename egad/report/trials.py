@@ -117,7 +117,7 @@ def section(
         named: Whether to write the name of each dataset.
     """
     values = {"attempts": attempts, "lift_height": lift_height, "named": named}
-    return section_of("trials", "Trials", datasets=results, **values)
+    return section_of("trials.html.j2", "Trials", datasets=results, **values)
 
 
 def page(tables: Mapping[str, pd.DataFrame], evaluation_set: EvaluationSet) -> str:
@@ -130,7 +130,7 @@ def page(tables: Mapping[str, pd.DataFrame], evaluation_set: EvaluationSet) -> s
     Returns:
         An HTML page that needs no other file.
     """
-    return render_template("trials_page", results=trial_results(tables, evaluation_set))
+    return render_template("trials_page.html.j2", results=trial_results(tables, evaluation_set))
 
 
 def trial_results(tables: Mapping[str, pd.DataFrame], evaluation_set: EvaluationSet) -> Results:

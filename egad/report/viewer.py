@@ -148,7 +148,7 @@ def page(scene: Scene, name: str | None, gripper: Gripper) -> str:
         mesh, paint = held
         scenes.append(Scene("hand at best grasp", "", mesh, empty(GRASPS), paint=paint))
     data = viewer_data(scenes, gripper)
-    return render_template("view", scene=scene, name=name, gripper=gripper, viewer=data)
+    return render_template("view.html.j2", scene=scene, name=name, gripper=gripper, viewer=data)
 
 
 def _columns(*names: str) -> list[str]:

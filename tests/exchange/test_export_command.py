@@ -5,6 +5,9 @@ import pytest
 import yaml
 from commands import egad
 
+from egad.api import rescale
+from egad.exchange import read_mesh
+from egad.objects import load
 from egad.pipeline.config import Settings
 
 GRIPPER = "yumi"
@@ -40,6 +43,29 @@ def test_a_database_is_made_of_a_folder(export, tmp_path):
         assert objects["A00_0/sdf/data"].shape == (16, 16, 16)
     left = {path.name for path in (tmp_path / "new").iterdir()}
     assert left == {"grasps.hdf5", "grasps.hdf5.sha256"}
+
+
+def test_released_objects_are_exported_without_a_run(tmp_path):
+    out = tmp_path / "objects"
+    done = egad("export", "released", "--gripper", GRIPPER, "--format", "obj", "--out", out)
+    assert done.returncode == 0, done.stderr
+    objects = load("evaluation-set")
+    assert {path.stem for path in out.iterdir()} == set(objects.table["label"])
+    assert len(objects) == 49
+    label = objects.table["label"].iloc[0]
+    expected, _ = rescale(objects[label].mesh, GRIPPER)
+    written = read_mesh(out / f"{label}.obj", "m")
+    assert written.volume == pytest.approx(expected.volume, rel=1e-6)
+
+
+def test_what_needs_a_run_says_how_to_make_it(tmp_path):
+    out = tmp_path / "out.hdf5"
+    for style, file in (("dexnet", "grasps/yumi.parquet"), ("cornell", "images/yumi/card.md")):
+        done = egad("export", "released", "--gripper", GRIPPER, "--format", style, "--out", out)
+        assert done.returncode == 1
+        assert "snakemake --cores 2 --configfile config/released.yaml -- results" in done.stderr
+        assert f"results/egad/{file}" in done.stderr
+    assert not out.exists()
 
 
 def test_acronym_files_take_no_folder_of_others(export, tmp_path):

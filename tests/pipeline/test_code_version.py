@@ -1,130 +1,204 @@
-import subprocess
+import re
+import shutil
 import sys
+from functools import cache
+from pathlib import Path
 from textwrap import dedent
 
 import pytest
+import trimesh
 
-from egad.pipeline.code_version import code_version, imported
+from egad.pipeline.code_version import PACKAGE, code_version, used_names
+from egad.pipeline.config import Postprocess, Settings
+from egad.pipeline.config.stage_settings import select
+from egad.pipeline.stages import postprocess, rescale
+from egad.tables import parquet
+from egad.tables.objects import SOLIDS
+
+ROOT = Path(__file__).parents[2]
 
 FILES = {
     "__init__.py": "__version__ = '1'\n",
     "config/__init__.py": "from toy.config.base import DEFAULT\n",
-    "config/base.py": "DEFAULT = 1\n",
+    "config/base.py": "DEFAULT = 1\nOTHER = 1\n",
     "unused.py": "X = 1\n",
     "stages/__init__.py": '"""Stages."""\n',
     "stages/evolve.py": """\
         from toy import config
-        from toy.config.base import DEFAULT
+        from toy.config import DEFAULT
         from toy.shapes.cppn import query
+        from toy.shapes.parameters import Shape
         import numpy as np
 
-        def run():
+        def run(shape: Shape):
             "Docstring."
             from toy.late import later  # imported on first use
-            return query() + later()
+            return query(shape.size) + later() + np.pad(DEFAULT, 1)
         """,
     "shapes/__init__.py": "",
-    "shapes/cppn.py": "from . import voxels\nfrom ..deep import *\n\ndef query():\n    return 1\n",
-    "shapes/voxels.py": "SIZE = 25\n",
+    "shapes/parameters.py": """\
+        PADS = {"soft": 0.8}
+        LEAST = 1
+
+        class Shape:
+            size: int = Field(3, ge=1, description="voxels along a side")
+
+            @model_validator(mode="after")
+            def _size_is_odd(self):
+                return self
+
+            @property
+            def pad(self):
+                return PADS["soft"]
+        """,
+    "shapes/cppn.py": """\
+        from . import voxels
+        from ..deep import *
+
+        def query(size, times=2):
+            return table["one"](size) * times * DEEP
+
+        def one(size):
+            return voxels.SIZE
+
+        def nobody():
+            return voxels.OTHER
+
+        table = {"one": one}
+        """,
+    "shapes/voxels.py": "SIZE = 25\nOTHER = 1\n",
     "deep.py": "DEEP = 1\n",
-    "late.py": "def later():\n    return 2\n",
-    "stages/report.py": "import toy.pages.page\n",
+    "late.py": "STEPS = []\n\ndef later():\n    return STEPS\n\nSTEPS.append(2)\n",
+    "stages/report.py": "from toy.pages.page import fill\n\nfill('page.html')\n",
     "pages/__init__.py": "",
-    "pages/page.py": "A = 1\n",
-    "pages/templates/page.html": "<p>hello</p>\n",
+    "pages/page.py": "def fill(name):\n    return name\n",
+    "pages/templates/page.html": "<p>{{ view.size }}</p>{% include 'page.css' %}\n",
+    "pages/templates/page.css": "p {}\n",
+    "pages/templates/other.css": "p {}\n",
+    "stages/grasp.py": """\
+        from toy.shapes.parameters import Shape
+
+        def run(shape: Shape):
+            return shape.pad
+        """,
 }
+STAGES = ("evolve", "report", "grasp")
 
 
 @pytest.fixture
 def make(tmp_path):
-    """A toy package with some files replaced; every call makes a new one."""
+    """A toy package with some texts in its files replaced; every call makes a new one."""
 
-    def _make(**changes):
+    def _make(*changes):
         package = tmp_path / str(len(list(tmp_path.iterdir()))) / "toy"
-        package.parent.mkdir()
-        replaced = {name.replace("__", "/") + ".py": text for name, text in changes.items()}
-        for name, text in (FILES | replaced).items():
+        for name, text in FILES.items():
             (package / name).parent.mkdir(parents=True, exist_ok=True)
             (package / name).write_text(dedent(text))
+        for name, old, new in changes:
+            change(package / name, old, new)
         return package
 
     return _make
 
 
-def test_finds_every_import_at_any_depth_but_settings(make):
-    assert imported("toy.stages.evolve", make()) == {
-        "toy.stages",
-        "toy.stages.evolve",
-        "toy.shapes",
-        "toy.shapes.cppn",
-        "toy.shapes.voxels",
-        "toy.deep",
-        "toy.late",
-    }
+def change(path, old, new):
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) == 1, (path, old)
+    path.write_text(text.replace(old, new), encoding="utf-8")
 
 
-@pytest.mark.parametrize("module", ["shapes__voxels", "deep", "late"])
-def test_an_edit_in_an_imported_module_counts(make, module):
-    before = code_version("toy.stages.evolve", make())
-    assert (
-        code_version("toy.stages.evolve", make(**{module: "SIZE = DEEP = later = 3\n"})) != before
-    )
+def versions(package):
+    return {stage: code_version(f"toy.stages.{stage}", package) for stage in STAGES}
 
 
-def test_an_edit_elsewhere_does_not_count(make):
-    before = code_version("toy.stages.evolve", make())
-    assert (
-        code_version("toy.stages.evolve", make(unused="X = 2\n", pages__page="A = 2\n")) == before
-    )
+@pytest.fixture
+def rerun(make):
+    """The stages whose version is different after a change."""
+
+    def _rerun(*changes):
+        before, after = versions(make()), versions(make(*changes))
+        return {stage for stage in STAGES if before[stage] != after[stage]}
+
+    return _rerun
 
 
-def test_comments_docstrings_and_layout_do_not_count(make):
-    before = code_version("toy.stages.evolve", make())
-    late = '''\
-        """Now with a docstring."""
-        # and a comment
-
-        def later(
-        ):
-            """Two."""
-            return (2)
-        '''
-    assert code_version("toy.stages.evolve", make(late=late)) == before
-
-
-def test_a_text_that_is_used_counts(make):
-    first = make(late="def later():\n    return 'a'\n")
-    second = make(late="def later():\n    return 'b'\n")
-    assert code_version("toy.late", first) != code_version("toy.late", second)
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("shapes/voxels.py", "SIZE = 25", "SIZE = 26"),  # through a name of a module
+        ("config/base.py", "DEFAULT = 1", "DEFAULT = 2"),  # through a package
+        ("deep.py", "DEEP = 1", "DEEP = 2"),  # through a star
+        ("late.py", "append(2)", "append(3)"),  # a statement that defines nothing
+        ("shapes/cppn.py", "times=2", "times=3"),  # a default of a function
+        ("shapes/cppn.py", "return voxels.SIZE", "return 3"),  # called from a table
+    ],
+)
+def test_what_a_stage_uses_counts_wherever_it_is_defined(rerun, name, old, new):
+    assert rerun((name, old, new)) == {"evolve"}
 
 
-def test_a_template_counts(make):
-    first, second = make(), make()
-    (second / "pages/templates/page.html").write_text("<p>good bye</p>\n")
-    assert code_version("toy.stages.report", first) != code_version("toy.stages.report", second)
-    assert code_version("toy.stages.evolve", first) == code_version("toy.stages.evolve", second)
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("unused.py", "X = 1", "X = 2"),
+        ("config/base.py", "OTHER = 1", "OTHER = 2"),
+        ("shapes/cppn.py", "return voxels.OTHER", "return 3"),
+        ("shapes/parameters.py", "LEAST = 1", "LEAST = 2"),
+        ("__init__.py", "'1'", "'2'"),
+        ("stages/evolve.py", "Docstring", "Another docstring"),
+        ("stages/evolve.py", "  # imported on first use", ""),
+        ("shapes/cppn.py", "(size) * times", "(\n    size\n) * times"),
+        ("pages/templates/other.css", "p {}", "a {}"),
+    ],
+)
+def test_what_no_stage_uses_does_not_count(rerun, name, old, new):
+    assert rerun((name, old, new)) == set()
+
+
+def test_of_settings_defaults_count_and_what_only_describes_or_checks_them_does_not(rerun):
+    """A stage gets values that were checked before."""
+    settings = "shapes/parameters.py"
+    assert rerun((settings, "Field(3", "Field(5")) == {"evolve", "grasp"}
+    assert rerun((settings, "voxels along a side", "number of voxels")) == set()
+    assert rerun((settings, "ge=1", "ge=2")) == set()
+    assert rerun((settings, "return self\n", "return None\n")) == set()
+
+
+def test_methods_of_settings_count_where_they_are_used(rerun):
+    """`np.pad` in another stage is not meant."""
+    assert rerun(("shapes/parameters.py", "0.8", "0.2")) == {"grasp"}
+
+
+@pytest.mark.parametrize("name", ["page.html", "page.css"])
+def test_a_template_counts_where_it_is_named_or_included(rerun, name):
+    old = "<p>" if name == "page.html" else "p {}"
+    assert rerun((f"pages/templates/{name}", old, "a {}")) == {"report"}
 
 
 def test_circular_imports_end(make):
-    assert "toy.late" in imported(
-        "toy.deep", make(deep="import toy.late\n", late="import toy.deep\n")
-    )
+    circle = [
+        ("deep.py", "DEEP = 1", "import toy.late\nDEEP = toy.late.later"),
+        ("late.py", "return STEPS", "import toy.deep\n    return toy.deep.DEEP"),
+    ]
+    assert ("toy.late", "later") in used_names("toy.deep", make(*circle))
 
 
 def test_a_name_that_a_package_offers_stands_for_its_module(make):
-    """Only the module behind the name counts, not its siblings."""
-    shapes = "import lazy_loader\n"
+    """Only the definition behind the name counts, not its siblings."""
 
-    def version(**changes):
-        package = make(shapes____init__=shapes, late="from toy.shapes import query\n", **changes)
+    def version(*changes):
+        package = make(
+            ("shapes/__init__.py", "", "import lazy_loader\n"),
+            ("late.py", "STEPS = []", "from toy.shapes import query\nSTEPS = [query]"),
+            *changes,
+        )
         (package / "shapes/__init__.pyi").write_text(
-            "from .cppn import query as query\nfrom .other import thing as thing\n"
+            "from .cppn import query as query\nfrom .voxels import OTHER as OTHER\n"
         )
         return code_version("toy.late", package)
 
-    first = version(shapes__other="thing = 1\n")
-    assert version(shapes__other="thing = 2\n") == first
-    assert version(shapes__other="thing = 1\n", shapes__voxels="SIZE = 3\n") != first
+    assert version(("shapes/voxels.py", "OTHER = 1", "OTHER = 2")) == version()
+    assert version(("shapes/voxels.py", "SIZE = 25", "SIZE = 3")) != version()
 
 
 def test_an_unknown_module_is_an_error(make):
@@ -132,36 +206,109 @@ def test_an_unknown_module_is_an_error(make):
         code_version("toy.stages.evlove", make())
 
 
-def test_our_stages_depend_on_the_library_and_not_on_settings_or_each_other():
-    modules = imported("egad.pipeline.stages.evolve")
-    assert {
-        "egad.random",
-        "egad.tables.parquet",
-        "egad.cppn.query",
-        "egad.map_elites.archive",
-    } <= modules
-    assert not modules & {
-        "egad.pipeline.config.stage_settings",
-        "egad.pipeline.stages.merge",
-        "egad.pipeline.cli",
-    }
-    assert not any(module.endswith(".parameters") for module in modules)
-
-
-def test_reading_the_source_finds_what_importing_finds():
-    """The slow twin: import a stage, look at what Python loaded."""
-    stage = "egad.pipeline.stages.compare"
-    code = f"import sys, {stage}; print(*(n for n in sys.modules if n[:4] == 'egad'))"
-    loaded = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+TRIED = {"simulate", "clutter", "agreement", "simulated_label", "render"}
+RATED = {"evolve", "postprocess", "difficulty", "grasp_label", "size_effect", "render"}
+SHAPED = {"evolve", "postprocess", "gallery"}
+RULES = set(
+    re.findall(
+        r'code_of\("(\w+)"\)',
+        "".join(path.read_text() for path in (ROOT / "workflow/rules").glob("*.smk")),
     )
-    names = set(loaded.stdout.split())
-    packages = {name.rpartition(".")[0] for name in names}  # some are loaded for parameters only
-    # those that only the top module or the definitions of settings import
-    by_others = {"egad.grippers.table", "egad.pipeline.exports"}
-    expected = {
-        name
-        for name in names - packages - by_others
-        if not name.startswith("egad.pipeline.config") and not name.endswith(".parameters")
+)
+# What is changed, and the stages that use it. Written by hand, from what they do: the report draws
+# scenes of a simulation and lists all settings; the gallery reads those of evolution.
+USED = [
+    ("grippers/parameters.py", "Pad(0.8, ", "Pad(0.2, ", TRIED | {"report"}),
+    ("sim/world.py", "GRAVITY = 9.81", "GRAVITY = 1.62", TRIED | {"report"}),
+    ("evalset/print_poses.py", "LAYER = 0.0002", "LAYER = 0.0003", {"print_export", "datasheet"}),
+    ("evalset/datasheet.py", "ATTEMPTS = 20", "ATTEMPTS = 10", {"datasheet"}),
+    ("map_elites/variation.py", "LEAST = 0.25", "LEAST = 0.5", {"evolve"}),
+    ("geometry/convex_parts.py", "SLIVER = 1e-6", "SLIVER = 1e-5", {"bundle", "convex_parts"}),
+    ("exchange/threemf.py", "MILLIMETRES = 1000.0", "MILLIMETRES = 1.0", {"print_export"}),
+    ("stats/rates.py", "DRAWS = 10_000", "DRAWS = 1_000", {"report", "training_study"}),
+    # defaults of functions
+    ("grasps/quality.py", "friction: ArrayLike = 0.5,", "friction: ArrayLike = 0.4,", RATED),
+    # defaults, bounds and descriptions of settings
+    ("cppn/parameters.py", "Field(25, ge=8", "Field(24, ge=8", SHAPED | {"report"}),
+    ("cppn/parameters.py", "Field(25, ge=8", "Field(25, ge=9", set()),
+    ("cppn/parameters.py", "voxels along each side", "number of voxels on a side", set()),
+    # templates
+    ("report/templates/map.html.j2", "<section", "<section hidden", {"report"}),
+    ("report/templates/scene3d.js", "function", "function  ", {"report", "gallery"}),
+    ("report/templates/gallery.css", "{", "{ ", {"gallery"}),
+    ("report/templates/page.css", "{", "{ ", {"report", "gallery", "training_study"}),
+    ("report/templates/training_study.html.j2", "<", " <", {"training_study"}),
+    ("report/templates/view.html.j2", "<", " <", set()),  # of a command
+    # data: the released archive is an input of the rule `archive`, which Snakemake compares
+    ("data/evaluation_set.csv", "A0", "A1", set()),
+]
+
+
+@pytest.mark.parametrize(("file", "old", "new", "stages"), USED, ids=lambda value: str(value)[:40])
+def test_our_stages_run_again_for_what_they_use_and_for_nothing_else(
+    tmp_path, file, old, new, stages
+):
+    package = tmp_path / "egad"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    text = (package / file).read_text(encoding="utf-8")
+    assert old in text
+    (package / file).write_text(text.replace(old, new, 1), encoding="utf-8")
+    assert {stage for stage in RULES if _version(stage, package) != _version(stage)} == stages
+
+
+@cache
+def _version(stage, package=PACKAGE):
+    return code_version(f"egad.pipeline.stages.{stage}", package)
+
+
+def test_every_other_file_of_a_package_is_named_in_full_by_something():
+    """A name that is put together from pieces would not be found."""
+    files = [
+        path
+        for path in PACKAGE.rglob("*")
+        if path.is_file()
+        and "__pycache__" not in path.parts
+        and path.suffix not in (".py", ".pyi", ".typed")
+    ]
+    sources = [*PACKAGE.rglob("*.py"), *(path for path in files if path.suffix != ".parquet")]
+    texts = [path.read_bytes() for path in sources]
+    for path in files:
+        names = (f'"{each}"'.encode() for each in (path.name, path.parent.name))
+        assert any(name in text for name in names for text in texts), path
+
+
+def test_what_runs_in_a_stage_is_what_was_found_in_its_source(tmp_path):
+    """The slow twin: run stages, and look at which functions are called."""
+    box = tmp_path / "box.stl"
+    trimesh.creation.box([0.06, 0.04, 0.03]).export(box)
+    whole = Settings(postprocess=Postprocess(max_candidates=64))
+    wanted = select(whole, rescale.RescaleMeshes, "panda")
+    _check_calls(rescale.run, wanted, [box], "m", tmp_path / "scaled")
+    measured = select(whole, postprocess.PostprocessSolids)
+    tables = (tmp_path / "solids.parquet", tmp_path / "rejected.parquet")
+    _check_calls(postprocess.run, measured, (0, 1), *tables, primitives=1)
+    objects = parquet.read(tables[0], SOLIDS)
+    assert len(objects) == 1
+
+
+def _check_calls(function, *arguments, **named):
+    calls = set()
+
+    def note(frame, event, _):
+        if event == "call":
+            calls.add((frame.f_globals.get("__name__", ""), frame.f_code.co_qualname))
+
+    sys.setprofile(note)
+    try:
+        function(*arguments, **named)
+    finally:
+        sys.setprofile(None)
+    expected = used_names(function.__module__)
+    made_by_python = ("<", "__create_fn__")  # by comprehensions and data classes
+    seen = {
+        (module, name.split(".")[0])
+        for module, name in calls
+        if module.startswith("egad.") and not name.startswith(made_by_python)
     }
-    assert imported(stage) - packages == expected
+    assert len(seen) > 20
+    assert seen - expected == set()

@@ -99,25 +99,40 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(copy, settings, rules)
 
 
 @pytest.mark.parametrize(
-    ("module", "rules"),
+    ("module", "old", "new", "rules"),
     [
-        ("egad/sim/world.py", {"simulated_trial"} | AFTER_TRIALS),
-        ("egad/evalset/selection.py", {"select_eval"} | AFTER_SELECTION),
-        ("egad/geometry/mass.py", {"postprocess"} | AFTER_POSTPROCESS),
-        ("egad/map_elites/variation.py", EVERYTHING),
-        ("egad/measures/size_effect.py", AFTER_SIZES),
-        ("egad/pipeline/report/page.py", {"report", "all"}),
-        ("egad/pipeline/cli/stages.py", set()),
-        ("egad/measures/parameters.py", set()),
-        ("egad/tables/evolution.py", EVERYTHING),
-        ("egad/tables/evaluation.py", {"select_eval"} | AFTER_SELECTION),
+        # constants, of settings too
+        ("grippers/parameters.py", "Pad(0.8, ", "Pad(0.2, ", {"simulated_trial"} | AFTER_TRIALS),
+        ("sim/world.py", "GRAVITY = 9.81", "GRAVITY = 1.62", {"simulated_trial"} | AFTER_TRIALS),
+        ("map_elites/variation.py", "LEAST = 0.25", "LEAST = 0.5", EVERYTHING),
+        # code
+        ("evalset/selection.py", "range(restarts)", "range(1)", {"select_eval"} | AFTER_SELECTION),
+        ("geometry/mass.py", "/ size)", "/ (2 * size))", {"postprocess"} | AFTER_POSTPROCESS),
+        ("measures/size_effect.py", "opening / side", "opening", AFTER_SIZES),
+        ("pipeline/cli/stages.py", 'PANEL = "Stages', 'PANEL = "All stages', set()),
+        # columns of tables
+        ("tables/evolution.py", "bias of each node", "biases", EVERYTHING),
+        (
+            "tables/evaluation.py",
+            "row of the coarse grid",
+            "row",
+            {"select_eval"} | AFTER_SELECTION,
+        ),
+        # defaults and descriptions of settings
+        ("evalset/parameters.py", "Field(0.005,", "Field(0.006,", {"print_export"} | AFTER_PRINTS),
+        ("measures/parameters.py", "percentile of the qualities", "of them", {"report", "all"}),
+        # templates
+        ("report/templates/map.html.j2", "<section", "<section hidden", {"report", "all"}),
+        ("report/templates/gallery.css", "{", "{ ", set()),
     ],
     ids=named,
 )
-def test_an_edited_module_re_runs_its_stages(copy, module, rules):
+def test_an_edit_re_runs_the_stages_that_use_it(copy, module, old, new, rules):
     copy.take_library()
-    path = copy.folder / module
-    path.write_text(f"{path.read_text()}\nEDITED = 1\n")
+    path = copy.folder / "egad" / module
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
     assert set(copy.planned()) == rules
 
 

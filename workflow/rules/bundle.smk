@@ -8,6 +8,7 @@ Outputs: results/D/bundle/G, a folder with bundle.parquet and rejected.parquet.
 rule bundle:
     """Write convex parts, descriptions and poses at rest, for one gripper."""
     input:
+        again_if_incomplete("results/{dataset}/bundle/{gripper}/bundle.parquet"),
         evaluation="results/{dataset}/eval49.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
     output:

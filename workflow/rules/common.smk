@@ -14,6 +14,8 @@ from egad.pipeline.cli.stages import stage_function
 from egad.pipeline.config import training_study
 from egad.pipeline.code_version import code_version
 from egad.pipeline.config.check import check, check_engines
+from egad.pipeline.config.input_files import check_export, check_input_files
+from egad.pipeline.config.schema import schema
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.exports import (
     OF_OBJECTS,
@@ -27,22 +29,21 @@ from egad.pipeline.parameters import settings_type
 from egad.data import released, released_ancestry
 from egad.pipeline.display import start_display
 from egad.errors import UserError
-from egad.exchange import check_articulated, check_installed, checksum
+from egad.exchange import check_installed, checksum, missing_files
 from egad.grippers import files_of
 from egad._util.kernel_cache import compile_kernels
 from egad.measures import source_hash
-from egad.detectors import fingerprint
+from egad.detectors import SHIPPED_WEIGHTS, fingerprint
 from egad.perception import shard_count
 
 try:
     SETTINGS = check_engines(check(config))
+    # What is missing is named here, as Snakemake overlooks it where older results exist.
+    check_input_files(SETTINGS)
     # The same, with the networks of the training study among the detectors.
     TRIED = training_study.with_networks(SETTINGS)
     # The user's own measures by their code, so that editing it re-runs what they measure.
     MEASURES = [source_hash(measure) for measure in SETTINGS.measures.functions().values()]
-    # Files of target detectors must exist before anything runs.
-    for name in [*SETTINGS.targets.detectors, *SETTINGS.targets.clutter]:
-        fingerprint(SETTINGS.detectors[name])
 except UserError as error:
     raise WorkflowError(f"The configuration cannot be used:\n{error}")
 
@@ -51,6 +52,8 @@ sys.setrecursionlimit(20_000)
 # Jobs find the `egad` of this Python even if its environment is not activated.
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
 
+# The report says what each setting means.
+MEANINGS = hashlib.sha256(json.dumps(schema()).encode()).hexdigest()[:16]
 SHARDS = range(SETTINGS.shards)
 # An evaluation set has one object per cell: more shards would be empty ones.
 CELLS = SETTINGS.select_eval.rows * SETTINGS.select_eval.columns
@@ -128,9 +131,7 @@ def exported_objects(wildcards):
 def exported_from(wildcards):
     """The inputs of the format in the file name; for a folder, the file that is written last."""
     try:
-        check_installed(wildcards.format)
-        if wildcards.format == "isaac_grasp":
-            check_articulated(wildcards.gripper, SETTINGS.grippers[wildcards.gripper])
+        check_export(wildcards.format, wildcards.gripper, SETTINGS)
     except UserError as error:
         raise WorkflowError(f"targets.exports: {error}")
     files = last_files(wildcards.format, wildcards.gripper, SETTINGS.targets.export_objects)
@@ -215,6 +216,21 @@ def contents_of(files):
 def _contents(files):
     sums = [checksum(Path(file)) for file in files if Path(file).exists()]
     return hashlib.sha256("".join(sums).encode()).hexdigest()[:16]
+
+
+def again_if_incomplete(output):
+    """No input; but if files are missing in the folder of an output, its job runs again.
+
+    Snakemake sees that a folder is there, not what is in it. `SHA256SUMS` lists what was written.
+    """
+
+    def look(wildcards):
+        path = Path(output.format(**wildcards))
+        if missing_files(path if path.is_dir() else path.parent):
+            workflow.dag.forcefiles.add(str(path))  # as `--forcerun` does
+        return []
+
+    return look
 
 
 def check_results():

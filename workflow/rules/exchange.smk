@@ -70,6 +70,7 @@ rule dexnet:
 rule export:
     """Write the objects, grasps or images of a gripper in the format of another program."""
     input:
+        again_if_incomplete("results/{dataset}/exchange/{gripper}-{format}"),
         exported_from,
     output:
         directory("results/{dataset}/exchange/{gripper}-{format}"),

@@ -12,6 +12,7 @@ Outputs: results/release/index.html, and its data in results/release/gallery.
 rule gallery:
     """Write the gallery of the release."""
     input:
+        again_if_incomplete("results/release/gallery"),
         objects=of_release("results/{dataset}/objects.parquet"),
         meshes=of_release("results/{dataset}/meshes"),
         scales=of_release("results/{dataset}/rescaled/{gripper}/scales.parquet"),
@@ -46,7 +47,9 @@ rule gallery:
         pieces=each("--pieces", "pieces"),
         archives=each("--pieces", "archives"),
         trials=lambda wildcards: [f"{k}={v}" for k, v in trials_of_release(wildcards).items()],
-        contents=contents_of(region_meshes),
+        contents=contents_of(
+            lambda wildcards: [*region_meshes(wildcards), *ancestry_of_release(wildcards)]
+        ),
         code=code_of("gallery"),
     message:
         "Writing the gallery of the release"

@@ -40,6 +40,7 @@ rule postprocess:
 rule collect:
     """Combine the shards: cells, labels, diversities and meshes of a whole dataset."""
     input:
+        again_if_incomplete("results/{dataset}/meshes"),
         solids=parts("results/{dataset}/parts/solids-{shard}.parquet"),
         rejects=parts("results/{dataset}/parts/rejected-{shard}.parquet"),
     output:

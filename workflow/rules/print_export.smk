@@ -8,6 +8,7 @@ Outputs: results/D/print/G, a folder with manifest.parquet.
 rule print_export:
     """Write files for printers, for one gripper."""
     input:
+        again_if_incomplete("results/{dataset}/print/{gripper}/manifest.parquet"),
         evaluation="results/{dataset}/eval49.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
         grasps=touched_surface,

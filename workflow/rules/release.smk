@@ -16,6 +16,7 @@ localrules:
 rule release_tables:
     """Write the tables of the release."""
     input:
+        again_if_incomplete("results/release/data"),
         objects=of_release("results/{dataset}/objects.parquet"),
         scales=of_release("results/{dataset}/rescaled/{gripper}/scales.parquet"),
         evaluation=of_release("results/{dataset}/eval49.parquet"),
@@ -38,6 +39,7 @@ rule release_tables:
         settings=settings_of("release_tables"),
         grasps=each("--grasps", "grasps"),
         ancestry=each("--ancestry", "ancestry"),
+        contents=contents_of(ancestry_of_release),
         code=code_of("release_tables"),
     message:
         "Writing the tables of the release"
@@ -50,6 +52,7 @@ rule release_tables:
 rule release_meshes:
     """Write the meshes of the release."""
     input:
+        again_if_incomplete("results/release/meshes"),
         objects=of_release("results/{dataset}/objects.parquet"),
         meshes=of_release("results/{dataset}/meshes"),
     output:
@@ -75,6 +78,7 @@ rule release_meshes:
 rule release_previews:
     """Draw the objects of the release."""
     input:
+        again_if_incomplete("results/release/previews"),
         objects=of_release("results/{dataset}/objects.parquet"),
         meshes=of_release("results/{dataset}/meshes"),
     output:
@@ -157,6 +161,7 @@ rule release_card:
         settings=settings_of("release_card"),
         pieces=lambda wildcards, input: [w for file in input for w in ("--pieces", file)],
         folder=subpath(output.card, parent=True),
+        network=contents_of(shipped_network),
         code=code_of("release_card"),
     message:
         "Describing the release"

@@ -17,6 +17,11 @@ def ancestry_of_release(wildcards):
     return [str(released_ancestry())] if GIVEN.get(name) == str(released()) else []
 
 
+def shipped_network(wildcards):
+    """The files of the network that egad ships, which the release has a copy of."""
+    return [str(path) for path in sorted(SHIPPED_WEIGHTS.parent.iterdir())]
+
+
 def archives_of_release(wildcards):
     """The archives for simulators, if what writes them is installed."""
     try:

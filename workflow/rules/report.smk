@@ -10,7 +10,8 @@ rule report:
     input:
         published(),
     output:
-        ensure("results/report.html", non_empty=True),
+        # an older one stays until this one is written
+        ensure(update("results/report.html"), non_empty=True),
     log:
         "logs/report.log",
     benchmark:
@@ -22,6 +23,7 @@ rule report:
         **needs(mb=1000, mb_per_thread=300, minutes=30),
     params:
         settings=SETTINGS.model_dump_json(),
+        meanings=MEANINGS,
         results=subpath(output[0], parent=True),
         code=code_of("report"),
     message:

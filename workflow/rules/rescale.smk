@@ -8,6 +8,7 @@ Outputs: results/D/rescaled/G/LABEL.obj (metres), scales.parquet and rejected.pa
 rule rescale:
     """Scale all objects of a dataset to one gripper."""
     input:
+        again_if_incomplete("results/{dataset}/rescaled/{gripper}/scales.parquet"),
         "results/{dataset}/meshes",
     output:
         scales=ensure("results/{dataset}/rescaled/{gripper}/scales.parquet", non_empty=True),

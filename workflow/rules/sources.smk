@@ -6,9 +6,7 @@ import os
 from functools import cache
 from pathlib import Path
 
-from egad.errors import UserError
 from egad.exchange import EVERY_FILE, objects_in
-from egad.io import check_unit_known
 from egad.pipeline.stages.shards import by_shard
 
 
@@ -35,11 +33,7 @@ def region_meshes(wildcards):
 def meshes_by_shard(name):
     """For each shard of a dataset, its mesh files by the names of the objects."""
     dataset = SETTINGS.datasets[name]
-    try:
-        files = objects_in(Path(dataset.folder), dataset.pattern or EVERY_FILE)
-        check_unit_known(files.values(), dataset.units)
-    except UserError as error:
-        raise WorkflowError(f"The dataset {name} cannot be used: {error}")
+    files = objects_in(Path(dataset.folder), dataset.pattern or EVERY_FILE)
     shards = by_shard(files, len(SHARDS))
     return [{each: str(files[each]) for each in names} for names in shards]
 

@@ -9,6 +9,7 @@ import typer
 
 from egad.errors import UserError
 from egad.pipeline.cli.common import TOOL, Config, Out, app, parse, settings_in
+from egad.pipeline.config import Gripper, Settings
 from egad.pipeline.exports import (
     EVALUATION_SET,
     OF_OBJECTS,
@@ -19,7 +20,13 @@ from egad.pipeline.exports import (
     sources,
 )
 
-Dataset = Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")]
+Dataset = Annotated[
+    Path,
+    typer.Argument(
+        help="folder of a dataset, e.g. results/egad; `released`; or an archive.parquet"
+    ),
+]
+RELEASED = "released"
 Parts = Annotated[
     list[Path], typer.Option("--part", help="file of the objects of a shard (format dexnet)")
 ]
@@ -43,6 +50,9 @@ def export(
     from egad.pipeline.parameters import declared, settings_type
     from egad.pipeline.provenance.record import run_recorded
 
+    if dataset.is_file() or str(dataset) in (RELEASED, EVALUATION_SET):
+        _export_archive(dataset, gripper, out, ending, config, objects)
+        return
     run = export_function(ending, objects)
     reads = {name: dataset / file for name, file in sources(ending, gripper, objects).items()}
     if ending in OF_OBJECTS:
@@ -59,6 +69,30 @@ def export(
             run_recorded(run, **given, parts=parts)
     else:
         run_recorded(run, **given)
+
+
+def _export_archive(
+    archive: Path, gripper: str, out: Path, ending: str, config: Path | None, objects: str
+) -> None:
+    """Write objects that no run has scaled or grasped yet, as `egad.export` does.
+
+    Raises:
+        UserError: The format needs results of a run.
+    """
+    from egad.export import FORMATS, export
+    from egad.objects import load
+
+    if ending not in FORMATS:
+        folder = Path("results/egad")
+        files = " ".join(str(folder / file) for file in last_files(ending, gripper))
+        shipped = " --configfile config/released.yaml --" if not archive.is_file() else ""
+        raise UserError(
+            f"{archive} has objects alone, and {ending} needs results of a run; first make them "
+            f"with snakemake --cores 2{shipped} {files}, then export {folder}"
+        )
+    hand = _gripper(settings_in(config), gripper)
+    of_set = str(archive) == RELEASED and objects == EVALUATION_SET
+    export(load(EVALUATION_SET if of_set else archive), ending, hand if config else gripper, out)
 
 
 def _check_made(files: Iterable[Path]) -> None:
@@ -113,9 +147,20 @@ def _chosen(
     if text is not None:
         return parse(stage, text)
     whole = settings_in(config)
-    if gripper is not None and gripper not in whole.grippers:
-        raise UserError(
-            f"gripper {gripper!r} is not in the configuration (--config); "
-            f"known: {', '.join(whole.grippers)}"
-        )
+    if gripper is not None:
+        _gripper(whole, gripper)
     return select(whole, stage, gripper)
+
+
+def _gripper(settings: Settings, name: str) -> Gripper:
+    """A gripper of a configuration.
+
+    Raises:
+        UserError: It has none of this name.
+    """
+    if name not in settings.grippers:
+        raise UserError(
+            f"gripper {name!r} is not in the configuration (--config); "
+            f"known: {', '.join(settings.grippers)}"
+        )
+    return settings.grippers[name]

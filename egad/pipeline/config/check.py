@@ -11,6 +11,8 @@ from pydantic import ValidationError
 from egad._util.parameters import Node, keys_of, wanted
 from egad.errors import UserError
 from egad.pipeline.config import Settings
+from egad.pipeline.config.references import wrong_references
+from egad.pipeline.config.renamed import new_name
 from egad.pipeline.config.schema import node_at, schema
 from egad.sim import check_engine
 
@@ -46,9 +48,12 @@ def check(config: Mapping[str, Any]) -> Settings:
         for error in errors:
             _mend(plain, error)
         errors = _errors(plain) if plain != before else []
-    if problems:
+    settings = None if _errors(plain) else _validated(plain)
+    if settings:
+        problems |= dict.fromkeys(wrong_references(settings))
+    if problems or not settings:
         raise UserError("\n".join(problems))
-    return Settings.model_validate_json(json.dumps(plain), strict=True)
+    return settings
 
 
 def check_engines(settings: Settings) -> Settings:
@@ -62,10 +67,14 @@ def check_engines(settings: Settings) -> Settings:
     return settings
 
 
+def _validated(config: dict[str, Any]) -> Settings:
+    # JSON, for lists are tuples there; strict, for a number in quotes is a mistake
+    return Settings.model_validate_json(json.dumps(config), strict=True)
+
+
 def _errors(config: dict[str, Any]) -> list[Problem]:
     try:
-        # JSON, for lists are tuples there; strict, for a number in quotes is a mistake
-        Settings.model_validate_json(json.dumps(config), strict=True)
+        _validated(config)
     except ValidationError as error:
         return list(error.errors(include_url=False))
     return []
@@ -88,10 +97,13 @@ def _sentences(error: Problem) -> list[str]:
         return [f"{where}: {_shown(value)}: {error['msg']}"]
     if error["type"] == "missing":
         return [f"{where}: is missing; needed: {wanted(node)}"]
-    return [f"{where}: {_shown(value)} is not allowed{_hint(value, node)}; allowed: {wanted(node)}"]
+    hint = f": now {new}" if (new := new_name(path, value)) else _hint(value, node)
+    return [f"{where}: {_shown(value)} is not allowed{hint}; allowed: {wanted(node)}"]
 
 
 def _unknown_key(path: Path) -> str:
+    if new := new_name(path):
+        return f"{_dotted(path)}: unknown key; an older version had it; now: {new}"
     known = keys_of(node_at(path[:-1]) or {})
     nearest = _nearest(path)
     guess = f"did you mean {_dotted(nearest)}?" if nearest else f"known: {', '.join(known)}"

@@ -12,6 +12,7 @@ from egad._util.parameters import (
     PositiveFraction,
     ScaleRule,
     SomeOf,
+    UserPath,
 )
 from egad.exchange import PhysicsFormat
 from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
@@ -80,11 +81,11 @@ class Dataset(Parameters):
         description="`evolved`: by this pipeline; `archive`: from an existing archive; `meshes`: "
         "read from a folder; `primitives`: random unions of primitives"
     )
-    archive: str | None = Field(
+    archive: UserPath | None = Field(
         None,
         description="archive file, or `released` for the one shipped with egad (source: archive)",
     )
-    folder: str | None = Field(None, description="folder of the meshes (source: meshes)")
+    folder: UserPath | None = Field(None, description="folder of the meshes (source: meshes)")
     units: Literal["m", "mm", "cm", "inch"] | None = Field(
         None,
         description="unit of the mesh coordinates, unless the files state it (source: meshes)",
@@ -178,7 +179,7 @@ class TrainingSet(Parameters):
         description="instead of `dataset`: training sets whose images are used, one of them with "
         "other settings of `training`, or several mixed",
     )
-    weights: str | None = Field(
+    weights: UserPath | None = Field(
         None, description="instead of `dataset`: file of existing weights; no network is trained"
     )
     seeds: int | None = Field(

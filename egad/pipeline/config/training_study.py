@@ -7,8 +7,8 @@ from typing import NamedTuple
 from egad.errors import UserError
 from egad.perception import STEREO
 from egad.pipeline.config import DetectorConfig, Settings, TrainingSet, TrainingStudy
+from egad.pipeline.config.references import changed
 from egad.pipeline.config.sections import SET_SECTIONS
-from egad.pipeline.config.settings import changed
 
 FOLDER = Path("results/training_study")
 WEIGHTS = "weights.safetensors"

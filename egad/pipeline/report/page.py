@@ -122,7 +122,7 @@ def _sections(report: ReportData) -> Iterator[Section]:
     yield from _agreement(datasets, settings)
     yield summary.rejected_section({name: data.rejected for name, data in datasets.items()})
     yield section_of(
-        "parameters",
+        "parameters.html.j2",
         "Parameters",
         parameters=parameter_tables(settings),
         entries=entry_tables(settings),

@@ -168,7 +168,7 @@ def page(study: Study) -> str:
     shown = panels(rates, set(study.images))
     curves = learning_curves(shown, study.images, asked.curves)
     return render_template(
-        "training_study",
+        "training_study.html.j2",
         settings=settings,
         descriptions={key: describe(settings.training_sets[key]) for key in asked.sets},
         images=study.images,

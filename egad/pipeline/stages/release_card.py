@@ -10,7 +10,7 @@ import pandas as pd
 
 from egad import __version__
 from egad._util.files import atomic_output, write_text
-from egad.detectors.parameters import SHIPPED_WEIGHTS
+from egad.detectors import SHIPPED_WEIGHTS
 from egad.errors import UserError
 from egad.exchange import (
     ABSTRACT,

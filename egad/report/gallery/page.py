@@ -24,7 +24,7 @@ def gallery_page(
         legend: What the hatched rows of the map are.
     """
     return render_template(
-        "gallery",
+        "gallery.html.j2",
         title=title,
         facts=_facts(data),
         axes=axes,

@@ -108,6 +108,55 @@ def test_a_sentence_says_what_is_wrong_and_what_is_allowed(config, line):
     assert line in "\n".join(problems(config))
 
 
+@pytest.mark.parametrize(
+    ("config", "line"),
+    [
+        ({"targets": {"datasets": ["other"]}}, "targets.datasets: 'other' is not defined"),
+        ({"targets": {"grippers": ["other"]}}, "targets.grippers: 'other' is not defined"),
+        ({"targets": {"clutter": ["other"]}}, "targets.clutter: 'other' is not defined"),
+        ({"difficulty": {"gripper": "other"}}, "difficulty.gripper: 'other' is not defined"),
+        ({"select_eval": {"gripper": "other"}}, "select_eval.gripper: 'other' is not defined"),
+        ({"render": {"camera": "other"}}, "render.camera: 'other' is not defined"),
+        ({"release": {"dataset": "other"}}, "release.dataset: 'other' is not defined"),
+        ({"release": {"gripper": "other"}}, "release.gripper: 'other' is not defined"),
+        (
+            {"datasets": {name: {"source": "evolved"} for name in ("egad", "b")}},
+            "datasets: at most one can have the source `evolved`, got egad, b",
+        ),
+        (
+            {"datasets": {name: {"source": "evolved"} for name in ("egad", "training_study")}},
+            "datasets.training_study: the name is reserved",
+        ),
+    ],
+)
+def test_what_a_user_names_must_be_defined(config, line):
+    assert line in "\n".join(problems(config))
+
+
+MESHES = {"source": "meshes", "folder": "parts", "units": "mm"}
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        {},
+        {"datasets": {"parts": MESHES}, "targets": {"datasets": ["parts"]}},
+        {"datasets": {"parts": MESHES}, "targets": {"datasets": []}},
+        {
+            "datasets": {"parts": MESHES},
+            "targets": {"datasets": [], "grippers": ["mine"]},
+            "grippers": {"mine": {"opening": 0.06}},
+            "difficulty": {"gripper": "mine"},
+        },
+        {"release": {"title": "Mine"}},
+    ],
+)
+def test_defaults_may_name_what_a_user_left_out_also_when_all_settings_are_written_out(config):
+    """A stage gets all settings; in those, every section is given."""
+    settings = check(config)
+    assert Settings.model_validate_json(settings.model_dump_json(), strict=True) == settings
+
+
 def test_a_wrong_name_does_not_make_other_things_wrong():
     found = problems({"datasets": {"My Set": {"source": "meshes"}}})
     assert [line.split(":")[0] for line in found] == ["datasets.My Set", "datasets.My Set"]

@@ -44,10 +44,6 @@ def test_settings_cannot_be_changed():
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"targets": {"datasets": ["other"]}},
-        {"targets": {"grippers": ["other"]}},
-        {"difficulty": {"gripper": "other"}},
-        {"datasets": {"egad": {"source": "evolved"}, "b": {"source": "evolved"}}},
         {"datasets": {"egad": {"source": "evolved", "units": "m"}}},
         {"datasets": {"egad": {"source": "evolved", "pattern": "*"}}},
         {"datasets": {"egad": {"source": "meshes", "units": "m"}}},
@@ -67,7 +63,6 @@ def test_settings_cannot_be_changed():
         {"hole": {"kind": "box", "center": [0, 0.6, 0]}},
         {"symmetry": {"mirror": ["w"]}},
         {"measures": {"complexity": "measures.py"}},
-        {"render": {"camera": "other"}},
         {"render": {"complexity": [0.5, 0.5]}},
         {"render": {"validation": 0.5, "test": 0.5}},
         {"cameras": {"mine": {"focal": [0, 400], "distance": [0.6, 0.6], "tilt": [0, 0]}}},

@@ -4,7 +4,7 @@ import pytest
 
 from egad.errors import UserError
 from egad.perception.parameters import RenderParameters
-from egad.pipeline.code_version import imported
+from egad.pipeline.code_version import used_names
 from egad.pipeline.config import Settings
 from egad.pipeline.config.check import check
 from egad.pipeline.config.stage_settings import TrainingStudyReport, select
@@ -128,7 +128,7 @@ def test_the_report_reads_the_sets_that_are_compared_and_their_images():
 def test_a_page_is_no_reason_to_train_again():
     """The workflow trains again for the code of these modules."""
     for module in ("egad.learning.training", "egad.learning.weights"):
-        assert not [name for name in imported(module) if name.startswith("egad.report")]
+        assert not [name for name, _ in used_names(module) if name.startswith("egad.report")]
 
 
 def test_a_detector_with_the_name_of_a_network_is_refused():

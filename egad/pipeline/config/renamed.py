@@ -1,0 +1,46 @@
+"""Settings of older versions, and what they are now: the table in CHANGELOG.md, for messages."""
+
+from collections.abc import Sequence
+
+RENAMED = {
+    "policies": "detectors",
+    "targets.policies": "targets.detectors",
+    "axes": "measures",
+    "part": "keep_solid",
+    "diversity": "training_study",
+    "evolution.regrade": "evolution.estimator: sequential, which does more",
+    "difficulty.grasps": "evolution.grasps, for evolution.estimator: paper; else "
+    "difficulty.candidates and evolution.max_candidates",
+    "postprocess.grasps": "postprocess.max_candidates",
+    "difficulty.metric: plain": "difficulty.metric: nominal",
+    "trials.between": "trials.reset: continue, redrop",
+    "limits.box_part": "limits.box_fraction",
+    "limits.cube_part": "limits.cube_fraction",
+    "image_noise.shadows": "image_noise.holes, on steep surfaces too",
+    "render.part": "render.subset",
+    "training_sets.NAME.part": "training_sets.NAME.render",
+    "training_sets.NAME.complexity": "training_sets.NAME.render",
+    "training_sets.NAME.hold_out": "training_sets.NAME.render",
+    "acronym.held": "acronym.min_robust_success_rate",
+    "space.neighbours": "space.neighbors",
+    "envelope.centre": "center",
+    "part.centre": "center",
+    "hole.centre": "center",
+    "training.patience": "none: the learning rate falls to 0, and the last weights are the result",
+    "print_export.shell": "print_export.perimeters, print_export.line_width, "
+    "print_export.solid_layers",
+}
+
+
+def new_name(path: Sequence[str | int], value: object = None) -> str:
+    """What a setting of an older version is called now; empty if none was called so.
+
+    Args:
+        path: Where the setting stands.
+        value: Its value, of which only the old name may be known.
+    """
+    words = [str(key) for key in path]
+    if len(words) == 3 and words[0] == "training_sets":
+        words[1] = "NAME"
+    name = ".".join(words)
+    return RENAMED.get(name) or RENAMED.get(f"{name}: {value}", "")

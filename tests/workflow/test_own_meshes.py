@@ -1,0 +1,101 @@
+"""Meshes that users bring: what is wrong with them is said before the first job."""
+
+import pytest
+import trimesh
+
+MESHES = {"source": "meshes", "units": "mm"}
+
+
+@pytest.fixture
+def own(clean):
+    """A clean checkout with a mesh in `parts`; makes configurations that replace that of egad."""
+    (clean.folder / "parts").mkdir()
+    trimesh.creation.box([60, 40, 30]).export(clean.folder / "parts/box.stl")
+
+    def configs(folder, **targets):
+        datasets = {"mine": MESHES | {"folder": folder}}
+        settings = {"shards": 1, "datasets": datasets, "targets": {"datasets": [], **targets}}
+        return ["config/test.yaml", clean.overlay("own.yaml", settings)]
+
+    return configs
+
+
+def test_meshes_that_are_only_compared_have_a_report_and_it_stays_until_the_next(clean, own):
+    """The section `release`, which names another dataset, was not given by anybody."""
+    replaced = "--replace-workflow-config"
+    clean.make("--cores", 2, replaced, configs=own("parts"))
+    assert clean.planned(replaced, configs=own("parts")) == {}
+    report = clean.results / "report.html"
+    whole = report.read_bytes()
+    assert b'id="map"' in whole
+    table = clean.results / "comparison.parquet"
+    compared = table.read_bytes()
+    table.write_bytes(compared[:-100])
+    report_alone = ("--cores", 1, replaced, "results/report.html")
+    status, said = clean.snakemake(*report_alone, configs=own("parts"))
+    assert status != 0
+    assert "comparison.parquet: not a readable Parquet file" in said
+    assert report.read_bytes() == whole
+    table.write_bytes(compared)
+    clean.make("--cores", 1, replaced, configs=own("parts"))
+    assert report.read_bytes() == whole
+
+
+@pytest.mark.parametrize(
+    ("folder", "reason"),
+    [
+        ("partz", "datasets.mine: partz: there is no such folder of meshes; did you mean parts?"),
+        ("~/meshes", "/home/meshes: there is no such folder of meshes"),
+        ("empty", "datasets.mine: empty: no mesh files in it"),
+        ("links", "datasets.mine: links/cup.obj is a link to gone.obj, which does not exist"),
+    ],
+)
+def test_a_wrong_folder_stops_a_dry_run_even_where_an_older_report_is(clean, own, folder, reason):
+    """Snakemake makes no file that it cannot, if the file is there."""
+    for name in ("empty", "links", "results"):
+        (clean.folder / name).mkdir()
+    (clean.folder / "links/cup.obj").symlink_to("gone.obj")
+    (clean.results / "report.html").touch()
+    for more in ([], ["--replace-workflow-config"]):
+        status, said = clean.snakemake(
+            "--dry-run", "--cores", 1, *more, configs=own(folder), HOME="/home"
+        )
+        assert status != 0
+        assert reason in said
+        assert "Traceback" not in said
+
+
+def test_the_home_directory_may_be_written_as_a_tilde(clean, own):
+    target = "results/mine/objects.parquet"
+    said = clean.make(
+        "--dry-run", "--cores", 1, target, configs=own("~/parts"), HOME=str(clean.folder)
+    )
+    assert clean.jobs(said) == {"postprocess": 1, "collect": 1}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "rule"),
+    [
+        ("meshes/*.obj", "collect"),
+        ("rescaled/egad_75mm/*.obj", "rescale"),
+        ("print/egad_75mm/*.stl", "print_export"),
+        ("bundle/egad_75mm/*/*.urdf", "bundle"),
+    ],
+)
+def test_a_file_that_is_deleted_in_a_folder_is_made_again(copy, pattern, rule):
+    assert copy.planned() == {}
+    next((copy.results / "egad").glob(pattern)).unlink()
+    planned = copy.planned()
+    assert planned[rule] == 1
+    assert "postprocess" not in planned
+    assert "collect" not in planned or rule == "collect"
+
+
+def test_a_deleted_mesh_comes_back_as_it_was(copy):
+    expected = copy.bytes()
+    target = "results/egad/rescaled/egad_75mm/scales.parquet"
+    lost = min((copy.results / "egad/meshes").glob("*.obj"))
+    lost.unlink()
+    copy.make("--cores", 2, target)
+    assert copy.bytes() == expected
+    assert copy.planned(target) == {}
