@@ -268,10 +268,11 @@ def clear_tables(
     todo = rounds_of([each.id for each in objects], settings)
     shards = [todo[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(todo)))]
     work = partial(_cleared, objects=objects, detect=detect, settings=settings)
-    done, monitor = [], FailureMonitor(len(shards), keep_going=True)
+    done, monitor = [], FailureMonitor(len(todo), settings.clutter.keep_going, "rounds")
     with workers(jobs, chunk=1) as mapper:
         for cleared in progress(mapper(work, shards), "clearing", len(shards)):
-            monitor.check(cleared[0])
+            for _, rows in cleared[0].groupby(ROUND, sort=False):
+                monitor.check(rows)
             done.append(cleared)
     by_round = {key: rows for table, _ in done for key, rows in table.groupby(ROUND)}
     seconds = [time for _, times in done for time in times]
@@ -310,10 +311,9 @@ def _cleared(
     models = {each.id: each.model for each in objects}
     grasps = {each.id: each.grasps for each in objects}
     with open_table(detect, models.__getitem__, grasps.__getitem__, settings) as clear:
-        done, monitor = (
-            [],
-            FailureMonitor(len(rounds), settings.clutter.keep_going, "rounds", quiet=True),
-        )
+        # If these are few rounds, only the caller, who sees all, can say that nothing else happens.
+        count, keep_going = len(rounds) + 1, settings.clutter.keep_going
+        done, monitor = [], FailureMonitor(count, keep_going, "rounds", quiet=True)
         for this in rounds:
             done.append(clear(this))
             monitor.check(done[-1][0])
