@@ -27,6 +27,8 @@ class DatasetSummary:
             are none, or none from sampled grasps.
         certain: Part of the objects with a certain cell; NaN if it is not known.
         diversity: Lowest, mean and highest diversity; NaN if it has no objects.
+        cut: Objects of which bodies were dropped.
+        dropped_volume: The largest part of the volume that an object lost so.
         selected: Objects of its evaluation set.
         results: What detectors achieved on that set, by gripper.
     """
@@ -38,6 +40,8 @@ class DatasetSummary:
     selected_coverage: float
     certain: float
     diversity: tuple[float, float, float]
+    cut: int
+    dropped_volume: float
     selected: int
     results: Mapping[str, Results]
 
@@ -64,6 +68,8 @@ def summarize(
         selected_coverage=moves.before if moves and len(confidence) else math.nan,
         certain=float((confidence >= space.confidence).mean()),
         diversity=(diversity.min(), diversity.mean(), diversity.max()),
+        cut=int((objects["dropped_bodies"] > 0).sum()),
+        dropped_volume=float(objects["dropped_volume"].max()),
         selected=selected,
         results=results,
     )

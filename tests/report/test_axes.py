@@ -73,10 +73,12 @@ def test_tables_on_the_terminal_name_them(capsys):
     row = {"name": "a", "complexity": 1.5, "difficulty": 0.25, "grasps": 0}
     row |= {"difficulty_std": np.nan, "cell_confidence": np.nan}
     table = pd.DataFrame([row | {"complexity_cell": 3, "difficulty_cell": 25}])
-    row = {"factor": 40.0, "grasped_1": 0.04, "grasped_2": 4.0, "grasped_3": 4.0}
-    measured(table.assign(**row), axis_pair(OWN), "yumi")
+    measured(table, axis_pair(OWN), "yumi")
     said = capsys.readouterr().out
-    assert re.search("40.0 x 4000.0 x 4000.0 +40.000 +yumi", said)
+    assert "grasped at" not in said
+    size = {"factor": 40.0, "grasped_1": 0.04, "grasped_2": 4.0, "grasped_3": 4.0}
+    measured(table.assign(**size), USUAL, "yumi")
+    assert re.search("40.0 x 4000.0 x 4000.0 +40.000 +yumi", capsys.readouterr().out)
     assert "wall thickness  slenderness" in said
     assert "0.250" in said
     assert "Z03" in said

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from egad.measures import cell_name
-from egad.report.axes import AxisPair
+from egad.report.axes import DIFFICULTY, AxisPair
 from egad.report.page import p_value
 from egad.report.trials import Pair
 from egad.stats import Clearing, ClearingComparison, Mean
@@ -19,8 +19,9 @@ MOST = 12  # columns of a matrix that still can be read
 
 
 def measured(table: pd.DataFrame, axes: AxisPair, gripper: str) -> None:
-    """Print columns of `tables.objects.MEASURED`, with the gripper that they are for."""
-    size = ["grasped at, mm", "times its size", "gripper"]
+    """Print columns of `tables.objects.MEASURED`, with the size and gripper of sampled grasps."""
+    sampled = axes.upwards == DIFFICULTY
+    size = ["grasped at, mm", "times its size", "gripper"] if sampled else []
     show(
         ["name", *_titles(axes), "cell", "certain %", "grasps", *size],
         [
@@ -28,13 +29,17 @@ def measured(table: pd.DataFrame, axes: AxisPair, gripper: str) -> None:
                 *_place(row, axes),
                 number(100 * row["cell_confidence"], 0),
                 number(row["grasps"], 0),
-                " x ".join(number(1000 * row[f"grasped_{side}"], 1) for side in (1, 2, 3)),
-                number(row["factor"], 3),
-                gripper,
+                *(_size(row, gripper) if sampled else ()),
             )
             for row in _rows(table)
         ],
     )
+
+
+def _size(row: pd.Series, gripper: str) -> tuple[str, str, str]:
+    """Sides of the box when grasps were sampled, what they are of the real ones, and gripper."""
+    sides = " x ".join(number(1000 * row[f"grasped_{side}"], 1) for side in (1, 2, 3))
+    return sides, number(row["factor"], 3), gripper
 
 
 def located(table: pd.DataFrame, axes: AxisPair) -> None:
