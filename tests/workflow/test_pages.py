@@ -136,6 +136,7 @@ def steps(path):
 SLOW = [page for page in PAGES if page not in QUICK]
 
 
+@pytest.mark.timeout(3600)
 @pytest.mark.parametrize(
     "page", [*sorted(QUICK), *(pytest.param(page, marks=pytest.mark.slow) for page in SLOW)]
 )
