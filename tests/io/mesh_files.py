@@ -437,6 +437,22 @@ PLY |= {
     "word.ply": refused(ASCII_PLY.replace(b"-20.0", b"x", 1), "number"),
     "nan.ply": refused(ASCII_PLY.replace(b"-20.0", b"nan", 1), "not finite"),
     "utf16.ply": refused(ASCII_PLY.decode().encode("utf-16"), "UTF-16"),
+    "negative.ply": refused(ASCII_PLY.replace(b"3 1 3 0", b"-3 1 3 0", 1), "negative"),
+    "negative_binary.ply": refused(
+        ply(
+            "binary_big_endian",
+            [
+                ("vertex", XYZ, ROWS),
+                (
+                    "face",
+                    [("uchar", "int", "vertex_indices"), ("char", "int", "more")],
+                    [QUADS[:2]],
+                ),
+            ],
+        )[:-17]
+        + b"\xff",
+        "negative",
+    ),
     "cloud.ply": refused(ply("ascii", [("vertex", XYZ, ROWS)]), "no faces"),
     "no_z.ply": refused(
         ply("ascii", [("vertex", XYZ[:2], [r[:2] for r in ROWS]), ("face", FACE, [((0, 1, 2),)])]),
