@@ -196,6 +196,8 @@ def _array(
     """Numbers of a buffer view, (count, width), that begin where a part of an accessor says."""
     view = document["bufferViews"][part["bufferView"]]
     buffer = document["buffers"][view["buffer"]]
+    if packed := [name for name in view.get("extensions", {}) if "meshopt" in name]:
+        raise RejectedError(f"it needs the extension {packed[0]}, which is not read")
     if "uri" in buffer or view["buffer"] != 0:
         raise RejectedError("its shapes are in another file, which is not read")
     start = view.get("byteOffset", 0) + part.get("byteOffset", 0)

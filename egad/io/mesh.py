@@ -108,7 +108,8 @@ def _is_silent(path: Path) -> bool:
     if path.suffix[1:].lower() in PRESCRIBED or not path.is_file():
         return False
     with path.open("rb") as file:
-        return stated_in(file.read(COMMENTS)) is None
+        start = file.read(80 if path.suffix.lower() == ".stl" else COMMENTS)
+    return stated_in(start) is None
 
 
 def _parsed(path: Path) -> Content:

@@ -11,7 +11,7 @@ from egad._util.input_limits import MAX_VERTICES, check_at_most
 from egad.errors import RejectedError
 from egad.io.content import Content
 from egad.io.polygons import check_corners, strip_triangles, triangles_of
-from egad.io.text import BYTE_ORDER_MARK, integers, plain_text, reals
+from egad.io.text import BYTE_ORDER_MARK, integers, no_number, plain_text, reals
 from egad.io.units import stated_in
 
 Floats = NDArray[np.float64]
@@ -194,9 +194,9 @@ def _text_lists(words: list[bytes], place: int, element: Element) -> tuple[Rows,
                 singles.append(words[place])
                 place += 1
                 continue
-            count = int(integers([words[place]], f"the length of a list of {element.name}")[0])
+            count = _length(words[place], element)
             part = words[place + 1 : place + 1 + count]
-            if count < 0 or len(part) < count:
+            if len(part) < count:
                 raise _cut_short(element)
             if number == used:
                 items += part
@@ -206,6 +206,17 @@ def _text_lists(words: list[bytes], place: int, element: Element) -> tuple[Rows,
     points = _points(singles, kept).points
     values = integers(items, f"an index of {element.name}")
     return Rows(points, values, np.array(lengths, np.int64)), place
+
+
+def _length(word: bytes, element: Element) -> int:
+    """The length of a list, which is not negative."""
+    try:
+        count = int(word)
+    except ValueError:
+        no_number([word], f"the length of a list of {element.name}", int)
+    if count < 0:
+        raise RejectedError(f"a list of {element.name} has a negative length")
+    return count
 
 
 def _binary_rows(data: bytes, elements: list[Element], order: str) -> dict[str, Rows]:
@@ -280,6 +291,8 @@ def _binary_lists(data: bytes, place: int, element: Element, order: str) -> tupl
                 if not one.length:
                     values[number] = value
                     continue
+                if value < 0:
+                    raise RejectedError(f"a list of {element.name} has a negative length")
                 if number == used:
                     items.append(np.frombuffer(data, order + one.kind, value, place))
                     lengths.append(value)

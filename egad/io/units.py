@@ -18,7 +18,7 @@ _SPELLINGS = {
     "micron": ("um", "micron", "microns", "micrometer", "micrometre"),
 }
 UNIT_OF = {spelling: unit for unit, spellings in _SPELLINGS.items() for spelling in spellings}
-_STATEMENT = re.compile(rb"\bunits?\s*[:=]\s*([a-z]+)", re.IGNORECASE)
+_STATEMENT = re.compile(rb"\bunits?[ \t]*[:=][ \t]*([a-z]+)\b(?![ \t]*\w)", re.IGNORECASE)
 
 
 def stated_in(comment: bytes) -> str | None:

@@ -437,6 +437,22 @@ PLY |= {
     "word.ply": refused(ASCII_PLY.replace(b"-20.0", b"x", 1), "number"),
     "nan.ply": refused(ASCII_PLY.replace(b"-20.0", b"nan", 1), "not finite"),
     "utf16.ply": refused(ASCII_PLY.decode().encode("utf-16"), "UTF-16"),
+    "negative.ply": refused(ASCII_PLY.replace(b"3 1 3 0", b"-3 1 3 0", 1), "negative"),
+    "negative_binary.ply": refused(
+        ply(
+            "binary_big_endian",
+            [
+                ("vertex", XYZ, ROWS),
+                (
+                    "face",
+                    [("uchar", "int", "vertex_indices"), ("char", "int", "more")],
+                    [QUADS[:2]],
+                ),
+            ],
+        )[:-17]
+        + b"\xff",
+        "negative",
+    ),
     "cloud.ply": refused(ply("ascii", [("vertex", XYZ, ROWS)]), "no faces"),
     "no_z.ply": refused(
         ply("ascii", [("vertex", XYZ[:2], [r[:2] for r in ROWS]), ("face", FACE, [((0, 1, 2),)])]),
@@ -476,6 +492,7 @@ def glb(document, binary=b""):
     return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
 
 
+DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
 COMPONENTS = {"int8": 5120, "uint8": 5121, "int16": 5122, "uint16": 5123, "uint32": 5125}
 COMPONENTS |= {"float32": 5126}
 SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
@@ -621,6 +638,15 @@ def many_primitives():
     return changed(gltf(POINTS, around, more=[fan, rest]), change)
 
 
+def packed_views():
+    """A box whose positions are compressed, which the document does not call required."""
+
+    def change(document):
+        document["bufferViews"][0]["extensions"] = {MESHOPT: {"buffer": 0, "mode": "ATTRIBUTES"}}
+
+    return changed(gltf(POINTS, CORNERS, extensionsUsed=[MESHOPT]), change)
+
+
 HALF = float(np.sqrt(0.5))
 NESTED = (
     {"children": [1], "scale": [2, 2, 2]},
@@ -634,7 +660,6 @@ FLAT_BOX = [QUADS[0], QUADS[3], QUADS[1], QUADS[2]]
 FAN = [0, 1, 3, 2, 6, 4, 5, 1]  # around corner 0
 REST = [7, 5, 4, 6, 2, 3, 1, 5]  # around the opposite one
 ONE_MORE = {"mesh": 0, "translation": [0.2, 0, 0]}
-DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
 GLB = {
     "plain.glb": upright(gltf(POINTS, CORNERS)),
     "uint32.glb": upright(gltf(POINTS, CORNERS.astype("uint32"))),
@@ -699,6 +724,7 @@ GLB = {
     ),
     "draco.glb": refused(gltf(POINTS, CORNERS, extensionsRequired=[DRACO]), DRACO, None),
     "meshopt.glb": refused(gltf(POINTS, CORNERS, extensionsRequired=[MESHOPT]), MESHOPT, None),
+    "meshopt_fallback.glb": refused(packed_views(), MESHOPT, None),
     "unknown.glb": refused(
         gltf(POINTS, CORNERS, extensionsRequired=["ACME_fold"]), "ACME_fold", None
     ),

@@ -462,6 +462,28 @@ def test_a_folder_that_is_not_there_is_named(clean):
     assert not clean.results.exists()
 
 
+def test_meshes_need_a_unit_unless_they_state_it_and_odd_sizes_are_said_once(clean):
+    folder, target = clean.folder / "own", "results/own/objects.parquet"
+    folder.mkdir()
+    cube = trimesh.creation.box((60, 60, 60))
+    cube.export(folder / "cube.3mf")  # says millimetres
+    own = {"datasets": {"own": {"source": "meshes", "folder": "own"}}}
+    configs = ["config/test.yaml", clean.overlay("own.yaml", own)]
+    assert "postprocess" in clean.planned(target, configs=configs)
+    for name in ("cube.ply", "block.ply"):
+        cube.export(folder / name)
+    status, said = clean.snakemake("--dry-run", target, configs=configs)
+    assert status != 0
+    assert "block.ply does not state its unit; give `units`" in said
+    metres = clean.overlay("metres.yaml", {"datasets": {"own": {"units": "m"}}})
+    said = clean.make("--cores", 1, target, configs=[*configs, metres])
+    doubt = (
+        "Warning: 2 of 2 meshes are smaller than 0.005 m or larger than 1 m, block for one (60 m)"
+    )
+    assert said.count(doubt) == 1
+    assert "cannot be used; cube-3mf: the file states the unit mm, but m is given" in said
+
+
 @pytest.mark.slow
 def test_labelled_grasps_are_carried_out_if_that_is_asked_for(copy):
     asked = {"targets": {"agreement": True}, "agreement": {"grasps": 4}}

@@ -16,7 +16,7 @@ from egad._util.progress import progress
 from egad.cppn import packed_surface
 from egad.errors import RejectedError, UserError, most_common
 from egad.exchange import EVERY_FILE, objects_in, read_mesh
-from egad.geometry import has_usual_size, joined_primitives
+from egad.geometry import joined_primitives
 from egad.measures import MeasureParameters, measure_repeatably
 from egad.pipeline.archive_settings import (
     MEASURING,
@@ -113,12 +113,10 @@ def measure_objects(
     """
     rows, left_out = [], []
     for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
-        mesh = None
         try:
-            mesh = load()
-            row = solid_row(mesh, object_id, settings)
+            row = solid_row(load(), object_id, settings)
         except RejectedError as reason:
-            left_out.append(rejection(object_id, "postprocess", f"{reason}{_doubt(mesh)}"))
+            left_out.append(rejection(object_id, "postprocess", reason))
         else:
             rows.append(row | {"archive_difficulty": known.get(object_id, np.nan)})
     log.info("%d objects, %d rejected", len(rows), len(left_out))
@@ -127,13 +125,6 @@ def measure_objects(
         log.error("none of %d objects could be used: %s", len(left_out), reasons)
     parquet.write(pd.DataFrame(rows), SOLIDS, out)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
-
-
-def _doubt(mesh: trimesh.Trimesh | None) -> str:
-    """What a reason says of the size of a mesh that could be read, if it is not usual."""
-    if mesh is None or has_usual_size(side := float(mesh.extents.max())):
-        return ""
-    return f"; its longest side is {side:.3g} m: is its unit right?"
 
 
 def from_archive(

@@ -327,7 +327,9 @@ def test_the_evaluation_set_gives_labels_and_files(tmp_path):
 
 def test_a_folder_that_holds_something_else_is_spared(tmp_path, meshes, monkeypatch):
     (tmp_path / "mine.txt").touch()
-    monkeypatch.setattr(sys, "argv", ["egad", "bundle", str(meshes), "--out", str(tmp_path)])
+    monkeypatch.setattr(
+        sys, "argv", ["egad", "bundle", str(meshes), "--units", "m", "--out", str(tmp_path)]
+    )
     with pytest.raises(SystemExit, match="has other files, which would be lost"):
         main()
 

@@ -203,7 +203,9 @@ def test_commands_benchmark_and_compare(own, tmp_path, monkeypatch, capsys):
         write_obj(mesh, tmp_path / "objects" / f"{name}.obj")
     monkeypatch.chdir(tmp_path)
     (tmp_path / "few.yaml").write_text(f"clutter: {FEW}")
-    common = "--objects objects --rule none --config few.yaml --rounds 1 --jobs 1 --gripper"
+    common = (
+        "--objects objects --units m --rule none --config few.yaml --rounds 1 --jobs 1 --gripper"
+    )
     for text in (
         f"{own}:at_the_highest_point {common} {GRIPPER} --films films",
         f"random {common} {GRIPPER}",

@@ -142,13 +142,13 @@ def test_open_meshes_become_shells_if_the_settings_say_so(tmp_path):
             assert cup["extents_x"] == pytest.approx(0.043, rel=0.01)
 
 
-def test_rejected_meshes_of_unusual_size_have_their_unit_doubted(tmp_path):
+def test_the_unit_of_a_mesh_that_is_too_small_is_doubted(tmp_path):
     trimesh.creation.box([0.06, 0.04, 0.05]).export(tmp_path / "metres.ply")
     out, left_out = tmp_path / "solids.parquet", tmp_path / "rejected.parquet"
     settings = select(COARSE, PostprocessSolids)
     measure_objects(settings, *from_folder(tmp_path, "mm", 0, 1, "*.ply"), out, left_out)
     (reason,) = parquet.read(left_out, REJECTED)["reason"]
-    assert reason.endswith("; its longest side is 6e-05 m: is its unit right?")
+    assert reason.endswith("is the unit of the mesh right?")
 
 
 def test_a_turned_block_has_the_textbook_moments_about_its_own_axes():
