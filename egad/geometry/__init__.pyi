@@ -1,10 +1,13 @@
 from .checks import USUAL_SIDES as USUAL_SIDES
+from .checks import calls_within_egad as calls_within_egad
 from .checks import check_mesh as check_mesh
 from .checks import check_solid as check_solid
 from .checks import check_surface as check_surface
 from .checks import check_units as check_units
 from .checks import has_usual_size as has_usual_size
 from .coacd import coacd_parts as coacd_parts
+from .convex_parts import Decomposition as Decomposition
+from .convex_parts import decompose as decompose
 from .convex_parts import union_of_parts as union_of_parts
 from .distance import DistanceField as DistanceField
 from .distance import distance_field as distance_field
@@ -42,4 +45,5 @@ from .stable_poses import StablePose as StablePose
 from .stable_poses import group_poses as group_poses
 from .surface_samples import rims as rims
 from .surface_samples import spread as spread
+from .touchable import MOST_BURIED as MOST_BURIED
 from .touchable import buried_share as buried_share

@@ -114,11 +114,11 @@ def check_units(mesh: trimesh.Trimesh, what: str = "the mesh") -> None:
             f"the longest side of {what} is {longest:.3g} m, which is not between {low:g} m and "
             f"{high:g} m: are its coordinates really in metres?",
             UnitsWarning,
-            stacklevel=_calls_within_egad(),
+            stacklevel=calls_within_egad(),
         )
 
 
-def _calls_within_egad() -> int:
+def calls_within_egad() -> int:
     """How many calls, with this one, lie above the line of the user's program."""
     calls = traceback.walk_stack(inspect.currentframe())
     within = takewhile(lambda call: PACKAGE in Path(call[0].f_code.co_filename).parents, calls)

@@ -103,9 +103,8 @@ def run(
     rows, left_out = [], []
     with workers(worker_count) as mapper, atomic_output(out) as folder:
         folder.mkdir()
-        paths = [item.path for item in objects]
-        results = mapper(partial(_made, units=units, settings=settings), paths)
-        for item, made in zip(objects, progress(results, "making", len(paths)), strict=True):
+        results = mapper(partial(_made, units=units, settings=settings), objects)
+        for item, made in zip(objects, progress(results, "making", len(objects)), strict=True):
             if isinstance(made, str):
                 left_out.append(rejection(item.id, "bundle", f"{item.label}: {made}"))
             else:
@@ -119,19 +118,15 @@ def run(
             page(table, left_out, settings.material.density, settings.bundle), encoding="utf-8"
         )
         write_sums(folder)
-    beyond = [row["label"] for row in rows if not row["within"]]
-    if beyond:
-        log.warning("parts beyond bundle.volume_error or bundle.deviation: %s", ", ".join(beyond))
     log.info("%d objects, %d rejected", len(rows), len(left_out))
     return len(left_out)
 
 
-def _made(path: Path, units: str, settings: SimulationBundle) -> SimulationObject | str:
+def _made(item: Item, units: str, settings: SimulationBundle) -> SimulationObject | str:
     """An object ready for simulators, or the reason why there is none."""
     try:
-        return make_simulation_object(
-            read_mesh(path, units), settings.material.density, settings.bundle
-        )
+        mesh = read_mesh(item.path, units)
+        return make_simulation_object(mesh, settings.material.density, settings.bundle, item.label)
     except RejectedError as reason:
         return str(reason)
 
@@ -146,7 +141,8 @@ def _row(item: Item, made: SimulationObject, settings: SimulationBundle) -> dict
         "volume_error": made.volume_error,
         "deviation": made.deviation,
         "buried": made.buried,
-        "within": made.is_within(settings.bundle),
+        "deviation_bound": made.deviation_bound,
+        "within": made.within,
         "poses": len(made.poses),
         "volume": physics.volume,
         "density": settings.material.density,
