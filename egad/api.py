@@ -19,7 +19,7 @@ from egad._util.parameters import (
 )
 from egad._util.progress import phase_if_slow
 from egad.errors import check_name
-from egad.evalset import Bundle
+from egad.evalset import Bundle, make_parts, measure_parts, warn_if_beyond
 from egad.exchange.hand_body import hand_body
 from egad.geometry import (
     DEVIATION,
@@ -35,8 +35,8 @@ from egad.geometry import (
     scaling,
     size_text,
     warn_user,
+    wind_outwards,
 )
-from egad.geometry import convex_parts as decomposition
 from egad.geometry import stable_poses as resting
 from egad.geometry.repair import Repaired, dropped_text
 from egad.geometry.repair import repair as repair_mesh
@@ -406,7 +406,8 @@ def convex_parts(
 
     Args:
         mesh: A closed surface, metres.
-        max_parts: The largest number of parts.
+        max_parts: The largest number of parts. If it is not enough, volume error and deviation grow
+            by the same factor until it is.
         volume_error: The parts may exceed the solid by this fraction of its volume.
         deviation: About 99 % of the surface that fingers can touch lies no deeper in a part,
             metres.
@@ -418,6 +419,7 @@ def convex_parts(
 
     Warns:
         UnitsWarning: The size of the mesh suggests another unit than the metre.
+        PartsWarning: `max_parts` is not enough; the text has the bounds that the parts keep.
     """
     check_units(mesh)
     wanted = from_arguments(
@@ -427,9 +429,12 @@ def convex_parts(
         deviation=deviation,
         max_vertices=max_vertices,
     )
-    return decomposition.convex_parts(
-        mesh, wanted.max_parts, wanted.volume_error, wanted.deviation, wanted.max_vertices
-    )
+    solid = wind_outwards(mesh)
+    found = make_parts(solid, wanted)
+    if found.deviation > wanted.deviation:
+        errors = measure_parts(solid, found.parts, wanted)
+        warn_if_beyond("the mesh", False, errors.volume_error, found.deviation)
+    return found.parts
 
 
 def stable_poses(

@@ -198,6 +198,7 @@ def run_benchmark(
 
     Warns:
         UnitsWarning: The size of a mesh suggests another unit than the metre.
+        PartsWarning: An object needs more convex parts than are allowed.
     """
     hand = as_gripper(gripper)
     check_name("rule", rule, SCALE_RULES)
@@ -222,8 +223,24 @@ def run_benchmark(
     if not isinstance(detect, DetectorConfig):
         wanted_input(detect)
     label_seed = seed if _knows(detect) else None
-    known = prepare_objects(named_meshes(objects), hand, rule, label_seed, jobs)
+    targets = named_meshes(objects)
+    check_detector(detect, settings)
+    known = prepare_objects(targets, hand, rule, label_seed, jobs)
     return clear_tables(detect, known, settings, jobs)
+
+
+def check_detector(detect: Detect, settings: ClutterParameters) -> None:
+    """Start a detector and stop it again, before objects are prepared, which takes minutes.
+
+    Args:
+        detect: As of `run_benchmark`.
+        settings: How long its answers may take.
+
+    Raises:
+        UserError: The detector cannot be found, made or started.
+    """
+    with _proposer(detect, lambda _: empty(GRASPS), settings):
+        pass
 
 
 def prepare_objects(
@@ -289,7 +306,7 @@ def _prepared(
     """An object as it is simulated; None if that is impossible."""
     try:
         mesh = scaled_solid(target, gripper, rule)
-        model = build(mesh, Material().density, Bundle())
+        model = build(mesh, Material().density, Bundle(), target.label)
     except RejectedError as reason:
         log.warning("%s is left out: %s", target.label, reason)
         return None

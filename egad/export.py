@@ -129,6 +129,7 @@ def export(
 
     Warns:
         UnitsWarning: The size of a mesh suggests another unit than the metre.
+        PartsWarning: An object needs more convex parts than are allowed.
     """
     write = _writer(check_name("format", format, FORMATS))
     check_name("rule", rule, SCALE_RULES)
@@ -204,7 +205,7 @@ def _graspnet(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -
 def _simulated(item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> pd.DataFrame:
     """Sampled grasps of an object with simulated labels."""
     labelled = dataset_grasps(mesh, item.id, job.labels)
-    model = build(mesh, Material().density, Bundle())
+    model = build(mesh, Material().density, Bundle(), item.label)
     return simulate_labels(model, labelled, job.simulation)
 
 
@@ -218,7 +219,7 @@ def _writer(name: str) -> "Writer":
         if name in MESH_WRITERS:
             MESH_WRITERS[name](folder, item.label, mesh)
         else:
-            made = make_simulation_object(mesh, Material().density, Bundle())
+            made = make_simulation_object(mesh, Material().density, Bundle(), item.label)
             PHYSICS_WRITERS[name](folder, item.label, made, Bundle().friction)
 
     return write

@@ -134,8 +134,8 @@ def run_trials(
             is missing, or the detector cannot be imported by other processes.
 
     Warns:
-        UnitsWarning: The size of a mesh suggests another unit than the metre. With several jobs,
-            it appears on the error output only.
+        UnitsWarning: The size of a mesh suggests another unit than the metre.
+        PartsWarning: An object needs more convex parts than are allowed.
     """
     hand = as_gripper(gripper)
     check_name("rule", rule, SCALE_RULES)
@@ -174,7 +174,7 @@ def _attempts(
     """All attempts at an object, columns of `tables.evaluation.TRIALS`."""
     try:
         mesh = scaled_solid(target, parameters.gripper, rule)
-        model = build(mesh, Material().density, Bundle())
+        model = build(mesh, Material().density, Bundle(), target.label)
     except RejectedError as reason:
         log.warning("%s cannot be simulated: %s", target.label, reason)
         return failed_attempts(target.label, target.id, parameters, Outcome.FAILED)

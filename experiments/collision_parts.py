@@ -21,7 +21,7 @@ from scipy.spatial import ConvexHull
 from egad.evalset import Bundle, make_simulation_object
 from egad.exchange import read_mesh, write_simulation_object
 from egad.geometry import buried_share, largest_deviation, to_mesh, to_solid, union_of_parts
-from egad.geometry.convex_parts import convex_parts
+from egad.geometry.convex_parts import decompose
 from egad.geometry.touchable import depths
 from egad.tables import parquet
 from egad.tables.columns import vector_names
@@ -71,10 +71,10 @@ def made(mesh: trimesh.Trimesh) -> tuple[list[trimesh.Trimesh], float]:
     """Convex parts by the default settings, and the CPU time that they took, s."""
     wanted = Bundle()
     start = process_time()
-    parts = convex_parts(
+    found = decompose(
         mesh, wanted.max_parts, wanted.volume_error, wanted.deviation, wanted.max_vertices
     )
-    return parts, process_time() - start
+    return found.parts, process_time() - start
 
 
 def _contacts(grasps: pd.DataFrame) -> Floats:

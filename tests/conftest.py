@@ -2,6 +2,7 @@ import os
 
 # Tests run in a process a core: more threads would only wait for each other.
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
+os.environ["EGAD_CACHE_DIR"] = "off"  # what is tested is made
 
 import numpy as np
 import pandas as pd

@@ -6,7 +6,7 @@ import trimesh
 from PIL import Image
 
 import egad
-from egad.detectors import GraspPoses
+from egad.detectors import DetectorConfig, GraspPoses
 from egad.errors import UserError
 from egad.pipeline.config import GRIPPERS
 from egad.sim import Clutter, ClutterParameters, repeat_round, rounds_of, scenes
@@ -28,6 +28,13 @@ def at_the_highest_point(cloud, gripper, _rng):
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
     pose[:3, 3] = point
     return GraspPoses(pose[None], np.array([gripper.opening]), np.ones(1))
+
+
+def test_a_detector_that_cannot_be_started_is_noticed_before_objects_are_made(monkeypatch):
+    monkeypatch.setattr("egad.benchmark.prepare_objects", None)  # it is not called
+    command = DetectorConfig(command=["/no/such/program"])
+    with pytest.raises(UserError, match=r"/no/such/program cannot be started: .*No such file"):
+        egad.run_benchmark(command, OBJECTS, **FEW)
 
 
 @pytest.fixture(scope="module")

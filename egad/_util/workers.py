@@ -5,6 +5,7 @@ import os
 import pickle
 import sys
 import threading
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -12,7 +13,7 @@ from contextlib import contextmanager
 from functools import partial
 from multiprocessing.synchronize import Event
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from threadpoolctl import threadpool_limits
 
@@ -58,7 +59,8 @@ def workers(count: int, chunk: int = 2) -> Iterator[Mapper]:
         pickled = _pickled(work)
         if b"__main__" in pickled and not Path(_main_file()).is_file():
             raise UserError(f"{NOT_IMPORTABLE}; one of a notebook or a prompt cannot")
-        return pool.map(partial(_told, pickled), map(_pickled, items), chunksize=chunk)
+        told = pool.map(partial(_told, pickled), map(_pickled, items), chunksize=chunk)
+        return map(_warned, told)
 
     try:
         with ProcessPoolExecutor(count, ANEW, _start_worker, (started,)) as pool:
@@ -98,8 +100,22 @@ def _main_file() -> str:
     return getattr(sys.modules["__main__"], "__file__", None) or ""
 
 
-def _told(work: bytes, item: bytes) -> Any:  # noqa: ANN401 (whatever the work gives)
-    """Do pickled work on an item.
+class _Told(NamedTuple):
+    """What a process has to say: its result, and the warnings with their file and line."""
+
+    result: Any
+    warnings: list[tuple[str, type[Warning], str, int]]
+
+
+def _warned(told: _Told) -> Any:  # noqa: ANN401 (whatever the work gives)
+    """The result of another process, whose warnings are given here."""
+    for warning in told.warnings:
+        warnings.warn_explicit(*warning)
+    return told.result
+
+
+def _told(work: bytes, item: bytes) -> _Told:
+    """Do pickled work on an item, and keep the warnings.
 
     Raises:
         UserError: The work or the item is of a module that this process does not have.
@@ -109,7 +125,9 @@ def _told(work: bytes, item: bytes) -> Any:  # noqa: ANN401 (whatever the work g
         call, what = pickle.loads(work), pickle.loads(item)  # noqa: S301 (our own)
     except (ImportError, AttributeError) as error:
         raise UserError(f"{NOT_IMPORTABLE} ({error})") from error
-    return call(what)
+    with warnings.catch_warnings(record=True) as found:
+        result = call(what)
+    return _Told(result, [(str(w.message), w.category, w.filename, w.lineno) for w in found])
 
 
 def _start_worker(started: Event) -> None:

@@ -1,5 +1,6 @@
 """An object for simulators: convex parts, mass properties, stable poses, README."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,26 +9,20 @@ import pandas as pd
 import trimesh
 
 from egad.evalset.parameters import Bundle
+from egad.evalset.parts import make_parts, measure_parts, warn_if_beyond
 from egad.geometry import (
+    MOST_BURIED,
     MassProperties,
     StablePose,
-    buried_share,
-    coacd_parts,
     group_poses,
-    largest_deviation,
     mass_properties,
-    to_mesh,
-    to_solid,
-    union_of_parts,
     wind_outwards,
 )
-from egad.geometry.convex_parts import convex_parts
 from egad.geometry.stable_poses import stable_poses
 from egad.tables import parquet
 
 LEAST_PROBABILITY = 0.001  # of the poses that are listed
 SAME_POSE = np.radians(5)
-MOST_BURIED = 0.01  # of the touchable surface: may lie deeper in a part than the setting
 
 
 @dataclass(frozen=True)
@@ -43,6 +38,9 @@ class SimulationObject:
         deviation: Largest distance of what sticks out of the object from its surface.
         buried: Share of the surface that fingers can touch that lies deeper in a part than the
             setting `deviation`.
+        deviation_bound: The deviation that the parts keep at 99 % of that surface, metres: larger
+            than the setting if more than `max_parts` would be needed. NaN for CoACD.
+        within: Whether the parts are as close to the object as the settings want.
     """
 
     mesh: trimesh.Trimesh
@@ -52,14 +50,12 @@ class SimulationObject:
     volume_error: float
     deviation: float
     buried: float
-
-    def is_within(self, settings: Bundle) -> bool:
-        """Whether the parts are as close to the object as the settings want."""
-        return abs(self.volume_error) <= settings.volume_error and self.buried <= MOST_BURIED
+    deviation_bound: float
+    within: bool
 
 
 def make_simulation_object(
-    mesh: trimesh.Trimesh, density: float, settings: Bundle
+    mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh"
 ) -> SimulationObject:
     """Make an object of uniform density ready for simulators.
 
@@ -67,35 +63,29 @@ def make_simulation_object(
         mesh: A closed surface in metres, wound either way.
         density: kg/m3.
         settings: How the parts are made.
+        name: What warnings call it.
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has no such parts.
         UserError: CoACD is wanted and not installed.
+
+    Warns:
+        PartsWarning: The parts do not keep to the bounds of the settings.
     """
     solid = wind_outwards(mesh)
-    if settings.method == "coacd":
-        parts = coacd_parts(
-            solid, settings.coacd_threshold, settings.max_parts, settings.max_vertices
-        )
-    else:
-        parts = convex_parts(
-            solid,
-            settings.max_parts,
-            settings.volume_error,
-            settings.deviation,
-            settings.max_vertices,
-        )
+    found = make_parts(solid, settings)
     physics = mass_properties(solid, density)
-    together = union_of_parts(parts)
-    beyond = together - to_solid(solid.vertices, solid.faces)  # parts meet inside, with fine cracks
+    errors = measure_parts(solid, found.parts, settings)
+    within = errors.is_within(settings)
+    warn_if_beyond(name, within, errors.volume_error, found.deviation)
     return SimulationObject(
         mesh=solid,
-        parts=tuple(parts),
+        parts=tuple(found.parts),
         physics=physics,
         poses=_resting_poses(solid, physics),
-        volume_error=float(together.volume()) / physics.volume - 1,
-        deviation=0.0 if beyond.is_empty() else largest_deviation(to_mesh(beyond), solid),
-        buried=buried_share(solid, parts, settings.deviation),
+        deviation_bound=found.deviation,
+        within=within,
+        **errors._asdict(),
     )
 
 
@@ -113,12 +103,22 @@ def part_rows(made: SimulationObject) -> pd.DataFrame:
             "volume_error": made.volume_error,
             "deviation": made.deviation,
             "buried": made.buried,
+            "deviation_bound": made.deviation_bound,
+            "within": made.within,
         }
     )
 
 
 def read_parts(rows: pd.DataFrame) -> tuple[trimesh.Trimesh, ...]:
-    """The convex parts of an object, metres: columns of `tables.evaluation.CONVEX_PARTS`."""
+    """The convex parts of an object, metres.
+
+    Args:
+        rows: Columns of `tables.evaluation.CONVEX_PARTS`, of this object.
+
+    Warns:
+        PartsWarning: The parts do not keep to the bounds that they were made with.
+    """
+    warn_of_row(parquet.records(rows.head(1))[0])
     corners = [np.reshape(vertices, (-1, 3)) for vertices in rows["vertices"]]
     faces = [np.reshape(each, (-1, 3)) for each in rows["faces"]]
     return tuple(trimesh.Trimesh(*part, process=False) for part in zip(corners, faces, strict=True))
@@ -136,6 +136,9 @@ def simulation_object(
 
     Raises:
         RejectedError: The mesh does not bound a solid.
+
+    Warns:
+        PartsWarning: As of `read_parts`.
     """
     solid = wind_outwards(mesh)
     physics = mass_properties(solid, density)
@@ -148,7 +151,19 @@ def simulation_object(
         volume_error=float(first["volume_error"]),
         deviation=float(first["deviation"]),
         buried=float(first["buried"]),
+        deviation_bound=float(first["deviation_bound"]),
+        within=bool(first["within"]),
     )
+
+
+def warn_of_row(row: Mapping[str, Any]) -> None:
+    """Warn if the convex parts of an object of a table are beyond their bounds.
+
+    Args:
+        row: Columns of `tables.evaluation.CONVEX_PARTS` or `BUNDLE`.
+    """
+    name = row.get("label", row.get("id", "an object"))
+    warn_if_beyond(name, bool(row["within"]), row["volume_error"], row["deviation_bound"])
 
 
 def _resting_poses(solid: trimesh.Trimesh, physics: MassProperties) -> tuple[StablePose, ...]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from egad.errors import RejectedError, UserError
-from egad.evalset import SimulationObject, simulation_object
+from egad.evalset import SimulationObject, simulation_object, warn_of_row
 from egad.exchange.grasps import by_object
 from egad.exchange.meshes import read_mesh
 from egad.exchange.mjcf import mjcf_text
@@ -46,7 +46,11 @@ def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationOb
 
     Raises:
         UserError: A file of the object is missing or damaged.
+
+    Warns:
+        PartsWarning: The convex parts do not keep to the bounds that they were made with.
     """
+    warn_of_row(row)
     folder = bundle / row["label"]
     paths = sorted((folder / PARTS).glob("*.obj"), key=lambda path: (len(path.name), path.name))
     if len(paths) != row["parts"]:
@@ -73,6 +77,8 @@ def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationOb
         volume_error=row["volume_error"],
         deviation=row["deviation"],
         buried=row["buried"],
+        deviation_bound=row["deviation_bound"],
+        within=row["within"],
     )
 
 

@@ -7,6 +7,9 @@ import numpy as np
 from egad.geometry import MassProperties
 
 DRAKE = "http://drake.mit.edu"  # namespace of what Drake adds to URDF and SDFormat
+# kg m2: MuJoCo takes no principal moment below 1e-14, that of a ball of 0.9 mm at 400 kg/m3. A body
+# with a larger one starts and stops to turn more slowly, and falls as before.
+LEAST_MOMENT = 2e-14
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -18,10 +21,15 @@ def number_text(*values: float) -> str:
 def moments(physics: MassProperties) -> dict[str, float]:
     """The moments of inertia about the center of mass, kg m2, by their names in URDF and SDFormat.
 
+    Principal moments below 2e-14 kg m2 are raised to it, which simulators need.
+
     Args:
         physics: Mass properties in the frame of the mesh.
     """
     tensor = physics.inertia
+    principal, axes = np.linalg.eigh(tensor)
+    if principal.min() < LEAST_MOMENT:
+        tensor = (axes * np.maximum(principal, LEAST_MOMENT)) @ axes.T
     values = (*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2])
     return {name: float(value) for name, value in zip(MOMENTS, values, strict=True)}
 

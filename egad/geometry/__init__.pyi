@@ -9,6 +9,8 @@ from .checks import has_usual_size as has_usual_size
 from .checks import units_doubt as units_doubt
 from .checks import warn_user as warn_user
 from .coacd import coacd_parts as coacd_parts
+from .convex_parts import Decomposition as Decomposition
+from .convex_parts import decompose as decompose
 from .convex_parts import union_of_parts as union_of_parts
 from .distance import DistanceField as DistanceField
 from .distance import distance_field as distance_field
@@ -50,4 +52,5 @@ from .stable_poses import StablePose as StablePose
 from .stable_poses import group_poses as group_poses
 from .surface_samples import rims as rims
 from .surface_samples import spread as spread
+from .touchable import MOST_BURIED as MOST_BURIED
 from .touchable import buried_share as buried_share

@@ -1,25 +1,23 @@
 """Convex parts of a solid, for physics engines that collide only convex bodies."""
 
 import heapq
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import partial
 from itertools import count
 from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
 from egad._util.workers import one_thread
 from egad.errors import RejectedError
 from egad.geometry.checks import ROUNDING, check_mesh
 from egad.geometry.cuts import best_plane, middle_plane
-from egad.geometry.fit import Tolerances, finish, fits, too_deep
-from egad.geometry.hulls import Hull, hull_and_planes, hull_mesh, merge_hulls
+from egad.geometry.fit import LOWERING, Tolerances, finish, fits, too_deep
+from egad.geometry.hulls import Hull, hull_mesh, hull_of, merge_hulls
 from egad.geometry.manifold import Solid, arrays, is_solid, to_mesh, to_solid, union
 from egad.geometry.parameters import DEVIATION, MAX_VERTICES
-from egad.geometry.touchable import Touchable, touchable_points
-
-Floats = NDArray[np.float64]
+from egad.geometry.touchable import MOST_BURIED, Touchable, touchable_points
 
 # The surface is simplified by this part of the allowed deviation, but by no more than that part of
 # the longest side: finer detail costs time and changes no contact.
@@ -31,6 +29,21 @@ LEAST_EXCESS = 0.3  # of the allowed error, for solids that simplification made 
 BURIED = 0.002  # of the touchable points: may stay too deep in the hulls of pieces
 CONVEX = 1e-3  # of a hull: with less excess a solid has no hollow to cut at
 SPARE = 2  # times as many pieces as parts are allowed are cut at most
+STEP = 2**0.5  # the bounds are loosened by this factor, again and again
+
+
+class Decomposition(NamedTuple):
+    """Convex parts, and the bounds that they keep.
+
+    Attributes:
+        parts: Convex meshes with outward normals, at least one.
+        deviation: How deep the touchable surface lies in a part, metres.
+        volume_error: By how much the parts exceed the solid, as a fraction of it.
+    """
+
+    parts: list[trimesh.Trimesh]
+    deviation: float
+    volume_error: float
 
 
 class _Piece(NamedTuple):
@@ -40,11 +53,9 @@ class _Piece(NamedTuple):
     number: int  # of equals, the older one
     solid: Solid
     hull: Hull
-    planes: Floats  # of the hull, (n, 4): outward normals and offsets
     touchable: Touchable  # on its side of all cuts, so that no other hull holds them
     excess: float  # volume of the hull beyond the solid
     buried: int  # touchable points that lie too deep in the hull
-    has_too_many_vertices: bool
 
 
 class _Limits(NamedTuple):
@@ -56,69 +67,109 @@ class _Limits(NamedTuple):
     tolerances: Tolerances
 
 
-def convex_parts(
+def decompose(
     mesh: trimesh.Trimesh,
     max_parts: int,
     volume_error: float,
     deviation: float = DEVIATION,
     max_vertices: int = MAX_VERTICES,
-) -> list[trimesh.Trimesh]:
+) -> Decomposition:
     """Convex hulls that together stand for a solid (ours).
 
     The solid is cut again and again: always the piece whose hull is worst, at the plane that leaves
     the smallest hulls. A hull is bad if it exceeds the solid, if points that a finger can touch lie
     deep in it, or if it needs too many vertices. Then pieces whose common hull adds least are
-    joined again, as long as it stays within the bounds; this undoes unlucky cuts. In the end faces
-    of hulls that bridge a hollow are moved inwards, so that they lie in the middle of the hollow,
-    and corners that matter little are left out.
+    joined again, as long as it stays within the bounds; this undoes unlucky cuts. If there are
+    still too many, both bounds are loosened by the same factor until enough of them can be joined.
+    In the end faces of hulls that bridge a hollow are moved inwards, so that they lie in the middle
+    of the hollow, and corners that matter little are left out.
 
     Points that fingers can touch lie deeper in a part than `deviation` at about 1 % of the surface,
-    and the parts leave out a layer about as thick at most.
+    and the parts leave out a layer about as thick at most. What they leave out does not grow with
+    loosened bounds, unless parts need fewer vertices.
 
     Args:
         mesh: A closed surface, wound either way, metres.
-        max_parts: Most hulls; reached only by objects that need more. Then the bounds are not kept.
+        max_parts: Most hulls.
         volume_error: The hulls may exceed the solid by this fraction of it.
         deviation: How deep the touchable surface may lie in a hull, metres.
         max_vertices: Of a hull.
 
     Returns:
-        Convex meshes with outward normals, at least one.
+        The parts, and the bounds that they keep: looser ones than asked for if the object needs
+        more than `max_parts`.
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
         UserError: It is not a mesh.
     """
     with one_thread():  # several take twice the CPU time for matrices as small as these
-        return _convex_parts(_solid(mesh), max_parts, volume_error, deviation, max_vertices)
+        tolerances = Tolerances(deviation, volume_error, max_vertices, LOWERING * deviation)
+        return _decomposed(_solid(mesh), max_parts, tolerances)
 
 
-def _convex_parts(
-    exact: Solid, max_parts: int, volume_error: float, deviation: float, max_vertices: int
-) -> list[trimesh.Trimesh]:
-    whole = _simplified(exact, deviation)
-    volume = exact.volume()
-    gained = whole.volume() - volume
-    least = LEAST_EXCESS * volume_error * volume
+def _decomposed(exact: Solid, max_parts: int, wanted: Tolerances) -> Decomposition:
+    whole, volume = _simplified(exact, wanted.deviation), exact.volume()
+    allowed = wanted.volume_error * volume
     touchable = touchable_points(to_mesh(exact), "parts")
-    tolerances = Tolerances(deviation, volume_error, max_vertices)
     limits = _Limits(
         SPARE * max_parts,
-        max(OVERCUT * volume_error * volume - gained, least),
+        max(OVERCUT * allowed - (whole.volume() - volume), LEAST_EXCESS * allowed),
         BURIED * len(touchable.points),
-        tolerances,
+        wanted,
     )
     bodies = _bodies(whole, SLIVER * volume)
     if len(bodies) > max_parts:
         raise RejectedError(f"{len(bodies)} separate bodies, more than {max_parts} convex parts")
-    hulls = [piece.hull for piece in _split(bodies, touchable, limits)]
-    joined = merge_hulls(
-        hulls, (1 + volume_error) * volume, max_parts, lambda h: fits(h, touchable, tolerances)
+    pieces, are_good = _split(bodies, touchable, limits)
+    hulls = [piece.hull for piece in pieces]
+    hulls, kept = _joined(hulls, are_good, max_parts, volume, touchable, wanted)
+    parts = [hull_mesh(finish(hull, touchable, kept, wanted)) for hull in hulls]
+    return Decomposition(parts, kept.deviation, kept.volume_error)
+
+
+def _joined(
+    hulls: list[Hull],
+    are_good: bool,
+    max_parts: int,
+    volume: float,
+    touchable: Touchable,
+    wanted: Tolerances,
+) -> tuple[list[Hull], Tolerances]:
+    """Join hulls within bounds, which are loosened until few enough are left and keep to them.
+
+    Args:
+        hulls: Of the pieces of a solid.
+        are_good: Whether they keep to the bounds that are wanted.
+        max_parts: Most of them.
+        volume: Of the solid.
+        touchable: Points of its surface.
+        wanted: The bounds to begin with.
+
+    Returns:
+        The hulls that are left, and the bounds that they keep to.
+    """
+    kept = wanted
+    for power in count():
+        kept = wanted.loosened(STEP**power)
+        allowed = (1 + kept.volume_error) * volume
+        hulls = merge_hulls(hulls, allowed, partial(fits, touchable=touchable, tolerances=kept))
+        if len(hulls) <= max_parts and (are_good or _keep(hulls, allowed, touchable, kept)):
+            break
+    return hulls, kept
+
+
+def _keep(hulls: list[Hull], volume: float, touchable: Touchable, tolerances: Tolerances) -> bool:
+    """Whether hulls keep to bounds together."""
+    buried = sum(int(too_deep(touchable, hull, tolerances).sum()) for hull in hulls)
+    return (
+        sum(hull.volume for hull in hulls) <= volume
+        and buried <= MOST_BURIED * len(touchable.points)
+        and all(map(tolerances.can_be_reduced, hulls))
     )
-    return [hull_mesh(finish(hull, touchable, tolerances)) for hull in joined]
 
 
-def union_of_parts(parts: list[trimesh.Trimesh]) -> Solid:
+def union_of_parts(parts: Iterable[trimesh.Trimesh]) -> Solid:
     """The union of convex parts.
 
     Raises:
@@ -153,18 +204,25 @@ def _simplified(solid: Solid, deviation: float) -> Solid:
     return simple if is_solid(simple) and simple.volume() > 0 else solid
 
 
-def _split(bodies: list[Solid], touchable: Touchable, limits: _Limits) -> list[_Piece]:
-    """Cut solids until their pieces are within the limits, or there are enough."""
+def _split(bodies: list[Solid], touchable: Touchable, limits: _Limits) -> tuple[list[_Piece], bool]:
+    """Cut solids until their pieces are within the limits, or there are enough.
+
+    Returns:
+        The pieces, and whether they are within the limits.
+    """
     crumb = SLIVER * sum(body.volume() for body in bodies)
     numbers = count()
     heap = [_piece(body, touchable, numbers, limits) for body in bodies]
     heapq.heapify(heap)
+    few_corners: set[int] = set()
     for _ in range(limits.pieces):
-        if len(heap) >= limits.pieces or _are_good(heap, limits):
+        if len(heap) >= limits.pieces:
             break
-        piece = heapq.heappop(heap)
+        piece = _worst(heap, limits, few_corners)
+        if piece is None:
+            return sorted(heap), True
         hollow = piece.buried or piece.excess > CONVEX * piece.hull.volume
-        plane = best_plane(piece.solid, piece.planes) if hollow else middle_plane(piece.solid)
+        plane = best_plane(piece.solid, piece.hull.planes) if hollow else middle_plane(piece.solid)
         normal, offset = plane
         halves = piece.solid.split_by_plane(tuple(normal), offset)
         above = piece.touchable.points @ normal > offset
@@ -172,24 +230,38 @@ def _split(bodies: list[Solid], touchable: Touchable, limits: _Limits) -> list[_
             points = piece.touchable.where(side)
             for body in _bodies(half, crumb):
                 heapq.heappush(heap, _piece(body, points, numbers, limits))
-    return sorted(heap)
+    return sorted(heap), False
 
 
 def _piece(solid: Solid, touchable: Touchable, numbers: Iterator[int], limits: _Limits) -> _Piece:
-    hull, planes = hull_and_planes(arrays(solid)[0])
+    hull = hull_of(arrays(solid)[0])
     excess = hull.volume - solid.volume()
-    buried = int(too_deep(touchable, hull, planes, limits.tolerances).sum())
-    too_many = not limits.tolerances.can_be_reduced(hull)
-    badness = excess / limits.excess + buried / max(limits.buried, 1) + too_many
-    return _Piece(-badness, next(numbers), solid, hull, planes, touchable, excess, buried, too_many)
+    buried = int(too_deep(touchable, hull, limits.tolerances).sum())
+    badness = excess / limits.excess + buried / max(limits.buried, 1)
+    return _Piece(-badness, next(numbers), solid, hull, touchable, excess, buried)
 
 
-def _are_good(pieces: list[_Piece], limits: _Limits) -> bool:
-    return (
-        not any(piece.has_too_many_vertices for piece in pieces)
-        and sum(piece.excess for piece in pieces) <= limits.excess
-        and sum(piece.buried for piece in pieces) <= limits.buried
-    )
+def _worst(heap: list[_Piece], limits: _Limits, few_corners: set[int]) -> _Piece | None:
+    """Take the piece that is to be cut out of the heap; None if all are good.
+
+    Args:
+        heap: The pieces.
+        limits: How far they may be from the solid.
+        few_corners: Numbers of those known to have few enough vertices.
+    """
+    if (
+        sum(piece.excess for piece in heap) > limits.excess
+        or sum(piece.buried for piece in heap) > limits.buried
+    ):
+        return heapq.heappop(heap)
+    for piece in sorted(heap):
+        if piece.number in few_corners or limits.tolerances.can_be_reduced(piece.hull):
+            few_corners.add(piece.number)
+            continue
+        heap.remove(piece)
+        heapq.heapify(heap)
+        return piece
+    return None
 
 
 def _bodies(solid: Solid, crumb: float) -> list[Solid]:

@@ -1,6 +1,7 @@
 """The plane that a solid is best cut along, so that both sides are close to their hulls."""
 
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +11,24 @@ from egad.geometry.manifold import Solid, arrays
 from egad.geometry.touchable import depths
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 Plane = tuple[Floats, float]  # unit normal, distance from the origin
 
 FLUSH_PLANES = 4  # largest faces at the deepest point, whose planes are tried
 GRAZE = 1e-3  # of the longest side: thinner is nothing to cut off
+COARSENESS = 0.01  # of the longest side: the planes are tried on a solid simplified by as much
 EVEN_PLANES = 3  # a coordinate axis
+# Of the volume that a hull has beyond its solid. Whatever gains less is not worth a cut: a ring
+# could be cut into ever thinner rings, and the hull of each would still fill its hole.
+LEAST_GAIN = 1e-3
+
+
+class _Cut(NamedTuple):
+    """A cut, and the volumes of the hull before it and of both hulls after it."""
+
+    plane: Plane
+    before: float
+    after: float
 
 
 def _directions() -> Floats:
@@ -31,29 +45,56 @@ def best_plane(solid: Solid, planes_of_hull: Floats) -> Plane:
     """The plane whose two sides have the smallest hulls (ours).
 
     The planes tried go through the point that lies deepest below the hull, in 13 directions and
-    along the faces there, and in even steps along the axes.
+    along the faces there, and in even steps along the axes. If all hulls together stay as large as
+    the one before, as when a ring is cut once, a plane halves one of the sides: that after which a
+    second cut of both halves leaves the smallest hulls.
 
     Args:
         solid: Which is not convex.
         planes_of_hull: Outward unit normals and offsets, (m, 4).
     """
-    vertices, faces = arrays(solid)
-    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    edges = edges[edges[:, 0] < edges[:, 1]]  # each once
-    planes = _planes(vertices, faces, depths(vertices, planes_of_hull))
-    least = GRAZE * float(np.ptp(vertices, axis=0).max())
-    sides = [_sides(vertices, edges, plane, least) for plane in planes]
-    return planes[_smallest(sides)]
+    cut = _best_cut(solid, planes_of_hull)
+    if cut.before - cut.after > LEAST_GAIN * (cut.before - solid.volume()):
+        return cut.plane
+    halving = [_halving(solid, axis) for axis in range(3)]
+    return min(halving, key=lambda each: _volume_after(solid, each))
 
 
 def middle_plane(solid: Solid) -> Plane:
     """The plane that halves the longest side of a solid's axis-aligned box."""
     low, high = np.reshape(solid.bounding_box(), (2, 3))
-    axis = int((high - low).argmax())
+    return _halving(solid, int((high - low).argmax()))
+
+
+def _halving(solid: Solid, axis: int) -> Plane:
+    low, high = np.reshape(solid.bounding_box(), (2, 3))
     return np.eye(3)[axis], float(low[axis] + high[axis]) / 2
 
 
-def _smallest(sides: list[list[Floats]]) -> int:
+def _volume_after(solid: Solid, plane: Plane) -> float:
+    """The volume of the hulls after a cut and the best one of each half."""
+    volume = 0.0
+    for half in solid.split_by_plane(tuple(plane[0]), plane[1]):
+        hull = hull_of(arrays(half)[0])
+        if len(hull.planes):
+            cut = _best_cut(half, hull.planes)
+            volume += min(cut.before, cut.after)
+    return volume
+
+
+def _best_cut(solid: Solid, planes_of_hull: Floats) -> _Cut:
+    """The plane whose sides have the smallest hulls; they are infinite if all planes miss."""
+    vertices, faces = arrays(solid)
+    size = float(np.ptp(vertices, axis=0).max())
+    planes = _planes(vertices, faces, depths(vertices, planes_of_hull))
+    simple = solid.simplify(COARSENESS * size)
+    if not simple.is_empty():
+        vertices, faces = arrays(simple)
+    number, volume = _smallest(_sides(vertices, faces, planes, GRAZE * size))
+    return _Cut(planes[number], least_volume(vertices), volume)
+
+
+def _smallest(sides: list[list[Floats]]) -> tuple[int, float]:
     """Which sides have the smallest hulls: bounds first, then volumes while they can matter."""
     bounds = [sum(map(least_volume, both)) if both else np.inf for both in sides]
     best, least = 0, np.inf
@@ -63,26 +104,33 @@ def _smallest(sides: list[list[Floats]]) -> int:
         volume = sum(hull_of(side).volume for side in sides[number])
         if volume < least:
             best, least = number, volume
-    return best
+    return best, least
 
 
-def _sides(vertices: Floats, edges: NDArray[np.int64], plane: Plane, least: float) -> list[Floats]:
-    """Points whose hulls are those of the two sides of a cut.
+def _sides(vertices: Floats, faces: Ints, planes: list[Plane], least: float) -> list[list[Floats]]:
+    """Points whose hulls are those of the two sides of each cut.
 
     There are none if it misses, or cuts off something thinner than `least`.
     """
-    normal, offset = plane
-    heights = vertices @ normal - offset
+    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    starts, ends = edges[edges[:, 0] < edges[:, 1]].T  # each once
+    normals, offsets = (np.array(each) for each in zip(*planes, strict=True))
+    heights = normals @ vertices.T - offsets[:, None]
     above = heights > 0
-    if min(heights.max(), -heights.min()) <= least:
-        return []
-    first, second = edges[above[edges[:, 0]] != above[edges[:, 1]]].T
-    part = (heights[first] / (heights[first] - heights[second]))[:, None]
-    rim = (1 - part) * vertices[first] + part * vertices[second]
-    return [np.concatenate([vertices[side], rim]) for side in (above, ~above)]
+    plane, edge = np.nonzero(above[:, starts] != above[:, ends])
+    first, second = starts[edge], ends[edge]
+    high, low = heights[plane, first], heights[plane, second]
+    part = (high / (high - low))[:, None]
+    rims = (1 - part) * vertices[first] + part * vertices[second]
+    ends_of_rims = np.searchsorted(plane, np.arange(1, len(planes)))
+    cuts = np.minimum(heights.max(axis=1), -heights.min(axis=1)) > least
+    return [
+        [np.concatenate([vertices[side], rim]) for side in (flags, ~flags)] if cut else []
+        for flags, rim, cut in zip(above, np.split(rims, ends_of_rims), cuts, strict=True)
+    ]
 
 
-def _planes(vertices: Floats, faces: NDArray[np.int64], depths: Floats) -> list[Plane]:
+def _planes(vertices: Floats, faces: Ints, depths: Floats) -> list[Plane]:
     place = int(depths.argmax())
     deepest = vertices[place]
     normals = [*DIRECTIONS, *_flush(vertices, faces[(faces == place).any(axis=1)])]
@@ -97,7 +145,7 @@ def _planes(vertices: Floats, faces: NDArray[np.int64], depths: Floats) -> list[
     return through + even
 
 
-def _flush(vertices: Floats, faces: NDArray[np.int64]) -> Floats:
+def _flush(vertices: Floats, faces: Ints) -> Floats:
     """Normals of the largest of some faces, (n, 3): cuts along them open a notch."""
     a, b, c = np.moveaxis(vertices[faces], 1, 0)
     areas = np.cross(b - a, c - a)

@@ -6,8 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.geometry.hull_vertices import fewer_vertices, lower_planes
-from egad.geometry.hulls import Hull, hull_and_planes, hull_of
-from egad.geometry.touchable import Touchable, depths, facing_depths, within_box
+from egad.geometry.hulls import Hull, hull_of
+from egad.geometry.touchable import (
+    Touchable,
+    depths,
+    facing_depths,
+    least_facing_depths,
+    within_box,
+)
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -29,11 +35,18 @@ class Tolerances(NamedTuple):
         deviation: Metres, of the touchable surface.
         volume_error: Relative.
         max_vertices: Of a part.
+        lowering: By how much faces may be moved inwards, metres.
     """
 
     deviation: float
     volume_error: float
     max_vertices: int
+    lowering: float
+
+    def loosened(self, factor: float) -> "Tolerances":
+        """Larger errors, all of them outwards: faces are moved inwards no further."""
+        deviation, volume_error = factor * self.deviation, factor * self.volume_error
+        return self._replace(deviation=deviation, volume_error=volume_error)
 
     def can_be_reduced(self, hull: Hull) -> bool:
         """Whether few enough corners keep the shape of a hull."""
@@ -45,33 +58,33 @@ class Tolerances(NamedTuple):
         return fewer_vertices(hull, self.max_vertices, distance, share)
 
 
-def too_deep(touchable: Touchable, hull: Hull, planes: Floats, tolerances: Tolerances) -> Flags:
+def too_deep(touchable: Touchable, hull: Hull, tolerances: Tolerances) -> Flags:
     """Which points would lie too deep in a hull even if its faces were lowered, (n,).
 
     Args:
         touchable: n points.
         hull: A hull.
-        planes: Outward unit normals and offsets of its faces, (m, 4).
         tolerances: How far parts may be from the solid.
     """
     found = np.zeros(len(touchable.points), dtype=np.bool_)
-    if not len(planes):
+    if not len(hull.planes):
         return found
     near = np.flatnonzero(within_box(touchable.points, hull.points))
     limit = DEPTH * tolerances.deviation
-    deep = near[depths(touchable.points[near], planes) > limit]
-    most = limit + LOWERING * tolerances.deviation
-    found[deep] = facing_depths(touchable.where(deep), planes).min(axis=1) > most
+    deep = near[depths(touchable.points[near], hull.planes) > limit]
+    most = limit + tolerances.lowering
+    found[deep] = least_facing_depths(touchable.where(deep), hull.planes) > most
     return found
 
 
 def fits(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> bool:
     """Whether a hull may be a part: it buries few points, and has few enough vertices."""
-    planes = hull_and_planes(hull.points)[1]
     near = touchable.where(within_box(touchable.points, hull.points))
-    buried = int(too_deep(near, hull, planes, tolerances).sum())
-    if buried and buried > BURIED * (depths(near.points, planes) > -tolerances.deviation).sum():
-        return False
+    buried = int(too_deep(near, hull, tolerances).sum())
+    if buried:
+        inside = depths(near.points, hull.planes) > -tolerances.deviation
+        if buried > BURIED * inside.sum():
+            return False
     return tolerances.can_be_reduced(hull)
 
 
@@ -85,8 +98,7 @@ def lower_faces(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hul
         touchable: Points of the surface.
         tolerances: How far parts may be from the solid.
     """
-    planes = hull_and_planes(hull.points)[1]
-    limit, most = (share * tolerances.deviation for share in (DEPTH, LOWERING))
+    planes, limit, most = hull.planes, DEPTH * tolerances.deviation, tolerances.lowering
     near = touchable.where(within_box(touchable.points, hull.points))
     below = facing_depths(near.where(depths(near.points, planes) > limit), planes)
     nearest = below.min(axis=1, keepdims=True)
@@ -97,6 +109,13 @@ def lower_faces(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hul
     return smaller if smaller.volume > 0 else hull
 
 
-def finish(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hull:
-    """A hull as a part: lowered, and without the corners that matter least."""
-    return tolerances.reduced(lower_faces(hull, touchable, tolerances), FINAL_LOSS)[0]
+def finish(hull: Hull, touchable: Touchable, kept: Tolerances, wanted: Tolerances) -> Hull:
+    """A hull as a part: lowered, and without the corners that matter least.
+
+    Args:
+        hull: With a volume.
+        touchable: Points of the surface.
+        kept: The tolerances that the hull keeps to.
+        wanted: Those that leaving out corners keeps to.
+    """
+    return wanted.reduced(lower_faces(hull, touchable, kept), FINAL_LOSS)[0]

@@ -32,7 +32,8 @@ def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tupl
         facets, heights = beyond.argmax(axis=1), beyond.max(axis=1)
         is_near = heights.max() <= distance and found.volume >= (1 - share) * hull.volume
         if is_near or len(chosen) >= min(most, len(hull.points)):
-            return Hull(hull.points[np.sort(chosen)], float(found.volume)), bool(is_near)
+            kept = Hull(hull.points[np.sort(chosen)], float(found.volume), found.equations)
+            return kept, bool(is_near)
         chosen += _farthest(heights, facets, min(most, len(hull.points)) - len(chosen))
 
 

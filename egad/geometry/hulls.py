@@ -23,29 +23,27 @@ EQUAL = 1e-9  # relative difference of volumes that are the same
 
 
 class Hull(NamedTuple):
-    """The corners of a convex hull, (n, 3), and its volume."""
+    """A convex hull.
+
+    Attributes:
+        points: Its corners, (n, 3).
+        volume: Its volume.
+        planes: Outward unit normals and offsets of its faces, (m, 4): no corner has a positive
+            normal @ point + offset.
+    """
 
     points: Floats
     volume: float
+    planes: Floats
 
 
 def hull_of(points: Floats) -> Hull:
-    """The convex hull of points (n, 3); without volume if they lie in one plane."""
-    return hull_and_planes(points)[0]
-
-
-def hull_and_planes(points: Floats) -> tuple[Hull, Floats]:
-    """The convex hull of points (n, 3), and the planes of its faces.
-
-    Returns:
-        The hull, and outward unit normals and offsets, (m, 4): no point has a positive
-        normal @ point + offset. If the points lie in one plane, no volume and no planes.
-    """
+    """The convex hull of points (n, 3); without volume and planes if they lie in one plane."""
     try:
         hull = ConvexHull(points)
     except QhullError:
-        return Hull(points, 0.0), np.empty((0, 4))
-    return Hull(points[hull.vertices], float(hull.volume)), hull.equations
+        return Hull(points, 0.0, np.empty((0, 4)))
+    return Hull(points[hull.vertices], float(hull.volume), hull.equations)
 
 
 def least_volume(points: Floats) -> float:
@@ -63,32 +61,22 @@ def hull_mesh(hull: Hull) -> trimesh.Trimesh:
     return mesh
 
 
-def merge_hulls(
-    hulls: Sequence[Hull], allowed: float, most: int, fits: Callable[[Hull], bool]
-) -> list[Hull]:
-    """Join the two hulls whose common hull adds least volume, again and again (ours).
+def merge_hulls(hulls: Sequence[Hull], allowed: float, fits: Callable[[Hull], bool]) -> list[Hull]:
+    """Join the two touching hulls whose common hull adds least volume, again and again (ours).
 
     Args:
         hulls: Hulls of the pieces of a solid.
         allowed: Joining stops before the volumes of the hulls add up to more than this.
-        most: Joining goes on in any case while there are more hulls than this.
         fits: Whether a common hull may take the place of two.
 
     Returns:
         The hulls that are left, those that stayed as they were first.
     """
-    left = _merged(hulls, allowed, most, fits, False)
-    return left if len(left) <= most else _merged(left, allowed, most, lambda _: True, True)
-
-
-def _merged(
-    hulls: Sequence[Hull], allowed: float, most: int, fits: Callable[[Hull], bool], forced: bool
-) -> list[Hull]:
     pool = _Pool(hulls)
     total = sum(hull.volume for hull in hulls)
-    while candidate := pool.cheapest(forced and len(pool.alive) > most):
+    while candidate := pool.cheapest():
         added, first, second = candidate
-        if total + added > allowed and len(pool.alive) <= most:
+        if total + added > allowed:
             break
         if fits(pool.common(first, second)):
             total += added
@@ -108,8 +96,8 @@ class _Pool:
         for hull in hulls:
             self._add(hull)
 
-    def cheapest(self, needed: bool) -> tuple[float, int, int] | None:
-        """Added volume and numbers of the best pair; of all pairs if needed and none touch."""
+    def cheapest(self) -> tuple[float, int, int] | None:
+        """Added volume and numbers of the best pair of hulls that touch; None if none do."""
         while self.heap:
             bound, first, second = heapq.heappop(self.heap)
             if not self.alive.issuperset((first, second)):
@@ -118,9 +106,7 @@ class _Pool:
             if not self.heap or added <= max(bound, self.heap[0][0]):
                 return added, first, second
             heapq.heappush(self.heap, (added, first, second))
-        pairs = [(a, b) for a in self.alive for b in self.alive if a < b] if needed else []
-        costs = [(self.common(*pair).volume - self._apart(*pair), *pair) for pair in pairs]
-        return min(costs, default=None)
+        return None
 
     def join(self, first: int, second: int) -> None:
         """Put the common hull in the place of two."""

@@ -16,6 +16,8 @@ Floats = NDArray[np.float64]
 FINGER = 0.01  # metres, the thickness of a finger: 99.6 % of labelled contacts have as much space
 START = 1e-4  # metres before the surface: there the rays begin, which must not meet it
 SAMPLES = 16000  # on the whole surface; half as many miss small necks
+MOST_BURIED = 0.01  # of the touchable surface: may lie deeper in parts than their deviation
+BLOCK = 2**16  # elements of a matrix that are computed at once
 FACING = 0.3  # cosine: planes turned further away from a point's normal do not cover it
 
 
@@ -64,9 +66,12 @@ def depths(points: Floats, planes: Floats) -> Floats:
         planes: Outward unit normals and offsets, (m, 4).
     """
     # In single precision, which errs by less than 1e-8 m where lengths are those of objects.
-    few = points.astype(np.float32) @ planes[:, :3].T.astype(np.float32)
-    few += planes[:, 3].astype(np.float32)
-    found: Floats = -few.max(axis=1).astype(np.float64)
+    few, normals, offsets = (
+        each.astype(np.float32) for each in (points, planes[:, :3].T, planes[:, 3])
+    )
+    found = np.empty(len(points))
+    for rows in _blocks(len(points), len(planes)):
+        found[rows] = -(few[rows] @ normals + offsets).max(axis=1)
     return found
 
 
@@ -82,6 +87,21 @@ def facing_depths(touchable: Touchable, planes: Floats) -> Floats:
     facing = touchable.normals @ planes[:, :3].T > FACING
     below = -(touchable.points @ planes[:, :3].T + planes[:, 3])
     return np.where(facing, below, np.inf)
+
+
+def least_facing_depths(touchable: Touchable, planes: Floats) -> Floats:
+    """The least of the `facing_depths` of each point, (n,)."""
+    found = np.empty(len(touchable.points))
+    for rows in _blocks(len(touchable.points), len(planes)):
+        some = Touchable(touchable.points[rows], touchable.normals[rows])
+        found[rows] = facing_depths(some, planes).min(axis=1)
+    return found
+
+
+def _blocks(count: int, width: int) -> list[slice]:
+    """Rows of a matrix of a given width, in blocks that fit into a processor's cache."""
+    step = max(BLOCK // max(width, 1), 1)
+    return [slice(first, first + step) for first in range(0, count, step)]
 
 
 def buried_share(mesh: trimesh.Trimesh, parts: Iterable[trimesh.Trimesh], depth: float) -> float:
@@ -102,6 +122,7 @@ def buried_share(mesh: trimesh.Trimesh, parts: Iterable[trimesh.Trimesh], depth:
 
 def within_box(points: Floats, corners: Floats) -> NDArray[np.bool_]:
     """Whether points (n, 3) lie in the axis-aligned box of others, (n,)."""
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    inside: NDArray[np.bool_] = ((points >= low) & (points <= high)).all(axis=1)
+    inside = np.ones(len(points), dtype=np.bool_)
+    for along, edge in zip(points.T, corners.T, strict=True):
+        inside &= (along >= edge.min()) & (along <= edge.max())
     return inside

@@ -92,11 +92,20 @@ def model_of(
     )
 
 
-def build(mesh: trimesh.Trimesh, density: float, settings: Bundle) -> Model:
+def build(mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh") -> Model:
     """Model any object of uniform density, as one of the simulation bundle.
+
+    Args:
+        mesh: A closed surface, metres.
+        density: kg/m3.
+        settings: How its convex parts are made.
+        name: What warnings call it.
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has no convex parts.
+
+    Warns:
+        PartsWarning: The parts do not keep to the bounds of the settings.
     """
-    made = make_simulation_object(mesh, density, settings)
+    made = make_simulation_object(mesh, density, settings, name)
     return model_of(made.mesh, made.parts, made.physics, made.volume_error)

@@ -32,6 +32,19 @@ BURIED = column(
     "share of the surface that fingers can touch that lies deeper in a part than the deviation in "
     "the settings",
 )
+DEVIATION_BOUND = column(
+    "deviation_bound",
+    FLOAT,
+    "deviation that the parts keep at 99 % of the surface that fingers can touch: larger than that "
+    "in the settings if more than the largest number of parts would be needed; null for coacd",
+    "m",
+)
+WITHIN = column(
+    "within",
+    BOOL,
+    "whether the volume error is within the limit of the settings, and at most 1 % of the surface "
+    "that fingers can touch is buried",
+)
 PLACE = column("label", STRING, "name in the evaluation set")
 ENGINE = column("engine", STRING, "physics engine")
 FAILURE = optional(
@@ -88,12 +101,8 @@ BUNDLE = pa.schema(
         VOLUME_ERROR,
         DEVIATION,
         BURIED,
-        column(
-            "within",
-            BOOL,
-            "whether the volume error is within the limit of the settings, and at most 1 % of the "
-            "surface that fingers can touch is buried",
-        ),
+        DEVIATION_BOUND,
+        WITHIN,
         column("poses", INT, "number of stable poses in poses.json"),
         column("volume", FLOAT, "volume of the solid", "m3"),
         column("density", FLOAT, "density that mass and inertia are computed with", "kg/m3"),
@@ -119,6 +128,8 @@ CONVEX_PARTS = pa.schema(
         VOLUME_ERROR,
         DEVIATION,
         BURIED,
+        DEVIATION_BOUND,
+        WITHIN,
     ]
 )
 

@@ -16,7 +16,7 @@ from egad.cppn import query as cppn
 from egad.cppn.constraints import UNBOUND
 from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError
-from egad.geometry.convex_parts import convex_parts, union_of_parts
+from egad.geometry.convex_parts import decompose, union_of_parts
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.grasps.quality import ferrari_canny, wrenches
@@ -228,7 +228,7 @@ def test_convex_parts(released_set):
     found = {}
     for name, mesh in released_set.items():
         start = time.process_time()
-        parts = convex_parts(mesh, bound.max_parts, bound.volume_error)
+        parts = decompose(mesh, bound.max_parts, bound.volume_error).parts
         spent = time.process_time() - start
         found[name] = spent, len(parts), union_of_parts(parts).volume() / mesh.volume - 1
     slowest = max(found, key=lambda name: found[name][0])

@@ -1,9 +1,12 @@
 """Objects of a simulation bundle, written and read again."""
 
+import mujoco
 import numpy as np
 import pytest
+import trimesh
 
 from egad.errors import UserError
+from egad.evalset import Bundle, make_simulation_object
 from egad.exchange import read_simulation_object, write_simulation_object
 
 
@@ -20,6 +23,8 @@ def row_of(made):
         "volume_error": made.volume_error,
         "deviation": made.deviation,
         "buried": made.buried,
+        "deviation_bound": made.deviation_bound,
+        "within": made.within,
     }
 
 
@@ -53,3 +58,23 @@ def test_damaged_files_are_named(bundle, made):
     (bundle / "ell/parts/part-001.obj").unlink()
     with pytest.raises(UserError, match=r"1 convex parts, but .*bundle.parquet lists 2"):
         read_simulation_object(bundle, row_of(made))
+
+
+BEADS = {
+    "ball": lambda: trimesh.creation.icosphere(3, 0.5),
+    "bead": lambda: trimesh.creation.annulus(0.2, 0.5, 1.0),
+    "wire": lambda: trimesh.creation.box((1, 0.05, 0.05)),
+}
+
+
+@pytest.mark.parametrize("size", [0.0001, 0.0005, 0.001, 0.02])
+@pytest.mark.parametrize("name", BEADS)
+def test_objects_of_any_size_load_in_mujoco(name, size, tmp_path):
+    made = make_simulation_object(BEADS[name]().apply_scale(size), 400.0, Bundle())
+    write_simulation_object(tmp_path / name, name, made, 0.4)
+    mujoco.MjModel.from_xml_path(str(tmp_path / name / f"{name}.urdf"))
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / name / f"{name}.xml"))
+    assert model.body_mass[1] == pytest.approx(made.physics.mass, rel=1e-9)
+    moments = np.sort(np.linalg.eigvalsh(made.physics.inertia))
+    expected = np.maximum(moments, 2e-14)
+    np.testing.assert_allclose(np.sort(model.body_inertia[1]), expected, rtol=1e-6)

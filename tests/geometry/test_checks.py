@@ -11,7 +11,7 @@ import trimesh
 import egad
 from egad.errors import EgadError, RejectedError, UserError
 from egad.geometry.checks import UnitsWarning, check_mesh, check_solid, check_units
-from egad.geometry.convex_parts import convex_parts
+from egad.geometry.convex_parts import decompose
 from egad.geometry.mass import mass_properties, repair_and_weigh
 from egad.geometry.repair import repair
 from egad.geometry.scaling import box_sides, rescale
@@ -55,7 +55,7 @@ FUNCTIONS = {
     "mass_properties": lambda mesh: mass_properties(mesh, 400.0),
     "box_sides": box_sides,
     "rescale": lambda mesh: rescale(mesh, "paper", 0.075, 0.8),
-    "convex_parts": lambda mesh: convex_parts(mesh, 64, 0.06),
+    "convex_parts": lambda mesh: decompose(mesh, 64, 0.06),
     "stable_poses": lambda mesh: stable_poses(mesh, np.zeros(3)),
     "complexity": complexity,
     "graded": lambda mesh: measure_repeatably(mesh, select(SETTINGS, MeasureParameters), 10),

@@ -1,13 +1,19 @@
 """Convex parts: cover the solid, stay close to it, and know inside from outside."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import trimesh
 
 from egad.errors import RejectedError
-from egad.geometry.convex_parts import convex_parts, union_of_parts
+from egad.geometry.convex_parts import decompose, union_of_parts
 
 RING, TUBE = 0.03, 0.01  # radii of the torus
+
+
+def convex_parts(*arguments: Any, **named: Any) -> list[trimesh.Trimesh]:
+    return decompose(*arguments, **named).parts
 
 
 @pytest.fixture(scope="module")
@@ -242,3 +248,54 @@ def test_a_straight_cup_is_cut_although_its_rim_lies_deepest_in_its_hull() -> No
     parts = convex_parts(cup, 64, 0.06)
     assert len(parts) < 40
     assert excess_volume(parts, cup) <= 0.06
+
+
+def mug(wall: float, sections: int = 64) -> trimesh.Trimesh:
+    """80 mm wide and 90 mm high, with a handle."""
+    outer = trimesh.creation.cylinder(0.04, 0.09, sections=sections)
+    inner = trimesh.creation.cylinder(0.04 - wall, 0.09, sections=sections)
+    inner.apply_translation([0, 0, wall])
+    ring = trimesh.creation.torus(0.025, 0.005)
+    ring.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0), (0, 0, 0)))
+    ring.apply_translation([0.044, 0, 0])
+    core = trimesh.creation.cylinder(0.04 - wall / 2, 0.09, sections=sections)
+    handle = trimesh.boolean.difference([ring, core], engine="manifold")
+    cup = trimesh.boolean.difference([outer, inner], engine="manifold")
+    return trimesh.boolean.union([cup, handle], engine="manifold")
+
+
+@pytest.mark.parametrize("deviation", [0.0005, 0.002])
+@pytest.mark.parametrize(("wall", "sections"), [(0.004, 64), (0.004, 256), (0.001, 64)])
+def test_the_cavity_of_a_mug_stays_open(wall: float, sections: int, deviation: float) -> None:
+    mesh = mug(wall, sections)
+    found = decompose(mesh, 512, 0.06, deviation)
+    assert len(found.parts) < 128
+    assert (found.deviation, found.volume_error) == (deviation, 0.06)
+    assert abs(excess_volume(found.parts, mesh)) <= 0.06
+    cavity = trimesh.creation.cylinder(0.04 - wall - 0.0025, 0.08).apply_translation([0, 0, 0.005])
+    assert min(outside(part, cavity.vertices).min() for part in found.parts) > 0
+
+
+def test_bounds_are_loosened_and_kept_if_an_object_needs_more_parts() -> None:
+    mesh = mug(0.004)
+    few = [decompose(mesh, most, 0.06) for most in (24, 8, 1)]
+    for found, most in zip(few, (24, 8, 1), strict=True):
+        assert 1 <= len(found.parts) <= most
+        factor = found.deviation / 0.0005
+        assert factor > 1
+        assert found.volume_error == pytest.approx(0.06 * factor)
+        assert excess_volume(found.parts, mesh) <= found.volume_error
+        distances = surface_distances(found.parts, mesh)
+        assert np.mean(distances < -found.deviation) <= 0.01
+    assert few[0].deviation < few[1].deviation < few[2].deviation
+    near, middle = few[0].parts, np.zeros((1, 3))
+    assert min(outside(part, middle).min() for part in near) > 0.02  # the cavity is still open
+    again = decompose(mesh, 512, few[0].volume_error, few[0].deviation)
+    assert len(again.parts) < 80
+
+
+def test_a_ring_is_cut_across_and_not_into_thinner_rings() -> None:
+    ring = trimesh.creation.annulus(0.036, 0.04, 0.06, sections=64)
+    parts = convex_parts(ring, 512, 0.06)
+    assert len(parts) < 30
+    assert min(np.ptp(part.vertices[:, 2]) for part in parts) == pytest.approx(0.06)

@@ -6,7 +6,7 @@ import trimesh
 from scipy.spatial import ConvexHull
 
 from egad.geometry.hull_vertices import fewer_vertices, lower_planes
-from egad.geometry.hulls import hull_and_planes, hull_of
+from egad.geometry.hulls import hull_of
 
 
 def outside(points: np.ndarray, of: np.ndarray) -> float:
@@ -43,7 +43,7 @@ def test_all_corners_of_a_box_with_points_on_its_faces_are_kept() -> None:
 
 
 def test_a_lowered_face_takes_a_slice_off_and_nothing_is_left_of_a_plate() -> None:
-    planes = hull_and_planes(trimesh.creation.box((2, 2, 2)).vertices)[1]
+    planes = hull_of(trimesh.creation.box((2, 2, 2)).vertices).planes
     by = np.where(planes[:, 2] > 0.9, 0.25, 0.0)
     corners = lower_planes(planes, by, np.zeros(3))
     assert corners is not None

@@ -59,44 +59,51 @@ def test_points_in_a_plane_have_no_volume():
 def test_blocks_in_a_row_become_one_and_a_step_stays():
     row = [block([k, 0, 0], [k + 1, 1, 1]) for k in range(4)]
     step = block([0, 0, 1], [1, 1, 4])
-    hulls = merge_hulls([*row, step], 7.0 + 1e-9, 99, always)
+    hulls = merge_hulls([*row, step], 7.0 + 1e-9, always)
     assert sorted(hull.volume for hull in hulls) == pytest.approx([3, 4])
 
 
-def test_there_are_never_more_than_allowed_even_if_they_lie_apart():
+def test_hulls_that_lie_apart_are_not_joined():
     apart = [block([10 * k, 0, 0], [10 * k + 1, 1, 1]) for k in range(3)]
-    assert len(merge_hulls(apart, 3.0, 3, always)) == 3
-    assert sorted(h.volume for h in merge_hulls(apart, 3.0, 2, always)) == pytest.approx([1, 11])
-    assert len(merge_hulls(apart, 3.0, 1, always)) == 1
+    assert len(merge_hulls(apart, 99.0, always)) == 3
 
 
-def test_hulls_that_would_not_fit_are_joined_only_if_there_are_too_many():
+def test_hulls_that_would_not_fit_are_not_joined():
     row = [block([k, 0, 0], [k + 1, 1, 1]) for k in range(4)]
 
     def is_short(hull):
         return np.ptp(hull.points[:, 0]) < 2.5
 
-    assert sorted(h.volume for h in merge_hulls(row, 9.0, 99, is_short)) == pytest.approx([2, 2])
-    assert sorted(h.volume for h in merge_hulls(row, 9.0, 1, is_short)) == pytest.approx([4])
+    assert sorted(h.volume for h in merge_hulls(row, 9.0, is_short)) == pytest.approx([2, 2])
 
 
-def test_the_cheapest_pairs_are_joined_as_a_slow_search_does():
+@pytest.mark.parametrize("more", [0.02, 0.05, 0.1])
+def test_the_cheapest_pairs_are_joined_as_a_slow_search_does(more):
     rng = np.random.default_rng(2)
     hulls = [hull_of(rng.uniform(0, 0.6, 3) + rng.uniform(0, 0.4, (12, 3))) for _ in range(12)]
-    found = merge_hulls(hulls, 0.0, 5, always)
-    slow = slowly(hulls, 5)
+    allowed = sum(hull.volume for hull in hulls) + more
+    found, slow = merge_hulls(hulls, allowed, always), slowly(hulls, allowed)
+    assert 1 < len(found) < 12
     assert sorted(h.volume for h in found) == pytest.approx(sorted(h.volume for h in slow))
 
 
-def slowly(hulls: list[Hull], most: int) -> list[Hull]:
+def slowly(hulls: list[Hull], allowed: float) -> list[Hull]:
     left = list(hulls)
-    while len(left) > most:
-        pairs = [(a, b) for a in range(len(left)) for b in range(a)]
+    while True:
+        numbers = range(len(left))
+        pairs = [(a, b) for a in numbers for b in range(a) if boxes_touch(left[a], left[b])]
         joined = [hull_of(np.concatenate([left[a].points, left[b].points])) for a, b in pairs]
         costs = [
             hull.volume - left[a].volume - left[b].volume
             for hull, (a, b) in zip(joined, pairs, strict=True)
         ]
+        if not costs or sum(hull.volume for hull in left) + min(costs) > allowed:
+            return left
         best = int(np.argmin(costs))
         left = [h for k, h in enumerate(left) if k not in pairs[best]] + [joined[best]]
-    return left
+
+
+def boxes_touch(first: Hull, second: Hull) -> bool:
+    low = np.maximum(first.points.min(axis=0), second.points.min(axis=0))
+    high = np.minimum(first.points.max(axis=0), second.points.max(axis=0))
+    return bool((low <= high).all())

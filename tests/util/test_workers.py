@@ -3,6 +3,7 @@ import os
 import signal
 import subprocess
 import sys
+import warnings
 from functools import partial
 
 import numpy as np
@@ -30,6 +31,20 @@ def test_a_worker_has_one_thread_for_algebra(count):
         found = list(mapper(threads_for_algebra, [np.eye(3)] * 4))
     assert all(found)
     assert all(count == 1 for counts in found for count in counts)
+
+
+def warned(number):
+    warnings.warn(f"{number} is odd", UserWarning, stacklevel=1)
+    return number
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_warnings_of_workers_are_given_in_this_process(count):
+    with warnings.catch_warnings(record=True) as found, workers(count) as mapper:
+        warnings.simplefilter("always")
+        assert list(mapper(warned, [1, 3, 5])) == [1, 3, 5]
+    assert [str(each.message) for each in found] == ["1 is odd", "3 is odd", "5 is odd"]
+    assert all(each.filename == __file__ for each in found)
 
 
 def killed(number):

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-from egad.benchmark import Benchmark, clear_tables, prepare_objects
+from egad.benchmark import Benchmark, check_detector, clear_tables, prepare_objects
 from egad.named_meshes import NamedMesh
 from egad.pipeline.parameters import Input, Jobs, NotNoted, Output
 from egad.pipeline.stages.clutter import ClearedTables
@@ -34,6 +34,7 @@ def run(
     """
     del objects, files
     label_seed = settings.seed if settings.detector.detector == "labels" else None
+    check_detector(settings.detector, settings)
     known = prepare_objects(targets, settings.gripper, rule, label_seed, jobs)
     found = clear_tables(settings.detector, known, settings, jobs)
     parquet.write(found.table, CLUTTER, out)

@@ -109,9 +109,8 @@ def run(
     rows, left_out, sides = [], [], {}
     with workers(worker_count) as mapper, atomic_output(out) as folder:
         folder.mkdir()
-        paths = [item.path for item in objects]
-        results = mapper(partial(_made, units=units, settings=settings), paths)
-        done = progress(results, "making", len(paths))
+        results = mapper(partial(_made, units=units, settings=settings), objects)
+        done = progress(results, "making", len(objects))
         for item, (made, sides[item.label]) in zip(objects, done, strict=True):
             if isinstance(made, str):
                 left_out.append(rejection(item.id, "bundle", f"{item.label}: {made}"))
@@ -128,22 +127,20 @@ def run(
         write_sums(folder)
     if doubt := units_doubt(sides, units):
         log.warning("%s", doubt)
-    beyond = [row["label"] for row in rows if not row["within"]]
-    if beyond:
-        log.warning("parts beyond bundle.volume_error or bundle.deviation: %s", ", ".join(beyond))
     log.info("%d objects, %d rejected", len(rows), len(left_out))
     return len(left_out)
 
 
 def _made(
-    path: Path, units: str | None, settings: SimulationBundle
+    item: Item, units: str | None, settings: SimulationBundle
 ) -> tuple[SimulationObject | str, float]:
     """An object ready for simulators, or the reason why there is none; and its longest side."""
     longest = np.nan
     try:
-        mesh = read_mesh(path, units)
+        mesh = read_mesh(item.path, units)
         longest = float(mesh.extents.max())
-        return make_simulation_object(mesh, settings.material.density, settings.bundle), longest
+        made = make_simulation_object(mesh, settings.material.density, settings.bundle, item.label)
+        return made, longest
     except RejectedError as reason:
         return str(reason), longest
 
@@ -158,7 +155,8 @@ def _row(item: Item, made: SimulationObject, settings: SimulationBundle) -> dict
         "volume_error": made.volume_error,
         "deviation": made.deviation,
         "buried": made.buried,
-        "within": made.is_within(settings.bundle),
+        "deviation_bound": made.deviation_bound,
+        "within": made.within,
         "poses": len(made.poses),
         "volume": physics.volume,
         "density": settings.material.density,

@@ -53,7 +53,8 @@ def run(
     for object_id, label in progress(names, "making convex parts", len(frame)):
         try:
             mesh = read_mesh(meshes / f"{label}.obj", "m")
-            found = make_simulation_object(mesh, settings.material.density, settings.bundle)
+            density, bundle = settings.material.density, settings.bundle
+            found = make_simulation_object(mesh, density, bundle, label)
         except RejectedError as reason:
             log.warning("%s has no convex parts: %s", label, reason)
         else:

@@ -14,6 +14,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+import egad
 from egad.errors import UserError
 from egad.exchange.meshes import read_mesh, write_obj
 from egad.geometry.mass import mass_properties
@@ -21,6 +22,7 @@ from egad.pipeline.cli import main
 from egad.pipeline.config import Settings
 from egad.pipeline.config.stage_settings import select
 from egad.pipeline.stages.bundle import Item, SimulationBundle, any_objects, evaluation_objects, run
+from egad.pipeline.stages.bundled import model_in, rows_by_id
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49
 from egad.tables.objects import REJECTED
@@ -300,8 +302,12 @@ def test_what_cannot_be_used_is_named_and_the_rest_is_made(tmp_path, meshes, bun
 def test_an_object_beyond_the_bound_is_marked(tmp_path, meshes):
     coarse = SETTINGS.bundle.model_copy(update={"max_parts": 2})
     settings = SETTINGS.model_copy(update={"bundle": coarse})
-    run(settings, any_objects([meshes / "cup.obj"]), "m", tmp_path / "out")
+    with pytest.warns(egad.PartsWarning, match="the convex parts of cup are beyond the bounds"):
+        run(settings, any_objects([meshes / "cup.obj"]), "m", tmp_path / "out")
     row = row_of(tmp_path / "out", "cup")
+    assert row["deviation_bound"] > coarse.deviation
+    with pytest.warns(egad.PartsWarning, match="the convex parts of cup are beyond the bounds"):
+        model_in(tmp_path / "out", rows_by_id(tmp_path / "out")["cup"])
     assert not row["within"]
     assert row["parts"] <= 2
     assert f"{row['volume_error']:.1%} !" in (tmp_path / "out/README.md").read_text()

@@ -49,7 +49,7 @@ def test_an_object_made_from_its_rows_is_the_one_that_was_decomposed(table, labe
     for part, other in zip(again.parts, made.parts, strict=True):
         np.testing.assert_array_equal(part.vertices, other.vertices)
         np.testing.assert_array_equal(part.faces, other.faces)
-    for value in ("volume_error", "deviation", "buried"):
+    for value in ("volume_error", "deviation", "buried", "deviation_bound", "within"):
         assert getattr(again, value) == getattr(made, value)
     np.testing.assert_array_equal(again.physics.inertia, made.physics.inertia)
     assert [pose.probability for pose in again.poses] == [pose.probability for pose in made.poses]

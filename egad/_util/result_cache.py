@@ -1,0 +1,136 @@
+"""Results that take long, kept in the user's cache folder by what they are made of.
+
+The folder is `EGAD_CACHE_DIR`, or else `egad` in `XDG_CACHE_HOME` or `~/.cache`;
+`EGAD_CACHE_DIR=off` keeps nothing. A result is the same with and without it: its name is a digest
+of the input, the parameters, the code and the libraries that decide it. What is damaged is made
+again, and where nothing can be written nothing is kept.
+"""
+
+import hashlib
+import os
+import tempfile
+import zipfile
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from llvmlite.binding import get_host_cpu_name
+from numpy.typing import NDArray
+
+from egad.errors import UserError
+
+PACKAGE = Path(__file__).parents[1]
+FOLDER, OFF = "EGAD_CACHE_DIR", "off"
+MOST_BYTES = 10**9  # of all results of a kind; the ones not used for longest are removed first
+Arrays = dict[str, NDArray[Any]]
+
+
+def cached(kind: str, given: Iterable[object], code: str, make: Callable[[], Arrays]) -> Arrays:
+    """Arrays from the cache, or else made and put there.
+
+    Args:
+        kind: What the result is: the name of its folder.
+        given: All that decides it beside the code: arrays, numbers and texts.
+        code: Version of the code that makes it: see `source_version`.
+        make: Makes it.
+
+    Raises:
+        UserError: `EGAD_CACHE_DIR` is a relative path.
+    """
+    folder = _folder()
+    if folder is None:
+        return make()
+    path = folder / kind / f"{_digest([code, *given])}.npz"
+    found = _read(path)
+    if found is None:
+        found = make()
+        with suppress(OSError):
+            _write(path, found)
+    return found
+
+
+@cache
+def source_version(modules: tuple[str, ...], libraries: tuple[str, ...]) -> str:
+    """A digest of source files of egad, of libraries, and of the processor.
+
+    Args:
+        modules: Files, and folders with all of theirs, below the package.
+        libraries: Names of distributions; they need not be installed.
+    """
+    paths = [PACKAGE / name for name in modules]
+    files = [file for path in paths for file in ([path] if path.is_file() else path.rglob("*.py"))]
+    texts = [part for file in sorted(files) for part in (file.name, file.read_bytes())]
+    return _digest([*texts, *map(_version, libraries), get_host_cpu_name()])
+
+
+def _version(library: str) -> str:
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        return "none"
+
+
+def _digest(given: Iterable[object]) -> str:
+    digest = hashlib.sha256()
+    for each in given:
+        kind, data = type(each).__name__, each if isinstance(each, bytes) else repr(each).encode()
+        if isinstance(each, np.ndarray):
+            kind, data = f"{each.dtype}{each.shape}", each.tobytes()
+        digest.update(f"{kind} {len(data)}\n".encode() + data)
+    return digest.hexdigest()
+
+
+def _folder() -> Path | None:
+    """Where results are kept; None if nowhere."""
+    given = os.environ.get(FOLDER)
+    if given == OFF:
+        return None
+    if given and not Path(given).is_absolute():
+        raise UserError(f"{FOLDER} is {given!r}; allowed: an absolute path, or {OFF}")
+    with suppress(RuntimeError):  # there is no home
+        cache_home = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
+        return Path(given) if given else cache_home / "egad"
+    return None
+
+
+def _read(path: Path) -> Arrays | None:
+    """A result; None if there is none, or it is damaged."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            found = dict(file)
+        os.utime(path)  # it was used
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return None
+    return found
+
+
+def _write(path: Path, arrays: Arrays) -> None:
+    """Write a result as a whole: another process may read or write the same one."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".partial", delete=False) as file:
+        try:
+            np.savez(file, allow_pickle=False, **arrays)
+            file.close()
+            os.replace(file.name, path)
+        except BaseException:
+            Path(file.name).unlink(missing_ok=True)
+            raise
+    _remove_oldest(path.parent)
+
+
+def _remove_oldest(folder: Path) -> None:
+    files = []
+    for entry in os.scandir(folder):
+        with suppress(FileNotFoundError):  # another process removed it
+            status = entry.stat()
+            files.append((status.st_mtime, status.st_size, entry.path))
+    spare = sum(size for _, size, _ in files) - MOST_BYTES
+    for _, size, name in sorted(files):
+        if spare <= 0:
+            break
+        Path(name).unlink(missing_ok=True)
+        spare -= size

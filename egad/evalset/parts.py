@@ -1,0 +1,152 @@
+"""Convex parts by either method, kept in a cache, and a warning for those beyond the bounds."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from egad._util.result_cache import Arrays, cached, source_version
+from egad.evalset.parameters import Bundle
+from egad.geometry import (
+    MOST_BURIED,
+    Decomposition,
+    buried_share,
+    coacd_parts,
+    decompose,
+    largest_deviation,
+    to_mesh,
+    to_solid,
+    union_of_parts,
+    warn_user,
+)
+
+CODE = ("geometry", "random.py", "evalset/parts.py")
+LIBRARIES = ("numpy", "scipy", "manifold3d", "embreex", "trimesh", "numba", "coacd")
+
+
+class PartsWarning(UserWarning):
+    """Convex parts are farther from their object than the bounds allow."""
+
+
+class Closeness(NamedTuple):
+    """How far convex parts are from their object.
+
+    Attributes:
+        volume_error: Volume of the union of the parts / volume of the object - 1.
+        deviation: Largest distance of what sticks out of the object from its surface, metres.
+        buried: Share of the surface that fingers can touch that lies deeper in a part than the
+            setting `deviation`.
+    """
+
+    volume_error: float
+    deviation: float
+    buried: float
+
+    def is_within(self, settings: Bundle) -> bool:
+        """Whether the parts are as close to the object as the settings want."""
+        return abs(self.volume_error) <= settings.volume_error and self.buried <= MOST_BURIED
+
+
+def make_parts(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
+    """Convex parts of a solid, from the cache if they were made before.
+
+    Args:
+        mesh: A closed surface wound outwards, metres.
+        settings: How the parts are made.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid, or has no such parts.
+        UserError: It is not a mesh, or CoACD is wanted and not installed.
+    """
+    return _unpacked(
+        _cached("convex-parts", mesh, settings, lambda: _packed(_made(mesh, settings)))
+    )
+
+
+def measure_parts(
+    mesh: trimesh.Trimesh, parts: Sequence[trimesh.Trimesh], settings: Bundle
+) -> Closeness:
+    """How close the parts of `make_parts` are to their object, from the cache if known.
+
+    Args:
+        mesh: A closed surface wound outwards, metres.
+        parts: What `make_parts` returned for it.
+        settings: How the parts were made.
+    """
+
+    def measured() -> Arrays:
+        solid, together = to_solid(mesh.vertices, mesh.faces), union_of_parts(parts)
+        beyond = together - solid  # parts meet inside, with fine cracks
+        found = Closeness(
+            volume_error=float(together.volume()) / float(solid.volume()) - 1,
+            deviation=0.0 if beyond.is_empty() else largest_deviation(to_mesh(beyond), mesh),
+            buried=buried_share(mesh, parts, settings.deviation),
+        )
+        return {"closeness": np.array(found)}
+
+    return Closeness(*_cached("part-errors", mesh, settings, measured)["closeness"].tolist())
+
+
+def _cached(
+    kind: str, mesh: trimesh.Trimesh, settings: Bundle, make: Callable[[], Arrays]
+) -> Arrays:
+    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    given = [vertices, faces, *settings.model_dump(exclude={"friction"}).values()]
+    return cached(kind, given, source_version(CODE, LIBRARIES), make)
+
+
+def warn_if_beyond(name: str, within: bool, volume_error: float, bound: float) -> None:
+    """Warn if convex parts are farther from their object than the bounds that were asked for.
+
+    Args:
+        name: What the warning calls the object.
+        within: Whether they keep to the bounds.
+        volume_error: Volume of the parts / volume of the object - 1.
+        bound: The deviation that the parts keep, metres; NaN if unknown.
+
+    Warns:
+        PartsWarning: They do not keep to the bounds.
+    """
+    if within:
+        return
+    depth = "" if np.isnan(bound) else f" and a deviation of {1000 * bound:.2g} mm"
+    warn_user(
+        f"the convex parts of {name} are beyond the bounds asked for: they keep a volume error of "
+        f"{volume_error:.1%}{depth}; allow more parts or larger bounds",
+        PartsWarning,
+    )
+
+
+def _made(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
+    if settings.method == "coacd":
+        parts = coacd_parts(
+            mesh, settings.coacd_threshold, settings.max_parts, settings.max_vertices
+        )
+        return Decomposition(parts, np.nan, np.nan)
+    return decompose(
+        mesh,
+        settings.max_parts,
+        settings.volume_error,
+        settings.deviation,
+        settings.max_vertices,
+    )
+
+
+def _packed(found: Decomposition) -> Arrays:
+    return {
+        "vertices": np.concatenate([part.vertices for part in found.parts]),
+        "faces": np.concatenate([part.faces for part in found.parts]),
+        "counts": np.array([[len(part.vertices), len(part.faces)] for part in found.parts]),
+        "bounds": np.array([found.deviation, found.volume_error]),
+    }
+
+
+def _unpacked(arrays: Arrays) -> Decomposition:
+    ends: NDArray[np.int64] = np.cumsum(arrays["counts"], axis=0)[:-1]
+    corners = np.split(arrays["vertices"], ends[:, 0])
+    faces = np.split(arrays["faces"], ends[:, 1])
+    parts = [trimesh.Trimesh(*each, process=False) for each in zip(corners, faces, strict=True)]
+    deviation, volume_error = arrays["bounds"].tolist()
+    return Decomposition(parts, deviation, volume_error)
