@@ -102,7 +102,7 @@ def clearing_results(tables: Mapping[str, pd.DataFrame]) -> ClearingResults:
 
 def page(results: ClearingResults) -> str:
     """An HTML page about cleared tables that needs no other file."""
-    return render_template("clutter_page", **vars(results))
+    return render_template("clutter_page.html.j2", **vars(results))
 
 
 def _thirds(table: pd.DataFrame, objects: pd.DataFrame) -> dict[str, list[tuple[Rate, Rate]]]:

@@ -244,7 +244,11 @@ USED = [
 ]
 
 
-@pytest.mark.parametrize(("file", "old", "new", "stages"), USED, ids=lambda value: str(value)[:40])
+@pytest.mark.parametrize(
+    ("file", "old", "new", "stages"),
+    USED,
+    ids=lambda each: each[:40] if isinstance(each, str) else "and".join(sorted(each)),
+)
 def test_our_stages_run_again_for_what_they_use_and_for_nothing_else(
     tmp_path, file, old, new, stages
 ):

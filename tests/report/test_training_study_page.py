@@ -62,7 +62,8 @@ def tried(test, noise, name, seed, detector):
     table = pd.DataFrame(rows, columns=["label", "id", "attempt", "success", "initial_pose"])
     table = table.assign(test=test, noise=noise, training_set=name, seed=seed, quality=0.5)
     outcome = np.where(table["success"], "success", "collided")
-    return table.assign(outcome=outcome, detector=detector)[COMPARED.names]
+    table = table.assign(outcome=outcome, detector=detector, engine="mujoco")
+    return table[COMPARED.names]
 
 
 def cleared(test, name, seed, detector):
