@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 from trimesh.units import unit_conversion
 
-from egad.errors import UserError
+from egad.errors import RejectedError, UserError
+from egad.io import read_content
 
 Floats = NDArray[np.float64]
 
@@ -94,7 +95,7 @@ def read_shape(path: Path) -> Floats | None:
     """Corners of the convex hull of a shape that MuJoCo does not read; None if it does.
 
     MuJoCo reads OBJ, its own MSH, and binary STL of up to 200,000 faces. Text STL, larger
-    STL and Collada are read here. The unit of a Collada file counts, and its upward axis
+    STL, PLY, OFF and Collada are read here. The unit of a Collada file counts, and its upward axis
     does not, as in RViz and MoveIt.
 
     Args:
@@ -109,9 +110,9 @@ def read_shape(path: Path) -> Floats | None:
     ending = path.suffix[1:].lower()
     if ending in ("obj", "msh") or (ending == "stl" and _is_regular_stl(path)):
         return None
-    if ending not in ("stl", "dae"):
-        raise UserError(f"{path} is no STL, OBJ or Collada (DAE); convert it to STL or OBJ")
-    points = _stl_points(path) if ending == "stl" else _collada_points(path)
+    if ending not in ("stl", "ply", "off", "dae"):
+        raise UserError(f"{path} is no STL, OBJ, PLY, OFF or Collada (DAE); convert it to STL")
+    points = _collada_points(path) if ending == "dae" else _points(path)
     try:
         return points[ConvexHull(points).vertices]
     except (QhullError, ValueError) as error:
@@ -125,13 +126,11 @@ def _is_regular_stl(path: Path) -> bool:
     return path.stat().st_size == STL_HEADER + faces * STL_FACE and 0 < faces <= STL_FACES
 
 
-def _stl_points(path: Path) -> Floats:
+def _points(path: Path) -> Floats:
     try:
-        points = np.asarray(trimesh.load_mesh(path, "stl", process=False).vertices)
-    except Exception as error:  # of a damaged file; anything may be raised
-        raise UserError(f"{path} is not readable as STL: {error}") from error
-    if not len(points):
-        raise UserError(f"{path} has no faces that are readable as STL; it is empty or damaged")
+        points = read_content(path).vertices
+    except RejectedError as reason:
+        raise UserError(f"{path}: {reason}") from reason
     return np.unique(points, axis=0)
 
 

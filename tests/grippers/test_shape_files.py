@@ -97,30 +97,42 @@ def test_mjcf_is_read_with_meshes_in_text_and_without_names(tmp_path):
     assert {each.name for each in description_files(path)} == {"hand.xml", "finger.stl", "ball.stl"}
 
 
+def box_text():
+    return text_stl(trimesh.creation.box(FINGER))
+
+
 BROKEN = {
-    "empty": b"",
-    "no faces": b"solid a\nendsolid a\n",
-    "other": b"hello world\n" * 20,
-    "cut short": trimesh.creation.box(FINGER).export(file_type="stl")[:-60],
-    "cut text": text_stl(trimesh.creation.box(FINGER))[:700].encode(),
-    "commas": text_stl(trimesh.creation.box(FINGER)).replace(".", ",").encode(),
-    "flat": bytes(80) + struct.pack("<I12fHI", 1, *np.eye(4)[:, :3].ravel(), 0, 0),
+    "it is empty": b"",
+    "is flat": b"solid a\nendsolid a\n",
+    "it is truncated: its header says 1": b"hello world\n" * 20,
+    "it is truncated: its header says 12": trimesh.creation.box(FINGER).export(file_type="stl")[
+        :-60
+    ],
+    "it is truncated: .* facets begin": box_text()[:700].encode(),
+    "it has a decimal comma": box_text().replace(".", ",").encode(),
+    "is flat or damaged": bytes(80) + struct.pack("<I12fHI", 1, *np.eye(4)[:, :3].ravel(), 0, 0),
 }
 
 
-@pytest.mark.parametrize("case", BROKEN)
-def test_a_damaged_stl_file_is_refused_with_its_link(tmp_path, case):
-    (tmp_path / "finger.stl").write_bytes(BROKEN[case])
-    words = r"a mesh of the link left cannot be used: .*finger\.stl (has no|is not|is flat)"
-    with pytest.raises(UserError, match=words):
+@pytest.mark.parametrize("why", BROKEN)
+def test_a_damaged_stl_file_is_refused_with_its_link(tmp_path, why):
+    (tmp_path / "finger.stl").write_bytes(BROKEN[why])
+    words = r"a mesh of the link left cannot be used: .*finger\.stl.*"
+    with pytest.raises(UserError, match=words + why):
         read_model(hand_with(tmp_path, "finger.stl"))
 
 
+@pytest.mark.parametrize("ending", ["ply", "off"])
+def test_formats_that_mujoco_does_not_know_are_read(tmp_path, boxes, ending):
+    trimesh.creation.box(FINGER).export(tmp_path / f"finger.{ending}")
+    check(read_model(hand_with(tmp_path, f"finger.{ending}")), boxes)
+
+
 def test_another_format_is_refused_with_its_name(tmp_path):
-    trimesh.creation.box(FINGER).export(tmp_path / "finger.ply")
-    words = r"link left cannot be used: .*finger\.ply is no STL, OBJ or Collada.*convert it"
+    trimesh.creation.box(FINGER).export(tmp_path / "finger.glb")
+    words = r"link left cannot be used: .*finger\.glb is no STL, OBJ, PLY, .*convert it"
     with pytest.raises(UserError, match=words):
-        read_model(hand_with(tmp_path, "finger.ply"))
+        read_model(hand_with(tmp_path, "finger.glb"))
 
 
 def collada(vertices, faces, *, unit: str = "", place: str = "") -> str:
