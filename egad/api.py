@@ -73,8 +73,7 @@ from egad.reeb import similarity as matching
 Floats = NDArray[np.float64]
 MAP_GRIPPER = "yumi"  # the cells of the map are for it
 MEASURED_LARGER = (
-    "the mesh is measured larger than it is, as EGAD does; `factor` and `sides` of the result say "
-    "how large, and rule='none' measures it as it is"
+    "the mesh is measured larger than it is, as EGAD does: {size}; rule='none' measures it as it is"
 )
 
 
@@ -215,7 +214,7 @@ def measure(
     settings = default_measures(hand, seed)
     size = grasped_size(repaired.mesh, settings, rule)
     if size.factor > ENLARGED:
-        warn_user(MEASURED_LARGER, ScaleWarning)
+        warn_user(MEASURED_LARGER.format(size=size_text(size.sides, size.factor)), ScaleWarning)
     found = measure_repeatably(repaired.mesh, settings, max_candidates, size.factor)
     if is_coarse(found.complexity, found.fine_complexity):
         warn_user(coarse_advice(found.fine_complexity), CoarseMeshWarning)

@@ -44,6 +44,12 @@ def solids() -> dict[str, trimesh.Trimesh]:
     }
 
 
+def span(values: list[float]) -> str:
+    """The smallest and the largest of some numbers, or one if they are the same."""
+    low, high = (f"{value + 0.0:.3f}" for value in (min(values), max(values)))
+    return low if low == high else f"{low} to {high}"
+
+
 def with_points(mesh: trimesh.Trimesh, points: Points) -> trimesh.Trimesh:
     """The mesh with other coordinates."""
     return trimesh.Trimesh(points, mesh.faces, process=False)
@@ -61,11 +67,13 @@ def main() -> None:
     """Print the tables."""
     rows = []
     for name, mesh in solids().items():
-        mesh.apply_transform(TURN)
-        meshes = [with_points(mesh, rounded(mesh.vertices)) for rounded in DIGITS.values()]
-        before = [without_rounding(each) for each in meshes]
-        now = [complexity(each) for each in meshes]
-        rows.append([name, f"{min(before):.3f} to {max(before):.3f}", *(f"{h:.3f}" for h in now)])
+        poses = [mesh, mesh.copy().apply_transform(TURN)]
+        rounded = [
+            [with_points(pose, to(pose.vertices)) for pose in poses] for to in DIGITS.values()
+        ]
+        before = [without_rounding(each) for pair in rounded for each in pair]
+        now = [span([complexity(each) for each in pair]) for pair in rounded]
+        rows.append([name, span(before), *now])
     print(table(["complexity, bit", "before", *DIGITS], rows))
     objects = egad.load("released")
     released = [item.mesh for item in objects]

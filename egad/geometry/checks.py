@@ -1,5 +1,6 @@
 """Checks of meshes that users pass: typed errors before anything is computed from them."""
 
+import contextlib
 import inspect
 import traceback
 import warnings
@@ -135,10 +136,14 @@ def check_units(mesh: trimesh.Trimesh, what: str = "the mesh", unit: str = "metr
 
 
 def _calls_within_egad() -> int:
-    """How many calls, with this one, lie above the line of the user's program."""
+    """How many calls, with this one, lie above the line of the user's program.
+
+    Calls of `contextlib` between them are those of our decorators.
+    """
     calls = traceback.walk_stack(inspect.currentframe())
-    within = takewhile(lambda call: PACKAGE in Path(call[0].f_code.co_filename).parents, calls)
-    return len(list(within))
+    files = (Path(frame.f_code.co_filename) for frame, _ in calls)
+    ours = (PACKAGE in file.parents or file == Path(contextlib.__file__) for file in files)
+    return len(list(takewhile(bool, ours)))
 
 
 def units_doubt(longest_sides: Mapping[str, float], unit: str | None) -> str:

@@ -8,17 +8,19 @@ from egad.geometry.refinement import Triangulation, distinct_corners, face_areas
 
 Floats = NDArray[np.float64]
 LARGEST = 1e-4  # rounding that is looked for, over the square root of the area
+USUAL = 5e-6  # the same: of files in which planes are upright, so that rounding leaves them flat
 GAP = 10.0  # flat folds and real ones differ in height by at least this factor,
 STRAY = 0.05  # except for a few: this many per flat fold
 FLAT = 0.15  # smallest fraction of flat folds that tells rounding from chance
 
 
 def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
-    """Estimate how far the rounding of coordinates has moved vertices, from faces in one plane.
+    """Estimate how far rounded coordinates may have moved vertices, from faces in one plane.
 
     Two faces that share an edge form a fold. If they lie in one plane, its height is 0, and rounded
     coordinates make it about as large as the rounding, far below the heights of real folds. The
-    estimate is the largest height with such a gap above it. It needs no knowledge of the file, and
+    estimate is the largest height with such a gap above it, or the usual rounding of files, which
+    moves corners also where it leaves upright planes flat. It needs no knowledge of the file, and
     does not change when the mesh is turned, moved or scaled.
 
     Args:
@@ -40,7 +42,9 @@ def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
     lower = np.searchsorted(heights, heights, side="right")
     stray = np.searchsorted(heights, GAP * heights, side="right") - lower
     flat = (heights <= largest) & (lower >= least) & (stray <= STRAY * lower)
-    return float(heights[flat].max(initial=0.0))
+    if not flat.any():
+        return 0.0
+    return float(max(heights[flat].max(), USUAL * np.sqrt(areas.sum())))
 
 
 @kernel()

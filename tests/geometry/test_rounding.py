@@ -4,7 +4,7 @@ import trimesh
 
 from egad.geometry import triangulation
 from egad.geometry.refinement import face_areas
-from egad.geometry.rounding import fold_heights, rounding
+from egad.geometry.rounding import USUAL, fold_heights, rounding
 
 
 def turned_box(subdivisions=3):
@@ -18,26 +18,28 @@ def estimate(mesh, **changed):
     return rounding(np.asarray(changed.get("vertices", mesh.vertices)), np.asarray(mesh.faces))
 
 
-@pytest.mark.parametrize("decimals", [3, 4, 5, 6, 7])
-def test_the_estimate_is_about_as_large_as_the_rounding(decimals):
+@pytest.mark.parametrize("step", [0.001, 0.002, 0.004])
+def test_the_estimate_is_about_as_large_as_the_rounding(step):
     box = turned_box()
-    largest = 0.5 * 10.0**-decimals
-    assert 0.5 * largest < estimate(box, vertices=box.vertices.round(decimals)) < 8 * largest
+    found = estimate(box, vertices=step * np.round(box.vertices / step))
+    assert step / 4 < found < 4 * step
 
 
-def test_single_precision_is_seen():
+@pytest.mark.parametrize("decimals", [4, 7, 16])
+def test_less_than_the_usual_rounding_is_taken_for_it(decimals):
     box = turned_box()
-    found = estimate(box, vertices=box.vertices.astype(np.float32).astype(float))
-    assert np.finfo(np.float32).eps < found < 100 * np.finfo(np.float32).eps * 35
+    found = estimate(box, vertices=box.vertices.round(decimals))
+    assert found == pytest.approx(USUAL * np.sqrt(box.area), rel=1e-4)
 
 
-def test_exact_coordinates_leave_only_rounding_of_double_precision():
-    assert estimate(turned_box()) < 1e-12
+def test_upright_planes_do_not_hide_the_usual_rounding():
+    box = trimesh.creation.box([60, 40, 30]).subdivide()
+    assert estimate(box) == pytest.approx(USUAL * np.sqrt(box.area))
 
 
 def test_turning_moving_and_scaling_do_not_matter():
     box = turned_box()
-    box.vertices = box.vertices.round(4)
+    box.vertices = 0.004 * np.round(box.vertices / 0.004)
     found = estimate(box)
     moved = 1e-3 * (box.vertices @ trimesh.transformations.euler_matrix(1, 2, 3)[:3, :3]) + 2
     assert estimate(box, vertices=moved) == pytest.approx(1e-3 * found, rel=1e-6)
@@ -54,7 +56,7 @@ def test_a_flat_bump_is_no_rounding():
     # every second vertex of a plate is raised by more than the rounding that is looked for
     plate = turned_box()
     raised = plate.vertices + np.where(np.arange(len(plate.vertices)) % 2, 0.1, 0)[:, None]
-    assert estimate(plate, vertices=raised) < 1e-9
+    assert estimate(plate, vertices=raised) == pytest.approx(USUAL * np.sqrt(plate.area), rel=0.01)
 
 
 def test_heights_of_folds_against_planes():
