@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
+from egad.geometry.hulls import Hull, hull_of
 from egad.geometry.rays import RayCaster
 from egad.random import generator
 
@@ -30,6 +30,10 @@ class Touchable(NamedTuple):
     def where(self, chosen: NDArray[Any]) -> "Touchable":
         """Some of the points: flags, (n,), or numbers."""
         return Touchable(self.points[chosen], self.normals[chosen])
+
+    def and_more(self, others: "Touchable") -> "Touchable":
+        """These points and others."""
+        return Touchable(*map(np.concatenate, zip(self, others, strict=True)))
 
 
 def touchable_points(mesh: trimesh.Trimesh, purpose: str) -> Touchable:
@@ -112,11 +116,16 @@ def buried_share(mesh: trimesh.Trimesh, parts: Iterable[trimesh.Trimesh], depth:
         parts: Convex meshes that stand for it.
         depth: Metres.
     """
-    points = touchable_points(mesh, "check").points
+    hulls = (hull_of(np.asarray(part.vertices)) for part in parts)
+    return share_within(touchable_points(mesh, "check").points, hulls, depth)
+
+
+def share_within(points: Floats, hulls: Iterable[Hull], depth: float) -> float:
+    """Share of points (n, 3) that lie deeper than `depth` in one of some hulls."""
     buried = np.zeros(len(points), dtype=np.bool_)
-    for part in parts:
-        near = np.flatnonzero(within_box(points, np.asarray(part.vertices)))
-        buried[near] |= depths(points[near], ConvexHull(part.vertices).equations) > depth
+    for hull in hulls:
+        near = np.flatnonzero(within_box(points, hull.points))
+        buried[near] |= depths(points[near], hull.planes) > depth
     return float(buried.mean()) if len(buried) else 0.0
 
 

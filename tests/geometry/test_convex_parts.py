@@ -8,6 +8,9 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.geometry.convex_parts import decompose, union_of_parts
+from egad.geometry.fit import LOWERING, Tolerances, finish, finish_all
+from egad.geometry.hulls import hull_mesh, hull_of
+from egad.geometry.touchable import buried_share, touchable_points
 
 RING, TUBE = 0.03, 0.01  # radii of the torus
 
@@ -299,3 +302,18 @@ def test_a_ring_is_cut_across_and_not_into_thinner_rings() -> None:
     parts = convex_parts(ring, 512, 0.06)
     assert len(parts) < 30
     assert min(np.ptp(part.vertices[:, 2]) for part in parts) == pytest.approx(0.06)
+
+
+@pytest.mark.parametrize("depth", [0.001, 0.002])
+def test_parts_fitted_to_too_few_points_are_fitted_to_more(depth: float) -> None:
+    mesh = dumbbell()
+    hulls = [hull_of(part.vertices) for part in convex_parts(mesh, 256, 0.5, deviation=depth)]
+    wanted = Tolerances(0.0005, 0.06, 64, LOWERING * 0.0005)
+    points = touchable_points(mesh, "test")
+    few = points.where(np.arange(0, len(points.points), 100))
+    once = [hull_mesh(finish(hull, few, wanted, wanted)) for hull in hulls]
+    assert buried_share(mesh, once, wanted.deviation) > 0.05
+    finished, kept = finish_all(hulls, mesh, few, wanted, wanted)
+    assert buried_share(mesh, map(hull_mesh, finished), kept.deviation) <= 0.01
+    # faces 2 mm above a hollow are too far to be moved by 0.4 mm only
+    assert (kept.deviation == wanted.deviation) == (depth == 0.001)
