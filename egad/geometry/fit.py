@@ -12,9 +12,9 @@ from egad.geometry.hulls import Hull, hull_of
 from egad.geometry.touchable import (
     MOST_BURIED,
     Touchable,
+    deeper_points,
     depths,
     facing_depths,
-    least_facing_depths,
     share_within,
     touchable_points,
     within_box,
@@ -74,15 +74,11 @@ def too_deep(touchable: Touchable, hull: Hull, tolerances: Tolerances) -> Flags:
         hull: A hull.
         tolerances: How far parts may be from the solid.
     """
-    found = np.zeros(len(touchable.points), dtype=np.bool_)
     if not len(hull.planes):
-        return found
-    near = np.flatnonzero(within_box(touchable.points, hull.points))
+        return np.zeros(len(touchable.points), dtype=np.bool_)
     limit = DEPTH * tolerances.deviation
-    deep = near[depths(touchable.points[near], hull.planes) > limit]
     most = limit + tolerances.lowering
-    found[deep] = least_facing_depths(touchable.where(deep), hull.planes) > most
-    return found
+    return np.asarray(deeper_points(*touchable, hull.planes, limit, most))
 
 
 def fits(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> bool:
