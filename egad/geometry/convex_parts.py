@@ -96,7 +96,7 @@ def decompose(
 
     Returns:
         The parts, and the bounds that they keep: looser ones than asked for if the object needs
-        more than `max_parts`.
+        more than `max_parts`, or its surface is too fine for the points that are tested.
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
