@@ -12,7 +12,7 @@ import trimesh
 
 from egad._util.kernel_cache import compiled_marker
 from egad.cppn.surface import surface
-from egad.geometry.convex_parts import decompose
+from egad.geometry import decompose
 from egad.geometry.repair import repair
 from egad.grasps import LabelParameters, label_grasps
 from egad.grippers import BoxBody
