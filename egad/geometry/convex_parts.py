@@ -13,7 +13,7 @@ from egad._util.workers import one_thread
 from egad.errors import RejectedError
 from egad.geometry.checks import ROUNDING, check_mesh
 from egad.geometry.cuts import best_plane, middle_plane
-from egad.geometry.fit import LOWERING, Tolerances, finish, fits, too_deep
+from egad.geometry.fit import LOWERING, STEP, Tolerances, finish_all, fits, too_deep
 from egad.geometry.hulls import Hull, hull_mesh, hull_of, merge_hulls
 from egad.geometry.manifold import Solid, arrays, is_solid, to_mesh, to_solid, union
 from egad.geometry.parameters import DEVIATION, MAX_VERTICES
@@ -29,7 +29,6 @@ LEAST_EXCESS = 0.3  # of the allowed error, for solids that simplification made 
 BURIED = 0.002  # of the touchable points: may stay too deep in the hulls of pieces
 CONVEX = 1e-3  # of a hull: with less excess a solid has no hollow to cut at
 SPARE = 2  # times as many pieces as parts are allowed are cut at most
-STEP = 2**0.5  # the bounds are loosened by this factor, again and again
 
 
 class Decomposition(NamedTuple):
@@ -97,7 +96,7 @@ def decompose(
 
     Returns:
         The parts, and the bounds that they keep: looser ones than asked for if the object needs
-        more than `max_parts`.
+        more than `max_parts`, or its surface is too fine for the points that are tested.
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
@@ -124,8 +123,8 @@ def _decomposed(exact: Solid, max_parts: int, wanted: Tolerances) -> Decompositi
     pieces, are_good = _split(bodies, touchable, limits)
     hulls = [piece.hull for piece in pieces]
     hulls, kept = _joined(hulls, are_good, max_parts, volume, touchable, wanted)
-    parts = [hull_mesh(finish(hull, touchable, kept, wanted)) for hull in hulls]
-    return Decomposition(parts, kept.deviation, kept.volume_error)
+    finished, kept = finish_all(hulls, to_mesh(exact), touchable, kept, wanted)
+    return Decomposition([*map(hull_mesh, finished)], kept.deviation, kept.volume_error)
 
 
 def _joined(

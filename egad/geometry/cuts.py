@@ -90,21 +90,10 @@ def _best_cut(solid: Solid, planes_of_hull: Floats) -> _Cut:
     simple = solid.simplify(COARSENESS * size)
     if not simple.is_empty():
         vertices, faces = arrays(simple)
-    number, volume = _smallest(_sides(vertices, faces, planes, GRAZE * size))
-    return _Cut(planes[number], least_volume(vertices), volume)
-
-
-def _smallest(sides: list[list[Floats]]) -> tuple[int, float]:
-    """Which sides have the smallest hulls: bounds first, then volumes while they can matter."""
-    bounds = [sum(map(least_volume, both)) if both else np.inf for both in sides]
-    best, least = 0, np.inf
-    for number in np.argsort(bounds, kind="stable").tolist():
-        if bounds[number] >= least:
-            break
-        volume = sum(hull_of(side).volume for side in sides[number])
-        if volume < least:
-            best, least = number, volume
-    return best, least
+    sides = _sides(vertices, faces, planes, GRAZE * size)
+    volumes = [sum(map(least_volume, both)) if both else np.inf for both in sides]
+    number = int(np.argmin(volumes))
+    return _Cut(planes[number], least_volume(vertices), volumes[number])
 
 
 def _sides(vertices: Floats, faces: Ints, planes: list[Plane], least: float) -> list[list[Floats]]:

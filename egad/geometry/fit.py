@@ -1,17 +1,22 @@
 """How close hulls must be to the touchable surface, and making them closer."""
 
+from itertools import count
 from typing import NamedTuple
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
 from egad.geometry.hull_vertices import fewer_vertices, lower_planes
 from egad.geometry.hulls import Hull, hull_of
 from egad.geometry.touchable import (
+    MOST_BURIED,
     Touchable,
+    deeper_points,
     depths,
     facing_depths,
-    least_facing_depths,
+    share_within,
+    touchable_points,
     within_box,
 )
 
@@ -26,6 +31,9 @@ NEIGHBORS = 0.3  # faces this much deeper above a point than the nearest are low
 LOSS = (1.0, 0.5)  # to keep to the number of vertices
 FINAL_LOSS = (0.5, 0.25)  # although there might be more
 BURIED = 0.005  # of the points of a common hull, at most
+CHECKED = 0.8  # of the share that may be buried: other points may show a little more
+REFITS = 3  # to twice as many points and more, before the bounds are loosened
+STEP = 2**0.5  # the bounds are loosened by this factor, again and again
 
 
 class Tolerances(NamedTuple):
@@ -66,15 +74,11 @@ def too_deep(touchable: Touchable, hull: Hull, tolerances: Tolerances) -> Flags:
         hull: A hull.
         tolerances: How far parts may be from the solid.
     """
-    found = np.zeros(len(touchable.points), dtype=np.bool_)
     if not len(hull.planes):
-        return found
-    near = np.flatnonzero(within_box(touchable.points, hull.points))
+        return np.zeros(len(touchable.points), dtype=np.bool_)
     limit = DEPTH * tolerances.deviation
-    deep = near[depths(touchable.points[near], hull.planes) > limit]
     most = limit + tolerances.lowering
-    found[deep] = least_facing_depths(touchable.where(deep), hull.planes) > most
-    return found
+    return np.asarray(deeper_points(*touchable, hull.planes, limit, most))
 
 
 def fits(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> bool:
@@ -119,3 +123,36 @@ def finish(hull: Hull, touchable: Touchable, kept: Tolerances, wanted: Tolerance
         wanted: Those that leaving out corners keeps to.
     """
     return wanted.reduced(lower_faces(hull, touchable, kept), FINAL_LOSS)[0]
+
+
+def finish_all(
+    hulls: list[Hull],
+    mesh: trimesh.Trimesh,
+    touchable: Touchable,
+    kept: Tolerances,
+    wanted: Tolerances,
+) -> tuple[list[Hull], Tolerances]:
+    """Hulls as parts, checked at other points of the surface than those they are fitted to (ours).
+
+    If too many of these lie too deep, the hulls are fitted to both, and checked at new ones.
+
+    Args:
+        hulls: That stand for a solid, with a volume.
+        mesh: Its surface, wound outwards, metres.
+        touchable: Points of it.
+        kept: The bounds that the hulls keep to.
+        wanted: Those that leaving out corners keeps to.
+
+    Returns:
+        The parts, and the bounds that they keep to: looser ones if more points did not help.
+    """
+    for number in count():
+        finished = [finish(hull, touchable, kept, wanted) for hull in hulls]
+        others = touchable_points(mesh, f"parts, check {number}")
+        if share_within(others.points, finished, kept.deviation) <= CHECKED * MOST_BURIED:
+            break
+        if number < REFITS:
+            touchable = touchable.and_more(others)
+        else:
+            kept = kept.loosened(STEP)
+    return finished, kept

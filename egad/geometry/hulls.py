@@ -1,7 +1,8 @@
 """Convex hulls of points, and joining those that lie close together.
 
 manifold3d finds a hull four times as fast as Qhull, but now and then leaves out a point and with it
-several percent of the volume. So it gives lower bounds, and Qhull decides.
+several percent of the volume. So it compares cuts and gives lower bounds, and Qhull decides what is
+joined.
 """
 
 import heapq

@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
+from egad._util.kernels import kernel
+from egad.geometry.hulls import Hull, hull_of
 from egad.geometry.rays import RayCaster
 from egad.random import generator
 
@@ -30,6 +31,10 @@ class Touchable(NamedTuple):
     def where(self, chosen: NDArray[Any]) -> "Touchable":
         """Some of the points: flags, (n,), or numbers."""
         return Touchable(self.points[chosen], self.normals[chosen])
+
+    def and_more(self, others: "Touchable") -> "Touchable":
+        """These points and others."""
+        return Touchable(*map(np.concatenate, zip(self, others, strict=True)))
 
 
 def touchable_points(mesh: trimesh.Trimesh, purpose: str) -> Touchable:
@@ -89,12 +94,31 @@ def facing_depths(touchable: Touchable, planes: Floats) -> Floats:
     return np.where(facing, below, np.inf)
 
 
-def least_facing_depths(touchable: Touchable, planes: Floats) -> Floats:
-    """The least of the `facing_depths` of each point, (n,)."""
-    found = np.empty(len(touchable.points))
-    for rows in _blocks(len(touchable.points), len(planes)):
-        some = Touchable(touchable.points[rows], touchable.normals[rows])
-        found[rows] = facing_depths(some, planes).min(axis=1)
+@kernel()
+def deeper_points(
+    points: Floats, normals: Floats, planes: Floats, depth: float, facing_depth: float
+) -> NDArray[np.bool_]:
+    """Which of n points lie deeper than `depth` in a hull, and by another depth below some planes.
+
+    Args:
+        points: (n, 3).
+        normals: Outward unit normals of the surface there, (n, 3).
+        planes: Outward unit normals and offsets of the hull, (m, 4).
+        depth: Below all planes, in the unit of the points.
+        facing_depth: Below those that face the same way as a point's normal; at least `depth`.
+    """
+    found = np.zeros(len(points), np.bool_)
+    for i in range(len(points)):
+        deep = True
+        for j in range(len(planes)):
+            below, facing = -planes[j, 3], 0.0
+            for k in range(3):
+                below -= points[i, k] * planes[j, k]
+                facing += normals[i, k] * planes[j, k]
+            if below <= depth or (facing > FACING and below <= facing_depth):
+                deep = False
+                break
+        found[i] = deep
     return found
 
 
@@ -112,11 +136,16 @@ def buried_share(mesh: trimesh.Trimesh, parts: Iterable[trimesh.Trimesh], depth:
         parts: Convex meshes that stand for it.
         depth: Metres.
     """
-    points = touchable_points(mesh, "check").points
+    hulls = (hull_of(np.asarray(part.vertices)) for part in parts)
+    return share_within(touchable_points(mesh, "check").points, hulls, depth)
+
+
+def share_within(points: Floats, hulls: Iterable[Hull], depth: float) -> float:
+    """Share of points (n, 3) that lie deeper than `depth` in one of some hulls."""
     buried = np.zeros(len(points), dtype=np.bool_)
-    for part in parts:
-        near = np.flatnonzero(within_box(points, np.asarray(part.vertices)))
-        buried[near] |= depths(points[near], ConvexHull(part.vertices).equations) > depth
+    for hull in hulls:
+        near = np.flatnonzero(within_box(points, hull.points))
+        buried[near] |= depths(points[near], hull.planes) > depth
     return float(buried.mean()) if len(buried) else 0.0
 
 

@@ -12,6 +12,7 @@ import trimesh
 
 from egad._util.kernel_cache import compiled_marker
 from egad.cppn.surface import surface
+from egad.geometry import decompose
 from egad.geometry.repair import repair
 from egad.grasps import LabelParameters, label_grasps
 from egad.grippers import BoxBody
@@ -25,11 +26,12 @@ from egad.reeb import Forest, diversities, extract, similarities
 
 
 def compile_grasps() -> None:
-    """Sampling, quality and collisions of grasps, difficulty; triangles that cross."""
+    """Sampling, quality and collisions of grasps, difficulty; triangles that cross; parts."""
     mesh, rng = repair(_example()).mesh, generator(0, "precompile")
     labels = select(Settings(), LabelParameters)
     label_grasps(mesh, mesh.center_mass, labels, rng, BoxBody(labels.gripper))
     rough_difficulty(mesh, select(Settings(), MeasureParameters), rng)
+    decompose(mesh, 64, 0.5)
 
 
 def compile_measures() -> None:

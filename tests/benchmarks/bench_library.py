@@ -234,5 +234,5 @@ def test_convex_parts(released_set):
     slowest = max(found, key=lambda name: found[name][0])
     spent, count, error = found[slowest]
     total = sum(each[0] for each in found.values())
-    print(f"\nconvex parts: {total:.0f} s for {len(found)} objects, ", end="")
+    print(f"\nconvex parts: {total:.0f} s of CPU time for {len(found)} objects, ", end="")
     print(f"most for {slowest}: {spent:.1f} s, {count} parts, {100 * error:.1f} %", end="")

@@ -1,5 +1,6 @@
 """Convex parts: cover the solid, stay close to it, and know inside from outside."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,9 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.geometry.convex_parts import decompose, union_of_parts
+from egad.geometry.fit import LOWERING, Tolerances, finish, finish_all
+from egad.geometry.hulls import hull_mesh, hull_of
+from egad.geometry.touchable import buried_share, touchable_points
 
 RING, TUBE = 0.03, 0.01  # radii of the torus
 
@@ -299,3 +303,59 @@ def test_a_ring_is_cut_across_and_not_into_thinner_rings() -> None:
     parts = convex_parts(ring, 512, 0.06)
     assert len(parts) < 30
     assert min(np.ptp(part.vertices[:, 2]) for part in parts) == pytest.approx(0.06)
+
+
+@pytest.mark.parametrize("depth", [0.001, 0.002])
+def test_parts_fitted_to_too_few_points_are_fitted_to_more(depth: float) -> None:
+    mesh = dumbbell()
+    hulls = [hull_of(part.vertices) for part in convex_parts(mesh, 256, 0.5, deviation=depth)]
+    wanted = Tolerances(0.0005, 0.06, 64, LOWERING * 0.0005)
+    points = touchable_points(mesh, "test")
+    few = points.where(np.arange(0, len(points.points), 100))
+    once = [hull_mesh(finish(hull, few, wanted, wanted)) for hull in hulls]
+    assert buried_share(mesh, once, wanted.deviation) > 0.05
+    finished, kept = finish_all(hulls, mesh, few, wanted, wanted)
+    assert buried_share(mesh, map(hull_mesh, finished), kept.deviation) <= 0.01
+    # faces 2 mm above a hollow are too far to be moved by 0.4 mm only
+    assert (kept.deviation == wanted.deviation) == (depth == 0.001)
+
+
+def bowl() -> trimesh.Trimesh:
+    """Half a ball of 80 mm with a wall of 4 mm."""
+    outer, inner = (trimesh.creation.icosphere(4, radius) for radius in (0.04, 0.036))
+    hollow = trimesh.boolean.difference([outer, inner], engine="manifold")
+    lower = box((0.1, 0.1, 0.05), (0, 0, -0.025))
+    return trimesh.boolean.intersection([hollow, lower], engine="manifold")
+
+
+def basket() -> trimesh.Trimesh:
+    """An open cube of 60 mm of bars that are 3 mm thick."""
+    steps, bar = np.linspace(-0.03, 0.03, 4), 0.003
+    bars = [box((0.06 + bar, bar, bar), (0, y, 0)) for y in steps]
+    bars += [box((bar, 0.06 + bar, bar), (x, 0, 0)) for x in steps]
+    for side in (-0.03, 0.03):
+        bars += [box((bar, bar, 0.06), (x, side, 0.03)) for x in steps]
+        bars += [box((bar, bar, 0.06), (side, y, 0.03)) for y in steps]
+        bars += [box((0.06 + bar, bar, bar), (0, side, z)) for z in (0.03, 0.06)]
+        bars += [box((bar, 0.06 + bar, bar), (side, 0, z)) for z in (0.03, 0.06)]
+    return trimesh.boolean.union(bars, engine="manifold")
+
+
+@pytest.mark.parametrize("make", [bowl, basket])
+def test_what_is_hollow_stays_hollow_and_is_covered(
+    make: Callable[[], trimesh.Trimesh],
+) -> None:
+    mesh = make()
+    found = decompose(mesh, 512, 0.06)
+    assert (found.deviation, found.volume_error) == (0.0005, 0.06)
+    assert abs(excess_volume(found.parts, mesh)) <= 0.06
+    distances = surface_distances(found.parts, mesh)
+    assert np.mean(distances < -0.0005) <= 0.01
+    assert distances.max() < 0.0007
+    low = -0.03 if make is bowl else 0.003
+    inside = np.random.default_rng(0).uniform(
+        [-0.02, -0.02, low], [0.02, 0.02, low + 0.02], (500, 3)
+    )
+    inside = inside[np.linalg.norm(inside, axis=1) < 0.034]
+    assert len(inside) > 100
+    assert min(outside(part, inside).min() for part in found.parts) > 0

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.geometry.touchable import Touchable, buried_share, depths, facing_depths, touchable_points
+from egad.geometry.hulls import hull_of
+from egad.geometry.touchable import (
+    Touchable,
+    buried_share,
+    deeper_points,
+    depths,
+    facing_depths,
+    touchable_points,
+)
 
 
 def plates() -> trimesh.Trimesh:
@@ -44,3 +52,15 @@ def test_only_planes_that_face_the_finger_count() -> None:
     np.testing.assert_allclose(depths(points.points, top_and_side), [0.001, 0.0005])
     found = facing_depths(points, top_and_side)
     np.testing.assert_allclose(found, [[0.001, np.inf], [0.001, np.inf]])
+
+
+def test_deeper_points_are_those_whose_depths_are_larger() -> None:
+    rng = np.random.default_rng(2)
+    planes = hull_of(rng.normal(size=(40, 3))).planes
+    points, normals = rng.normal(size=(2, 2000, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    all_planes = depths(points, planes) > 0.2
+    facing = facing_depths(Touchable(points, normals), planes).min(axis=1) > 0.4
+    found = deeper_points(points, normals, planes, 0.2, 0.4)
+    np.testing.assert_array_equal(found, all_planes & facing)
+    assert 0 < found.sum() < all_planes.sum()
