@@ -13,13 +13,12 @@ from scipy.spatial import ConvexHull, QhullError
 from trimesh.units import unit_conversion
 
 from egad.errors import RejectedError, UserError
-from egad.io import read_content
+from egad.io import count_binary_faces, read_content
 
 Floats = NDArray[np.float64]
 
 PACKAGE = ("package://", "model://")
-# Header and bytes a face of a binary STL file, and how many faces MuJoCo reads
-STL_HEADER, STL_FACE, STL_FACES = 84, 50, 200_000
+STL_FACES = 200_000  # of a file that MuJoCo reads
 
 
 def find_file(wanted: str, path: Path) -> Path:
@@ -121,9 +120,7 @@ def read_shape(path: Path) -> Floats | None:
 
 def _is_regular_stl(path: Path) -> bool:
     """Whether a binary STL file is as long as it says, and MuJoCo reads as many faces."""
-    with path.open("rb") as file:
-        faces = int.from_bytes(file.read(STL_HEADER)[-4:], "little")
-    return path.stat().st_size == STL_HEADER + faces * STL_FACE and 0 < faces <= STL_FACES
+    return 0 < (count_binary_faces(path) or 0) <= STL_FACES
 
 
 def _points(path: Path) -> Floats:
