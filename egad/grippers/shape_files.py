@@ -1,10 +1,10 @@
 """Files of collision shapes: where they are, and those that MuJoCo does not read."""
 
 import os
-import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from urllib.parse import unquote, urlparse
+from xml.etree import ElementTree
 
 import numpy as np
 import trimesh
@@ -16,12 +16,35 @@ from egad.errors import RejectedError, UserError
 from egad.io import count_binary_faces, read_content
 
 Floats = NDArray[np.float64]
+Packages = Mapping[str, Sequence[Path]]  # folders by names
 
 PACKAGE = ("package://", "model://")
 STL_FACES = 200_000  # of a file that MuJoCo reads
 
 
-def find_file(wanted: str, path: Path) -> Path:
+def list_packages() -> Packages:
+    """The packages of ROS below ROS_PACKAGE_PATH by their names and those of their folders.
+
+    Links are followed, into each folder once.
+    """
+    packages: dict[str, list[Path]] = {}
+    entered: set[str] = set()
+    for root in _listed("ROS_PACKAGE_PATH"):
+        for found, folders, files in os.walk(root, followlinks=True):
+            real = os.path.realpath(found)
+            if "package.xml" in files or "manifest.xml" in files:
+                for name in {Path(found).name, _package_name(Path(found))} - {None}:
+                    packages.setdefault(str(name), []).append(Path(found))
+                folders.clear()  # packages are not nested
+            elif real in entered:
+                folders.clear()
+            else:
+                folders[:] = sorted(each for each in folders if not each.startswith("."))
+            entered.add(real)
+    return packages
+
+
+def find_file(wanted: str, path: Path, packages: Callable[[], Packages] = list_packages) -> Path:
     """Where a file is that a description names.
 
     Args:
@@ -29,6 +52,7 @@ def find_file(wanted: str, path: Path) -> Path:
             in the folders above the description, and in those of ROS_PACKAGE_PATH and
             AMENT_PREFIX_PATH.
         path: The description.
+        packages: Called if a package is not in the folders above; may remember its result.
 
     Raises:
         UserError: It is not there; with where it was looked for.
@@ -42,8 +66,8 @@ def find_file(wanted: str, path: Path) -> Path:
             return place.resolve()
         raise UserError(f"{wanted} (looked for {place})")
     package, _, rest = unquote(wanted.removeprefix(scheme)).partition("/")
-    looked: list[Path] = []
-    for place in _packages(package, folder):
+    rest, looked = rest.lstrip("/"), list[Path]()
+    for place in _packages(package, folder, packages):
         if (place / rest).is_file():
             return (place / rest).resolve()
         looked.append(place / rest)
@@ -55,21 +79,14 @@ def find_file(wanted: str, path: Path) -> Path:
     )
 
 
-def _packages(name: str, folder: Path) -> Iterator[Path]:
+def _packages(name: str, folder: Path, packages: Callable[[], Packages]) -> Iterator[Path]:
     """The folders that may be a package, the nearest ones first."""
     for above in (folder, *folder.parents):
         if above.name == name or _package_name(above) == name:
             yield above
         if (above / name).is_dir():
             yield above / name
-    for root in _listed("ROS_PACKAGE_PATH"):
-        for found, folders, files in os.walk(root):
-            if "package.xml" not in files and "manifest.xml" not in files:
-                folders[:] = sorted(each for each in folders if not each.startswith("."))
-                continue
-            folders.clear()  # packages are not nested
-            if Path(found).name == name or _package_name(Path(found)) == name:
-                yield Path(found)
+    yield from packages().get(name, [])
     for root in _listed("AMENT_PREFIX_PATH"):
         if (root / "share" / name).is_dir():
             yield root / "share" / name
@@ -83,11 +100,10 @@ def _listed(variable: str) -> list[Path]:
 def _package_name(folder: Path) -> str | None:
     """Name of the package of ROS in a folder; None if there is none."""
     try:
-        text = (folder / "package.xml").read_text(errors="replace")
-    except OSError:
+        root = ElementTree.parse(folder / "package.xml")  # noqa: S314 (expat limits entities)
+    except (OSError, ElementTree.ParseError):
         return None
-    found = re.search(r"<name>\s*(\S+?)\s*</name>", text)
-    return found[1] if found else None
+    return root.findtext("name", "").strip() or None
 
 
 def read_shape(path: Path) -> Floats | None:

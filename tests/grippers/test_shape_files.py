@@ -3,6 +3,7 @@
 import os
 import struct
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -221,6 +222,53 @@ def test_a_checkout_of_another_name_is_the_package_that_it_says(tmp_path):
     for scheme in ("package", "model"):
         file = find_file(f"{scheme}://maker/meshes/finger.stl", path)
         assert file == maker / "meshes" / "finger.stl"
+
+
+def test_linked_packages_are_found_and_links_in_circles_end(tmp_path, monkeypatch):
+    """As a workspace links to checkouts elsewhere; one link leads back to the workspace."""
+    maker = package(tmp_path / "checkouts" / "maker", "maker")
+    workspace = tmp_path / "workspace" / "src"
+    workspace.mkdir(parents=True)
+    (workspace / "stack").symlink_to(tmp_path / "checkouts")
+    (workspace / "renamed").symlink_to(maker)
+    (workspace / "round").symlink_to(workspace)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(workspace))
+    for name in ("maker", "renamed"):
+        found = find_file(f"package://{name}/meshes/finger.stl", tmp_path / "hand.urdf")
+        assert found == maker / "meshes/finger.stl"
+
+
+def test_slashes_after_the_name_of_a_package_may_be_doubled(tmp_path):
+    maker = package(tmp_path / "maker", "maker")
+    found = find_file("package://maker//meshes/finger.stl", tmp_path / "hand.urdf")
+    assert found == maker / "meshes" / "finger.stl"
+    with pytest.raises(UserError, match=rf"looked for {maker}/no\.stl"):
+        find_file("package://maker//no.stl", tmp_path / "hand.urdf")
+
+
+def test_the_name_of_a_package_is_not_read_from_a_comment(tmp_path):
+    maker = package(tmp_path / "maker-main", "maker")
+    text = "<!-- <name>other</name> --><package><author><name>a</name></author><name>maker</name>"
+    (maker / "package.xml").write_text(f"{text}</package>")
+    found = find_file("package://maker/meshes/finger.stl", maker / "urdf" / "hand.urdf")
+    assert found == maker / "meshes" / "finger.stl"
+    with pytest.raises(UserError, match="the package other is in none"):
+        find_file("package://other/meshes/finger.stl", maker / "urdf" / "hand.urdf")
+
+
+def test_ros_packages_are_listed_once_for_all_meshes_of_a_file(tmp_path, monkeypatch):
+    package(tmp_path / "elsewhere" / "maker", "maker")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "elsewhere"))
+    walk = Mock(wraps=os.walk)
+    monkeypatch.setattr(os, "walk", walk)
+    path = hand_with(tmp_path, "package://maker/meshes/finger.stl")
+    (tmp_path / "elsewhere/maker/meshes/other.stl").write_bytes(
+        (tmp_path / "elsewhere/maker/meshes/finger.stl").read_bytes()
+    )
+    head, tail = path.read_text().rsplit("finger.stl", 1)
+    path.write_text(f"{head}other.stl{tail}")
+    assert len(description_files(path)) == 3
+    assert walk.call_count == 1
 
 
 def test_uris_of_files_are_read(tmp_path, boxes):
