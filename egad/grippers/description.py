@@ -216,9 +216,13 @@ def _read_meshes(spec: mujoco.MjSpec, path: Path) -> None:
             corners = read_shape(file)
         except UserError as error:
             raise UserError(f"{link} cannot be used: {error}") from error
-        mesh.file = "" if corners is not None else str(file)
+        mesh.file = ""
         if corners is not None:
             mesh.uservert = corners.ravel()
+            continue
+        # As bytes, for MuJoCo remembers files by the second in which they were changed
+        mesh.file = f"{len(spec.assets)}{file.suffix}"
+        spec.assets = {**spec.assets, str(Path(spec.meshdir) / mesh.file): file.read_bytes()}
 
 
 def _mesh_file(

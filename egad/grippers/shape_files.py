@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import trimesh
+from collada.common import DaeError
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 from trimesh.units import unit_conversion
@@ -152,8 +153,11 @@ def _collada_points(path: Path) -> Floats:
     try:
         scene = trimesh.load_scene(path, file_type="dae", process=False, ignore_broken=False)
         points = np.asarray(scene.to_mesh().vertices)
+    except DaeError as error:
+        reason = error.msg.partition(" (<string>")[0]
+        raise UserError(f"{path} is not readable as Collada: {reason}; {advice}") from error
     except Exception as error:  # of a damaged file; anything may be raised
-        raise UserError(f"{path} is not readable as Collada ({error}); {advice}") from error
+        raise UserError(f"{path} is damaged or has no scene of Collada; {advice}") from error
     if not len(points):
         raise UserError(f"{path} is Collada without faces in its scene; {advice}")
     return np.unique(points * unit_conversion(scene.units or "meters", "meters"), axis=0)

@@ -1,6 +1,7 @@
 """Files of collision shapes: where they are found, and formats that MuJoCo does not read."""
 
 import os
+import re
 import struct
 from pathlib import Path
 from unittest.mock import Mock
@@ -59,6 +60,18 @@ def test_a_binary_file_that_begins_like_text_is_read(tmp_path, boxes):
     data = trimesh.creation.box(FINGER).export(file_type="stl")
     (tmp_path / "finger.STL").write_bytes(b"solid part" + data[10:])
     check(read_model(hand_with(tmp_path, "finger.STL")), boxes)
+
+
+def test_a_mesh_is_read_again_when_it_has_changed(tmp_path):
+    """Otherwise the same model comes back."""
+    mesh = tmp_path / "finger.stl"
+    path = hand_with(tmp_path, mesh.name)
+    for width in (0.02, 0.03):
+        trimesh.creation.box((FINGER[0], width, FINGER[2])).export(mesh)
+        os.utime(mesh, ns=(0, round(1e9 * width)))
+        found = read_model(path)
+        assert np.ptp(found.pad[:, 1]) == pytest.approx(width)
+        assert read_model(path) is found
 
 
 def test_more_faces_than_mujoco_reads_become_a_convex_hull(tmp_path, boxes):
@@ -175,11 +188,23 @@ def test_a_collada_shape_has_its_unit_and_place_and_no_upward_axis(tmp_path, box
     check(read_model(hand_with(tmp_path, "finger.dae")), boxes)
 
 
-@pytest.mark.parametrize("text", ["<COLLADA/>", "solid", collada([[0, 0, 0]], [])])
+BROKEN_COLLADA = {
+    "<COLLADA/>": "damaged or has no scene of Collada",
+    collada(np.eye(3), [[0, 1, 2]]).replace('scene url="#scene"', "no"): "damaged or has no scene",
+    collada(np.eye(3), [[0, 1, 9]]): "not readable as Collada: Indexes .* beyond",
+    "solid": "not readable as Collada: XML Parsing Error",
+    collada(np.eye(3), [[0, 1, 2]]).replace("float_array", "reals"): "not readable .* No array",
+    collada([[0, 0, 0]], []): "Collada without faces",
+}
+
+
+@pytest.mark.parametrize("text", BROKEN_COLLADA)
 def test_a_collada_file_without_shapes_is_refused_with_what_to_do(tmp_path, text):
     (tmp_path / "finger.dae").write_text(text)
-    with pytest.raises(UserError, match=r"finger\.dae is .*Collada.*convert it to STL or OBJ"):
+    words = rf"finger\.dae is {BROKEN_COLLADA[text]}.*; convert it to STL or OBJ"
+    with pytest.raises(UserError, match=words) as refused:
         read_model(hand_with(tmp_path, "finger.dae"))
+    assert not re.search(r"NoneType|Dae|<string>", str(refused.value))
 
 
 def package(folder: Path, name: str) -> Path:
