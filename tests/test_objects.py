@@ -148,7 +148,7 @@ def test_a_solid_is_wound_outwards_and_scaled(rule, side, turned):
 def test_a_surface_that_bounds_no_solid_is_rejected():
     sheet = trimesh.Trimesh(BOX.vertices, BOX.faces[2:], process=False)
     (target,) = named_meshes({"sheet": sheet})
-    with pytest.raises(RejectedError, match="does not bound a solid"):
+    with pytest.raises(RejectedError, match="open or inconsistently wound surface"):
         scaled_solid(target, egad.gripper("panda"), "paper")
 
 

@@ -20,6 +20,8 @@ PACKAGE = Path(__file__).parents[1]
 USUAL_SIDES = (0.005, 1.0)
 ROUNDING = 1e-12  # of the cube of the longest side: a smaller volume is none
 
+OPEN = "open or inconsistently wound surface: `egad.repair` may close it"
+
 
 class UnitsWarning(UserWarning):
     """The size of a mesh suggests that its coordinates are not in metres."""
@@ -87,7 +89,7 @@ def check_solid(mesh: trimesh.Trimesh) -> None:
     """
     check_surface(mesh)
     if not _is_closed(np.asarray(mesh.faces), len(mesh.vertices)):
-        raise RejectedError("open or inconsistently wound surface: `egad.repair` may close it")
+        raise RejectedError(OPEN)
     volume = _relative_volume(mesh)
     if abs(volume) < ROUNDING:
         raise RejectedError("no volume")

@@ -11,7 +11,7 @@ import trimesh
 
 from egad._util.workers import one_thread
 from egad.errors import RejectedError
-from egad.geometry.checks import ROUNDING, check_mesh
+from egad.geometry.checks import OPEN, ROUNDING, check_mesh
 from egad.geometry.cuts import best_plane, middle_plane
 from egad.geometry.fit import LOWERING, STEP, Tolerances, finish_all, fits, too_deep
 from egad.geometry.hulls import Hull, hull_mesh, hull_of, merge_hulls
@@ -190,8 +190,10 @@ def _solid(mesh: trimesh.Trimesh) -> Solid:
     if solid.volume() < 0:
         solid = to_solid(mesh.vertices, mesh.faces[:, ::-1])
     size = float(np.ptp(mesh.vertices, axis=0).max())
-    if not is_solid(solid) or not solid.volume() > ROUNDING * size**3:
-        raise RejectedError("the surface does not bound a solid")
+    if not is_solid(solid):
+        raise RejectedError(OPEN)
+    if not solid.volume() > ROUNDING * size**3:
+        raise RejectedError("no volume")
     return solid
 
 

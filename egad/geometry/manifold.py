@@ -9,6 +9,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
+from egad.geometry.checks import OPEN
 
 Solid = Any  # manifold3d.Manifold, which has no type information
 
@@ -29,11 +30,13 @@ def wind_outwards(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     """A copy of a closed surface that is wound outwards.
 
     Raises:
-        RejectedError: It does not bound a solid.
+        RejectedError: It is open or wound inconsistently, or has no volume.
     """
     solid = to_solid(mesh.vertices, mesh.faces)
-    if not is_solid(solid) or not abs(solid.volume()) > 0:
-        raise RejectedError("the surface does not bound a solid")
+    if not is_solid(solid):
+        raise RejectedError(OPEN)
+    if not abs(solid.volume()) > 0:
+        raise RejectedError("no volume")
     found = mesh.copy()
     if solid.volume() < 0:
         found.invert()

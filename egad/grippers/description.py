@@ -1,8 +1,9 @@
 """Reading the model of a hand that its maker publishes: URDF or MJCF, by MuJoCo."""
 
 import logging
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 
 import mujoco
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad.errors import UserError
-from egad.grippers.shape_files import find_file, read_shape
+from egad.grippers.shape_files import Packages, find_file, list_packages, read_shape
 from egad.grippers.tree import body_name
 from egad.grippers.urdf import read_urdf
 
@@ -86,11 +87,16 @@ def description_files(path: Path) -> list[Path]:
     """
     with name_file_in_messages(path):
         spec = read_description(path)
-    meshes = []
+    return [path, *mesh_files(spec, path)]
+
+
+def mesh_files(spec: mujoco.MjSpec, path: Path) -> list[Path]:
+    """Those meshes that a description from a file names and that are there."""
+    packages, found = cache(list_packages), []
     for mesh in spec.meshes:
         with suppress(UserError):
-            meshes.append(_mesh_file(spec, mesh, path))
-    return [path, *meshes]
+            found.append(_mesh_file(spec, mesh, path, packages))
+    return found
 
 
 @contextmanager
@@ -196,28 +202,35 @@ def _read_meshes(spec: mujoco.MjSpec, path: Path) -> None:
     Raises:
         UserError: One is missing, or cannot be read; with its link.
     """
+    packages = cache(list_packages)
     users = {shape.meshname: shape.parent.name for shape in reversed(spec.geoms) if shape.meshname}
     for mesh in spec.meshes:
         if not mesh.file:
             continue
         link = f"a mesh of the link {users[mesh.name]}" if mesh.name in users else "a mesh"
         try:
-            file = _mesh_file(spec, mesh, path)
+            file = _mesh_file(spec, mesh, path, packages)
         except UserError as error:
             raise UserError(f"{link} is missing: {error}") from error
         try:
             corners = read_shape(file)
         except UserError as error:
             raise UserError(f"{link} cannot be used: {error}") from error
-        mesh.file = "" if corners is not None else str(file)
+        mesh.file = ""
         if corners is not None:
             mesh.uservert = corners.ravel()
+            continue
+        # As bytes, for MuJoCo remembers files by the second in which they were changed
+        mesh.file = f"{len(spec.assets)}{file.suffix}"
+        spec.assets = {**spec.assets, str(Path(spec.meshdir) / mesh.file): file.read_bytes()}
 
 
-def _mesh_file(spec: mujoco.MjSpec, mesh: mujoco.MjsMesh, path: Path) -> Path:
+def _mesh_file(
+    spec: mujoco.MjSpec, mesh: mujoco.MjsMesh, path: Path, packages: Callable[[], Packages]
+) -> Path:
     """Where a mesh is; raises as `find_file`."""
     wanted = mesh.file if "://" in mesh.file else str(Path(spec.meshdir) / mesh.file)
-    return find_file(wanted, path)
+    return find_file(wanted, path, packages)
 
 
 def _line(error: Exception) -> str:

@@ -58,9 +58,12 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
     if not driven:
         raise UserError(f"each of its joints mimics another one: {', '.join(names)}")
     for joint in driven:
-        if not model.jnt_limited[joint] or not np.isfinite(model.jnt_range[joint]).all():
+        name, (low, high) = joint_name(model, joint), model.jnt_range[joint]
+        if low > high:
+            raise UserError(f"the joint {name} cannot move: its lower limit is above its upper one")
+        if not model.jnt_limited[joint] or not np.isfinite([low, high]).all():
             raise UserError(
-                f"the joint {joint_name(model, joint)} has no limits, or equal ones; it needs a "
+                f"the joint {name} has no limits, or equal ones; it needs a "
                 f"lower and a higher one{WHOLE_ROBOT}"
             )
     if len(driven) > MOST_DRIVEN:

@@ -15,6 +15,7 @@ from egad.errors import UserError
 from egad.grippers.description import (
     compile_skeleton,
     compile_with_shapes,
+    mesh_files,
     name_file_in_messages,
     read_description,
     shapes_of,
@@ -65,15 +66,26 @@ def read_model(path: Path, choices: Choices = Choices()) -> GripperModel:  # noq
         UserError: The file cannot be used, or it is no parallel-jaw hand; with the link or joint.
     """
     changed = path.stat().st_mtime_ns if path.is_file() else 0
-    return _read_model(path, choices, changed)
+    with name_file_in_messages(path):
+        meshes = mesh_files(_description(path, changed), path)
+    return _read_model(path, choices, changed, tuple((m, m.stat().st_mtime_ns) for m in meshes))
 
 
 @cache
-def _read_model(path: Path, choices: Choices, changed: int) -> GripperModel:
-    """The same; a file is read again when it has `changed`."""
+def _description(path: Path, changed: int) -> mujoco.MjSpec:
+    """What the file says; it is read again when it has `changed`."""
     del changed
+    return read_description(path)
+
+
+@cache
+def _read_model(
+    path: Path, choices: Choices, changed: int, meshes: tuple[tuple[Path, int], ...]
+) -> GripperModel:
+    """The same; the files are read again when one of them, or of its `meshes`, has `changed`."""
+    del meshes
     with name_file_in_messages(path):
-        model, beyond = _modelled(path, choices)
+        model, beyond = _modelled(_description(path, changed).copy(), path, choices)
     if beyond:
         log.warning(
             "%s: joints that follow others go beyond their own limits, which do not count: %s",
@@ -101,9 +113,8 @@ def model_of(gripper: Gripper) -> GripperModel:
     return read_model(Path(gripper.file), choices_of(gripper.model_dump()))
 
 
-def _modelled(path: Path, choices: Choices) -> tuple[GripperModel, list[str]]:
+def _modelled(spec: mujoco.MjSpec, path: Path, choices: Choices) -> tuple[GripperModel, list[str]]:
     """The model of a hand, and the joints that go beyond their own limits."""
-    spec = read_description(path)
     bare = compile_skeleton(spec)
     palm, chains = find_palm(bare, choices.finger_links)
     carried = set().union(*(subtree(bare, chain) for chain in chains))

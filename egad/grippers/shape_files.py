@@ -1,28 +1,51 @@
 """Files of collision shapes: where they are, and those that MuJoCo does not read."""
 
 import os
-import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from urllib.parse import unquote, urlparse
+from xml.etree import ElementTree
 
 import numpy as np
 import trimesh
+from collada.common import DaeError
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 from trimesh.units import unit_conversion
 
 from egad.errors import RejectedError, UserError
-from egad.io import read_content
+from egad.io import count_binary_faces, read_content
 
 Floats = NDArray[np.float64]
+Packages = Mapping[str, Sequence[Path]]  # folders by names
 
 PACKAGE = ("package://", "model://")
-# Header and bytes a face of a binary STL file, and how many faces MuJoCo reads
-STL_HEADER, STL_FACE, STL_FACES = 84, 50, 200_000
+STL_FACES = 200_000  # of a file that MuJoCo reads
 
 
-def find_file(wanted: str, path: Path) -> Path:
+def list_packages() -> Packages:
+    """The packages of ROS below ROS_PACKAGE_PATH by their names and those of their folders.
+
+    Links are followed, into each folder once.
+    """
+    packages: dict[str, list[Path]] = {}
+    entered: set[str] = set()
+    for root in _listed("ROS_PACKAGE_PATH"):
+        for found, folders, files in os.walk(root, followlinks=True):
+            real = os.path.realpath(found)
+            if "package.xml" in files or "manifest.xml" in files:
+                for name in {Path(found).name, _package_name(Path(found))} - {None}:
+                    packages.setdefault(str(name), []).append(Path(found))
+                folders.clear()  # packages are not nested
+            elif real in entered:
+                folders.clear()
+            else:
+                folders[:] = sorted(each for each in folders if not each.startswith("."))
+            entered.add(real)
+    return packages
+
+
+def find_file(wanted: str, path: Path, packages: Callable[[], Packages] = list_packages) -> Path:
     """Where a file is that a description names.
 
     Args:
@@ -30,6 +53,7 @@ def find_file(wanted: str, path: Path) -> Path:
             in the folders above the description, and in those of ROS_PACKAGE_PATH and
             AMENT_PREFIX_PATH.
         path: The description.
+        packages: Called if a package is not in the folders above; may remember its result.
 
     Raises:
         UserError: It is not there; with where it was looked for.
@@ -43,8 +67,8 @@ def find_file(wanted: str, path: Path) -> Path:
             return place.resolve()
         raise UserError(f"{wanted} (looked for {place})")
     package, _, rest = unquote(wanted.removeprefix(scheme)).partition("/")
-    looked: list[Path] = []
-    for place in _packages(package, folder):
+    rest, looked = rest.lstrip("/"), list[Path]()
+    for place in _packages(package, folder, packages):
         if (place / rest).is_file():
             return (place / rest).resolve()
         looked.append(place / rest)
@@ -56,21 +80,14 @@ def find_file(wanted: str, path: Path) -> Path:
     )
 
 
-def _packages(name: str, folder: Path) -> Iterator[Path]:
+def _packages(name: str, folder: Path, packages: Callable[[], Packages]) -> Iterator[Path]:
     """The folders that may be a package, the nearest ones first."""
     for above in (folder, *folder.parents):
         if above.name == name or _package_name(above) == name:
             yield above
         if (above / name).is_dir():
             yield above / name
-    for root in _listed("ROS_PACKAGE_PATH"):
-        for found, folders, files in os.walk(root):
-            if "package.xml" not in files and "manifest.xml" not in files:
-                folders[:] = sorted(each for each in folders if not each.startswith("."))
-                continue
-            folders.clear()  # packages are not nested
-            if Path(found).name == name or _package_name(Path(found)) == name:
-                yield Path(found)
+    yield from packages().get(name, [])
     for root in _listed("AMENT_PREFIX_PATH"):
         if (root / "share" / name).is_dir():
             yield root / "share" / name
@@ -84,11 +101,10 @@ def _listed(variable: str) -> list[Path]:
 def _package_name(folder: Path) -> str | None:
     """Name of the package of ROS in a folder; None if there is none."""
     try:
-        text = (folder / "package.xml").read_text(errors="replace")
-    except OSError:
+        root = ElementTree.parse(folder / "package.xml")  # noqa: S314 (expat limits entities)
+    except (OSError, ElementTree.ParseError):
         return None
-    found = re.search(r"<name>\s*(\S+?)\s*</name>", text)
-    return found[1] if found else None
+    return root.findtext("name", "").strip() or None
 
 
 def read_shape(path: Path) -> Floats | None:
@@ -121,9 +137,7 @@ def read_shape(path: Path) -> Floats | None:
 
 def _is_regular_stl(path: Path) -> bool:
     """Whether a binary STL file is as long as it says, and MuJoCo reads as many faces."""
-    with path.open("rb") as file:
-        faces = int.from_bytes(file.read(STL_HEADER)[-4:], "little")
-    return path.stat().st_size == STL_HEADER + faces * STL_FACE and 0 < faces <= STL_FACES
+    return 0 < (count_binary_faces(path) or 0) <= STL_FACES
 
 
 def _points(path: Path) -> Floats:
@@ -139,8 +153,11 @@ def _collada_points(path: Path) -> Floats:
     try:
         scene = trimesh.load_scene(path, file_type="dae", process=False, ignore_broken=False)
         points = np.asarray(scene.to_mesh().vertices)
+    except DaeError as error:
+        reason = error.msg.partition(" (<string>")[0]
+        raise UserError(f"{path} is not readable as Collada: {reason}; {advice}") from error
     except Exception as error:  # of a damaged file; anything may be raised
-        raise UserError(f"{path} is not readable as Collada ({error}); {advice}") from error
+        raise UserError(f"{path} is damaged or has no scene of Collada; {advice}") from error
     if not len(points):
         raise UserError(f"{path} is Collada without faces in its scene; {advice}")
     return np.unique(points * unit_conversion(scene.units or "meters", "meters"), axis=0)

@@ -41,10 +41,12 @@ def read_urdf(path: Path) -> str | None:
     if root.tag != "robot":
         raise UserError(f"it is no URDF or MJCF: its outermost element is <{root.tag}>")
     if any(_is_xacro(each) for each in root.iter()):
-        name = path.name.removesuffix(".xacro").removesuffix(".urdf")
+        name = path.name.removesuffix(".xacro").removesuffix(".urdf") + ".urdf"
+        if name == path.name:  # a shell empties its output before xacro reads its input
+            name = f"expanded_{name}"
         raise UserError(
-            f"it is a xacro file; expand it with `xacro {path.name} > {name}.urdf` of ROS, or "
-            f"without ROS: `pip install xacrodoc`, then `xacrodoc {path.name} -o {name}.urdf`"
+            f"it is a xacro file; expand it with `xacro {path.name} > {name}` of ROS, or "
+            f"without ROS: `pip install xacrodoc`, then `xacrodoc {path.name} -o {name}`"
         )
     links = _by_name([_link(each, path) for each in root.findall("link")])
     joints = _by_name([_joint(each, path) for each in root.findall("joint")])

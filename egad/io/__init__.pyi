@@ -5,5 +5,6 @@ from .mesh import check_unit_known as check_unit_known
 from .mesh import read_content as read_content
 from .mesh import read_mesh as read_mesh
 from .plain_obj import obj_text as obj_text
+from .stl import count_binary_faces as count_binary_faces
 from .units import ALLOWED as ALLOWED
 from .units import METRES as METRES

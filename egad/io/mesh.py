@@ -17,7 +17,7 @@ from egad.io.off import parse_off
 from egad.io.plain_obj import parse_plain_obj
 from egad.io.ply import parse_ply
 from egad.io.polygons import check_corners
-from egad.io.stl import FACET, HEADER, parse_stl
+from egad.io.stl import count_binary_faces, parse_stl
 from egad.io.threemf import parse_3mf
 from egad.io.units import (
     ALLOWED,
@@ -120,7 +120,8 @@ def _parsed(path: Path) -> Content:
             return Content(*plain)
         if len(data) <= MAX_DIRECT_BYTES:
             return parse_obj(data)
-    elif path.suffix.lower() == ".stl" and _is_binary_stl(path):
+    elif path.suffix.lower() == ".stl" and (count := count_binary_faces(path)) is not None:
+        check_at_most(count, MAX_FACES, "faces")
         return parse_file(path)
     return limited(parse_file, path)
 
@@ -133,17 +134,3 @@ def parse_file(path: Path) -> Content:
         Exception: It is damaged; anything may be raised.
     """
     return PARSERS[path.suffix.lower()](path.read_bytes())
-
-
-def _is_binary_stl(path: Path) -> bool:
-    """Whether a file is as long as a header of binary STL says.
-
-    Raises:
-        RejectedError: It has more faces than are read.
-    """
-    with path.open("rb") as file:
-        count = int.from_bytes(file.read(HEADER)[80:], "little")
-    if path.stat().st_size != HEADER + FACET * count:
-        return False
-    check_at_most(count, MAX_FACES, "faces")
-    return True

@@ -1,6 +1,7 @@
 """STL files, binary and ASCII."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,13 @@ def parse_stl(data: bytes) -> Content:
     if len(data) != HEADER + FACET * count and _is_text(data):
         return _parse_ascii(plain_text(data))
     return parse_binary(data)
+
+
+def count_binary_faces(path: Path) -> int | None:
+    """Number of faces of a binary STL file that is as long as its header says, else None."""
+    with path.open("rb") as file:
+        count = int.from_bytes(file.read(HEADER)[80:], "little")
+    return count if path.stat().st_size == HEADER + FACET * count else None
 
 
 def _is_text(data: bytes) -> bool:

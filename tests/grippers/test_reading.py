@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
-from described_hands import BAR, INSET, PAD, PANDA, box_urdf, linkage_mjcf
+from described_hands import BAR, INSET, PAD, PANDA, SWING, box_urdf, linkage_mjcf
 
 from egad.errors import UserError
 from egad.grippers.fingers import find_driven
@@ -237,6 +237,15 @@ def test_a_joint_without_limits_is_named(tmp_path):
     path.write_text(path.read_text().replace("prismatic", "continuous"))
     with pytest.raises(UserError, match="the joint left_joint has no limits"):
         read_model(path)
+
+
+def test_a_joint_whose_limits_are_reversed_is_named(tmp_path):
+    words = "the joint {} cannot move: its lower limit is above its upper one"
+    limits = {'lower="0" upper="0.04"': 'lower="0.04" upper="0"'}
+    with pytest.raises(UserError, match=words.format("left_joint")):
+        read_model(box_urdf(tmp_path / "reversed.urdf", changes=limits))
+    with pytest.raises(UserError, match=words.format("left_outer")):
+        read_model(linkage_mjcf(tmp_path / "reversed.xml", SWING[::-1]))
 
 
 def test_joints_that_mimic_each_other_are_named(tmp_path):

@@ -1,8 +1,10 @@
 """Files of collision shapes: where they are found, and formats that MuJoCo does not read."""
 
 import os
+import re
 import struct
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -58,6 +60,18 @@ def test_a_binary_file_that_begins_like_text_is_read(tmp_path, boxes):
     data = trimesh.creation.box(FINGER).export(file_type="stl")
     (tmp_path / "finger.STL").write_bytes(b"solid part" + data[10:])
     check(read_model(hand_with(tmp_path, "finger.STL")), boxes)
+
+
+def test_a_mesh_is_read_again_when_it_has_changed(tmp_path):
+    """Otherwise the same model comes back."""
+    mesh = tmp_path / "finger.stl"
+    path = hand_with(tmp_path, mesh.name)
+    for width in (0.02, 0.03):
+        trimesh.creation.box((FINGER[0], width, FINGER[2])).export(mesh)
+        os.utime(mesh, ns=(0, round(1e9 * width)))
+        found = read_model(path)
+        assert np.ptp(found.pad[:, 1]) == pytest.approx(width)
+        assert read_model(path) is found
 
 
 def test_more_faces_than_mujoco_reads_become_a_convex_hull(tmp_path, boxes):
@@ -174,11 +188,23 @@ def test_a_collada_shape_has_its_unit_and_place_and_no_upward_axis(tmp_path, box
     check(read_model(hand_with(tmp_path, "finger.dae")), boxes)
 
 
-@pytest.mark.parametrize("text", ["<COLLADA/>", "solid", collada([[0, 0, 0]], [])])
+BROKEN_COLLADA = {
+    "<COLLADA/>": "damaged or has no scene of Collada",
+    collada(np.eye(3), [[0, 1, 2]]).replace('scene url="#scene"', "no"): "damaged or has no scene",
+    collada(np.eye(3), [[0, 1, 9]]): "not readable as Collada: Indexes .* beyond",
+    "solid": "not readable as Collada: XML Parsing Error",
+    collada(np.eye(3), [[0, 1, 2]]).replace("float_array", "reals"): "not readable .* No array",
+    collada([[0, 0, 0]], []): "Collada without faces",
+}
+
+
+@pytest.mark.parametrize("text", BROKEN_COLLADA)
 def test_a_collada_file_without_shapes_is_refused_with_what_to_do(tmp_path, text):
     (tmp_path / "finger.dae").write_text(text)
-    with pytest.raises(UserError, match=r"finger\.dae is .*Collada.*convert it to STL or OBJ"):
+    words = rf"finger\.dae is {BROKEN_COLLADA[text]}.*; convert it to STL or OBJ"
+    with pytest.raises(UserError, match=words) as refused:
         read_model(hand_with(tmp_path, "finger.dae"))
+    assert not re.search(r"NoneType|Dae|<string>", str(refused.value))
 
 
 def package(folder: Path, name: str) -> Path:
@@ -221,6 +247,53 @@ def test_a_checkout_of_another_name_is_the_package_that_it_says(tmp_path):
     for scheme in ("package", "model"):
         file = find_file(f"{scheme}://maker/meshes/finger.stl", path)
         assert file == maker / "meshes" / "finger.stl"
+
+
+def test_linked_packages_are_found_and_links_in_circles_end(tmp_path, monkeypatch):
+    """As a workspace links to checkouts elsewhere; one link leads back to the workspace."""
+    maker = package(tmp_path / "checkouts" / "maker", "maker")
+    workspace = tmp_path / "workspace" / "src"
+    workspace.mkdir(parents=True)
+    (workspace / "stack").symlink_to(tmp_path / "checkouts")
+    (workspace / "renamed").symlink_to(maker)
+    (workspace / "round").symlink_to(workspace)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(workspace))
+    for name in ("maker", "renamed"):
+        found = find_file(f"package://{name}/meshes/finger.stl", tmp_path / "hand.urdf")
+        assert found == maker / "meshes/finger.stl"
+
+
+def test_slashes_after_the_name_of_a_package_may_be_doubled(tmp_path):
+    maker = package(tmp_path / "maker", "maker")
+    found = find_file("package://maker//meshes/finger.stl", tmp_path / "hand.urdf")
+    assert found == maker / "meshes" / "finger.stl"
+    with pytest.raises(UserError, match=rf"looked for {maker}/no\.stl"):
+        find_file("package://maker//no.stl", tmp_path / "hand.urdf")
+
+
+def test_the_name_of_a_package_is_not_read_from_a_comment(tmp_path):
+    maker = package(tmp_path / "maker-main", "maker")
+    text = "<!-- <name>other</name> --><package><author><name>a</name></author><name>maker</name>"
+    (maker / "package.xml").write_text(f"{text}</package>")
+    found = find_file("package://maker/meshes/finger.stl", maker / "urdf" / "hand.urdf")
+    assert found == maker / "meshes" / "finger.stl"
+    with pytest.raises(UserError, match="the package other is in none"):
+        find_file("package://other/meshes/finger.stl", maker / "urdf" / "hand.urdf")
+
+
+def test_ros_packages_are_listed_once_for_all_meshes_of_a_file(tmp_path, monkeypatch):
+    package(tmp_path / "elsewhere" / "maker", "maker")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "elsewhere"))
+    walk = Mock(wraps=os.walk)
+    monkeypatch.setattr(os, "walk", walk)
+    path = hand_with(tmp_path, "package://maker/meshes/finger.stl")
+    (tmp_path / "elsewhere/maker/meshes/other.stl").write_bytes(
+        (tmp_path / "elsewhere/maker/meshes/finger.stl").read_bytes()
+    )
+    head, tail = path.read_text().rsplit("finger.stl", 1)
+    path.write_text(f"{head}other.stl{tail}")
+    assert len(description_files(path)) == 3
+    assert walk.call_count == 1
 
 
 def test_uris_of_files_are_read(tmp_path, boxes):

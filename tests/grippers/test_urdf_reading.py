@@ -1,5 +1,7 @@
 """URDF files with what MuJoCo refuses and a hand does not need, against the hand without it."""
 
+import re
+
 import numpy as np
 import pytest
 from described_hands import PANDA, box_urdf
@@ -97,7 +99,7 @@ def test_of_repeated_limits_the_first_one_counts_and_is_logged(tmp_path, caplog)
 
 
 BAD = {
-    "macro": (whole('<xacro:property name="w" value="1"/>'), "xacro hand.urdf > hand.urdf"),
+    "macro": (whole('<xacro:property name="w" value="1"/>'), "xacro hand.urdf > expanded"),
     "expression": ({'size="': 'size="${w} '}, "xacro"),
     "substitution": ({"<robot": '<robot path="$(find maker)"'}, "xacrodoc hand"),
     "other format": ({"<robot": "<sdf", "</robot": "</sdf"}, "outermost element is <sdf>"),
@@ -149,6 +151,16 @@ def test_what_cannot_be_read_is_refused_with_its_name(tmp_path, case):
     with pytest.raises(UserError, match=words) as refused:
         read_model(path)
     assert str(path) in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["hand.urdf", "hand.urdf.xacro", "hand.xacro", "a.xacro.urdf"])
+def test_the_advice_for_xacro_never_writes_over_the_file(tmp_path, name):
+    path = box_urdf(tmp_path / name, changes={'size="': 'size="${w} '})
+    with pytest.raises(UserError) as refused:
+        read_model(path)
+    outputs = re.findall(r"(?:>|-o) ([^`]+)`", str(refused.value))
+    assert len(outputs) == 2
+    assert all(output.endswith(".urdf") and output != name for output in outputs)
 
 
 ARM = """<robot name="arm"><link name="base"><collision>
