@@ -15,11 +15,8 @@ from egad.measures.parameters import BINS
 
 Floats = NDArray[np.float64]
 
-
 UNKNOWN_ROUNDING = 1e-3  # of a bin; away from flat vertices, where evolved objects have few values
-LONG_EDGE = (
-    0.08  # over the square root of the area: 99 % of the released objects have no longer one
-)
+LONG_EDGE = 0.08  # over the square root of the area: as on 99 % of the released objects
 MAX_SPLITS = 20_000
 CELL_WIDTH = 0.16  # bits, of the usual map
 
