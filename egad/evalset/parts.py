@@ -111,9 +111,9 @@ def warn_if_beyond(name: str, within: bool, volume_error: float, bound: float) -
     """
     if within:
         return
-    depth = "" if np.isnan(bound) else f" and a deviation of {1000 * bound:.2g} mm"
+    depth = "" if np.isnan(bound) else f" and their deviation {1000 * bound:.2g} mm"
     warn_user(
-        f"the convex parts of {name} are beyond the bounds asked for: they keep a volume error of "
+        f"the convex parts of {name} are beyond the bounds asked for: their volume error is "
         f"{volume_error:.1%}{depth}; allow more parts or larger bounds",
         PartsWarning,
     )

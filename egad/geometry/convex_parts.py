@@ -11,11 +11,11 @@ import trimesh
 
 from egad._util.workers import one_thread
 from egad.errors import RejectedError
-from egad.geometry.checks import OPEN, ROUNDING, check_mesh
+from egad.geometry.checks import check_mesh
 from egad.geometry.cuts import best_plane, middle_plane
 from egad.geometry.fit import LOWERING, STEP, Tolerances, finish_all, fits, too_deep
 from egad.geometry.hulls import Hull, hull_mesh, hull_of, merge_hulls
-from egad.geometry.manifold import Solid, arrays, is_solid, to_mesh, to_solid, union
+from egad.geometry.manifold import Solid, arrays, is_solid, solid_within, to_mesh, to_solid, union
 from egad.geometry.parameters import DEVIATION, MAX_VERTICES
 from egad.geometry.touchable import MOST_BURIED, Touchable, touchable_points
 
@@ -186,15 +186,8 @@ def _solid(mesh: trimesh.Trimesh) -> Solid:
     Inside out, a surface bounds everything but the object, and every hull would be of that.
     """
     check_mesh(mesh)
-    solid = to_solid(mesh.vertices, mesh.faces)
-    if solid.volume() < 0:
-        solid = to_solid(mesh.vertices, mesh.faces[:, ::-1])
-    size = float(np.ptp(mesh.vertices, axis=0).max())
-    if not is_solid(solid):
-        raise RejectedError(OPEN)
-    if not solid.volume() > ROUNDING * size**3:
-        raise RejectedError("no volume")
-    return solid
+    solid = solid_within(mesh)
+    return solid if solid.volume() > 0 else to_solid(mesh.vertices, mesh.faces[:, ::-1])
 
 
 def _simplified(solid: Solid, deviation: float) -> Solid:

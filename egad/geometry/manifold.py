@@ -9,7 +9,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad.errors import RejectedError
-from egad.geometry.checks import OPEN
+from egad.geometry.checks import OPEN, ROUNDING
 
 Solid = Any  # manifold3d.Manifold, which has no type information
 
@@ -26,19 +26,24 @@ def is_solid(solid: Solid) -> bool:
     return bool(solid.status() == manifold3d.Error.NoError and not solid.is_empty())
 
 
-def wind_outwards(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """A copy of a closed surface that is wound outwards.
+def solid_within(mesh: trimesh.Trimesh) -> Solid:
+    """What a closed surface bounds; of negative volume if it is inside out.
 
     Raises:
         RejectedError: It is open or wound inconsistently, or has no volume.
     """
     solid = to_solid(mesh.vertices, mesh.faces)
-    if not is_solid(solid):
+    if solid.status() != manifold3d.Error.NoError:
         raise RejectedError(OPEN)
-    if not abs(solid.volume()) > 0:
+    if solid.is_empty() or not abs(solid.volume()) > ROUNDING * float(mesh.extents.max()) ** 3:
         raise RejectedError("no volume")
+    return solid
+
+
+def wind_outwards(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """A copy of a closed surface that is wound outwards; raises as `solid_within`."""
     found = mesh.copy()
-    if solid.volume() < 0:
+    if solid_within(mesh).volume() < 0:
         found.invert()
     return found
 

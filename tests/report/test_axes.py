@@ -79,6 +79,9 @@ def test_tables_on_the_terminal_name_them(capsys):
     size = {"factor": 40.0, "grasped_1": 0.04, "grasped_2": 4.0, "grasped_3": 4.0}
     measured(table.assign(**size), USUAL, "yumi")
     assert re.search("40.0 x 4000.0 x 4000.0 +40.000 +yumi", capsys.readouterr().out)
+    size = dict.fromkeys(size, np.nan)
+    measured(table.assign(**size), USUAL, "yumi")
+    assert re.search(r"\na .* 0 +- +- +-\n", capsys.readouterr().out)
     assert "wall thickness  slenderness" in said
     assert "0.250" in said
     assert "Z03" in said

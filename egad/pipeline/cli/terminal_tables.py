@@ -37,7 +37,12 @@ def measured(table: pd.DataFrame, axes: AxisPair, gripper: str) -> None:
 
 
 def _size(row: pd.Series, gripper: str) -> tuple[str, str, str]:
-    """Sides of the box when grasps were sampled, what they are of the real ones, and gripper."""
+    """Sides of the box when grasps were sampled, what they are of the real ones, and gripper.
+
+    Dashes if no grasps were sampled.
+    """
+    if pd.isna(row["factor"]):
+        return DASH, DASH, DASH
     sides = " x ".join(number(1000 * row[f"grasped_{side}"], 1) for side in (1, 2, 3))
     return sides, number(row["factor"], 3), gripper
 
