@@ -85,7 +85,7 @@ def read_content(path: Path) -> Content:
     except (MemoryError, UserError):
         raise  # says nothing of the file
     except Exception as error:  # parsers raise whatever comes their way on broken files
-        raise RejectedError(unreadable) from error
+        raise RejectedError(f"{unreadable}: it is damaged") from error
     return content
 
 
