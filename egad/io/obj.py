@@ -1,7 +1,5 @@
 """Wavefront OBJ files of any program: one mesh of all objects, groups and materials."""
 
-import re
-
 import numpy as np
 
 from egad._util.input_limits import MAX_FACES, MAX_VERTICES, check_at_most
@@ -9,7 +7,7 @@ from egad.errors import RejectedError
 from egad.io.content import Content
 from egad.io.polygons import triangles_of
 from egad.io.text import check_digits, no_number, plain_text
-from egad.io.units import COMMENTS, stated_in
+from egad.io.units import stated_in_comments
 
 # Of shapes that triangles cannot stand for; lines and points of the format have no surface.
 REFUSED = {
@@ -27,7 +25,6 @@ IGNORED = frozenset(
         b"map_Bump bump"
     ).split()
 )
-_COMMENTS = re.compile(rb"#[^\n]*")
 
 
 def parse_obj(data: bytes) -> Content:
@@ -50,7 +47,7 @@ def parse_obj(data: bytes) -> Content:
     faces = triangles_of(
         vertices, np.array(reader.corners, np.int64), np.array(reader.lengths, int)
     )
-    return Content(vertices, faces, stated_in(b" ".join(_COMMENTS.findall(text[:COMMENTS]))))
+    return Content(vertices, faces, stated_in_comments(data))
 
 
 class _Reader:

@@ -9,7 +9,7 @@ from egad.errors import RejectedError
 from egad.io.content import Content
 from egad.io.polygons import triangles_of
 from egad.io.text import integers, plain_text, reals
-from egad.io.units import COMMENTS, stated_in
+from egad.io.units import stated_in_comments
 
 _HEADER = re.compile(rb"\s*((?:ST)?C?N?)(4?)(n?)OFF(?![A-Za-z])\s*(BINARY)?")
 _COMMENTS = re.compile(rb"#[^\n]*")
@@ -23,7 +23,6 @@ def parse_off(data: bytes) -> Content:
             than its header says.
     """
     text = plain_text(data)
-    unit = stated_in(b" ".join(_COMMENTS.findall(text[:COMMENTS])))
     kind, body = _body(_COMMENTS.sub(b"", text))
     words = body.split()
     sizes = integers(words[:2], "the counts").tolist()
@@ -44,7 +43,7 @@ def parse_off(data: bytes) -> Content:
     if any(len(point) < 3 for point in points):
         raise RejectedError("a vertex has fewer than 3 coordinates")
     vertices = reals([word for point in points for word in point], "a vertex").reshape(-1, 3)
-    return Content(vertices, _faces(vertices, rows[count:]), unit)
+    return Content(vertices, _faces(vertices, rows[count:]), stated_in_comments(data))
 
 
 def _free_rows(words: list[bytes], count: int, polygons: int) -> list[list[bytes]] | None:

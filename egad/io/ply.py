@@ -20,7 +20,7 @@ from egad.io.text import (
     plain_text,
     reals,
 )
-from egad.io.units import stated_in
+from egad.io.units import stated_in_comments
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -93,8 +93,7 @@ def parse_ply(data: bytes) -> Content:
     faces = rows.get("face", NOTHING)
     parts = [triangles_of(vertices, faces.items, faces.lengths)]
     parts += _strips(rows.get("tristrips", NOTHING), len(vertices))
-    comments = [line for line in header if line.startswith(("comment", "obj_info"))]
-    return Content(vertices, np.concatenate(parts), stated_in("\n".join(comments).encode()))
+    return Content(vertices, np.concatenate(parts), stated_in_comments(data[: end.start()]))
 
 
 def _strips(rows: Rows, count: int) -> list[Ints]:

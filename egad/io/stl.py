@@ -66,7 +66,12 @@ def parse_binary(data: bytes) -> Content:
         raise RejectedError(f"its header says {count:,} faces, but the file holds {there:,}")
     check_at_most(count, MAX_FACES, "faces")
     corners = np.frombuffer(data, _FLOATS, count, HEADER)["corners"]
-    return _separate(corners.reshape(-1, 3).astype(np.float64), stated_in(data[:80]))
+    return _separate(corners.reshape(-1, 3).astype(np.float64), stated_in_header(data))
+
+
+def stated_in_header(data: bytes) -> str | None:
+    """The unit that a file states: at the start, which is the header or the name of a solid."""
+    return stated_in(data[:80])
 
 
 def _separate(vertices: NDArray[np.float64], unit: str | None) -> Content:
@@ -74,7 +79,6 @@ def _separate(vertices: NDArray[np.float64], unit: str | None) -> Content:
 
 
 def _parse_ascii(text: bytes) -> Content:
-    title = _NAMES.search(text)
     words = np.array(_NAMES.sub(b"", text).lower().split(), dtype="S")
     starts, ends = np.flatnonzero(words == b"facet"), np.flatnonzero(words == b"endfacet")
     corners = np.flatnonzero(words == b"vertex")
@@ -84,5 +88,4 @@ def _parse_ascii(text: bytes) -> Content:
     if (inside != 3).any() or len(corners) != 3 * len(starts):
         raise RejectedError("a facet does not have 3 corners")
     numbers = words[np.minimum(corners[:, None] + [1, 2, 3], len(words) - 1)].ravel()
-    unit = stated_in(title[0]) if title else None
-    return _separate(reals(numbers.tolist(), "a vertex").reshape(-1, 3), unit)
+    return _separate(reals(numbers.tolist(), "a vertex").reshape(-1, 3), stated_in_header(text))

@@ -212,6 +212,8 @@ OBJ = {
     "two_numbers.obj": refused(PLAIN_OBJ.replace("v -30 -20 -15", "v -30 -20", 1), "line 1"),
     "says_inch.obj": refused("# units: inches\n" + PLAIN_OBJ, "inch"),
     "says_mm.obj": box_of("# File units = millimeters\n" + PLAIN_OBJ, None),
+    "says_dm.obj": refused("# unit: dm\n" + PLAIN_OBJ, "states the unit dm, but mm"),
+    "units_in_mm.obj": box_of("# units in mm\n" + PLAIN_OBJ, None),
     "says_nothing.obj": refused(PLAIN_OBJ, "units", None),
 }
 
