@@ -29,7 +29,6 @@ def parse_off(data: bytes) -> Content:
     if len(sizes) < 2 or min(sizes) < 0:
         raise RejectedError("the numbers of vertices and faces are missing")
     count, polygons = sizes
-    check_at_most(count, MAX_VERTICES, "vertices")
     rows = [row for line in body.split(b"\n") if (row := line.split())][1:]
     if len(rows) != count + polygons:
         free = None if kind else _free_rows(words[3:], count, polygons)
@@ -39,6 +38,7 @@ def parse_off(data: bytes) -> Content:
                 f"and {polygons:,} faces are announced, {len(rows):,} lines follow"
             )
         rows = free
+    check_at_most(count, MAX_VERTICES, "vertices")
     points = [row[:3] for row in rows[:count]]
     if any(len(point) < 3 for point in points):
         raise RejectedError("a vertex has fewer than 3 coordinates")
