@@ -43,6 +43,8 @@ def parse_obj(data: bytes) -> Content:
             continue
         reader.read(number, (kept + line).partition(b"#")[0].split())
         kept = b""
+    if reader.unknown and reader.vertices:  # other text has no faces
+        raise RejectedError(f"{reader.unknown} is not OBJ")
     vertices = np.array(reader.vertices, np.float64).reshape(-1, 3)
     faces = triangles_of(
         vertices, np.array(reader.corners, np.int64), np.array(reader.lengths, int)
@@ -51,12 +53,13 @@ def parse_obj(data: bytes) -> Content:
 
 
 class _Reader:
-    """Vertices and polygons of the lines that were read so far."""
+    """Vertices, polygons and the first unknown word of the lines that were read so far."""
 
     def __init__(self) -> None:
         self.vertices: list[tuple[float, float, float]] = []
         self.corners: list[int] = []
         self.lengths: list[int] = []
+        self.unknown = ""
         self._triangles = 0
 
     def read(self, number: int, words: list[bytes]) -> None:
@@ -73,7 +76,7 @@ class _Reader:
                 f"line {number}: `{key.decode()}`, {REFUSED[key]}, is not read; export triangles"
             )
         elif key not in IGNORED:
-            raise RejectedError(f"line {number}: {key[:20].decode('latin-1')!r} is not OBJ")
+            self.unknown = self.unknown or f"line {number}: {key[:20].decode('latin-1')!r}"
 
     def _read_vertex(self, where: str, words: list[bytes]) -> None:
         try:

@@ -199,9 +199,10 @@ OBJ = {
     "separators.obj": refused(PLAIN_OBJ.replace(" -20 ", ", -20, "), r"'-30,' is not a number$"),
     "underscores.obj": refused(PLAIN_OBJ.replace("-30", "-3_0"), r"line 1: '-3_0' is not a number"),
     "underscore_index.obj": refused(PLAIN_OBJ + "f 1 2 0_3\n", "'0_3' is not a number"),
-    "html.obj": refused("<!DOCTYPE html>\n<html>Not found</html>", "line 1: '<!DOCTYPE' is not"),
+    "html.obj": refused("<!DOCTYPE html>\n<html>Not found</html>", "no faces"),
+    "html_at_end.obj": refused(PLAIN_OBJ + "</html>\n", "line 21: '</html>' is not OBJ"),
     "upper_case.obj": refused(PLAIN_OBJ.replace("f ", "F "), "line 9: 'F' is not OBJ"),
-    "renamed_ply.obj": refused(b"ply\nformat ascii 1.0\nend_header\n", "line 1: 'ply' is not OBJ"),
+    "renamed_ply.obj": refused(b"ply\nformat ascii 1.0\nend_header\n", "no faces"),
     "zero_index.obj": refused(
         obj(V, F).replace("f 2 4 1", "f 2 4 0"), "vertices that do not exist"
     ),
