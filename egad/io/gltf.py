@@ -1,7 +1,7 @@
 """GLB files (binary glTF 2.0): the triangles of the default scene.
 
-Source: Khronos Group, glTF 2.0 Specification; extensions KHR_mesh_quantization and
-EXT_mesh_gpu_instancing.
+Source: Khronos Group, glTF 2.0 Specification; extensions KHR_mesh_quantization,
+KHR_node_visibility and EXT_mesh_gpu_instancing.
 """
 
 import json
@@ -24,7 +24,8 @@ Json = dict[str, Any]
 # glTF is Y up. (x, y, z) of a mesh, which is Z up, is (x, z, -y) of the file.
 TO_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 INSTANCING, DRACO = "EXT_mesh_gpu_instancing", "KHR_draco_mesh_compression"
-READ = ("KHR_mesh_quantization", INSTANCING)
+VISIBILITY = "KHR_node_visibility"
+READ = ("KHR_mesh_quantization", INSTANCING, VISIBILITY)
 LOOKS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_xmp")  # no shape
 COMPONENTS = {5120: "i1", 5121: "u1", 5122: "i2", 5123: "u2", 5125: "u4", 5126: "f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
@@ -40,6 +41,15 @@ def parse_glb(data: bytes) -> Content:
     """
     document, binary = _chunks(data)
     _check_extensions(document)
+    try:
+        return _content(document, binary)
+    except KeyError as error:
+        raise RejectedError(f"it is damaged: it has no {error.args[0]}") from error
+    except IndexError as error:
+        raise RejectedError("it is damaged: it refers to what is not there") from error
+
+
+def _content(document: Json, binary: bytes) -> Content:
     vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], 0
     for number, matrix in _placed_meshes(document, binary):
         for primitive in document["meshes"][number]["primitives"]:
@@ -66,7 +76,10 @@ def _chunks(data: bytes) -> tuple[Json, bytes]:
     size = int.from_bytes(data[12:16], "little")
     start = 20 + size
     held = int.from_bytes(data[start : start + 4], "little")
-    document = json.loads(data[20:start])
+    try:
+        document = json.loads(data[20:start])
+    except ValueError as error:  # of syntax or encoding
+        raise RejectedError("it is damaged: its document is not JSON") from error
     if not isinstance(document, dict):
         raise RejectedError("its document is not an object")
     return document, data[start + 8 : start + 8 + held]
@@ -79,7 +92,7 @@ def _check_extensions(document: Json) -> None:
 
 
 def _placed_meshes(document: Json, binary: bytes) -> Iterator[tuple[int, Floats]]:
-    """The meshes of the default scene, and where each stands: (4, 4)."""
+    """The visible meshes of the default scene, and where each stands: (4, 4)."""
     nodes = document.get("nodes", [])
     waiting = [(number, np.eye(4)) for number in reversed(_roots(document))]
     seen = set[int]()
@@ -89,6 +102,8 @@ def _placed_meshes(document: Json, binary: bytes) -> Iterator[tuple[int, Floats]
             raise RejectedError(f"the node {number} hangs at two others, or below itself")
         seen.add(number)
         node = nodes[number]
+        if not node.get("extensions", {}).get(VISIBILITY, {}).get("visible", True):
+            continue
         matrix = above @ _matrix(node)
         waiting += [(child, matrix) for child in reversed(node.get("children", []))]
         if "mesh" in node:
@@ -139,6 +154,8 @@ def _instances(document: Json, binary: bytes, node: Json) -> list[Floats]:
     found = {
         name: _values(document, binary, accessor) for name, accessor in copies["attributes"].items()
     }
+    if not found:
+        raise RejectedError(f"{INSTANCING} does not say where the copies stand")
     count = len(next(iter(found.values())))
     shifts = found.get("TRANSLATION", np.zeros((count, 3)))
     turns = found.get("ROTATION", np.tile([0.0, 0, 0, 1], (count, 1)))
@@ -173,21 +190,26 @@ def _values(document: Json, binary: bytes, number: int) -> Floats:
     accessor = document["accessors"][number]
     count, width = accessor["count"], WIDTHS[accessor["type"]]
     check_at_most(count, 3 * MAX_FACES, "values")
-    kind = np.dtype("<" + COMPONENTS[accessor["componentType"]])
+    kind = _component(accessor)
     if "bufferView" in accessor:
         values = _array(document, binary, accessor, kind, count, width).copy()
     else:
         values = np.zeros((count, width), kind)
     if sparse := accessor.get("sparse"):
-        which, where = (
-            sparse["indices"],
-            np.dtype("<" + COMPONENTS[sparse["indices"]["componentType"]]),
-        )
-        places = _array(document, binary, which, where, sparse["count"], 1).ravel()
+        which = sparse["indices"]
+        places = _array(document, binary, which, _component(which), sparse["count"], 1).ravel()
         values[places] = _array(document, binary, sparse["values"], kind, sparse["count"], width)
     if not accessor.get("normalized") or kind.kind == "f":
         return values.astype(np.float64)
     return np.maximum(values.astype(np.float64) / np.iinfo(kind).max, -1.0)
+
+
+def _component(part: Json) -> np.dtype:
+    """The type of the numbers of an accessor, or of the indices of its sparse part."""
+    number = part["componentType"]
+    if number not in COMPONENTS:
+        raise RejectedError(f"it is damaged: the component type {number} does not exist")
+    return np.dtype("<" + COMPONENTS[number])
 
 
 def _array(

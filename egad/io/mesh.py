@@ -16,8 +16,7 @@ from egad.io.obj import parse_obj
 from egad.io.off import parse_off
 from egad.io.plain_obj import parse_plain_obj
 from egad.io.ply import parse_ply
-from egad.io.polygons import check_corners
-from egad.io.stl import count_binary_faces, parse_stl
+from egad.io.stl import count_binary_faces, parse_stl, stated_in_header
 from egad.io.threemf import parse_3mf
 from egad.io.units import (
     ALLOWED,
@@ -25,7 +24,7 @@ from egad.io.units import (
     PRESCRIBED,
     check_unit,
     metres_per_unit,
-    stated_in,
+    stated_in_comments,
 )
 
 PARSERS: dict[str, Callable[[bytes], Content]] = {
@@ -79,13 +78,12 @@ def read_content(path: Path) -> Content:
     check_at_most(path.stat().st_size, MAX_MESH_BYTES, "bytes")
     try:
         content = _parsed(path)
-        check_corners(content.faces, len(content.vertices))
     except (RejectedError, LimitError) as reason:
         raise RejectedError(f"{unreadable}: {reason}") from reason
     except (MemoryError, UserError):
         raise  # says nothing of the file
     except Exception as error:  # parsers raise whatever comes their way on broken files
-        raise RejectedError(unreadable) from error
+        raise RejectedError(f"{unreadable}: it is damaged") from error
     return content
 
 
@@ -108,8 +106,9 @@ def _is_silent(path: Path) -> bool:
     if path.suffix[1:].lower() in PRESCRIBED or not path.is_file():
         return False
     with path.open("rb") as file:
-        start = file.read(80 if path.suffix.lower() == ".stl" else COMMENTS)
-    return stated_in(start) is None
+        start = file.read(COMMENTS)
+    stl = path.suffix.lower() == ".stl"
+    return (stated_in_header(start) if stl else stated_in_comments(start)) is None
 
 
 def _parsed(path: Path) -> Content:

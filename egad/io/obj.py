@@ -1,23 +1,30 @@
 """Wavefront OBJ files of any program: one mesh of all objects, groups and materials."""
 
-import re
-
 import numpy as np
 
 from egad._util.input_limits import MAX_FACES, MAX_VERTICES, check_at_most
 from egad.errors import RejectedError
 from egad.io.content import Content
 from egad.io.polygons import triangles_of
-from egad.io.text import no_number, plain_text
-from egad.io.units import COMMENTS, stated_in
+from egad.io.text import check_digits, no_number, plain_text
+from egad.io.units import stated_in_comments
 
 # Of shapes that triangles cannot stand for; lines and points of the format have no surface.
 REFUSED = {
     b"curv": "a free-form curve",
     b"surf": "a free-form surface",
     b"call": "a reference to another file",
+    b"fo": "a face of an old version",
 }
-_COMMENTS = re.compile(rb"#[^\n]*")
+# Names, looks, parameters of what is refused, lines and points; some files hold their materials.
+IGNORED = frozenset(
+    (
+        b"vn vt vp l p o g s mg usemtl mtllib usemap maplib lod bevel c_interp d_interp "
+        b"shadow_obj trace_obj ctech stech cstype deg bmat step parm trim hole scrv sp con end "
+        b"curv2 csh newmtl illum Ka Kd Ks Ke Kt Ns Ni Tr Tf d map_Ka map_Kd map_Ks map_Ns map_d "
+        b"map_Bump bump"
+    ).split()
+)
 
 
 def parse_obj(data: bytes) -> Content:
@@ -30,26 +37,29 @@ def parse_obj(data: bytes) -> Content:
     text = plain_text(data)
     reader = _Reader()
     kept = b""
-    for number, line in enumerate(text.split(b"\n"), 1):
+    for number, line in enumerate([*text.split(b"\n"), b""], 1):  # the last ends what is continued
         if line.endswith(b"\\"):
             kept += line[:-1] + b" "
             continue
         reader.read(number, (kept + line).partition(b"#")[0].split())
         kept = b""
+    if reader.unknown and reader.vertices:  # other text has no faces
+        raise RejectedError(f"{reader.unknown} is not OBJ")
     vertices = np.array(reader.vertices, np.float64).reshape(-1, 3)
     faces = triangles_of(
         vertices, np.array(reader.corners, np.int64), np.array(reader.lengths, int)
     )
-    return Content(vertices, faces, stated_in(b" ".join(_COMMENTS.findall(text[:COMMENTS]))))
+    return Content(vertices, faces, stated_in_comments(data))
 
 
 class _Reader:
-    """Vertices and polygons of the lines that were read so far."""
+    """Vertices, polygons and the first unknown word of the lines that were read so far."""
 
     def __init__(self) -> None:
         self.vertices: list[tuple[float, float, float]] = []
         self.corners: list[int] = []
         self.lengths: list[int] = []
+        self.unknown = ""
         self._triangles = 0
 
     def read(self, number: int, words: list[bytes]) -> None:
@@ -65,9 +75,12 @@ class _Reader:
             raise RejectedError(
                 f"line {number}: `{key.decode()}`, {REFUSED[key]}, is not read; export triangles"
             )
+        elif key not in IGNORED:
+            self.unknown = self.unknown or f"line {number}: {key[:20].decode('latin-1')!r}"
 
     def _read_vertex(self, where: str, words: list[bytes]) -> None:
         try:
+            check_digits(words)
             values = [float(word) for word in words[:4]]
         except ValueError:
             no_number(words[:4], where, float)
@@ -81,6 +94,7 @@ class _Reader:
     def _read_face(self, where: str, words: list[bytes]) -> None:
         indices = [word.partition(b"/")[0] for word in words]
         try:
+            check_digits(indices)
             corners = [int(index) for index in indices]
         except ValueError:
             no_number(indices, where, int)

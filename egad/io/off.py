@@ -9,7 +9,7 @@ from egad.errors import RejectedError
 from egad.io.content import Content
 from egad.io.polygons import triangles_of
 from egad.io.text import integers, plain_text, reals
-from egad.io.units import COMMENTS, stated_in
+from egad.io.units import stated_in_comments
 
 _HEADER = re.compile(rb"\s*((?:ST)?C?N?)(4?)(n?)OFF(?![A-Za-z])\s*(BINARY)?")
 _COMMENTS = re.compile(rb"#[^\n]*")
@@ -23,41 +23,56 @@ def parse_off(data: bytes) -> Content:
             than its header says.
     """
     text = plain_text(data)
-    unit = stated_in(b" ".join(_COMMENTS.findall(text[:COMMENTS])))
-    rows = [row for line in _body(_COMMENTS.sub(b"", text)).split(b"\n") if (row := line.split())]
-    sizes = integers(rows[0][:2], "the counts").tolist() if rows else []
+    kind, body = _body(_COMMENTS.sub(b"", text))
+    words = body.split()
+    sizes = integers(words[:2], "the counts").tolist()
     if len(sizes) < 2 or min(sizes) < 0:
         raise RejectedError("the numbers of vertices and faces are missing")
     count, polygons = sizes
-    if len(rows) - 1 < count + polygons:
-        raise RejectedError(
-            f"it is truncated: {count:,} vertices and {polygons:,} faces are announced, each on a "
-            f"line of its own, but {len(rows) - 1:,} lines follow"
-        )
-    if len(rows) - 1 > count + polygons:
-        raise RejectedError(f"more lines follow than its {count:,} vertices and {polygons:,} faces")
+    rows = [row for line in body.split(b"\n") if (row := line.split())][1:]
+    if len(rows) != count + polygons:
+        free = None if kind else _free_rows(words[3:], count, polygons)
+        if free is None:
+            raise RejectedError(
+                f"it is truncated, or does not have one vertex or face a line: {count:,} vertices "
+                f"and {polygons:,} faces are announced, {len(rows):,} lines follow"
+            )
+        rows = free
     check_at_most(count, MAX_VERTICES, "vertices")
-    points = [row[:3] for row in rows[1 : 1 + count]]
+    points = [row[:3] for row in rows[:count]]
     if any(len(point) < 3 for point in points):
         raise RejectedError("a vertex has fewer than 3 coordinates")
     vertices = reals([word for point in points for word in point], "a vertex").reshape(-1, 3)
-    return Content(vertices, _faces(vertices, rows[1 + count :]), unit)
+    return Content(vertices, _faces(vertices, rows[count:]), stated_in_comments(data))
 
 
-def _body(text: bytes) -> bytes:
-    """What follows the header, which may be missing."""
+def _free_rows(words: list[bytes], count: int, polygons: int) -> list[list[bytes]] | None:
+    """Vertices and faces without colors, as words on any lines; None if they do not fit so."""
+    rows = [words[3 * k : 3 * k + 3] for k in range(min(count, len(words)))]
+    place = 3 * count
+    for _ in range(polygons):
+        if place >= len(words) or not words[place].isdigit():
+            return None
+        end = place + 1 + int(words[place])
+        rows.append(words[place:end])
+        place = end
+    return rows if place == len(words) else None
+
+
+def _body(text: bytes) -> tuple[bytes, bytes]:
+    """What the header, which may be missing, says of vertices; and what follows it."""
     header = _HEADER.match(text)
     if header is None:
         if re.match(rb"\s*\d", text):
-            return text
+            return b"", text
         raise RejectedError("it does not start with OFF")
-    _, homogeneous, dimensions, binary = header.groups()
+    more, homogeneous, dimensions, binary = header.groups()
     if binary:
         raise RejectedError("binary OFF is not read; save it as text")
     if homogeneous or dimensions:
         kind = (homogeneous + dimensions).decode()
         raise RejectedError(f"{kind}OFF, coordinates of other dimensions than 3, is not read")
-    return text[header.end() :]
+    return more, text[header.end() :]
 
 
 def _faces(vertices: np.ndarray, rows: list[list[bytes]]) -> np.ndarray:
@@ -65,6 +80,8 @@ def _faces(vertices: np.ndarray, rows: list[list[bytes]]) -> np.ndarray:
     lengths = integers([row[0] for row in rows], "a face")
     polygons = [row[1 : 1 + length] for row, length in zip(rows, lengths.tolist(), strict=True)]
     for polygon, length in zip(polygons, lengths.tolist(), strict=True):
+        if length < 0:
+            raise RejectedError(f"a face has {length} corners")
         if len(polygon) != length:
             raise RejectedError(
                 f"it is truncated: a face of {length} corners has only {len(polygon)}"

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pyarrow import csv
 
 from egad._util.input_limits import MAX_FACES, MAX_VERTICES, check_at_most
+from egad.io.polygons import check_corners
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -42,14 +43,18 @@ def parse_plain_obj(data: bytes) -> tuple[Floats, Ints] | None:
         None for a file with anything else in it: comments, normals, polygons, blank lines.
 
     Raises:
-        RejectedError: It has more vertices or faces than are read.
+        RejectedError: It has more vertices or faces than are read, or faces of vertices that do not
+            exist.
     """
     check_at_most(data.count(b"\nv ") + data.startswith(b"v "), MAX_VERTICES, "vertices")
     check_at_most(data.count(b"\nf "), MAX_FACES, "faces")
     middle = data.find(b"\nf ") + 1
     vertices = _numbers(data[:middle], b"v ", b"+-.e", np.float64)
     faces = _numbers(data[middle:], b"f ", b"", np.int64)
-    return None if vertices is None or faces is None else (vertices, faces - 1)
+    if vertices is None or faces is None:
+        return None
+    check_corners(faces - 1, len(vertices))
+    return vertices, faces - 1
 
 
 def _numbers(lines: bytes, start: bytes, also: bytes, kind: type) -> NDArray[Any] | None:

@@ -11,8 +11,16 @@ from egad._util.input_limits import MAX_VERTICES, check_at_most
 from egad.errors import RejectedError
 from egad.io.content import Content
 from egad.io.polygons import check_corners, strip_triangles, triangles_of
-from egad.io.text import BYTE_ORDER_MARK, integers, no_number, plain_text, reals
-from egad.io.units import stated_in
+from egad.io.text import (
+    BYTE_ORDER_MARK,
+    check_digits,
+    integers,
+    is_padding,
+    no_number,
+    plain_text,
+    reals,
+)
+from egad.io.units import stated_in_comments
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -20,6 +28,7 @@ ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"}
 TYPES |= {"float": "f4", "double": "f8", "float32": "f4", "float64": "f8"}
 TYPES |= {"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"}
+UNREAD = ("trifans", "range_grid")
 INDICES = ("vertex_indices", "vertex_index")
 _END = re.compile(rb"\nend_header[ \t]*\n|\rend_header[ \t]*\r\n?|\nend_header[ \t]*\r\n")
 
@@ -84,8 +93,7 @@ def parse_ply(data: bytes) -> Content:
     faces = rows.get("face", NOTHING)
     parts = [triangles_of(vertices, faces.items, faces.lengths)]
     parts += _strips(rows.get("tristrips", NOTHING), len(vertices))
-    comments = [line for line in header if line.startswith(("comment", "obj_info"))]
-    return Content(vertices, np.concatenate(parts), stated_in("\n".join(comments).encode()))
+    return Content(vertices, np.concatenate(parts), stated_in_comments(data[: end.start()]))
 
 
 def _strips(rows: Rows, count: int) -> list[Ints]:
@@ -118,6 +126,7 @@ def _elements(lines: list[str]) -> tuple[str, list[Element]]:
         raise RejectedError("its header does not say the format")
     for each in elements:
         _check_vertices(each)
+        _check_faces(each)
     return order, elements
 
 
@@ -133,6 +142,13 @@ def _check_vertices(element: Element) -> None:
     if not {"x", "y", "z"} <= {one.name for one in element.properties if not one.length}:
         raise RejectedError("its vertices do not have the properties x, y and z")
     check_at_most(element.size, MAX_VERTICES, "vertices")
+
+
+def _check_faces(element: Element) -> None:
+    if element.name in UNREAD and element.size:
+        raise RejectedError(f"its element {element.name} is not read; export triangles")
+    if element.name == "face" and element.size and _used(element) is None:
+        raise RejectedError(f"its faces do not have a list {' or '.join(INDICES)}")
 
 
 def _type(name: str) -> str:
@@ -174,12 +190,23 @@ def _points(words: list[bytes], element: Element) -> Rows:
     if element.name != "vertex":
         return NOTHING
     names, width = [one.name for one in element.properties], len(element.properties)
-    columns = []
-    for axis in "xyz":
-        place = names.index(axis)
-        values = reals(words[place::width], "a vertex")
-        columns.append(values.astype(element.properties[place].kind).astype(np.float64))
+    columns = [_column(words[names.index(axis) :: width], element, axis) for axis in "xyz"]
     return NOTHING._replace(points=np.column_stack(columns))
+
+
+def _column(words: list[bytes], element: Element, axis: str) -> Floats:
+    """Coordinates as numbers of the type that the header gives them."""
+    kind = next(np.dtype(one.kind) for one in element.properties if one.name == axis)
+    values = reals(words, "a vertex")
+    if kind.kind == "f":
+        return values.astype(kind).astype(np.float64)
+    limits = np.iinfo(kind)
+    wrong = (values != np.round(values)) | (values < limits.min) | (values > limits.max)
+    if wrong.any():
+        raise RejectedError(
+            f"a vertex: {values[wrong.argmax()]:g} is not of the type {kind.name} of {axis}"
+        )
+    return values
 
 
 def _text_lists(words: list[bytes], place: int, element: Element) -> tuple[Rows, int]:
@@ -211,6 +238,7 @@ def _text_lists(words: list[bytes], place: int, element: Element) -> tuple[Rows,
 def _length(word: bytes, element: Element) -> int:
     """The length of a list, which is not negative."""
     try:
+        check_digits([word])
         count = int(word)
     except ValueError:
         no_number([word], f"the length of a list of {element.name}", int)
@@ -232,6 +260,8 @@ def _binary_rows(data: bytes, elements: list[Element], order: str) -> dict[str, 
         if not element.has_lists:
             raise _cut_short(element)
         found[element.name], place = _binary_lists(data, place, element, order)
+    if not is_padding(data[place:]):
+        raise RejectedError("it holds more than its header says")
     return found
 
 

@@ -1,7 +1,5 @@
 """Polygons of mesh files, cut into triangles that lie within them."""
 
-from collections.abc import Sequence
-
 import manifold3d
 import numpy as np
 import trimesh
@@ -12,6 +10,7 @@ from egad.errors import RejectedError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+ROUNDING = 1e-6  # of areas of polygons of size 1
 
 
 def triangles_of(vertices: Floats, corners: Ints, lengths: Ints) -> Ints:
@@ -66,31 +65,34 @@ def strip_triangles(strip: Ints) -> Ints:
 def _cut(vertices: Floats, polygons: Ints) -> Ints:
     """Triangles of polygons (p, k) of the same number of corners, (p, k - 2, 3)."""
     length = polygons.shape[1]
-    first = np.repeat(polygons[:, :1], length - 2, axis=1)
-    triangles = np.stack([first, polygons[:, 1:-1], polygons[:, 2:]], axis=2)
+    triangles = fan_triangles(polygons)
     if length == 3:
         return triangles
     a, b, c = np.moveaxis(vertices[triangles], 2, 0)
     normals = np.cross(b - a, c - a)
     means = normals.sum(axis=1)
+    areas = np.linalg.norm(normals, axis=2)
     facing = np.einsum("pij,pj->pi", normals, means)
-    for each in np.flatnonzero((facing <= 0).any(axis=1)):
-        if means[each].any():
-            triangles[each] = polygons[each, _seen_along(means[each], vertices[polygons[each]])]
+    for each in np.flatnonzero((facing <= 0).any(axis=1) & areas.any(axis=1)):
+        normal, most = means[each], areas[each].argmax()
+        if np.linalg.norm(normal) < 1e-9 * areas[each, most]:
+            normal = normals[each, most]  # both sides are seen alike
+        triangles[each] = polygons[each, _seen_along(normal, vertices[polygons[each]])]
     return triangles
 
 
 def _seen_along(normal: Floats, corners: Floats) -> Ints:
     """Triangles between the corners (k, 3) of a polygon, as it is seen along its normal."""
     to_plane = trimesh.geometry.align_vectors(normal, [0, 0, 1])
-    flat = (corners - corners.mean(axis=0)) @ to_plane[:3, :3].T
-    found = np.asarray(manifold3d.triangulate([np.ascontiguousarray(flat[:, :2])]))
-    if len(found) != len(corners) - 2:
+    flat = ((corners - corners.mean(axis=0)) @ to_plane[:3, :3].T)[:, :2]
+    flat = np.ascontiguousarray(flat / np.abs(flat).max())
+    found = np.asarray(manifold3d.triangulate([flat])).astype(np.int64)
+    if (np.linalg.det(np.diff(flat[found], axis=1)) < -ROUNDING).any():
         raise RejectedError("a polygon crosses itself")
-    return found.astype(np.int64)
+    return found
 
 
-def fan_triangles(fan: Sequence[int] | Ints) -> Ints:
-    """Triangles around the first of some vertices, (n - 2, 3)."""
-    ring = np.asarray(fan)
-    return np.column_stack([np.full(max(len(ring) - 2, 0), ring[:1]), ring[1:-1], ring[2:]])
+def fan_triangles(corners: Ints) -> Ints:
+    """Triangles around the first of some corners (..., k): (..., k - 2, 3)."""
+    first = np.broadcast_to(corners[..., :1], corners[..., 2:].shape)
+    return np.stack([first, corners[..., 1:-1], corners[..., 2:]], axis=-1)

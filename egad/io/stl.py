@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from egad._util.input_limits import MAX_FACES, check_at_most
 from egad.errors import RejectedError
 from egad.io.content import Content
-from egad.io.text import plain_text, reals
+from egad.io.text import BYTE_ORDER_MARK, START, is_padding, is_utf16, plain_text, reals
 from egad.io.units import stated_in
 
 HEADER, FACET = 84, 50  # bytes
@@ -39,12 +39,20 @@ def count_binary_faces(path: Path) -> int | None:
 
 
 def _is_text(data: bytes) -> bool:
-    """Whether a file starts as ASCII files do, and goes on with text."""
-    start = data[:1024]
-    if start[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return True  # UTF-16, which is refused by name
-    words = start.removeprefix(b"\xef\xbb\xbf").lower().split(None, 1)
-    return words[:1] == [b"solid"] and 0 not in start
+    """Whether a file starts as ASCII files do, and goes on with text.
+
+    Raises:
+        RejectedError: It is text, but does not start so.
+    """
+    start = data[:START]
+    if is_utf16(start):
+        return True  # which is refused by name
+    if 0 in start:
+        return False
+    words = start.removeprefix(BYTE_ORDER_MARK).lower().split(None, 1)
+    if words[:1] != [b"solid"]:
+        raise RejectedError("it is neither a binary file nor text that starts with `solid`")
+    return True
 
 
 def parse_binary(data: bytes) -> Content:
@@ -54,23 +62,24 @@ def parse_binary(data: bytes) -> Content:
         RejectedError: It is truncated, or holds more facets than its header says.
     """
     if len(data) < HEADER:
-        raise RejectedError("it is neither a binary nor an ASCII file")
+        raise RejectedError("it is truncated: its header is not whole")
     count, there = int.from_bytes(data[80:HEADER], "little"), (len(data) - HEADER) // FACET
     if there < count:
         raise RejectedError(f"it is truncated: its header says {count:,} faces, it has {there:,}")
     if count == 0:
         count = there
-    elif there > count and not _is_padding(data[HEADER + FACET * count :]):
+        if not is_padding(data[HEADER + FACET * count :]):
+            raise RejectedError(f"it is truncated within face {count + 1:,}")
+    elif there > count and not is_padding(data[HEADER + FACET * count :]):
         raise RejectedError(f"its header says {count:,} faces, but the file holds {there:,}")
     check_at_most(count, MAX_FACES, "faces")
     corners = np.frombuffer(data, _FLOATS, count, HEADER)["corners"]
-    return _separate(corners.reshape(-1, 3).astype(np.float64), stated_in(data[:80]))
+    return _separate(corners.reshape(-1, 3).astype(np.float64), stated_in_header(data))
 
 
-def _is_padding(rest: bytes) -> bool:
-    """Whether what follows the facets is no more facets: nothing but zeros, or text."""
-    text = rest.strip(b"\0")
-    return not text or (text.isascii() and 0 not in text and text.decode().isprintable())
+def stated_in_header(data: bytes) -> str | None:
+    """The unit that a file states: at the start, which is the header or the name of a solid."""
+    return stated_in(data[:80])
 
 
 def _separate(vertices: NDArray[np.float64], unit: str | None) -> Content:
@@ -78,7 +87,6 @@ def _separate(vertices: NDArray[np.float64], unit: str | None) -> Content:
 
 
 def _parse_ascii(text: bytes) -> Content:
-    title = _NAMES.search(text)
     words = np.array(_NAMES.sub(b"", text).lower().split(), dtype="S")
     starts, ends = np.flatnonzero(words == b"facet"), np.flatnonzero(words == b"endfacet")
     corners = np.flatnonzero(words == b"vertex")
@@ -88,5 +96,4 @@ def _parse_ascii(text: bytes) -> Content:
     if (inside != 3).any() or len(corners) != 3 * len(starts):
         raise RejectedError("a facet does not have 3 corners")
     numbers = words[np.minimum(corners[:, None] + [1, 2, 3], len(words) - 1)].ravel()
-    unit = stated_in(title[0]) if title else None
-    return _separate(reals(numbers.tolist(), "a vertex").reshape(-1, 3), unit)
+    return _separate(reals(numbers.tolist(), "a vertex").reshape(-1, 3), stated_in_header(text))

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,18 +10,34 @@ from numpy.typing import NDArray
 from egad.errors import RejectedError
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+START = 1024  # bytes that say whether a file is text
+_UTF16 = re.compile(rb"\xff\xfe|\xfe\xff|(?:[^\0]\0){4}|(?:\0[^\0]){4}")
+_BLANKS = dict.fromkeys(map(ord, "\t\n\r\x1a"))
 
 
 def plain_text(data: bytes) -> bytes:
     r"""A text without byte-order mark, and with `\n` at the ends of its lines.
 
     Raises:
-        RejectedError: It is UTF-16 or UTF-32.
+        RejectedError: It is UTF-16 or UTF-32, or binary.
     """
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff") or 0 in data[:2]:
+    if is_utf16(data):
         raise RejectedError("it is UTF-16 text; save it as UTF-8")
+    if 0 in data[:START]:
+        raise RejectedError("it is binary, not text")
     text = data.removeprefix(BYTE_ORDER_MARK)
     return text.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in text else text
+
+
+def is_utf16(data: bytes) -> bool:
+    """Whether a file starts as UTF-16 text does: with its mark, or every second byte is 0."""
+    return _UTF16.match(data) is not None
+
+
+def is_padding(rest: bytes) -> bool:
+    """Whether what follows the data of a binary file is no more data: only zeros, or text."""
+    text = rest.strip(b"\0")
+    return text.isascii() and text.decode("latin-1").translate(_BLANKS).isprintable()
 
 
 def reals(words: Sequence[bytes], what: str) -> NDArray[np.float64]:
@@ -35,7 +51,7 @@ def reals(words: Sequence[bytes], what: str) -> NDArray[np.float64]:
         RejectedError: One of them is no number; the message has it.
     """
     try:
-        return np.array(words, dtype="S").astype(np.float64)
+        return _numbers(words, np.float64)
     except ValueError:
         no_number(words, what, float)
 
@@ -43,19 +59,35 @@ def reals(words: Sequence[bytes], what: str) -> NDArray[np.float64]:
 def integers(words: Sequence[bytes], what: str) -> NDArray[np.int64]:
     """Words as whole numbers, (n,); raises as `reals`."""
     try:
-        return np.array(words, dtype="S").astype(np.int64)
+        return _numbers(words, np.int64)
     except (ValueError, OverflowError):
         no_number(words, what, int)
+
+
+def _numbers(words: Sequence[bytes], kind: type[np.number[Any]]) -> NDArray[Any]:
+    check_digits(words)
+    return np.array(words, dtype="S").astype(kind)
+
+
+def check_digits(words: Sequence[bytes]) -> None:
+    """Refuse what is a number only to Python: digits with underscores between them.
+
+    Raises:
+        ValueError: There are some.
+    """
+    if b"_" in b"".join(words):
+        raise ValueError
 
 
 def no_number(words: Sequence[bytes], what: str, kind: type[float]) -> NoReturn:
     """Say which of some words is no number."""
     for word in words:
         try:
+            check_digits([word])
             kind(word)
         except ValueError:
             text = word[:20].decode("latin-1")
             hint = "; it has a decimal comma, save the file with decimal points"
-            comma = re.fullmatch(rb"[-+]?\d*,\d*(e[-+]?\d+)?,?", word, re.IGNORECASE)
+            comma = re.fullmatch(rb"[-+]?\d*,\d+(e[-+]?\d+)?", word, re.IGNORECASE)
             raise RejectedError(f"{what}: {text!r} is not a number{hint * bool(comma)}") from None
     raise RejectedError(f"{what}: a number is too large")

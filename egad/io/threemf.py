@@ -23,7 +23,7 @@ from egad.errors import RejectedError
 from egad.io.content import Content
 from egad.io.polygons import check_corners
 from egad.io.text import integers, reals
-from egad.io.units import UNIT_OF
+from egad.io.units import PRESCRIBED, UNIT_OF
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -56,9 +56,11 @@ def parse_3mf(data: bytes) -> Content:
                 MAX_UNPACKED_BYTES,
                 "bytes unpacked",
             )
+            if any(entry.flag_bits & 1 for entry in archive.infolist()):
+                raise RejectedError("it is encrypted")
             return _Package(archive).content()
     except zipfile.BadZipFile as error:
-        raise RejectedError("it is not a zip archive") from error
+        raise RejectedError("it is not a whole zip archive") from error
 
 
 class _Package:
@@ -77,13 +79,14 @@ class _Package:
         root = self._model(path)
         parts = list(self._built(path, root))
         if not parts and self._left_out:
-            raise RejectedError(f"no faces: its objects are of type {', '.join(self._left_out)}")
+            raise RejectedError(f"no faces: its objects are {', '.join(sorted(self._left_out))}")
         if not parts:
             raise RejectedError("no faces: nothing is built")
         starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
         faces = [part.faces + start for part, start in zip(parts, starts, strict=False)]
         vertices = np.concatenate([part.vertices for part in parts])
-        return Content(vertices, np.concatenate(faces), _unit(root))
+        stated = [unit for each in self._models.values() if (unit := _unit(each))]
+        return Content(vertices, np.concatenate(faces), stated[0] if stated else None)
 
     def _start(self) -> str:
         """The path of the model part that the package is about."""
@@ -115,6 +118,9 @@ class _Package:
     def _built(self, path: str, root: Element) -> Iterator[_Placed]:
         unit = _unit(root)
         for item in root.iterfind(f"{TAG}build/{TAG}item"):
+            if item.get("printable") == "0":
+                self._left_out.add("not printable")
+                continue
             yield from self._placed(path, unit, item, SAME, ())
 
     def _placed(
@@ -127,7 +133,7 @@ class _Package:
     ) -> Iterator[_Placed]:
         """The meshes of the object that an item or a component refers to."""
         path = reference.get(PATH, path).lstrip("/")
-        if _unit(self._model(path)) not in (unit, None):
+        if (_unit(self._model(path)) or PRESCRIBED["3mf"]) != (unit or PRESCRIBED["3mf"]):
             raise RejectedError(f"its parts have different units: {path}")
         number = str(reference.get("objectid"))
         found = self._objects[path].get(number)
@@ -141,7 +147,7 @@ class _Package:
             for each in components.iterfind(f"{TAG}component"):
                 yield from self._placed(path, unit, each, matrix, (*parents, (path, number)))
         elif (kind := found.get("type", "model")) != "model":
-            self._left_out.add(kind)
+            self._left_out.add(f"of type {kind}")
         else:
             yield self._mesh(found, matrix)
 
@@ -165,7 +171,10 @@ class _Package:
 
 def _parsed(data: bytes) -> Element:
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
-    root = etree.fromstring(data, parser)
+    try:
+        root = etree.fromstring(data, parser)
+    except etree.XMLSyntaxError as error:
+        raise RejectedError(f"it is damaged: {str(error)[:120]}") from error
     if root.getroottree().docinfo.doctype:
         raise RejectedError("it has a document type, which is not allowed")
     return root

@@ -6,6 +6,7 @@ from egad.errors import RejectedError, UserError
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 LENGTHS = {**METRES, "foot": 0.3048, "micron": 1e-6}  # what files state, too
+LENGTHS |= {"dm": 0.1, "km": 1000.0, "nm": 1e-9, "yard": 0.9144, "mil": 2.54e-5}
 PRESCRIBED = {"glb": "m", "3mf": "mm"}  # by formats, where a file does not state its unit
 ALLOWED = "m, cm, mm or inch"
 COMMENTS = 4096  # bytes at the start of a file in which a comment may state its unit
@@ -15,16 +16,35 @@ _SPELLINGS = {
     "mm": ("mm", "millimeter", "millimeters", "millimetre", "millimetres"),
     "inch": ("in", "inch", "inches"),
     "foot": ("ft", "foot", "feet"),
-    "micron": ("um", "micron", "microns", "micrometer", "micrometre"),
+    "micron": ("um", "micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres"),
+    "dm": ("dm", "decimeter", "decimeters", "decimetre", "decimetres"),
+    "km": ("km", "kilometer", "kilometers", "kilometre", "kilometres"),
+    "nm": ("nm", "nanometer", "nanometers", "nanometre", "nanometres"),
+    "yard": ("yd", "yard", "yards"),
+    "mil": ("mil", "mils", "thou"),
 }
 UNIT_OF = {spelling: unit for unit, spellings in _SPELLINGS.items() for spelling in spellings}
-_STATEMENT = re.compile(rb"\bunits?[ \t]*[:=][ \t]*([a-z]+)\b(?![ \t]*\w)", re.IGNORECASE)
+_STATEMENT = re.compile(
+    rb"\b(?:units?[ \t]*[:=]|units[ \t]+(?:are[ \t]+)?in\b)[ \t]*(?:1[ \t]*)?"
+    rb"([a-z]+)\b(?![ \t]*[\w/^*\x80-\xff])",
+    re.IGNORECASE,
+)
+_COMMENTS = re.compile(rb"(?:#|^(?:comment|obj_info)\b)[^\n]*", re.MULTILINE)
 
 
 def stated_in(comment: bytes) -> str | None:
-    """The unit that a comment or header states, such as `unit: millimetre` or `UNITS=cm`."""
-    found = _STATEMENT.search(comment)
-    return UNIT_OF.get(found[1].decode().lower()) if found else None
+    """The unit that a comment or header states, such as `unit: millimetre` or `units in cm`.
+
+    A word that is no unit of length states none.
+    """
+    words = (word.decode().lower() for word in _STATEMENT.findall(comment))
+    return next((UNIT_OF[word] for word in words if word in UNIT_OF), None)
+
+
+def stated_in_comments(data: bytes) -> str | None:
+    """The unit that comments at the start of an OBJ, OFF or PLY file state."""
+    start = data[:COMMENTS].replace(b"\r", b"\n")
+    return stated_in(b"\n".join(_COMMENTS.findall(start)))
 
 
 def check_unit(asked: str | None) -> None:

@@ -5,6 +5,7 @@ All lengths are millimetres unless a case says otherwise. The box is 60 x 40 x 3
 
 import io
 import json
+import re
 import struct
 import zipfile
 from typing import NamedTuple
@@ -67,6 +68,7 @@ def turned(solid, matrix):
     return solid._replace(vertices=vertices, size=tuple(np.ptp(vertices, axis=0)))
 
 
+MIXED = [*QUADS[:3], *[(a, b, c) for q in QUADS[3:] for a, b, c in (q[:3], (q[0], *q[2:]))]]
 L_SHAPE = [(20, 20), (20, 60), (0, 60), (0, 0), (60, 0), (60, 20)]  # a fan from the 1st folds not
 L_FOLDED = [L_SHAPE[(k + 2) % 6] for k in range(6)]  # one from this corner does
 U_SHAPE = [(0, 0), (60, 0), (60, 50), (40, 50), (40, 10), (20, 10), (20, 50), (0, 50)]
@@ -181,6 +183,8 @@ OBJ = {
     "weights.obj": refused(obj(np.hstack([2 * V, np.full((8, 1), 2.0)]), F), "weight"),
     "tabs.obj": box_of(PLAIN_OBJ.replace(" ", "\t")),
     "continued.obj": box_of(PLAIN_OBJ.replace("f 2 4 1", "f 2 4 \\\n 1")),
+    "continued_at_end.obj": box_of(PLAIN_OBJ.removesuffix("\n") + " \\"),
+    "materials_within.obj": box_of("newmtl red\nKd 1 0 0\nmap_Kd red.png\n" + PLAIN_OBJ),
     "bom.obj": box_of(b"\xef\xbb\xbf" + PLAIN_OBJ.encode()),
     "cr.obj": box_of(PLAIN_OBJ.replace("\n", "\r")),
     "crlf_comments.obj": box_of(obj(V, QUADS, "# K\xf6rper\n", "\n# end\n").replace("\n", "\r\n")),
@@ -191,6 +195,14 @@ OBJ = {
     "surfaces.obj": refused(obj(V, []) + "cstype bspline\nsurf 0 1 0 1 1 2 3 4\nend\n", "surf"),
     "decimal_commas.obj": refused(PLAIN_OBJ.replace(".5", ",5").replace("30 ", "30,0 "), "comma"),
     "utf16.obj": refused(PLAIN_OBJ.encode("utf-16"), "UTF-16"),
+    "utf16_without_mark.obj": refused(PLAIN_OBJ.encode("utf-16-be"), "UTF-16"),
+    "separators.obj": refused(PLAIN_OBJ.replace(" -20 ", ", -20, "), r"'-30,' is not a number$"),
+    "underscores.obj": refused(PLAIN_OBJ.replace("-30", "-3_0"), r"line 1: '-3_0' is not a number"),
+    "underscore_index.obj": refused(PLAIN_OBJ + "f 1 2 0_3\n", "'0_3' is not a number"),
+    "html.obj": refused("<!DOCTYPE html>\n<html>Not found</html>", "no faces"),
+    "html_at_end.obj": refused(PLAIN_OBJ + "</html>\n", "line 21: '</html>' is not OBJ"),
+    "upper_case.obj": refused(PLAIN_OBJ.replace("f ", "F "), "line 9: 'F' is not OBJ"),
+    "renamed_ply.obj": refused(b"ply\nformat ascii 1.0\nend_header\n", "no faces"),
     "zero_index.obj": refused(
         obj(V, F).replace("f 2 4 1", "f 2 4 0"), "vertices that do not exist"
     ),
@@ -201,6 +213,8 @@ OBJ = {
     "two_numbers.obj": refused(PLAIN_OBJ.replace("v -30 -20 -15", "v -30 -20", 1), "line 1"),
     "says_inch.obj": refused("# units: inches\n" + PLAIN_OBJ, "inch"),
     "says_mm.obj": box_of("# File units = millimeters\n" + PLAIN_OBJ, None),
+    "says_dm.obj": refused("# unit: dm\n" + PLAIN_OBJ, "states the unit dm, but mm"),
+    "units_in_mm.obj": box_of("# units in mm\n" + PLAIN_OBJ, None),
     "says_nothing.obj": refused(PLAIN_OBJ, "units", None),
 }
 
@@ -222,6 +236,8 @@ def ascii_stl(name="box", mesh=BOX, end=True):
     return text + (f"endsolid {name}\n" if end else "")
 
 
+OBJ["binary.obj"] = refused(facets(), "binary, not text")
+OBJ["binary_of_text_header.obj"] = refused(facets(header=b"solid box"), "binary, not text")
 UPPER = BOX.copy().apply_translation([0, 0, 40])
 STL = {
     "plain.stl": box_of(facets()),
@@ -264,6 +280,11 @@ STL = {
         ascii_stl().replace("    endloop", "      vertex 0 0 0\n    endloop", 1), "3 corners"
     ),
     "empty.stl": refused(b"", "empty"),
+    "count_zero_cut.stl": refused(facets(count=0)[:-20], "truncated within face 12"),
+    "count_zero_padded.stl": box_of(facets(count=0, tail=bytes(30))),
+    "starts_with_facet.stl": refused(ascii_stl().partition("\n")[2], "starts with `solid`"),
+    "starts_with_comment.stl": refused("# made here\n" + ascii_stl(), "starts with `solid`"),
+    "utf16_without_mark.stl": refused(ascii_stl().encode("utf-16-le"), "UTF-16"),
     "html.stl": refused(b"<!DOCTYPE html><html>Not found</html>", "not a"),
 }
 
@@ -298,7 +319,19 @@ OFF = {
     ),
     "between.off": box_of(off("OFF", V, F).replace("\n3 ", "\n# a face\n3 ")),
     "blank.off": box_of(off("OFF", V, F).replace("\n", "\n\n")),
-    "one_line.off": refused(off("OFF", V, F).replace("\n", " "), "0 lines follow"),
+    "one_line.off": box_of(off("OFF", V, F).replace("\n", " ")),
+    "word_a_line.off": box_of(off("OFF", V, MIXED).replace(" ", "\n")),
+    "counts_apart.off": box_of(off("OFF", V, F).replace("8 12 0", "8\n12\n0")),
+    "face_of_two_lines.off": box_of(off("OFF", V, F).replace("3 1 3 0", "3 1\n3 0")),
+    "colours_on_one_line.off": refused(
+        off("COFF", np.hstack([V, COLOUR]), F).replace("\n", " "), "one vertex or face a line"
+    ),
+    "face_colours_on_one_line.off": refused(
+        (off("OFF 8 12 0", V, []) + coloured(F, "3")).replace("\n", " "), "one vertex or face a"
+    ),
+    "one_line_cut.off": refused(off("OFF", V, F).replace("\n", " ")[:-4], "truncated"),
+    "one_line_cut_early.off": refused("OFF 8 12 0 1 2", "truncated"),
+    "negative_length.off": refused(off("OFF", V, F).replace("3 1 3 0", "-3 1 3 0"), "-3 corners"),
     "cr.off": box_of(off("OFF", V, F).replace("\n", "\r")),
     "bom_crlf.off": box_of(b"\xef\xbb\xbf" + off("OFF", V, F).replace("\n", "\r\n").encode()),
     "face_rgb.off": box_of(off("OFF 8 6 0", V, []) + coloured(QUADS, "0.9 0.1 0.1")),
@@ -317,6 +350,7 @@ OFF = {
     "cut_face.off": refused(off("OFF", V, F)[:-4], "truncated"),
     "index.off": refused(off("OFF", V, F).replace("3 1 3 0", "3 1 3 8", 1), "do not exist"),
     "commas.off": refused(off("OFF", V + 0.5, F).replace(".", ","), "comma"),
+    "underscores.off": refused(off("OFF", V, F).replace("-20", "-2_0", 1), "'-2_0' is not a num"),
     "word.off": refused(off("OFF", V, F).replace("-20", "x", 1), "number"),
     "nan.off": refused(off("OFF", V, F).replace("-20", "nan", 1), "not finite"),
     "utf16.off": refused(off("OFF", V, F).encode("utf-16"), "UTF-16"),
@@ -363,8 +397,9 @@ def ply_row(kind, properties, row):
 
 XYZ = [("float", "x"), ("float", "y"), ("float", "z")]
 FACE = [("uchar", "int", "vertex_indices")]
-MIXED = [*QUADS[:3], *[(a, b, c) for q in QUADS[3:] for a, b, c in (q[:3], (q[0], *q[2:]))]]
 ROWS = V.tolist()
+WHOLE = [("char", "x"), ("short", "y"), ("int", "z")]
+TRIANGLES = [(tuple(face),) for face in F.tolist()]
 STRIPS = [0, 1, 2, 3, 6, 7, 4, 5, 0, 1, -1, 0, 2, 4, 6, -1, 1, 5, 3, 7, -1]
 
 
@@ -426,6 +461,35 @@ PLY |= {
     "cr.ply": box_of(ASCII_PLY.replace(b"\n", b"\r")),
     "bom.ply": box_of(b"\xef\xbb\xbf" + ASCII_PLY),
     "blank_end.ply": box_of(ASCII_PLY + b"\n\n"),
+    **{
+        f"more_faces_{name}_{kind}.ply": refused(
+            PLY[f"{name}_{kind}.ply"].data.replace(b"element face " + count, b"element face 6"),
+            "holds more",
+        )
+        for kind in PLY_KINDS
+        for name, count in (("plain", b"12"), ("mixed", b"9"))
+    },
+    **{
+        f"whole_{kind}.ply": box_of(
+            ply(kind, [("vertex", WHOLE, V.astype(int).tolist()), ("face", FACE, TRIANGLES)])
+        )
+        for kind in PLY_KINDS
+    },
+    **{
+        f"{name}.ply": refused(
+            ply(
+                "ascii", [("vertex", WHOLE, V.astype(int).tolist()), ("face", FACE, TRIANGLES)]
+            ).replace(old, new, 1),
+            reason,
+        )
+        for name, old, new, reason in (
+            ("negative_uchar", b"char x", b"uchar x", "-30 .* uint8 of x"),
+            ("fraction", b"-20 ", b"-20.5 ", "-20.5 .* int16 of y"),
+            ("too_large", b"-30 ", b"-129 ", "-129 .* int8 of x"),
+            ("not_finite", b"-30 ", b"nan ", "nan .* int8 of x"),
+        )
+    },
+    "trailing_lines.ply": box_of(PLY["plain_binary_big_endian.ply"].data + b"\r\nmade here\n\0"),
     "trailing.ply": box_of(PLY["plain_binary_little_endian.ply"].data + b"end"),
     "header_crlf.ply": box_of(
         PLY["mixed_binary_little_endian.ply"].data.replace(b"\n", b"\r\n", 11)
@@ -454,6 +518,24 @@ PLY |= {
         "negative",
     ),
     "cloud.ply": refused(ply("ascii", [("vertex", XYZ, ROWS)]), "no faces"),
+    "list_of_vertices.ply": refused(
+        ply("ascii", [("vertex", XYZ, ROWS), ("face", [("uchar", "int", "vertices")], TRIANGLES)]),
+        "faces do not have a list vertex_indices",
+    ),
+    "corners_apart.ply": refused(
+        ply("ascii", [("vertex", XYZ, ROWS), ("face", [("int", name) for name in "abc"], F)]),
+        "faces do not have a list vertex_indices",
+    ),
+    **{
+        f"{name}.ply": refused(
+            ply("binary_big_endian", [("vertex", XYZ, ROWS), (name, FACE, TRIANGLES)]),
+            f"its element {name} is not read",
+        )
+        for name in ("trifans", "range_grid")
+    },
+    "no_fans.ply": box_of(
+        ply("ascii", [("vertex", XYZ, ROWS), ("face", FACE, TRIANGLES), ("trifans", FACE, [])])
+    ),
     "no_z.ply": refused(
         ply("ascii", [("vertex", XYZ[:2], [r[:2] for r in ROWS]), ("face", FACE, [((0, 1, 2),)])]),
         "x, y and z",
@@ -659,6 +741,8 @@ STRIP = [0, 1, 2, 3, 6, 7, 4, 5, 0, 1]
 FLAT_BOX = [QUADS[0], QUADS[3], QUADS[1], QUADS[2]]
 FAN = [0, 1, 3, 2, 6, 4, 5, 1]  # around corner 0
 REST = [7, 5, 4, 6, 2, 3, 1, 5]  # around the opposite one
+VISIBILITY = "KHR_node_visibility"
+HIDDEN = {"extensions": {VISIBILITY: {"visible": False}}}
 ONE_MORE = {"mesh": 0, "translation": [0.2, 0, 0]}
 GLB = {
     "plain.glb": upright(gltf(POINTS, CORNERS)),
@@ -719,6 +803,19 @@ GLB = {
     "unused_extension.glb": upright(
         gltf(POINTS, CORNERS, extensionsUsed=["KHR_materials_unlit", "VENDOR_thing"])
     ),
+    "hidden.glb": upright(
+        gltf(
+            POINTS,
+            CORNERS,
+            [{"children": [1, 2]}, {"mesh": 0}, {**ONE_MORE, **HIDDEN, "children": [3]}, ONE_MORE],
+            extensionsUsed=[VISIBILITY],
+            extensionsRequired=[VISIBILITY],
+        )
+    ),
+    "not_hidden.glb": upright(
+        gltf(POINTS, CORNERS, [{"mesh": 0, "extensions": {VISIBILITY: {"visible": True}}}])
+    ),
+    "all_hidden.glb": refused(gltf(POINTS, CORNERS, [{"mesh": 0, **HIDDEN}]), "no faces", None),
     "unlit_required.glb": upright(
         gltf(POINTS, CORNERS, extensionsRequired=["KHR_materials_unlit", "KHR_texture_transform"])
     ),
@@ -744,6 +841,29 @@ GLB = {
         gltf(POINTS, CORNERS, buffers=[{"byteLength": 136, "uri": "box.bin"}]), "other file", None
     ),
     "cut.glb": refused(gltf(POINTS, CORNERS)[:-30], "truncated", None),
+    "sparse_outside.glb": refused(
+        changed(
+            sparse(True),
+            lambda document: document["accessors"][0].update(count=5),
+        ),
+        "refers to what is not there",
+        None,
+    ),
+    "scene_outside.glb": refused(gltf(POINTS, CORNERS, scene=3), "refers to what is not", None),
+    "no_positions.glb": refused(
+        changed(
+            gltf(POINTS, CORNERS),
+            lambda document: document["meshes"][0]["primitives"][0]["attributes"].clear(),
+        ),
+        "has no POSITION",
+        None,
+    ),
+    "component_type.glb": refused(
+        gltf(POINTS, CORNERS, accessor={"componentType": 5199}), "component type 5199", None
+    ),
+    "instanced_nowhere.glb": refused(instanced(), "does not say where", None),
+    "not_json.glb": refused(gltf(POINTS, CORNERS).replace(b'"asset"', b"'asset'"), "JSON", None),
+    "list_of_nodes.glb": refused(gltf(POINTS, CORNERS, [[]]), "it is damaged", None),
     "version_1.glb": refused(struct.pack("<III", 0x46546C67, 1, 20) + bytes(8), "version 1", None),
     "beyond.glb": refused(gltf(POINTS, CORNERS + 1), "do not exist", None),
     "nan.glb": refused(gltf(POINTS * np.nan, CORNERS), "not finite", None),
@@ -832,6 +952,28 @@ UPRIGHT_TURN = "0 1 0 -1 0 0 0 0 1 5 6 7"  # x to y, y to -x
 MIRROR = "-1 0 0 0 1 0 0 0 1 0 0 0"
 PART = 'p:path="/3D/part.model"'
 PRODUCED = ' requiredextensions="p" xmlns:u="urn:none"'
+
+
+def encrypted(data):
+    """The archive with the flag of encryption at all of its entries."""
+    marked = bytearray(data)
+    for signature, place in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        for found in re.finditer(re.escape(signature), data):
+            marked[found.start() + place] |= 1
+    return bytes(marked)
+
+
+MILLIMETER, INCH = ' unit="millimeter"', ' unit="inch"'
+
+
+def part_of_unit(root, part):
+    """A box in a part of its own, where both models may state a unit."""
+    return package(
+        model("", [f'objectid="5" {PART}'], root, ' requiredextensions="p"'),
+        others={"3D/part.model": model(solid_xml(5), [], part)},
+    )
+
+
 BED = solid_xml(2, V * 3)
 THREEMF = {
     "plain.3mf": asked(unit("millimeter", 1), None),
@@ -937,6 +1079,27 @@ THREEMF = {
         ),
         None,
     ),
+    **{
+        f"unit_{'stated' if root else 'silent'}_part_{'stated' if part else 'silent'}.3mf": asked(
+            part_of_unit(root, part), None
+        )
+        for root in ("", MILLIMETER)
+        for part in ("", MILLIMETER)
+    },
+    "unit_of_part_asked_inch.3mf": refused(part_of_unit("", MILLIMETER), "mm, but inch", "inch"),
+    "unit_inch_part_silent.3mf": refused(part_of_unit(INCH, ""), "different units", None),
+    "unit_silent_part_inch.3mf": refused(part_of_unit("", INCH), "different units", None),
+    "not_printed.3mf": asked(
+        package(
+            model(
+                solid_xml(1) + solid_xml(2, V * 3), ['objectid="1"', 'objectid="2" printable="0"']
+            )
+        ),
+        None,
+    ),
+    "nothing_printed.3mf": refused(
+        package(model(solid_xml(1), ['objectid="1" printable="0"'])), "printable", None
+    ),
     "vendor.3mf": asked(
         package(
             model(
@@ -975,6 +1138,11 @@ THREEMF = {
     ),
     "index.3mf": refused(
         package(model(solid_xml(1)).replace('v1="1"', 'v1="8"', 1)), "do not exist", None
+    ),
+    "cut_xml.3mf": refused(package(model(solid_xml(1))[:-200]), "it is damaged: .*line 1", None),
+    "encrypted.3mf": refused(encrypted(package(model(solid_xml(1)))), "encrypted", None),
+    "utf16.3mf": asked(
+        package(model(solid_xml(1)).replace("UTF-8", "UTF-16").encode("utf-16")), None
     ),
     "no_model.3mf": refused(
         package("").replace(b"3dmodel.model", b"2dmodel.model"), "missing", None

@@ -77,7 +77,13 @@ def lib3mf_part(model, part, matrix):
     )
 
 
-@pytest.mark.parametrize("name", [name for name in READ if name.endswith(".3mf")])
+# An attribute that slicers write, and an encoding that the specification allows.
+NOT_IN_LIB3MF = ("not_printed.3mf", "utf16.3mf")
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in READ if name.endswith(".3mf") and name not in NOT_IN_LIB3MF]
+)
 def test_the_reference_implementation_reads_the_same_from_3mf(tmp_path, name):
     mesh = read(tmp_path, name)
     asked = CASES[name].units if name == "silent_asked_inch.3mf" else None  # lib3mf takes mm then
@@ -87,6 +93,7 @@ def test_the_reference_implementation_reads_the_same_from_3mf(tmp_path, name):
 
 # What trimesh reads wrong or not at all.
 ONLY_OURS = ("normalized", "sparse", "instanced", "fan", "one_scene_unnamed", "many_primitives")
+ONLY_OURS += ("hidden",)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,5 @@
 import warnings
+from contextlib import nullcontext
 
 import pytest
 import trimesh
@@ -7,7 +8,7 @@ import egad
 from egad.errors import RejectedError, UserError
 from egad.exchange import write_glb, write_stl_mm
 from egad.exchange.threemf import Placed, write_3mf
-from egad.io import check_unit_known
+from egad.io import check_unit_known, read_content
 from egad.io.units import METRES, metres_per_unit, stated_in
 
 BOX = trimesh.creation.box((0.06, 0.04, 0.03))
@@ -29,6 +30,18 @@ LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
         (b"# units:\n# mm", None),
         (b"unit: mm, made by hand", "mm"),
         (b"units: 10 mm", None),
+        (b"# unit: dm", "dm"),
+        (b"units: yards", "yard"),
+        (b"unit: thou", "mil"),
+        (b"units in mm", "mm"),
+        (b"# All units are in inches.", "inch"),
+        (b"Unit: 1 mm", "mm"),
+        (b"unit = m/s", None),
+        (b"unit: mm^2", None),
+        ("unit: mm²".encode(), None),
+        (b"units in the box", None),
+        (b"unit: gearbox\n unit: cm", "cm"),
+        (b"units within mm", None),
         (b"a unit in mm", None),
         (b"", None),
     ],
@@ -38,13 +51,13 @@ def test_units_that_comments_state(text, unit):
 
 
 @pytest.mark.parametrize("asked", [*METRES, None])
-@pytest.mark.parametrize("stated", [*METRES, "foot", "micron", None])
+@pytest.mark.parametrize("stated", [*METRES, "foot", "micron", "dm", "yard", None])
 @pytest.mark.parametrize("ending", ["stl", "glb", "3mf"])
 def test_a_stated_unit_is_never_contradicted(asked, stated, ending):
     allowed = asked is None or stated is None or asked == stated
     unit = asked or stated or {"glb": "m", "3mf": "mm"}.get(ending)
     if allowed and unit:
-        lengths = {**LENGTHS, "foot": 0.3048, "micron": 1e-6}
+        lengths = {**LENGTHS, "foot": 0.3048, "micron": 1e-6, "dm": 0.1, "yard": 0.9144}
         assert metres_per_unit(asked, stated, ending) == lengths[unit]
     else:
         with pytest.raises(RejectedError) as found:
@@ -63,6 +76,34 @@ def test_settings_need_a_unit_unless_all_files_state_it(tmp_path):
     check_unit_known([*given, tmp_path / "d.stl", tmp_path / "e.obj"], None)
     with pytest.raises(UserError, match=r"c\.stl does not state its unit; .*: m, cm, mm or inch"):
         check_unit_known([*given, tmp_path / "c.stl"], None)
+
+
+SOLIDS = {
+    "obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+    "off": "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n",
+}
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("ending", SOLIDS)
+@pytest.mark.parametrize(
+    ("line", "unit"), [("# unit: mm", "mm"), ("#unit=cm #", "cm"), ("# comment", None)]
+)
+def test_what_states_the_unit_of_a_file_is_the_same_for_settings(tmp_path, ending, line, unit, end):
+    path = tmp_path / f"a.{ending}"
+    path.write_bytes(f"{line}\n{SOLIDS[ending]}".replace("\n", end).encode())
+    assert read_content(path).unit == unit
+    told = pytest.raises(UserError, match="does not state") if unit is None else nullcontext()
+    with told:
+        check_unit_known([path], None)
+
+
+def test_a_name_of_a_group_states_no_unit(tmp_path):
+    path = tmp_path / "a.obj"
+    path.write_text("g units=mm\n" + SOLIDS["obj"])
+    assert read_content(path).unit is None
+    with pytest.raises(UserError, match="does not state its unit"):
+        check_unit_known([path], None)
 
 
 def read_quietly(path, units=None):
