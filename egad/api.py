@@ -124,7 +124,7 @@ class Measures(NamedTuple):
         factor: The mesh was scaled by this before grasps were sampled.
         sides: Sides of its box then, ascending, metres.
         dropped_bodies: How many bodies of the mesh were left out: only the largest is measured.
-        dropped_volume: Their part of the volume of all bodies.
+        dropped_volume: Their part of the volume of all bodies, with holes closed.
     """
 
     complexity: float

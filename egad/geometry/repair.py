@@ -14,6 +14,7 @@ from egad.errors import RejectedError, check_name
 from egad.geometry.checks import check_surface
 from egad.geometry.manifold import Solid, is_solid, to_mesh, to_solid, union
 from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
+from egad.geometry.rays import RayCaster
 from egad.geometry.self_intersections import DEPTH, crossings, untangle
 from egad.geometry.shell import shell
 
@@ -100,8 +101,10 @@ class Repaired(NamedTuple):
         mesh: The surface, wound outwards.
         changed: Whether more than merging vertices was needed.
         shell_thickness: Of the wall that an open surface was given; 0 for all others.
-        dropped_bodies: How many closed bodies were left out, as only the largest is kept.
-        dropped_volume: Their part of the volume of all bodies.
+        dropped_bodies: How many bodies, closed or open, were left out, as only the largest closed
+            one is kept.
+        dropped_volume: Their part of the volume of all bodies, with holes closed; open surfaces
+            without volume have none.
     """
 
     mesh: trimesh.Trimesh
@@ -153,20 +156,27 @@ def repair(
     merged.merge_vertices(merge_tex=True, merge_norm=True)
     if _is_sound(merged):
         return Repaired(merged, changed=False)
-    solids, thickened = _solids(_welded(merged), thickness if open_surfaces == "thicken" else None)
+    wall = thickness if open_surfaces == "thicken" else None
+    solids, open_shells, thickened = _solids(_welded(merged), wall)
     whole = union(solids)
     untangled = untangle(_largest(whole))
     solid = _largest(untangled)
-    dropped = _dropped([whole, untangled], solid)
+    dropped = _dropped([whole, untangled], open_shells, solid)
     return Repaired(to_mesh(solid), True, thickness if thickened else 0.0, *dropped)
 
 
 def dropped_text(bodies: int, volume: float) -> str:
-    """How many bodies were left out and their part of the volume, as a phrase; empty for none."""
+    """How many bodies were left out and their part of the volume, as a phrase; empty for none.
+
+    Bodies without volume are open surfaces, whose area has a limit.
+    """
     if not bodies:
         return ""
     was = "was" if bodies == 1 else "were"
-    return f"{bodies} of {bodies + 1} bodies {was} dropped, {100 * volume:.2g} % of the volume"
+    part = f"{100 * volume:.2g} % of the volume"
+    if not volume:
+        part = f"at most {100 * DEBRIS:.2g} % of the area"
+    return f"{bodies} of {bodies + 1} bodies {was} dropped, {part}"
 
 
 def _check_options(open_surfaces: str, thickness: float) -> None:
@@ -197,20 +207,45 @@ def _largest(solid: Solid) -> Solid:
     return best
 
 
-def _dropped(solids: list[Solid], kept: Solid) -> tuple[int, float]:
-    """How many bodies there are beside the largest of each solid, and their part of the volume."""
+def _dropped(
+    solids: list[Solid], open_shells: list[trimesh.Trimesh], kept: Solid
+) -> tuple[int, float]:
+    """How many bodies there are beside the largest of each solid, and their part of the volume.
+
+    Args:
+        solids: Of closed bodies.
+        open_shells: Those that were left out, which count as far as they stick out of what is kept.
+        kept: The solid that is kept.
+    """
     volumes = [sorted(part.volume() for part in solid.decompose())[:-1] for solid in solids]
     bodies = [each for others in volumes for each in others if each > CRUMB * kept.volume()]
+    if open_shells:
+        rays, least = RayCaster(to_mesh(kept)), CRUMB ** (2 / 3) * kept.surface_area()
+        for each in open_shells:
+            outside = ~rays.contains(each.triangles_center)
+            if each.area_faces[outside].sum() > least:
+                bodies.append(_volume_beyond(each, kept))
     return len(bodies), float(sum(bodies) / (sum(bodies) + kept.volume()))
 
 
-def _solids(mesh: trimesh.Trimesh, wall: float | None) -> tuple[list[Solid], bool]:
+def _volume_beyond(open_shell: trimesh.Trimesh, kept: Solid) -> float:
+    """Volume that a shell bounds outside a solid once its holes are closed; 0 for sheets."""
+    closed = close_holes(open_shell, np.inf)
+    with np.errstate(invalid="ignore"):  # trimesh divides by the volume
+        solid = None if closed is None else _outward(closed)
+    volume = 0.0 if solid is None else float((solid - kept).volume())
+    return volume if volume > CRUMB * kept.volume() else 0.0
+
+
+def _solids(
+    mesh: trimesh.Trimesh, wall: float | None
+) -> tuple[list[Solid], list[trimesh.Trimesh], bool]:
     """A solid for each shell that can be closed.
 
     The others are dropped if they are only debris; else they get a wall of the thickness given.
 
     Returns:
-        The solids, and whether there is such a wall among them.
+        The solids, the shells that are dropped, and whether there is such a wall.
     """
     single, doubled = _cleaned(mesh)
     solids, failed = [], []
@@ -222,11 +257,11 @@ def _solids(mesh: trimesh.Trimesh, wall: float | None) -> tuple[list[Solid], boo
         else:
             solids.append(solid)
     if solids and sum(part.area for part in failed) <= DEBRIS * single.area:
-        return solids, False
+        return solids, failed, False
     sheets = cast("trimesh.Trimesh", trimesh.util.concatenate([*failed, doubled]))
     if wall is None or len(open_edges(sheets.faces)) == 0:
         raise RejectedError(_reason(failed))
-    return [*solids, shell(sheets, wall)], True
+    return [*solids, shell(sheets, wall)], [], True
 
 
 def _reason(failed: list[trimesh.Trimesh]) -> str:

@@ -25,8 +25,12 @@ _SHELL = column(
     "shell_thickness", FLOAT, "wall that an open surface was given; 0: it was not open", "m"
 )
 _DROPPED = [
-    column("dropped_bodies", INT, "bodies that repair left out, as it keeps the largest"),
-    column("dropped_volume", FLOAT, "their part of the volume of all bodies"),
+    column("dropped_bodies", INT, "bodies, closed or open, that repair left out"),
+    column(
+        "dropped_volume",
+        FLOAT,
+        "their part of the volume of all bodies, with holes closed; 0: they have no volume",
+    ),
 ]
 _GRASPS = column("grasps", INT, "number of grasps that the difficulty was computed from")
 SOLIDS = pa.schema(

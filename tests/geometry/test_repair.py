@@ -147,9 +147,41 @@ def test_bodies_that_are_dropped_are_counted_with_their_part_of_the_volume(mesh,
     assert bool(found.dropped) == (bodies > 0)
 
 
+SHEET = raw([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]], [[0, 1, 2], [0, 2, 3]])
+CUP = raw(box().vertices, box().faces[box().face_normals[:, 2] < 0.9])  # one side of a cube lacks
+
+
+@pytest.mark.parametrize(
+    ("shape", "side", "offset", "volume"),
+    [
+        ("cup", 0.32, 2, 0.32**3),  # 16 mm beside 50 mm
+        ("cup", 0.32, 0, None),  # inside, where nothing is lost
+        ("cup", 0.32, 0.5, 0.32**3 / 2),  # half inside
+        ("cup", 0.02, 2, None),  # a crumb
+        ("sheet", 0.5, 2, 0),
+        ("sheet", 0.5, -0.25, None),
+        ("sheet", 0.02, 2, None),
+    ],
+)
+def test_open_bodies_that_are_dropped_are_counted(shape, side, offset, volume):
+    piece = shifted({"cup": CUP, "sheet": SHEET}[shape].copy().apply_scale(side), offset, 0, 0.01)
+    found = repair(together(box(), piece))
+    assert found.mesh.volume == pytest.approx(1)
+    assert found.dropped_bodies == (volume is not None)
+    assert found.dropped_volume == pytest.approx((volume or 0) / (1 + (volume or 0)))
+
+
+def test_open_and_closed_bodies_that_are_dropped_are_counted_together():
+    other = shifted(box((0.5, 0.5, 0.5)), 3, 0, 0)
+    found = repair(together(box(), other, shifted(CUP.copy().apply_scale(0.32), -2, 0, 0)))
+    lost = 0.125 + 0.32**3
+    assert (found.dropped_bodies, found.dropped_volume) == (2, pytest.approx(lost / (1 + lost)))
+
+
 def test_what_was_dropped_is_said_in_words():
     assert dropped_text(0, 0.0) == ""
     assert dropped_text(1, 0.19) == "1 of 2 bodies was dropped, 19 % of the volume"
+    assert dropped_text(1, 0.0) == "1 of 2 bodies was dropped, at most 10 % of the area"
     assert dropped_text(2, 0.005) == "2 of 3 bodies were dropped, 0.5 % of the volume"
 
 
@@ -223,7 +255,6 @@ def test_repair_is_idempotent_and_deterministic():
     assert again.volume == pytest.approx(first.volume)
 
 
-SHEET = raw([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]], [[0, 1, 2], [0, 2, 3]])
 BAD = {
     "no faces": raw(np.zeros((3, 3)), np.empty((0, 3), dtype=int)),
     "not finite": raw([[0, 0, 0], [1, 0, np.nan], [0, 1, 0]], [[0, 1, 2]]),
