@@ -118,7 +118,7 @@ def box_text():
 BROKEN = {
     "it is empty": b"",
     "is flat": b"solid a\nendsolid a\n",
-    "it is truncated: its header says 1": b"hello world\n" * 20,
+    "it is neither a binary file nor text": b"hello world\n" * 20,
     "it is truncated: its header says 12": trimesh.creation.box(FINGER).export(file_type="stl")[
         :-60
     ],
