@@ -32,6 +32,7 @@ from egad.errors import UserError
 from egad.exchange import check_installed, checksum, missing_files
 from egad.grippers import files_of
 from egad._util.kernel_cache import compile_kernels
+from egad._util.progress import MARKS
 from egad.measures import source_hash
 from egad.detectors import SHIPPED_WEIGHTS, fingerprint
 from egad.perception import shard_count
@@ -49,6 +50,8 @@ except UserError as error:
 
 # A chain of epochs is as deep as it is long, and Snakemake walks it by recursion.
 sys.setrecursionlimit(20_000)
+# The display shows the warnings and errors of jobs, which are marked in their logs.
+os.environ[MARKS] = "1"
 # Jobs find the `egad` of this Python even if its environment is not activated.
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
 
