@@ -104,6 +104,14 @@ def settings_of(stage):
     return lambda wildcards: _chosen(stage_function(stage), wildcards)
 
 
+def settings_with_keep_going(stage):
+    """The same for a stage that asks a detector, and with `keep_going`.
+
+    Because of `input`, turning it on does not re-run finished trials.
+    """
+    return lambda wildcards, input: _selected(stage_function(stage), wildcards).model_dump_json()
+
+
 def settings_of_export(name=None):
     """The same for the given format of an export; default: the one in the file name."""
     objects = SETTINGS.targets.export_objects
@@ -111,8 +119,12 @@ def settings_of_export(name=None):
 
 
 def _chosen(function, wildcards):
+    return _as_json(_selected(function, wildcards))
+
+
+def _selected(function, wildcards):
     names = wildcards.get("gripper"), wildcards.get("detector")
-    return _as_json(select(TRIED, settings_type(function), *names))
+    return select(TRIED, settings_type(function), *names)
 
 
 def code_of(stage):
@@ -142,7 +154,11 @@ def exported_from(wildcards):
 
 
 def _as_json(part):
-    return json.dumps(part.model_dump(mode="json"), separators=(",", ":"), sort_keys=True)
+    # whether a run goes on after failures of a detector changes no result
+    values = part.model_dump(
+        mode="json", exclude={"trials": {"keep_going"}, "clutter": {"keep_going"}}
+    )
+    return json.dumps(values, separators=(",", ":"), sort_keys=True)
 
 
 def labelled(wildcards):
