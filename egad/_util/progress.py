@@ -21,6 +21,7 @@ LINE = re.compile(
 )
 PHASE_END = " ..."
 MARK = "! "
+MARKS = "EGAD_MARKS"  # set in the environment of the jobs of the workflow
 SLOW = 3.0  # seconds
 BAR_WIDTH, FULL, EMPTY = 20, "\N{FULL BLOCK}", "\N{LIGHT SHADE}"
 WINDOW, STEADY = 60.0, 2.0  # seconds that a rate is taken over: at most, and at least

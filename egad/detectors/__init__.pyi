@@ -10,6 +10,7 @@ from .base import Grasp as Grasp
 from .base import best_grasp as best_grasp
 from .failures import Failure as Failure
 from .failures import FailureMonitor as FailureMonitor
+from .failures import keep_failure as keep_failure
 from .failures import try_to_plan as try_to_plan
 from .ggcnn import GGCNN as GGCNN
 from .labels import Labels as Labels

@@ -1,8 +1,10 @@
 """What a detector does wrong: the error with its traceback, and when that ends a run."""
 
 import logging
+import re
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -17,6 +19,7 @@ log = logging.getLogger(__name__)
 T = TypeVar("T")
 
 PACKAGE = Path(__file__).parents[1]
+FOLDER_OF_FRAME = re.compile(r'^(\s*File ")[^"]*[/\\]', re.MULTILINE)
 FRAMES = 20  # of a traceback, the innermost ones
 FIRST = 3  # objects, or rounds, at which a detector that only fails ends the run
 FAILURES = (Outcome.ERROR, Outcome.TIMEOUT)
@@ -33,6 +36,33 @@ class Failure:
 
     outcome: Outcome
     text: str
+
+
+class OnlyFailuresError(UserError):
+    """A detector does nothing but fail; `failure` is the text of the first failure."""
+
+    def __init__(self, text: str, failure: str = "") -> None:
+        super().__init__(text)
+        self.failure = failure
+
+
+@contextmanager
+def keep_failure(out: Path) -> Iterator[None]:
+    """Write the failure that ends a run into a file beside the output, `OUT.failure.txt`.
+
+    Args:
+        out: What the run would write.
+
+    Raises:
+        UserError: The detector does nothing but fail; the text names the file.
+    """
+    path = out.with_name(f"{out.name}.failure.txt")
+    path.unlink(missing_ok=True)
+    try:
+        yield
+    except OnlyFailuresError as error:
+        path.write_text(f"{error.failure}\n", encoding="utf-8")
+        raise UserError(f"{error}\nThe first failure is kept in {path}") from error
 
 
 def try_to_plan(plan: Callable[[], T]) -> T | Failure:
@@ -55,6 +85,7 @@ def try_to_plan(plan: Callable[[], T]) -> T | Failure:
 def failure_text(error: Exception) -> str:
     """An error with its traceback, which begins outside of egad if it leads there.
 
+    It names files without their folders: tables with it are given to others.
     What another process or program said of its error is left as it is.
     """
     if isinstance(error, DetectorError):
@@ -64,7 +95,7 @@ def failure_text(error: Exception) -> str:
         trace = trace.tb_next
     shown = trace or error.__traceback__
     lines = traceback.format_exception(type(error), error, shown, limit=-FRAMES)
-    return "".join(lines).rstrip()
+    return FOLDER_OF_FRAME.sub(r"\1", "".join(lines)).rstrip()
 
 
 class FailureMonitor:
@@ -93,8 +124,8 @@ class FailureMonitor:
             table: Columns `outcome` and `failure`.
 
         Raises:
-            UserError: The detector has failed in all attempts at the first `FIRST` objects, or at
-                all if there are fewer.
+            OnlyFailuresError: The detector has failed in all attempts at the first `FIRST` objects,
+                or at all if there are fewer.
         """
         texts = table.loc[table["failure"].fillna("") != "", "failure"]
         if not self._first and len(texts):
@@ -107,11 +138,17 @@ class FailureMonitor:
             self._worked |= not asked["outcome"].isin(FAILURES).all()
             self._objects, self._attempts = self._objects + 1, self._attempts + len(asked)
         if self._is_hopeless():
-            raise UserError(
-                f"the detector failed in all {self._attempts} attempts of the first "
-                f"{self._objects} {self._what}; to go on nevertheless, set keep_going "
-                f"(--keep-going of a command). Its first failure:\n{self._first}"
+            told = f". Its first failure:\n{self._first}" if self._quiet else ""
+            raise OnlyFailuresError(
+                f"the detector failed in all {self._attempts} attempts of {self._asked()}; to go "
+                f"on nevertheless, set keep_going{told}",
+                self._first,
             )
+
+    def _asked(self) -> str:
+        """At what it did nothing but fail."""
+        one = self._objects == 1
+        return f"the first {self._what[:-1]}" if one else f"the first {self._objects} {self._what}"
 
     def _is_hopeless(self) -> bool:
         enough = self._objects >= FIRST or (self._left == 0 and self._objects > 0)

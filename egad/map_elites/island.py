@@ -24,7 +24,7 @@ from egad.measures import coverage_of, filled_part
 from egad.tables.evolution import HISTORY, LINEAGE
 
 EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
-UNMEASURED = 100  # objects; if not one of the first could be measured, none ever will
+UNMEASURED = 100  # objects without measures; so many end a search whose archive is empty
 SCORED = 10  # the QD-score is computed once in as many steps
 LINE = "coverage {coverage:.3f}, {elites} elites"
 Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
@@ -173,15 +173,18 @@ class Island:
         """One step: ask, measure and tell.
 
         Raises:
-            UserError: The first `UNMEASURED` objects have no measures.
+            UserError: `UNMEASURED` objects have no measures, and the archive is still empty.
         """
         outcomes, refined = self.outcomes.copy(), self.refined
         candidates = self.ask()
         results = list(self._mapper(self._evaluate, [each.solid for each in candidates]))
         self.tell(candidates, results, self._refiner)
         self._unmeasured.update(_kind(each) for each in results if isinstance(each, str))
-        if self._unmeasured.total() >= UNMEASURED and not self.outcomes[EVALUATED]:
-            raise UserError(f"no object could be measured: {most_common(self._unmeasured)}")
+        if not len(self.archive) and self._unmeasured.total() >= UNMEASURED:
+            reasons = most_common(self._unmeasured)
+            raise UserError(
+                f"none of the first {self._unmeasured.total()} objects could be measured: {reasons}"
+            )
         accepted = [self.archive[each.id] for each in candidates if each.id in self.archive]
         return Advance(self.outcomes - outcomes, self.refined - refined, accepted)
 

@@ -1,13 +1,23 @@
 """The first failure of a detector is shown, and one that only fails ends the run."""
 
+import copy
 import logging
 from functools import partial
+from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from egad.detectors.base import DetectorError, DetectorTimeoutError
-from egad.detectors.failures import FIRST, Failure, FailureMonitor, failure_text, try_to_plan
+from egad.detectors.failures import (
+    FIRST,
+    Failure,
+    FailureMonitor,
+    OnlyFailuresError,
+    failure_text,
+    keep_failure,
+    try_to_plan,
+)
 from egad.detectors.registry import with_checked_answers
 from egad.errors import UserError
 from egad.outcomes import Outcome
@@ -31,7 +41,8 @@ def test_a_failure_has_the_traceback_of_the_code_of_the_user_alone():
     assert first == "Traceback (most recent call last):"
     assert last == "ZeroDivisionError: division by zero"
     line = divides.__code__.co_firstlineno + 1
-    assert f'File "{__file__}", line {line}, in divides' in found.text
+    assert f'File "test_detector_failures.py", line {line}, in divides' in found.text
+    assert str(Path(__file__).parent) not in found.text
     assert "egad/detectors/registry.py" not in found.text
 
 
@@ -73,19 +84,43 @@ def test_the_first_failure_is_told_once(caplog):
 
 
 @pytest.mark.parametrize("outcome", ["error", "timeout"])
-def test_a_detector_that_only_fails_ends_the_run_at_the_third_object(outcome):
+def test_a_detector_that_only_fails_ends_the_run_at_the_third_object(caplog, outcome):
     monitor = FailureMonitor(49, keep_going=False)
     for _ in range(FIRST - 1):
         monitor.check(attempts(outcome, outcome))
     monitor.check(attempts("failed", "crashed"))  # it was not even asked
-    with pytest.raises(UserError, match=rf"all {2 * FIRST} attempts.*\n.*wrong: {outcome}"):
+    with pytest.raises(
+        UserError, match=f"all {2 * FIRST} attempts of the first {FIRST} objects"
+    ) as raised:
         monitor.check(attempts(outcome, outcome))
+    told = caplog.text + str(raised.value)
+    assert told.count(f"went wrong: {outcome}") == 1
+    assert "--" not in str(raised.value)  # no option of a command
 
 
 def test_it_ends_with_the_last_object_if_there_are_fewer():
     monitor = FailureMonitor(1, keep_going=False)
-    with pytest.raises(UserError, match="all 2 attempts of the first 1 objects"):
+    with pytest.raises(UserError, match="all 2 attempts of the first object;"):
         monitor.check(attempts("error", "error"))
+
+
+def test_a_quiet_monitor_tells_the_failure_as_it_ends_the_run():
+    monitor = FailureMonitor(1, keep_going=False, quiet=True)
+    with pytest.raises(UserError, match=r"first failure:\nwent wrong: error"):
+        monitor.check(attempts("error"))
+
+
+def test_the_failure_that_ends_a_run_is_kept_beside_its_output(tmp_path):
+    kept = tmp_path / "out.parquet.failure.txt"
+    with (
+        pytest.raises(UserError, match="is kept in"),
+        keep_failure(tmp_path / "out.parquet"),
+    ):
+        raise copy.copy(OnlyFailuresError("only failures", "went wrong"))  # as by pickle
+    assert kept.read_text(encoding="utf-8") == "went wrong\n"
+    with keep_failure(tmp_path / "out.parquet"):
+        pass  # a later run
+    assert not kept.exists()
 
 
 def test_it_goes_on_if_wanted_or_if_anything_else_ever_happened():

@@ -1,14 +1,20 @@
+import importlib
 import shutil
 
 import h5py
 import pytest
 import yaml
 from commands import egad
+from typer.testing import CliRunner
 
 from egad.api import rescale
+from egad.data import released
 from egad.exchange import read_mesh
 from egad.objects import load
+from egad.pipeline.cli.common import app
 from egad.pipeline.config import Settings
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
 
 GRIPPER = "yumi"
 
@@ -56,6 +62,58 @@ def test_released_objects_are_exported_without_a_run(tmp_path):
     expected, _ = rescale(objects[label].mesh, GRIPPER)
     written = read_mesh(out / f"{label}.obj", "m")
     assert written.volume == pytest.approx(expected.volume, rel=1e-6)
+
+
+@pytest.fixture
+def archive(tmp_path):
+    """An archive of two objects."""
+    path = tmp_path / "archive.parquet"
+    parquet.write(parquet.read(released(), ARCHIVE).head(2), ARCHIVE, path)
+    return path
+
+
+def test_the_objects_of_an_archive_are_exported(archive, tmp_path):
+    out = tmp_path / "objects"
+    done = egad("export", archive, "--gripper", GRIPPER, "--format", "obj", "--out", out)
+    assert done.returncode == 0, done.stderr
+    assert {path.stem for path in out.iterdir()} == set(load(archive).table["label"])
+
+
+@pytest.mark.parametrize(
+    ("source", "options", "expected"),
+    [
+        ("released", [], "evaluation-set"),
+        ("released", ["--objects", "evaluation-set"], "evaluation-set"),
+        ("released", ["--objects", "all"], "released"),
+        ("evaluation-set", [], "evaluation-set"),
+    ],
+)
+def test_the_chosen_objects_are_given_to_the_export(monkeypatch, source, options, expected):
+    asked = []
+    module = importlib.import_module("egad.export")
+    monkeypatch.setattr(module, "export", lambda objects, *_: asked.append(objects))
+    given = ["export", source, "--gripper", GRIPPER, "--format", "obj", "--out", "x", *options]
+    done = CliRunner().invoke(app, given, catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    assert list(asked[0].table["id"]) == list(load(expected).table["id"])
+
+
+@pytest.mark.parametrize(
+    ("source", "options", "named"),
+    [
+        (None, ["--objects", "all"], "--objects"),
+        ("evaluation-set", ["--objects", "all"], "--objects"),
+        ("released", ["--objects", "all", "--settings", "{}"], "--settings"),
+        (None, ["--settings", "{}", "--part", "a.hdf5"], "--settings, --part"),
+    ],
+)
+def test_options_for_runs_are_refused_without_one(archive, tmp_path, source, options, named):
+    out, chosen = tmp_path / "objects", source or archive
+    given = ["--gripper", GRIPPER, "--format", "obj", "--out", out, *options]
+    refused = egad("export", chosen, *given)
+    assert refused.returncode == 1
+    assert refused.stderr == f"egad: {named}: for the folder of a run, not for {chosen}\n"
+    assert not out.exists()
 
 
 def test_what_needs_a_run_says_how_to_make_it(tmp_path):

@@ -5,10 +5,11 @@ import pandas as pd
 import pytest
 
 from egad._util.workers import workers
+from egad.errors import UserError
 from egad.map_elites.ancestry import ancestors
 from egad.map_elites.archive import Archive, elites_of, merge
 from egad.map_elites.evaluation import Solid, measure, refine
-from egad.map_elites.island import evolve
+from egad.map_elites.island import Island, evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import LEAST, breed, parent_odds
 from egad.pipeline.config import Difficulty, Evolution, Settings, Shape, Similarity
@@ -37,6 +38,21 @@ def evolved(worker_count, **names):
 @pytest.fixture(scope="module")
 def island():
     return evolved(1, epoch=0, island=0)
+
+
+def test_a_search_without_any_measure_stops_with_the_reason(island, monkeypatch):
+    """One whose archive has objects goes on, though the new ones have no measures."""
+    monkeypatch.setattr("egad.map_elites.island.UNMEASURED", 3)
+    nothing = Archive(SETTINGS.space, SETTINGS.similarity)
+    something = island[0]
+    for archive in (nothing, something):
+        search = Island(archive, SETTINGS, 1, 0, evaluate=lambda _: "mine is not finite (nan)")
+        if archive is something:
+            assert search.advance().accepted == []
+            assert search.outcomes["mine is not finite"] >= 3
+        else:
+            with pytest.raises(UserError, match="none of the first"):
+                search.advance()
 
 
 def test_what_watches_is_told_of_every_step_and_changes_nothing(island):

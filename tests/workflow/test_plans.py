@@ -68,6 +68,8 @@ def named(value):
     ("settings", "rules"),
     [
         ({"trials": {"attempts": 3}}, {"simulated_trial"} | AFTER_TRIALS),
+        # the report lists all settings
+        ({"trials": {"keep_going": True}, "clutter": {"keep_going": True}}, {"report", "all"}),
         ({"bundle": {"max_parts": 9}}, AFTER_BUNDLE),
         ({"print_export": {"gap": 0.006}}, {"print_export"} | AFTER_PRINTS),
         ({"print_check": {"wall": 0.001}}, {"select_eval"} | AFTER_SELECTION),

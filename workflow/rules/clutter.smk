@@ -34,6 +34,7 @@ rule clutter:
         **needs(mb=2000, minutes=120),
     params:
         settings=settings_of("clutter"),
+        given=settings_with_keep_going("clutter"),
         bundle=subpath(input.bundle, parent=True),
         shard="{shard}",
         shards=len(SHARDS),
@@ -44,7 +45,7 @@ rule clutter:
     message:
         "Clearing tables with {wildcards.detector} and {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
-        "egad clutter --settings {params.settings:q}"
+        "egad clutter --settings {params.given:q}"
         " --shard {params.shard} --shards {params.shards}"
         " --bundle {params.bundle:q} {params.grasps:q} --out {output:q} > {log:q} 2>&1"
 

@@ -32,6 +32,7 @@ from egad.errors import UserError
 from egad.exchange import check_installed, checksum, missing_files
 from egad.grippers import files_of
 from egad._util.kernel_cache import compile_kernels
+from egad._util.progress import MARKS
 from egad.measures import source_hash
 from egad.detectors import SHIPPED_WEIGHTS, fingerprint
 from egad.perception import shard_count
@@ -49,6 +50,8 @@ except UserError as error:
 
 # A chain of epochs is as deep as it is long, and Snakemake walks it by recursion.
 sys.setrecursionlimit(20_000)
+# The display shows the warnings and errors of jobs, which are marked in their logs.
+os.environ[MARKS] = "1"
 # Jobs find the `egad` of this Python even if its environment is not activated.
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
 
@@ -101,6 +104,14 @@ def settings_of(stage):
     return lambda wildcards: _chosen(stage_function(stage), wildcards)
 
 
+def settings_with_keep_going(stage):
+    """The same for a stage that asks a detector, and with `keep_going`.
+
+    Because of `input`, turning it on does not re-run finished trials.
+    """
+    return lambda wildcards, input: _selected(stage_function(stage), wildcards).model_dump_json()
+
+
 def settings_of_export(name=None):
     """The same for the given format of an export; default: the one in the file name."""
     objects = SETTINGS.targets.export_objects
@@ -108,8 +119,12 @@ def settings_of_export(name=None):
 
 
 def _chosen(function, wildcards):
+    return _as_json(_selected(function, wildcards))
+
+
+def _selected(function, wildcards):
     names = wildcards.get("gripper"), wildcards.get("detector")
-    return _as_json(select(TRIED, settings_type(function), *names))
+    return select(TRIED, settings_type(function), *names)
 
 
 def code_of(stage):
@@ -139,7 +154,11 @@ def exported_from(wildcards):
 
 
 def _as_json(part):
-    return json.dumps(part.model_dump(mode="json"), separators=(",", ":"), sort_keys=True)
+    # whether a run goes on after failures of a detector changes no result
+    values = part.model_dump(
+        mode="json", exclude={"trials": {"keep_going"}, "clutter": {"keep_going"}}
+    )
+    return json.dumps(values, separators=(",", ":"), sort_keys=True)
 
 
 def labelled(wildcards):

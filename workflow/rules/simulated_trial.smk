@@ -37,6 +37,7 @@ rule simulated_trial:
         **needs(mb=2000, minutes=120),
     params:
         settings=settings_of("simulate"),
+        given=settings_with_keep_going("simulate"),
         bundle=subpath(input.bundle, parent=True),
         shard="{shard}",
         shards=len(EVALUATION_SHARDS),
@@ -47,7 +48,7 @@ rule simulated_trial:
     message:
         "Running trials of {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     shell:
-        "egad simulate --settings {params.settings:q}"
+        "egad simulate --settings {params.given:q}"
         " --shard {params.shard} --shards {params.shards} --eval {input.evaluation:q}"
         " --bundle {params.bundle:q} {params.grasps:q} --out {output:q} > {log:q} 2>&1"
 

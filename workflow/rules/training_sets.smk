@@ -15,13 +15,17 @@ def _settings_of_set(wildcards):
 
 def settings_of_test(stage):
     """The same for a detector that is tested, with the noise in the file name."""
+    return lambda wildcards: _as_json(_settings_of_test(stage, wildcards))
 
-    def chosen(wildcards):
-        whole = training_study.settings_of_tests(TRIED, wildcards.get("noise", "none"))
-        kind = settings_type(stage_function(stage))
-        return _as_json(select(whole, kind, GRIPPER, wildcards.detector))
 
-    return chosen
+def settings_of_test_with_keep_going(stage):
+    """The same, with `keep_going`, as `settings_with_keep_going`."""
+    return lambda wildcards, input: _settings_of_test(stage, wildcards).model_dump_json()
+
+
+def _settings_of_test(stage, wildcards):
+    whole = training_study.settings_of_tests(TRIED, wildcards.get("noise", "none"))
+    return select(whole, settings_type(stage_function(stage)), GRIPPER, wildcards.detector)
 
 
 def weights_of_detector(wildcards):

@@ -126,6 +126,7 @@ use rule simulated_trial as study_trial with:
         "benchmarks/training_study/study_trial/{dataset}-{noise}-{detector}.tsv"
     params:
         settings=settings_of_test("simulate"),
+        given=settings_of_test_with_keep_going("simulate"),
         bundle=subpath(input.bundle, parent=True),
         shard=0,
         shards=1,
@@ -151,6 +152,7 @@ use rule clutter as study_clutter with:
         "benchmarks/training_study/study_clutter/{dataset}-{detector}.tsv"
     params:
         settings=settings_of_test("clutter"),
+        given=settings_of_test_with_keep_going("clutter"),
         bundle=subpath(input.bundle, parent=True),
         shard=0,
         shards=1,

@@ -1,9 +1,10 @@
 """The `egad` command: one command per stage, and tools."""
 
 import logging
+import os
 import sys
 
-from egad._util.progress import marked
+from egad._util.progress import MARKS, marked
 from egad.errors import LESS_MEMORY, RejectedError, TableError, UserError
 from egad.pipeline.cli import (
     benchmark,
@@ -33,12 +34,12 @@ __all__ = [
 
 
 class _Formatter(logging.Formatter):
-    """Messages alone; in a file, such as the log of a stage, warnings and errors are marked."""
+    """Messages alone; in the logs of the workflow, which shows them, the important are marked."""
 
     def format(self, record: logging.LogRecord) -> str:
         text = super().format(record)
-        in_file = record.levelno >= logging.WARNING and not sys.stderr.isatty()
-        return marked(text) if in_file else text
+        shown = record.levelno >= logging.WARNING and MARKS in os.environ
+        return marked(text) if shown else text
 
 
 def main() -> None:

@@ -11,6 +11,7 @@ from egad.errors import UserError
 from egad.pipeline.cli.common import TOOL, Config, Out, app, parse, settings_in
 from egad.pipeline.config import Gripper, Settings
 from egad.pipeline.exports import (
+    ALL,
     EVALUATION_SET,
     OF_OBJECTS,
     Format,
@@ -41,8 +42,11 @@ def export(
     config: Config = None,
     settings: Annotated[str | None, typer.Option(help="settings of the stage, as JSON")] = None,
     objects: Annotated[
-        ObjectSet, typer.Option(help="which objects to write (formats of objects)")
-    ] = EVALUATION_SET,
+        ObjectSet | None,
+        typer.Option(
+            help="which objects to write (formats of objects)", show_default="evaluation-set"
+        ),
+    ] = None,
     part: Parts = [],  # noqa: B006 (typer copies it)
 ) -> None:
     """Export objects for simulators and browsers, labelled grasps, or rendered images."""
@@ -51,8 +55,11 @@ def export(
     from egad.pipeline.provenance.record import run_recorded
 
     if dataset.is_file() or str(dataset) in (RELEASED, EVALUATION_SET):
+        given = {"--settings": settings, "--part": part, "--objects": objects}
+        _check_applicable(str(dataset), [name for name, value in given.items() if value])
         _export_archive(dataset, gripper, out, ending, config, objects)
         return
+    objects = objects or EVALUATION_SET
     run = export_function(ending, objects)
     reads = {name: dataset / file for name, file in sources(ending, gripper, objects).items()}
     if ending in OF_OBJECTS:
@@ -63,16 +70,27 @@ def export(
     check_opening(dataset, gripper, parsed.gripper.opening)
     known = {"settings": parsed, "dataset": dataset, "gripper": gripper, "out": out, **reads}
     known |= {"style": ending, "convex_parts": reads.get("convex_parts")}
-    given = {each.name: known[each.name] for each in declared(run) if each.name in known}
+    taken = {each.name: known[each.name] for each in declared(run) if each.name in known}
     if ending == "dexnet":
-        with _dexnet_parts(given, part, config) as parts:
-            run_recorded(run, **given, parts=parts)
+        with _dexnet_parts(taken, part, config) as parts:
+            run_recorded(run, **taken, parts=parts)
     else:
-        run_recorded(run, **given)
+        run_recorded(run, **taken)
+
+
+def _check_applicable(source: str, options: list[str]) -> None:
+    """Check the options that are given for objects without a run.
+
+    Raises:
+        UserError: Some of them apply to the folder of a run alone.
+    """
+    wrong = [name for name in options if source != RELEASED or name != "--objects"]
+    if wrong:
+        raise UserError(f"{', '.join(wrong)}: for the folder of a run, not for {source}")
 
 
 def _export_archive(
-    archive: Path, gripper: str, out: Path, ending: str, config: Path | None, objects: str
+    archive: Path, gripper: str, out: Path, ending: str, config: Path | None, objects: str | None
 ) -> None:
     """Write objects that no run has scaled or grasped yet, as `egad.export` does.
 
@@ -91,8 +109,10 @@ def _export_archive(
             f"with snakemake --cores 2{shipped} {files}, then export {folder}"
         )
     hand = _gripper(settings_in(config), gripper)
-    of_set = str(archive) == RELEASED and objects == EVALUATION_SET
-    export(load(EVALUATION_SET if of_set else archive), ending, hand if config else gripper, out)
+    whole = str(archive) != RELEASED or objects == ALL
+    export(
+        load(str(archive) if whole else EVALUATION_SET), ending, hand if config else gripper, out
+    )
 
 
 def _check_made(files: Iterable[Path]) -> None:

@@ -88,6 +88,7 @@ def view(
     """Show an object in 3D with its labelled grasps, as an HTML page that works offline."""
     from egad._util.files import write_text
     from egad.exchange import ENDINGS, check_ending
+    from egad.io import check_unit_known
     from egad.pipeline.config.stage_settings import ViewMesh, select
     from egad.pipeline.stages import view as stage
     from egad.report.viewer import page
@@ -103,6 +104,7 @@ def view(
             )
         shown = stage.from_dataset(dataset, name, item, whole.grippers[name].opening)
     else:
+        check_unit_known([Path(item)], units)
         shown = stage.from_mesh(Path(item), units, select(whole, ViewMesh, name))
     write_text(out, page(shown, name, whole.grippers[name]))
     free = int(shown.grasps["collision_free"].sum())

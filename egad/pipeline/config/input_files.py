@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from egad.detectors import fingerprint
-from egad.errors import UserError
+from egad.errors import TableError, UserError
 from egad.exchange import (
     EVERY_FILE,
     check_articulated,
@@ -17,6 +17,8 @@ from egad.io import check_unit_known
 from egad.measures import source_hash
 from egad.pipeline.config.sections import Dataset
 from egad.pipeline.config.settings import Settings
+from egad.tables.evolution import GENOME
+from egad.tables.parquet import check_columns
 
 MOST_LINES = 10
 
@@ -76,6 +78,14 @@ def _check_dataset(dataset: Dataset) -> None:
         check_unit_known(files, dataset.units)
     if dataset.archive not in (None, "released"):
         check_readable([Path(dataset.archive)])
+        _check_archive(Path(dataset.archive))
+
+
+def _check_archive(path: Path) -> None:
+    try:
+        check_columns(path, ["id", *GENOME.names, "voxels"])
+    except TableError as error:
+        raise UserError(str(error)) from error
 
 
 def _check_gripper(gripper: Gripper) -> None:

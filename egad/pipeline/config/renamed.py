@@ -14,6 +14,7 @@ RENAMED = {
     "postprocess.grasps": "postprocess.max_candidates",
     "difficulty.metric: plain": "difficulty.metric: nominal",
     "trials.between": "trials.reset: continue, redrop",
+    "trials.engine: auto": "trials.engine: mujoco or pybullet",
     "limits.box_part": "limits.box_fraction",
     "limits.cube_part": "limits.cube_fraction",
     "image_noise.shadows": "image_noise.holes, on steep surfaces too",
@@ -23,10 +24,10 @@ RENAMED = {
     "training_sets.NAME.hold_out": "training_sets.NAME.render",
     "acronym.held": "acronym.min_robust_success_rate",
     "space.neighbours": "space.neighbors",
-    "envelope.centre": "center",
-    "part.centre": "center",
-    "hole.centre": "center",
-    "training.patience": "none: the learning rate falls to 0, and the last weights are the result",
+    "envelope.centre": "envelope.center",
+    "hole.centre": "hole.center",
+    "training.patience": "nothing (the learning rate falls to 0, and the last weights are the "
+    "result)",
     "print_export.shell": "print_export.perimeters, print_export.line_width, "
     "print_export.solid_layers",
 }

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated
 
 from egad.benchmark import Benchmark, check_detector, clear_tables, prepare_objects
+from egad.detectors import keep_failure
 from egad.named_meshes import NamedMesh
 from egad.pipeline.parameters import Input, Jobs, NotNoted, Output
 from egad.pipeline.stages.clutter import ClearedTables
@@ -36,6 +37,7 @@ def run(
     label_seed = settings.seed if settings.detector.detector == "labels" else None
     check_detector(settings.detector, settings)
     known = prepare_objects(targets, settings.gripper, rule, label_seed, jobs)
-    found = clear_tables(settings.detector, known, settings, jobs)
+    with keep_failure(out):
+        found = clear_tables(settings.detector, known, settings, jobs)
     parquet.write(found.table, CLUTTER, out)
     return found

@@ -14,7 +14,7 @@ from PIL import Image
 from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
 from egad.benchmark import LABELS, Cleared, open_table
-from egad.detectors import STARTING_TIME, DetectorConfig, FailureMonitor
+from egad.detectors import STARTING_TIME, DetectorConfig, FailureMonitor, keep_failure
 from egad.errors import UserError
 from egad.outcomes import Outcome
 from egad.pipeline.parameters import Input, Output, Shard, command
@@ -76,7 +76,10 @@ def run(
     attempt = settings.clutter.planning_time + STARTING_TIME + ENGINE_TIME
     monitor = FailureMonitor(len(todo), settings.clutter.keep_going, "rounds")
     limit = 2 * settings.clutter.objects * attempt
-    with Survivor(partial(open_bundle, settings, bundle, grasps), limit) as clear:
+    with (
+        keep_failure(out),
+        Survivor(partial(open_bundle, settings, bundle, grasps), limit) as clear,
+    ):
         for this in progress(todo, "clearing", len(todo)):
             done: Cleared | None = clear(this)
             if done is None:

@@ -1,7 +1,7 @@
 """collect: combine the objects of all shards into a dataset with cells, labels, diversities."""
 
 import logging
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
+from egad.errors import UserError, most_common
 from egad.exchange import write_obj
 from egad.geometry import units_doubt
 from egad.measures import complexity_cells, difficulty_cells, labels
@@ -61,39 +62,46 @@ def run(
         rejected: The rejected objects, with reasons.
         meshes: The meshes of these objects, in metres.
         jobs: Processes and threads; the result does not depend on it.
+
+    Raises:
+        UserError: No object is left.
     """
-    evolved = source in ("evolved", "archive")
-    frame = arrange(join(solids, SOLIDS, ["id"]), settings, evolved, jobs)
+    name = out.parent.name
+    found, left_out = join(solids, SOLIDS, ["id"]), join(rejects, REJECTED, ["id", "stage"])
+    if found.empty:
+        reasons = most_common(Counter(left_out["reason"]))
+        raise UserError(f"{name}: none of {len(left_out)} objects could be used: {reasons}")
+    frame = arrange(found, settings, source in ("evolved", "archive"), jobs)
     with workers(jobs) as mapper, atomic_output(meshes) as folder:
         folder.mkdir()
         columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
         written = mapper(partial(_write, folder), columns)
         deque(progress(written, "writing meshes", len(frame)), maxlen=0)
-    left_out = join(rejects, REJECTED, ["id", "stage"])
     if source == "meshes":
-        _warn(frame, left_out)
+        _warn(name, frame, left_out)
     parquet.write(left_out, REJECTED, rejected)
     parquet.write(frame, OBJECTS, out)
     log.info("%d objects", len(frame))
 
 
-def _warn(frame: pd.DataFrame, left_out: pd.DataFrame) -> None:
+def _warn(name: str, frame: pd.DataFrame, left_out: pd.DataFrame) -> None:
     """Say which of a user's meshes could not be used, and what is doubtful of the others.
 
     Args:
+        name: Of the dataset.
         frame: Columns of `tables.objects.SOLIDS`.
         left_out: Columns of `tables.objects.REJECTED`.
     """
     longest = frame[["extents_x", "extents_y", "extents_z"]].max(axis=1)
     if doubt := units_doubt(dict(zip(frame["id"], longest, strict=True)), None):
-        log.warning("%s", doubt)
+        log.warning("%s: %s", name, doubt)
     if len(left_out):
         first = left_out.iloc[0]
         log.warning(
-            "%d of %d meshes cannot be used; %s: %s",
-            *(len(left_out), len(frame) + len(left_out), first["id"], first["reason"]),
+            "%s: %d of %d meshes cannot be used; %s: %s",
+            *(name, len(left_out), len(frame) + len(left_out), first["id"], first["reason"]),
         )
-    warn_of_shapes(frame)
+    warn_of_shapes(frame, f"{name}: ")
 
 
 def arrange(

@@ -173,20 +173,21 @@ def warn_of_measures(table: pd.DataFrame) -> None:
     warn_of_shapes(table)
 
 
-def warn_of_shapes(table: pd.DataFrame) -> None:
+def warn_of_shapes(table: pd.DataFrame, prefix: str = "") -> None:
     """Warn of meshes that lost bodies, or whose triangles are too large for their complexity.
 
     Args:
         table: Columns of `tables.objects.SOLIDS` or `MEASURED`; the first has the names.
+        prefix: Stands before every warning.
     """
     names = table.iloc[:, 0]
     coarse = is_coarse(table["complexity"], table["fine_complexity"])
     for name, fine in zip(names[coarse][:1], table["fine_complexity"][coarse], strict=False):
         log.warning(
-            "%d of %d meshes are too coarse, such as %s: %s",
-            *(coarse.sum(), len(table), name, coarse_advice(fine)),
+            "%s%d of %d meshes are too coarse, such as %s: %s",
+            *(prefix, coarse.sum(), len(table), name, coarse_advice(fine)),
         )
     dropped = table["dropped_bodies"] > 0
     bodies, volumes = table["dropped_bodies"][dropped], table["dropped_volume"][dropped]
     for name, count, volume in zip(names[dropped], bodies, volumes, strict=True):
-        log.warning("%s: %s", name, dropped_text(int(count), volume))
+        log.warning("%s%s: %s", prefix, name, dropped_text(int(count), volume))

@@ -1,7 +1,6 @@
 """postprocess: repaired meshes, mass properties and measures of the objects of a shard."""
 
 import logging
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
@@ -14,7 +13,7 @@ import typer
 
 from egad._util.progress import progress
 from egad.cppn import packed_surface
-from egad.errors import RejectedError, UserError, most_common
+from egad.errors import RejectedError, UserError
 from egad.exchange import EVERY_FILE, objects_in, read_mesh
 from egad.geometry import joined_primitives
 from egad.measures import MeasureParameters, measure_repeatably
@@ -120,9 +119,6 @@ def measure_objects(
         else:
             rows.append(row | {"archive_difficulty": known.get(object_id, np.nan)})
     log.info("%d objects, %d rejected", len(rows), len(left_out))
-    if left_out and not rows:
-        reasons = most_common(Counter(each["reason"] for each in left_out))
-        log.error("none of %d objects could be used: %s", len(left_out), reasons)
     parquet.write(pd.DataFrame(rows), SOLIDS, out)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
 

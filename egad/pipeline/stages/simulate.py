@@ -18,6 +18,7 @@ from egad.detectors import (
     FailureMonitor,
     Labels,
     check_views_will_do,
+    keep_failure,
     opened,
 )
 from egad.errors import UserError
@@ -67,7 +68,10 @@ def run(
     limit = settings.trials.attempts * (settings.trials.planning_time + ENGINE_TIME)
     phase("starting the simulator")
     monitor = FailureMonitor(len(chosen), settings.trials.keep_going)
-    with Survivor(partial(open_runner, settings, bundle, grasps), limit) as attempt:
+    with (
+        keep_failure(out),
+        Survivor(partial(open_runner, settings, bundle, grasps), limit) as attempt,
+    ):
         for row in progress(parquet.records(chosen), "trying", len(chosen)):
             failed = partial(failed_attempts, row["label"], row["id"], settings)
             parts.append(outlived(row, attempt, known.get(row["id"]), failed))

@@ -1,4 +1,5 @@
 import json
+import logging
 import shutil
 import subprocess
 import sys
@@ -11,6 +12,8 @@ from commands import egad
 from described_hands import box_urdf
 
 from egad import __version__
+from egad._util.progress import MARKS
+from egad.pipeline.cli import _Formatter
 from egad.pipeline.cli.common import parse, settings_in
 from egad.pipeline.config import Gripper, Settings
 from egad.pipeline.config.stage_settings import select
@@ -23,6 +26,22 @@ from egad.tables.objects import MEASURED, OBJECTS, REJECTED
 
 def test_the_version_is_printed():
     assert egad("--version").stdout.strip() == f"egad {__version__}"
+
+
+@pytest.mark.parametrize("marks", [False, True])
+def test_warnings_are_marked_in_the_workflow_alone(monkeypatch, marks):
+    if marks:
+        monkeypatch.setenv(MARKS, "1")
+    message = logging.LogRecord("egad", logging.WARNING, "", 0, "mind this", None, None)
+    assert _Formatter().format(message) == "! " * marks + "mind this"
+
+
+def test_a_mesh_of_unknown_unit_is_refused_alike(tmp_path):
+    path = tmp_path / "cube.stl"
+    trimesh.creation.box((1, 1, 1)).export(path)
+    told = {egad(*command, path).stderr for command in (["view"], ["measure", "--jobs", 1])}
+    (text,) = told
+    assert "cube.stl does not state its unit" in text
 
 
 def test_help_lists_every_stage_and_imports_nothing_heavy():

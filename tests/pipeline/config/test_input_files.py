@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import trimesh
 
@@ -33,6 +34,22 @@ def problems(config):
     except UserError as error:
         return str(error).split("\n")
     return []
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [(b"no table", "not a readable Parquet file"), (None, "columns are missing: ")],
+)
+def test_an_archive_that_is_none_is_refused(folder, content, reason):
+    path = folder / "archive.parquet"
+    if content is None:
+        pd.DataFrame({"id": ["a"]}).to_parquet(path)
+    else:
+        path.write_bytes(content)
+    config = {"datasets": {"old": {"source": "archive", "archive": "archive.parquet"}}}
+    (line,) = problems(config)
+    assert line.startswith("datasets.old: archive.parquet: ")
+    assert reason in line
 
 
 @pytest.mark.parametrize("path", ["parts", "~/parts", "./parts/", "link", "~/link"])

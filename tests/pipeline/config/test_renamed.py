@@ -34,18 +34,14 @@ def test_an_old_setting_is_refused_with_its_new_name(key):
     with pytest.raises(UserError) as caught:
         check(as_config(key))
     where = key.replace("NAME", "mine").partition(":")[0]
-    if where.startswith("part."):  # the section had another name, too
-        where = "part"
     lines = [line for line in str(caught.value).split("\n") if line.startswith(f"{where}:")]
-    assert any(RENAMED[key] in line or RENAMED["part"] in line for line in lines)
+    assert any(RENAMED[key] in line for line in lines)
 
 
 def keys_of(old):
     """The keys that a cell of the table means."""
     if ": " in old:  # a value; or a key and its values
         return [old if old in RENAMED else old.partition(": ")[0]]
-    if old == "centre (of regions)":
-        return [f"{region}.centre" for region in ("envelope", "part", "hole")]
     first, *others = old.split(", ")
     if first.startswith("training_sets.NAME."):
         return [first, *(f"training_sets.NAME.{name}" for name in others)]

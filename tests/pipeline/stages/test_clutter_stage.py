@@ -136,13 +136,16 @@ def test_what_a_detector_does_wrong_is_an_outcome_and_the_run_goes_on(
     assert (found["failure"] != "").all()
 
 
-def test_a_detector_that_only_fails_stops_the_run_with_its_traceback(made, own, tmp_path):
+def test_a_detector_that_only_fails_stops_the_run_and_leaves_its_traceback(made, own, tmp_path):
     given = settings(f"{own}:failing", scenes=["packed"], rounds=4)
-    with pytest.raises(UserError, match=r"all 6 attempts of the first 3 .*--keep-going") as stopped:
+    with pytest.raises(UserError, match=r"all 6 attempts of the first 3 rounds") as stopped:
         cleared(given, made, tmp_path / "out.parquet")
     line = OWN[: OWN.index("1 / 0")].count("\n") + 1
-    assert f'File "{own}", line {line}, in failing' in str(stopped.value)
-    assert str(stopped.value).endswith("ZeroDivisionError: division by zero")
+    kept = tmp_path / "out.parquet.failure.txt"
+    assert str(stopped.value).endswith(f"is kept in {kept}")
+    text = kept.read_text(encoding="utf-8")
+    assert f'File "{own.name}", line {line}, in failing' in text
+    assert text.endswith("ZeroDivisionError: division by zero\n")
     assert not (tmp_path / "out.parquet").exists()
 
 

@@ -3,8 +3,10 @@ import pandas as pd
 import pytest
 import trimesh
 
+from egad.errors import UserError
 from egad.pipeline.config import CustomMeasures, Settings
 from egad.pipeline.config.stage_settings import select
+from egad.pipeline.stages import collect
 from egad.pipeline.stages.postprocess import (
     PostprocessSolids,
     from_folder,
@@ -87,7 +89,7 @@ def test_random_objects_follow_the_seed():
     assert bytes_of(1) == bytes_of(1) != bytes_of(2)
 
 
-def test_a_measure_of_the_user_that_never_works_is_told(tmp_path, caplog):
+def test_a_dataset_without_an_object_stops_with_the_reasons(tmp_path):
     (tmp_path / "mine.py").write_text("def hollow(mesh): return float('nan')\n")
     measures = {
         "complexity": f"{tmp_path}/mine.py:hollow",
@@ -97,13 +99,17 @@ def test_a_measure_of_the_user_that_never_works_is_told(tmp_path, caplog):
         COARSE.model_copy(update={"measures": CustomMeasures(**measures)}), PostprocessSolids
     )
     sources = {name: lambda: trimesh.creation.box((0.03, 0.04, 0.05)) for name in ("a", "b")}
-    measure_objects(
-        settings, sources, pd.Series(), tmp_path / "out.parquet", tmp_path / "no.parquet"
+    solids, rejected = tmp_path / "out.parquet", tmp_path / "no.parquet"
+    measure_objects(settings, sources, pd.Series(), solids, rejected)
+    folder = tmp_path / "mine"
+    written = (folder / "objects.parquet", folder / "rejected.parquet", folder / "meshes")
+    given = select(COARSE, collect.Collect)
+    with pytest.raises(UserError) as stopped:
+        collect.run(given, "meshes", [solids], [rejected], *written)
+    assert str(stopped.value) == (
+        "mine: none of 2 objects could be used: hollow is not a finite number (nan) (2)"
     )
-    (record,) = (each for each in caplog.records if each.levelname == "ERROR")
-    assert record.getMessage() == (
-        "none of 2 objects could be used: hollow is not a finite number (nan) (2)"
-    )
+    assert not folder.exists()
 
 
 def write_cup(path, side=0.04, height=0.05):
