@@ -48,7 +48,7 @@ class _Compilation(event.Listener):
         module: str = what.data["dispatcher"].py_func.__module__
         if module.partition(".")[0] == PACKAGE and time.monotonic() - self._said >= REPEAT:
             self._said = time.monotonic()
-            phase("compiling kernels (once, takes up to a minute)")
+            phase("compiling kernels, at their first use only")
 
     def on_end(self, _: event.Event) -> None:
         """Say nothing."""

@@ -163,7 +163,7 @@ def test_a_prompt_of_ipython_is_no_notebook(monkeypatch, shell, capsys):
 
 
 def test_slow_work_is_named_and_quick_work_is_not(monkeypatch, capsys):
-    monkeypatch.setattr(module, "SLOW", 0.05)
+    monkeypatch.setattr(module, "SLOW", 1.0)
 
     @module.phase_if_slow("thinking")
     def think(seconds):
@@ -171,9 +171,9 @@ def test_slow_work_is_named_and_quick_work_is_not(monkeypatch, capsys):
         return seconds
 
     assert think(0.0) == 0.0
-    threading.Event().wait(0.2)
+    threading.Event().wait(1.5)
     assert capsys.readouterr().err == ""
-    assert think(0.5) == 0.5
+    assert think(1.5) == 1.5
     assert capsys.readouterr().err == "thinking ...\n"
     with pytest.raises(ZeroDivisionError), module.phase_if_slow("failing"):
         1 / 0  # noqa: B018
