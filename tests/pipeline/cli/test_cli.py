@@ -386,7 +386,7 @@ def test_size_effect_rates_the_good_and_names_the_bad(tmp_path):
         (["view", "A0", "--gripper", "pandaa"], "did you mean panda?"),
         (
             ["view", "there.obj"],
-            "there.obj does not state its unit; give `units` (--units of a command): m",
+            "there.obj does not state its unit; give `units`",
         ),
         (["view", "a.obj", "--units", "mm"], "a.obj: no such file"),
         (["view", "a.obj", "--units", "foot"], "not one of"),
