@@ -58,6 +58,7 @@ def read_mesh(path: Path, units: str | None) -> trimesh.Trimesh:
     check_surface(mesh)
     with np.errstate(invalid="ignore"):  # coordinates too large to round
         mesh.merge_vertices()
+    check_surface(mesh)  # of tiny triangles, nothing may be left
     return mesh
 
 

@@ -67,6 +67,7 @@ BROKEN = {
     "binary.glb": ("\x00\x01\x02", "no faces|not a readable"),
     "nan.obj": ("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),
     "line.obj": ("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "no area"),
+    "speck.obj": ("v 0 0 0\nv 1e-10 0 0\nv 0 1 0\nf 1 2 3\n", "no area"),  # merged to an edge
     "beyond.ply": (
         "ply\nformat ascii 1.0\nelement vertex 3\n"
         "property float x\nproperty float y\nproperty float z\n"
