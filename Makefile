@@ -89,17 +89,17 @@ lint: tools
 	ruff check
 	ruff format --check
 	mypy
-	snakefmt --check Snakefile workflow
+	snakefmt --check Snakefile workflow experiments/training_study
 	snakemake --lint
-	python -m egad.pipeline.config.files --check
-	python -m egad.pipeline.results_page --check
+	python -m egad.config.manual --check
+	python -m egad.workflow.results_page --check
 
 lock:
 	$(PYTHON) -m venv build/lock
 	build/lock/bin/pip install --quiet --require-hashes --requirement envs/installer.lock
 	sed -n 's/^requires = \["\(.*\)"\]$$/\1/p' pyproject.toml \
 		| $(COMPILE) --extra cluster --output-file requirements.lock pyproject.toml -
-	$(COMPILE) --extra cluster --extra dev --constraint requirements.lock \
+	$(COMPILE) --extra dev --constraint requirements.lock \
 		$$(sed -n 's/^\([a-z0-9.-]*\)==.*/--no-emit-package \1/p' requirements.lock) \
 		--output-file requirements-dev.lock pyproject.toml
 	# what users have on some platforms only is there too

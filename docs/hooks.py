@@ -6,6 +6,7 @@ else as a listing, and links lead to that page. Each name in `egad.__all__` gets
 docstring and an entry in the navigation.
 """
 
+import base64
 import inspect
 import json
 import posixpath
@@ -151,6 +152,9 @@ def output(found: dict[str, Any]) -> str:
     data = {kind: "".join(value) for kind, value in found["data"].items()}
     if "image/png" in data:
         return f'<img src="data:image/png;base64,{data["image/png"].strip()}" alt="Output">'
+    if "image/svg+xml" in data:
+        content = base64.b64encode(data["image/svg+xml"].encode()).decode()
+        return f'<img src="data:image/svg+xml;base64,{content}" alt="Output">'
     if "text/html" in data:
         return re.sub(r"\n\s*\n", "\n", data["text/html"])
     return f"```text\n{data['text/plain']}\n```"

@@ -3,8 +3,17 @@
 Everything that `__init__.pyi` lists is imported when it is first used, so `import egad` is quick.
 """
 
+from typing import Any
+
 import lazy_loader
+
+from egad._util.extras import needed_for as _needed_for
 
 __version__ = "0.1.0"
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401 (whatever it is)
+    with _needed_for(f"egad.{name}"):
+        return _load(name)

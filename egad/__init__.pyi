@@ -1,3 +1,4 @@
+from ._util.display import Picture as Picture
 from .api import Measures as Measures
 from .api import convex_parts as convex_parts
 from .api import measure as measure

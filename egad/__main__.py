@@ -1,6 +1,6 @@
 """`python -m egad`: the same as the command `egad`."""
 
-from egad.pipeline.cli import main
+from egad.cli import main
 
 if __name__ == "__main__":
     main()

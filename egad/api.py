@@ -10,6 +10,7 @@ import trimesh
 from numpy.typing import ArrayLike, NDArray
 
 from egad._util.arguments import check_array, check_number
+from egad._util.display import facts_html
 from egad._util.files import as_path
 from egad._util.parameters import (
     MAX_SIDE_FRACTION,
@@ -164,6 +165,24 @@ class Measures(NamedTuple):
         if not self.comparable:
             parts.append(f"not comparable with the map ({MAP_RULE}, {MAP_GRIPPER})")
         return f"Measures({', '.join(parts)})"
+
+    def _repr_html_(self) -> str:
+        """The measures as a table, for notebooks."""
+        hand = f"{self.gripper}, " if self.gripper else ""
+        facts = {
+            "complexity": f"{self.complexity:.3f} bit",
+            "difficulty": f"{1000 * self.difficulty:.3f} ± {1000 * self.difficulty_std:.3f} 1e-3",
+            "cell confidence": f"{100 * self.cell_confidence:.0f} %",
+            "gripper": f"{hand}opening {1000 * self.opening:g} mm",
+            "measured": f"at {size_text(self.sides, self.factor)} by the rule {self.rule}",
+        }
+        if is_coarse(self.complexity, self.fine_complexity):
+            facts["too coarse"] = f"{self.fine_complexity:.3f} bit after long edges are split"
+        if self.dropped_bodies:
+            facts["left out"] = dropped_text(self.dropped_bodies, self.dropped_volume)
+        if not self.comparable:
+            facts["not comparable"] = f"the map is for {MAP_RULE}, {MAP_GRIPPER}"
+        return facts_html(self.label, facts)
 
 
 @phase_if_slow("measuring a mesh")

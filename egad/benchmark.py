@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import trimesh
 
+from egad._util.display import table_html
 from egad._util.files import as_path
 from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
@@ -98,8 +99,20 @@ class Benchmark:
         self._scenes = scenes
 
     def __repr__(self) -> str:
-        attempts = f"{len(self.table)} attempts"
-        return f"Benchmark in {engine_names(self.table)}: {attempts}; see rates()"
+        """The rates of each kind of scene and noise, one a line."""
+        rates = [
+            f"{each.scene}, noise {each.noise}, {each.rounds} rounds: success {each.success}; "
+            f"cleared {each.cleared}"
+            for each in self.rates()
+        ]
+        return "\n".join([self._title(), *rates])
+
+    def _repr_html_(self) -> str:
+        """The same as a table, for notebooks."""
+        return table_html(self._title(), pd.DataFrame(self.rates()))
+
+    def _title(self) -> str:
+        return f"Benchmark in {engine_names(self.table)}: {len(self.table)} attempts"
 
     def rates(self) -> list[Clearing]:
         """Success rate and share of objects cleared for each kind of scene and noise."""

@@ -16,6 +16,10 @@ class UserError(EgadError, ValueError):
     """Something the person at the keyboard can mend: what is wrong, where, what is allowed."""
 
 
+class MissingPackageError(ModuleNotFoundError, UserError):
+    """A package of an extra is not installed; the message names the extra."""
+
+
 class RejectedError(EgadError):
     """One object cannot be used. The message is the reason; the other objects go on."""
 

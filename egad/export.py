@@ -1,7 +1,7 @@
 """Objects with sampled grasps in the formats of other programs, from Python.
 
 Formats of objects are those of `egad/exchange/formats.py`, which the command `egad export` has too.
-Its formats of grasps and images are in `egad/pipeline/exports/`: they read results.
+Its formats of grasps and images are in `egad/exchange/exports/`: they read results.
 """
 
 from collections.abc import Callable, Mapping
@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 import trimesh
 
+from egad._util.display import facts_html
 from egad._util.files import as_path, atomic_output, check_empty
 from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import progress
@@ -79,6 +80,13 @@ class Exported:
         return f"{self.folder}: {len(self.labels)} exported" + (
             f"; left out: {missing}" if missing else ""
         )
+
+    def _repr_html_(self) -> str:
+        """Where it is, and what was left out, for notebooks."""
+        facts = {"exported": len(self.labels)} | {
+            f"left out: {label}": reason for label, reason in self.left_out.items()
+        }
+        return facts_html(str(self.folder), facts)
 
     @property
     def files(self) -> list[Path]:

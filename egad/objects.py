@@ -3,12 +3,14 @@
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
+from typing import overload
 
 import numpy as np
 import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.display import facts_html, table_html
 from egad._util.files import as_path
 from egad.cppn import (
     Row,
@@ -31,6 +33,12 @@ from egad.tables.grasping import SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
 
 RELEASED, EVALUATION_SET = "released", "evaluation-set"
+FACTS = {
+    "complexity": "{:.3f} bit",
+    "difficulty": "{:.4g}",
+    "cell_confidence": "{:.3f}",
+    "diversity": "{:.3f}",
+}
 
 
 class EvolvedObject:
@@ -52,6 +60,18 @@ class EvolvedObject:
 
     def __repr__(self) -> str:
         return f"EvolvedObject({self.label!r})"
+
+    def _repr_html_(self) -> str:
+        """A thumbnail and its measures, for notebooks."""
+        facts = {
+            name.replace("_", " "): form.format(self.row[name])
+            for name, form in FACTS.items()
+            if name in self.row
+        }
+        try:
+            return facts_html(self.label, facts, self.mesh)
+        except UserError as error:  # the dataset is broken; the measures are there
+            return facts_html(self.label, facts | {"mesh": str(error)})
 
     @cached_property
     def mesh(self) -> trimesh.Trimesh:
@@ -120,6 +140,9 @@ def _dataset_mesh(path: Path) -> trimesh.Trimesh:
         raise UserError(f"{path}: {reason}") from reason
 
 
+Some = NDArray[np.bool_ | np.str_] | pd.Series | pd.Index | list[bool] | list[str]
+
+
 class Dataset:
     """Objects by label or id. Meshes are made or read when they are asked for.
 
@@ -151,17 +174,41 @@ class Dataset:
     def __contains__(self, name: object) -> bool:
         return name in self._place
 
-    def __getitem__(self, name: str) -> EvolvedObject:
-        """The object of a label or an id.
+    @overload
+    def __getitem__(self, chosen: str) -> EvolvedObject: ...
+
+    @overload
+    def __getitem__(self, chosen: Some) -> "Dataset": ...
+
+    def __getitem__(self, chosen: str | Some) -> "EvolvedObject | Dataset":
+        """One object, or the dataset of some.
+
+        `objects["M14_3"]` is an object; `objects[["M14_3", "E08_0"]]` is a dataset, and so is
+        `objects[objects.table["complexity"] > 3]`.
+
+        Args:
+            chosen: A label or an id; several of them, as for `select`; or whether to take each
+                object, in the order of `table`: a column of booleans that comes from it, or (n,)
+                booleans.
 
         Raises:
-            UserError: There is none; the text names labels that are spelled alike. Or it is no
-                text, such as a position.
+            UserError: There is no such object; the text names labels that are spelled alike. The
+                booleans are not one for each object. Or it is neither, such as a position.
         """
-        return self._object(self._position(name))
+        if isinstance(chosen, str) or not isinstance(chosen, Iterable):
+            return self._object(self._position(chosen))
+        given = chosen if isinstance(chosen, pd.Series) else pd.Series(list(chosen), dtype=object)
+        if pd.api.types.infer_dtype(given, skipna=True) == "boolean":
+            return self._taken(np.flatnonzero(self._mask(given)).tolist())
+        return self.select(given)
 
     def __repr__(self) -> str:
         return f"Dataset({len(self)} objects)"
+
+    def _repr_html_(self) -> str:
+        """Labels and measures of the objects, for notebooks."""
+        shown = self.table.set_index("label")
+        return table_html(repr(self), shown[[name for name in FACTS if name in shown]])
 
     def select(self, names: str | Iterable[str]) -> "Dataset":
         """The dataset of some objects alone.
@@ -174,7 +221,10 @@ class Dataset:
             UserError: One of the names is unknown.
         """
         wanted = names if isinstance(names, Iterable) and not isinstance(names, str) else [names]
-        positions = list(dict.fromkeys(map(self._position, wanted)))
+        return self._taken(list(dict.fromkeys(map(self._position, wanted))))
+
+    def _taken(self, positions: list[int]) -> "Dataset":
+        """The dataset of the objects in some rows."""
         table = self.table.iloc[positions].reset_index(drop=True)
         return Dataset(table, self._archive, self.shape, self._meshes, self._ancestry)
 
@@ -191,6 +241,26 @@ class Dataset:
         if self._ancestry is None:
             raise UserError("an archive that `egad.evolve` returned has no lineage; a run has one")
         return Lineage(parquet.read(self._ancestry, LINEAGE))
+
+    def _mask(self, given: pd.Series) -> NDArray[np.bool_]:
+        """Booleans, one for each row of the table.
+
+        Raises:
+            UserError: They are too many or too few, some are missing, or they belong to other rows.
+        """
+        rows = self.table.index
+        if len(given) != len(rows):
+            raise UserError(f"{len(given)} booleans choose from {len(rows)} objects")
+        if given.isna().any():
+            raise UserError("booleans that choose objects must be true or false, some are missing")
+        if not given.index.equals(rows):
+            if not (given.index.is_unique and given.index.isin(rows).all()):
+                raise UserError(
+                    "the booleans belong to rows of another table; "
+                    "make them of `dataset.table`, or give an array"
+                )
+            given = given.reindex(rows)
+        return given.to_numpy(dtype=bool)
 
     def _position(self, name: object) -> int:
         """The row of an object in the table."""

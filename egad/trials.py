@@ -8,6 +8,7 @@ from typing import Any, Literal
 import pandas as pd
 import trimesh
 
+from egad._util.display import Picture, draw, table_html
 from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
@@ -64,6 +65,26 @@ class Trials:
 
     def __repr__(self) -> str:
         return f"Trials in {engine_names(self.table)}: {self.success_rate()}"
+
+    def _repr_html_(self) -> str:
+        """The success rate, and those of the objects, for notebooks."""
+        rows = self.by_object()
+        return table_html(repr(self), rows.assign(rate=rows["successes"] / rows["attempts"]))
+
+    def plot(self) -> Picture:
+        """Draw what became of the attempts.
+
+        Returns:
+            Outcomes of all attempts and of those at each object, of at most 30 objects with the
+            lowest success rates; or, if all objects have labels of the evaluation set (A0 to G6),
+            their success rates as a heat map. A notebook shows it; `save("trials.svg")` writes it.
+
+        Raises:
+            UserError: There are no attempts.
+        """
+        if not len(self):
+            raise UserError("there are no attempts to plot")
+        return draw("trial_charts", "trial_chart", self.table)
 
     def success_rate(self) -> Mean:
         """Successes over attempts, `value`, with its 95 % confidence `interval` over objects."""

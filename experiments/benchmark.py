@@ -22,6 +22,7 @@ from PIL import Image
 import egad
 from egad._util.files import atomic_output
 from egad.benchmark import clear_tables, prepare_objects
+from egad.config import GRIPPERS
 from egad.detectors import DetectorConfig
 from egad.exchange import object_names, read_mesh
 from egad.geometry import joined_primitives
@@ -29,7 +30,6 @@ from egad.geometry.manifold import to_mesh
 from egad.geometry.primitives import loose_piece, solid_of
 from egad.named_meshes import NamedMesh, named_meshes
 from egad.perception import NoiseName
-from egad.pipeline.config import GRIPPERS
 from egad.random import generator
 from egad.sim import Clutter, ClutterParameters, picture_of, rounds_of
 from egad.stats import Clearing, by_difficulty, clearing_rates

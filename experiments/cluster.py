@@ -7,8 +7,10 @@ from pathlib import Path
 import pandas as pd
 
 ROOT = Path(__file__).parents[1]
-INHERITED = {"render_set": "render", "set_card": "image_card"}  # rules of training_study.smk
-RULE = re.compile(r"^(?:use rule (\w+) as|rule) (\w+)(.*?)(?=^\S|\Z)", re.DOTALL | re.MULTILINE)
+INHERITED = {"render_set": "render", "set_card": "image_card"}  # rules of the training study
+RULE = re.compile(
+    r"^(?:use rule (\w+)(?: from egad)? as|rule) (\w+)(.*?)(?=^\S|\Z)", re.DOTALL | re.MULTILINE
+)
 ASKED = re.compile(r"needs\(mb=(\d+)(?:, mb_per_thread=(\d+))?, minutes=(\d+)\)")
 
 
@@ -18,6 +20,7 @@ def needs() -> dict[str, tuple[str, ...]]:
     files = sorted(
         (ROOT / "workflow/rules").glob("*.smk"), key=lambda path: path.name != "join.smk"
     )
+    files.append(ROOT / "experiments/training_study/Snakefile")
     for base, name, text in (rule for path in files for rule in RULE.findall(path.read_text())):
         asked = ASKED.search(text)
         if asked or base in found:

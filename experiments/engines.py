@@ -20,12 +20,12 @@ from typing_extensions import override
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.pipeline.config import GRIPPERS, Trials
-from egad.pipeline.stages.bundled import model_in, rows_by_id
+from egad.config import GRIPPERS, Trials
 from egad.sim import ARMS, ENGINES, TrialRunner, open_world, read_attempt
 from egad.sim.pybullet_world import PyBulletWorld
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
+from egad.workflow.bundled import model_in, rows_by_id
 
 PAIR = list(ENGINES)
 ANCHORLESS = "without anchors"

@@ -10,8 +10,8 @@ import numpy as np
 import trimesh
 
 from egad._util.files import atomic_output
+from egad.config import Engraving
 from egad.evalset import Patch, cut_text
-from egad.pipeline.config import Engraving
 from egad.report.pictures import CAMERA, Pixels, png_bytes, render
 
 DOCS = Path(__file__).parents[1] / "docs"

@@ -15,10 +15,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import egad
+from egad.config import Settings
 from egad.data import evaluation_set
 from egad.evalset import families as families_of
 from egad.evalset import split_by_family, with_parents_and_children
-from egad.pipeline.config import Settings
 from egad.random import generator
 
 PART, SPLITS, TWIN = 0.1, 200, 0.9

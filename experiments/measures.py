@@ -19,14 +19,14 @@ from scipy.stats import spearmanr
 from egad._util.files import write_text
 from egad._util.progress import progress
 from egad._util.workers import workers
+from egad.config import Settings, Similarity
+from egad.config.stages import select
 from egad.exchange import mesh_files, read_mesh
 from egad.geometry.repair import repair
 from egad.grasps import ferrari_canny
 from egad.measures import MeasureParameters
 from egad.measures.complexity import complexity
 from egad.measures.difficulty import rough_difficulty, spaced_difficulty
-from egad.pipeline.config import Settings, Similarity
-from egad.pipeline.config.stage_settings import select
 from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.reeb import similarity_matrix

@@ -32,13 +32,13 @@ from certainty import independent
 
 from egad._util.files import write_text
 from egad._util.kernel_cache import compile_kernels
+from egad.config import Settings
+from egad.config.stages import select
 from egad.cppn import packed_surface
 from egad.map_elites import Archive, Elite, EvolutionParameters
 from egad.map_elites.evaluation import measure
 from egad.map_elites.island import Island
 from egad.measures import Space, rough_difficulty
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
 from egad.random import generator
 from egad.report.colors import line_color
 from egad.report.drawing import new_figure, show_percent

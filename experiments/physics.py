@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from egad.pipeline.config import GRIPPERS, Bundle, Trials
-from egad.pipeline.stages.bundled import model_in, rows_by_id
+from egad.config import GRIPPERS, Bundle, Trials
 from egad.random import generator
 from egad.sim import (
     ARMS,
@@ -30,6 +29,7 @@ from egad.sim import (
 )
 from egad.sim.mujoco_world import MujocoWorld
 from egad.sim.pybullet_world import PyBulletWorld
+from egad.workflow.bundled import model_in, rows_by_id
 
 STANDING = np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # the thickness is that along x
 SIDE = 0.04

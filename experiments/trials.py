@@ -15,11 +15,10 @@ import pandas as pd
 from PIL import Image, ImageDraw
 
 from egad._util.files import atomic_output
+from egad.cli.replay import repeat_attempt
+from egad.config import Settings
+from egad.config.stages import SimulatedTrials, select
 from egad.outcomes import EXECUTION, Outcome
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
-from egad.pipeline.stages.replay import repeat_attempt
-from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.sim import ROBOT_COLOR, Pixels
 from egad.stats import object_positions, trend, trial_grid
 from egad.tables import parquet

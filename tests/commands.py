@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from io import StringIO
 from unittest.mock import patch
 
-from egad.pipeline.cli import main
+from egad.cli import main
 
 
 @dataclass(frozen=True)

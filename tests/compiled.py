@@ -3,7 +3,9 @@
 import ast
 from functools import cache
 
-from egad.pipeline.code_version import PACKAGE, used_names
+from egad.workflow.code_version import PACKAGE, used_names
+
+SCRIPTS = PACKAGE.parent / "workflow/scripts"
 
 
 def reached_kernels(path):
@@ -20,11 +22,12 @@ def reached_kernels(path):
 
 @cache
 def reached(module):
-    """The same of a name, if it is a module of ours."""
-    if module.partition(".")[0] != "egad":
+    """The same of a name, if it is a module or a script of ours."""
+    script = SCRIPTS / f"{module.partition('.')[0]}.py"
+    if module.partition(".")[0] != "egad" and not script.exists():
         return set()
     try:
-        modules = {module, *(name for name, _ in used_names(module))}
+        modules = {module, *(name for name, _ in used_names(script if script.exists() else module))}
     except ModuleNotFoundError:  # the name of something in a module
         return set()
     sources = {name: PACKAGE.parent / f"{name.replace('.', '/')}.py" for name in modules}

@@ -10,13 +10,13 @@ import pytest
 import trimesh
 from compiled import reached_kernels
 
+from egad.config import Shape
 from egad.cppn.surface import packed_surface
 from egad.data import evaluation_set, released
 from egad.geometry.mass import repair
 from egad.geometry.refinement import triangulation
 from egad.geometry.scaling import rescale
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
-from egad.pipeline.config import Shape
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 

@@ -7,6 +7,10 @@ import pytest
 
 import egad
 from egad._util.workers import workers
+from egad.config import Settings
+from egad.config.archive_settings import check_provenance
+from egad.config.files import read_values
+from egad.config.stages import select
 from egad.cppn import voxels
 from egad.cppn.constraints import UNBOUND
 from egad.cppn.surface import packed_surface
@@ -15,17 +19,13 @@ from egad.map_elites.archive import Elite
 from egad.map_elites.evaluation import Solid, express, measure, refine
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
-from egad.pipeline.archive_settings import check_provenance
-from egad.pipeline.config import Settings
-from egad.pipeline.config.files import FULL
-from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
 from egad.reeb.neighbors import diversities
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME, LINEAGE
 from egad.tables.grasping import SIMULATED_OBJECTS
 
-SETTINGS = Settings.model_validate(FULL)
+SETTINGS = Settings.model_validate(read_values(Path(__file__).parents[1] / "config/full.yaml"))
 EVOLVE = select(SETTINGS, EvolutionParameters)
 
 
@@ -68,14 +68,14 @@ def test_cells_slots_and_ids_follow_from_the_rest(archive):
         assert voxels.identity(voxels.unpack(row["voxels"], 25)) == row["id"]
 
 
-def test_it_holds_what_the_readme_says(archive):
+def test_it_is_as_large_and_diverse_as_its_data_card_says(archive):
     place = len(archive) / (SETTINGS.space.cells**2 * SETTINGS.space.elites_per_cell)
     assert place >= 0.85
     values = [archive["diversity"].agg(kind) for kind in ("min", "max", "mean")]
     row = " | ".join(
         [str(len(archive)), f"{100 * place:.1f} %", *(f"{each:.2f}" for each in values)]
     )
-    assert f"| released, as evolution selected them | {row} |" in text("README.md")
+    assert f"| released, as evolution selected them | {row} |" in text("docs/released.md")
 
 
 def test_it_holds_what_its_data_card_says(archive, ancestry):

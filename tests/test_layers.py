@@ -9,6 +9,7 @@ import pytest
 import egad
 
 PACKAGE = Path(egad.__file__).parent
+ROOT = Path(__file__).parents[1]
 LAYERS = [
     *("errors", "random", "outcomes", "_util", "plugins", "data", "tables"),
     *(
@@ -23,7 +24,8 @@ LAYERS = [
         "perception",
     ),
     *("evalset", "stats", "learning", "detectors", "sim", "exchange", "report"),
-    *("objects", "named_meshes", "api", "trials", "benchmark", "export", "pipeline"),
+    *("objects", "named_meshes", "api", "trials", "benchmark", "export"),
+    *("config", "provenance", "workflow", "cli"),
 ]
 
 
@@ -90,6 +92,29 @@ def test_no_module_imports_upwards():
 def test_every_package_has_its_place():
     found = {path.stem for path in PACKAGE.iterdir() if path.suffix == ".py" or path.is_dir()}
     assert found - {"__init__", "__main__", "__pycache__"} == set(LAYERS)
+
+
+def test_only_tests_of_the_workflow_import_its_scripts():
+    scripts = {path.stem for path in (ROOT / "workflow/scripts").glob("*.py")}
+    assert scripts
+    importing = [
+        f"{path.relative_to(ROOT)} imports {name}"
+        for folder in ("egad", "tests", "experiments", "examples")
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        if not path.is_relative_to(ROOT / "tests/workflow")
+        for name in top_modules(path)
+        if name in scripts
+    ]
+    assert importing == []
+
+
+def top_modules(path):
+    """The first part of every name that a module imports, but of relative ones."""
+    for node in ast.walk(ast.parse(path.read_bytes())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.partition(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            yield node.module.partition(".")[0]
 
 
 def test_packages_are_imported_by_what_they_offer():

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from partial_tables import fill_columns
 
 import egad
 from egad.cppn.parameters import Shape
@@ -64,7 +65,7 @@ def test_a_single_name_selects_one_object(objects):
     assert [each.label for each in objects.select("M14_3")] == ["M14_3"]
 
 
-@pytest.mark.parametrize("name", [0, -1, slice(3), ["M14_3"], None])
+@pytest.mark.parametrize("name", [0, -1, slice(3), True, np.True_, None])
 def test_only_names_are_names(objects, name):
     with pytest.raises(UserError, match="by its label or id, got"):
         objects[name]
@@ -72,9 +73,70 @@ def test_only_names_are_names(objects, name):
         objects.select([name])
 
 
+@pytest.mark.parametrize("names", [[0], np.array([0, 1]), [["M14_3"]], ["M14_3", None], [b"M14_3"]])
+def test_lists_hold_only_names(objects, names):
+    with pytest.raises(UserError, match="by its label or id, got"):
+        objects[names]
+    with pytest.raises(UserError, match="by its label or id, got"):
+        objects.select(names)
+
+
 def test_a_position_selects_nothing(objects):
     with pytest.raises(UserError, match="by its label or id, got 3"):
         objects.select(3)
+
+
+def test_several_names_give_the_dataset_that_select_gives(objects):
+    names = ["M14_3", objects["E08_0"].id, "M14_3"]
+    expected = objects.select(names).table
+    for given in (names, tuple(names), np.array(names), pd.Series(names), pd.Index(names)):
+        assert isinstance(objects[given], egad.Dataset)
+        pd.testing.assert_frame_equal(objects[given].table, expected)
+    assert len(objects[[]]) == 0
+    with pytest.raises(UserError, match="did you mean"):
+        objects[["M14_33"]]
+
+
+def test_booleans_give_the_dataset_of_those_objects(objects):
+    column = objects.table["complexity"] > 3
+    expected = objects.table[column].reset_index(drop=True)
+    assert 0 < len(expected) < len(objects)
+    for mask in (column, column.to_numpy(), column.tolist(), column.astype("boolean")):
+        found = objects[mask]
+        pd.testing.assert_frame_equal(found.table, expected)
+    assert found["M14_3"].id == objects["M14_3"].id
+    again = found[found.table["label"] == "M14_3"]
+    assert [each.label for each in again] == ["M14_3"]
+    assert len(objects[column & ~column]) == 0
+    assert len(objects[column | ~column]) == len(objects)
+
+
+def test_a_column_of_booleans_in_another_order_belongs_to_its_rows(objects):
+    column = objects.table["complexity"] > 3
+    backwards = column.iloc[::-1]
+    assert objects[backwards].table["id"].tolist() == objects[column].table["id"].tolist()
+
+
+def test_booleans_of_objects_with_the_same_mesh_choose_by_row(tmp_path):
+    rows = [{"id": "same", "label": label} for label in ("A00_0", "A00_1")]
+    parquet.write(fill_columns(OBJECTS, rows), OBJECTS, tmp_path / "objects.parquet")
+    assert egad.load(tmp_path)[[True, False]].table["label"].tolist() == ["A00_0"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda mask: mask[:3], r"3 booleans choose from 2198 objects"),
+        (lambda mask: mask.to_numpy()[None], "by its label or id, got array"),
+        (lambda mask: mask.astype("boolean").mask(mask), "some are missing"),
+        (lambda mask: [None, *mask.tolist()[1:]], "some are missing"),
+        (lambda mask: mask.set_axis(mask.index + 1), "rows of another table"),
+        (lambda mask: mask.set_axis(mask.index // 2), "rows of another table"),
+    ],
+)
+def test_booleans_that_are_not_one_for_each_object_are_told(objects, change, message):
+    with pytest.raises(UserError, match=message):
+        objects[change(objects.table["complexity"] > 3)]
 
 
 def test_an_archive_loads_from_its_file(objects, tmp_path):

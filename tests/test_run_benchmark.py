@@ -6,9 +6,9 @@ import trimesh
 from PIL import Image
 
 import egad
+from egad.config import GRIPPERS
 from egad.detectors import DetectorConfig, GraspPoses
 from egad.errors import UserError
-from egad.pipeline.config import GRIPPERS
 from egad.sim import Clutter, ClutterParameters, repeat_round, rounds_of, scenes
 from egad.sim.rounds import read_grasp
 from egad.tables import parquet

@@ -65,6 +65,7 @@ def test_a_notebook_is_a_page_with_its_pictures():
                 {"output_type": "stream", "name": "stderr", "text": ["1/2"]},
                 {"output_type": "stream", "name": "stdout", "text": ["done\n"]},
                 {"output_type": "display_data", "data": {"image/png": "QUJD\n", "text/plain": "x"}},
+                {"output_type": "execute_result", "data": {"image/svg+xml": ["A", "BC"]}},
             ],
         },
     ]
@@ -73,7 +74,8 @@ def test_a_notebook_is_a_page_with_its_pictures():
         "# Title\ntext",
         "```python\ndraw()\n```",
         "```text\ndone\n```",
-        '<img src="data:image/png;base64,QUJD" alt="Output">\n',
+        '<img src="data:image/png;base64,QUJD" alt="Output">',
+        '<img src="data:image/svg+xml;base64,QUJD" alt="Output">\n',
     ]
 
 

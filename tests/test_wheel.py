@@ -1,4 +1,4 @@
-"""The wheel in an environment of its own, away from the repository: what `make wheel` tries.
+"""The wheel in environments of its own, away from the repository: what `make wheel` tries.
 
 It takes packages from the package index, in the versions of requirements.lock.
 """
@@ -15,6 +15,23 @@ import trimesh
 
 ROOT = Path(__file__).parents[1]
 DIST = ROOT / "build/dist"
+MOST_PACKAGES = 49  # of the core, egad included: half of what all parts took together
+MOST_BYTES = 750_000_000  # of the core, without compiled modules
+PYTHON_OF_README = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+CORE = """
+import egad
+objects = egad.load("released")
+tube = egad.read_mesh("tube.stl", units="m")
+print(egad.measure(tube, gripper="panda").label, egad.similarity(tube, objects["M14_3"].mesh))
+archive = egad.evolve(evaluations=20, seed=0)
+assert len(archive)
+"""
+TRIALS = """
+import egad
+gripper = egad.Gripper(opening=0.11, finger_length=0.05)
+few = egad.load("released")[["E08_0", "M14_3"]]
+print(egad.run_trials("antipodal-depth", few, gripper, attempts=1).success_rate())
+"""
 
 pytestmark = pytest.mark.wheel
 
@@ -25,12 +42,12 @@ class Installed:
     def __init__(self, environment, folder):
         self.programs, self.folder = environment / "bin", folder
 
-    def run(self, program, *arguments):
-        """Run a program of the environment; what it prints. An error of it is one of the test."""
+    def attempt(self, program, *arguments):
+        """Run a program of the environment."""
         variables = {"PATH": f"{self.programs}{os.pathsep}/usr/bin:/bin", "HOME": str(self.folder)}
         # Compiled with few optimisations: each kernel is used once
         variables["NUMBA_OPT"] = "1"
-        done = subprocess.run(
+        return subprocess.run(
             [self.programs / program, *arguments],
             cwd=self.folder,
             env=variables,
@@ -38,29 +55,52 @@ class Installed:
             text=True,
             check=False,
         )
+
+    def run(self, program, *arguments):
+        """Run a program of the environment; what it prints. An error of it is one of the test."""
+        done = self.attempt(program, *arguments)
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory):
+def wheel():
     for old in DIST.glob("egad-*"):
         old.unlink()
     build = [sys.executable, "-m", "build", "--no-isolation", "--outdir", DIST, ROOT]
     subprocess.run(build, check=True, stdout=subprocess.DEVNULL)
-    (wheel,) = DIST.glob("egad-*.whl")  # made from the sdist, so this is whole too
-    place = tmp_path_factory.mktemp("wheel")
+    (path,) = DIST.glob("egad-*.whl")  # made from the sdist, so this is whole too
+    return path
+
+
+def install(wheel, extras, place):
+    """The wheel with some of its extras in a new environment."""
     lock = (ROOT / "requirements.lock").read_text()
     pins = re.findall(r"^[a-z0-9.-]+==[^\s;]+(?: ;[^\\\n]*)?", lock, flags=re.MULTILINE)
     (place / "versions.txt").write_text("\n".join(pins))
     subprocess.run([sys.executable, "-m", "venv", place / "environment"], check=True)
     (place / "empty").mkdir()
-    environment = Installed(place / "environment", place / "empty")
     pip = [place / "environment/bin/python", "-m", "pip", "--disable-pip-version-check"]
-    install = [*pip, "install", "--quiet", "--no-compile", "--constraint", place / "versions.txt"]
+    command = [*pip, "install", "--quiet", "--no-compile", "--constraint", place / "versions.txt"]
     # With the settings of the machine, which say where the packages are
-    subprocess.run([*install, wheel], check=True, cwd=place)
-    return environment
+    variables = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    subprocess.run([*command, f"{wheel}{extras}"], check=True, cwd=place, env=variables)
+    return Installed(place / "environment", place / "empty")
+
+
+@pytest.fixture(scope="module")
+def core(wheel, tmp_path_factory):
+    return install(wheel, "", tmp_path_factory.mktemp("core"))
+
+
+@pytest.fixture(scope="module")
+def workflow(wheel, tmp_path_factory):
+    return install(wheel, "[workflow]", tmp_path_factory.mktemp("workflow"))
+
+
+@pytest.fixture(params=["core", "workflow"])
+def installed(request):
+    return request.getfixturevalue(request.param)
 
 
 def test_what_the_wheel_asks_for_fits_together(installed):
@@ -96,35 +136,77 @@ def test_pages_find_their_templates(installed):
     assert "<canvas" in (installed.folder / "box.html").read_text()
 
 
-def test_the_python_of_the_readme_runs(installed):
-    """With a mesh and a detector of the test where the text has `my_mesh` and `my_detector`."""
-    first, second = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    given = """
-import trimesh
-from egad.detectors.random_detector import random_grasp as my_detector
-my_mesh = trimesh.creation.box((0.03, 0.04, 0.05))
-"""
-    fewer = second.replace("attempts=20", "attempts=1").replace(
-        "evaluations=2000", "evaluations=20"
+CONTENT = """
+import json
+from importlib.metadata import distributions
+from pathlib import Path
+print(json.dumps({
+    each.name: sum(
+        Path(file.locate()).stat().st_size
+        for file in each.files
+        if file.suffix != ".pyc" and Path(file.locate()).is_file()
     )
-    assert fewer.count("attempts=1)") == fewer.count("evaluations=20,") == 1
-    installed.run("python", "-c", first)
-    assert (installed.folder / "M14_3.html").stat().st_size > 10_000
-    installed.run("python", "-c", given + fewer)
+    for each in distributions()
+}))
+"""
 
 
-def test_the_tutorial_runs(installed):
+def test_the_core_is_light(core):
+    sizes = json.loads(core.run("python", "-c", CONTENT))
+    sizes = {name: size for name, size in sizes.items() if name not in {"pip", "setuptools"}}
+    assert "egad" in sizes
+    assert len(sizes) <= MOST_PACKAGES
+    assert not {"matplotlib", "mujoco", "pybullet", "snakemake"} & set(sizes)
+    assert sum(sizes.values()) <= MOST_BYTES
+
+
+def test_the_python_of_the_readme_runs_with_the_core(core):
+    (first,) = PYTHON_OF_README
+    core.run("python", "-c", first)
+    assert (core.folder / "M14_3.html").stat().st_size > 10_000
+    trimesh.creation.annulus(0.03, 0.04, height=0.1).export(core.folder / "tube.stl")
+    core.run("python", "-c", CORE)
+
+
+def test_the_core_names_the_extra_that_is_missing(core):
+    said = core.attempt("python", "-c", TRIALS).stderr
+    assert re.search(r"egad.run_trials needs [\w-]+: pip install 'egad\[sim\]'$", said.strip())
+    hand = core.attempt("python", "-c", 'import egad; egad.Gripper.from_file("hand.urdf")').stderr
+    assert "a gripper with a URDF or MJCF file needs MuJoCo: pip install 'egad[sim]'" in hand
+    done = core.attempt("egad", "benchmark", "my_detector.py")
+    assert done.returncode == 1
+    assert done.stderr.startswith("egad: ")
+    assert done.stderr.count("\n") == 1
+    assert "pip install 'egad[sim]'" in done.stderr
+
+
+def test_the_core_reads_every_mesh_format(core):
+    ball = trimesh.creation.icosphere(radius=0.03)
+    for ending in ("3mf", "glb", "obj", "off", "ply", "stl"):
+        ball.export(core.folder / f"ball.{ending}")
+    code = """
+import egad
+for ending in ("glb", "obj", "off", "ply", "stl"):
+    print(round(1e6 * egad.read_mesh(f"ball.{ending}", units="m").volume))
+print(round(1e6 * egad.read_mesh("ball.3mf", units="mm").volume * 1e9))
+"""
+    assert set(core.run("python", "-c", code).split()) == {str(round(1e6 * ball.volume))}
+
+
+def test_trials_run_with_the_extra(workflow):
+    workflow.run("python", "-c", TRIALS)
+
+
+def test_the_tutorial_runs(workflow):
     cells = json.loads((ROOT / "docs/tutorial.ipynb").read_text())["cells"]
     code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-    installed.run("python", "-c", "import matplotlib; matplotlib.use('agg')\n" + "\n".join(code))
+    workflow.run("python", "-c", "import matplotlib; matplotlib.use('agg')\n" + "\n".join(code))
 
 
-def test_a_typed_program_runs_and_passes_mypy(installed):
+def test_a_typed_program_runs_and_passes_mypy(workflow):
     client = ROOT / "tests/typed_client.py"
-    assert "neither a table of grasps" in installed.run("python", client)  # its last line
-    python = installed.programs / "python"
+    assert "neither a table of grasps" in workflow.run("python", client)  # its last line
+    python = workflow.programs / "python"
     command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", python, client]
-    done = subprocess.run(
-        command, cwd=installed.folder, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run(command, cwd=workflow.folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout

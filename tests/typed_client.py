@@ -29,6 +29,9 @@ def use_objects(folder: Path) -> None:
     """Load, measure, compare, scale and grasp."""
     objects: egad.Dataset = egad.load("released")
     each: egad.EvolvedObject = objects["M14_3"]
+    complex_ones: egad.Dataset = objects[objects.table["complexity"] > 4]
+    two: egad.Dataset = objects[["M14_3", "E08_0"]]
+    none: egad.Dataset = two[np.zeros(len(two), dtype=bool)]
     voxels: NDArray[np.bool_] = each.voxels
     panda: egad.Gripper = egad.gripper("panda")
     mesh, factor = egad.rescale(each.mesh, panda, "paper")
@@ -41,6 +44,8 @@ def use_objects(folder: Path) -> None:
     likeness: float = egad.similarity(mesh, objects["E08_0"].mesh)
     matrix: NDArray[np.float64] = egad.similarity_matrix([mesh, mesh])
     closed: egad.Repaired = egad.repair(mesh, open_surfaces="thicken", thickness=0.002)
+    chart: egad.Picture = grasps.plot()
+    chart.save(folder / "quality.svg")
     shown: egad.MeshView = egad.view(closed.mesh, best, panda)
     shown.save(folder / "view.html")
     image: NDArray[np.uint8] = egad.render(mesh, size=32)
@@ -48,6 +53,7 @@ def use_objects(folder: Path) -> None:
     resting: list[egad.StablePose] = egad.stable_poses(mesh)
     lying = mesh.copy().apply_transform(resting[0].matrix)
     print(voxels.sum(), factor, found.label, found.cell, poses.shape, likeness, matrix.shape)
+    print(complex_ones, len(none), resting[0], best, chart)
     print(image.shape, len(parts), lying.bounds[0, 2], grasps.to_frame().columns[0])
 
 
@@ -59,11 +65,13 @@ def use_simulation(folder: Path) -> None:
     best = egad.run_trials("labels", objects, "panda", attempts=2, jobs=2)
     rate: egad.Mean = mine.success_rate()
     found: egad.Comparison = best.compare(other)
+    mine.plot().save(folder / "trials.svg")
     print(rate.value, rate.interval, found.difference, len(mine.table))
     archive: egad.Archive = egad.evolve(8, seed=0, measures=bulk_and_length, population=4)
     evolver = egad.Evolver(seed=0, population=4, ranges=((0.0, 3e-4), (1.0, 4.0)))
     asked: list[egad.Candidate] = evolver.ask()
     evolver.tell([bulk_and_length(candidate.mesh) for candidate in asked])
+    archive.plot(measures=("bulk", "length")).save(folder / "map.svg")
     print(archive.coverage, len(evolver.archive), len(egad.load(archive)))
     print(egad.export(objects, format="acronym", gripper="panda", out=folder / "acronym", grasps=5))
 

@@ -61,7 +61,7 @@ def compile_kernels() -> None:
         file=sys.stderr,
         flush=True,
     )
-    if subprocess.run([sys.executable, "-m", "egad.pipeline.precompile"], check=False).returncode:
+    if subprocess.run([sys.executable, "-m", "egad.workflow.precompile"], check=False).returncode:
         print(
             "Compilation failed; kernels will be compiled at their first use",
             file=sys.stderr,

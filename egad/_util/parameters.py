@@ -2,7 +2,6 @@
 
 import operator
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, SupportsIndex, TypeVar, get_args
 
@@ -11,11 +10,9 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    GetCoreSchemaHandler,
     StringConstraints,
     ValidationError,
 )
-from typing_extensions import TypedDict
 
 from egad.errors import UserError, check_name
 
@@ -61,34 +58,6 @@ P = TypeVar("P", bound=Parameters)
 
 class ParameterGroup(Parameters):
     """The groups of settings that a function or stage reads."""
-
-
-@dataclass(frozen=True)
-class SomeOf:
-    """Marks a table of some settings of a section: `Annotated[dict[str, Any], SomeOf(Section)]`.
-
-    Each is checked as in the section; there are no others.
-
-    Attributes:
-        section: The section.
-    """
-
-    section: type[Parameters]
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> Mapping[str, object]:
-        del source
-        fields: dict[str, Any] = {
-            name: Annotated[
-                (field.annotation, *field.metadata, Field(description=field.description))
-            ]
-            for name, field in self.section.model_fields.items()
-        }
-        typed_dict: Any = TypedDict  # type checkers know no keys of run time
-        table = typed_dict(f"SomeOf{self.section.__name__}", fields, total=False)
-        table.__pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
-        return handler.generate_schema(table)
 
 
 @dataclass(frozen=True)

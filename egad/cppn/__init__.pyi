@@ -13,6 +13,8 @@ from .growth import check_regrown as check_regrown
 from .growth import check_resolution as check_resolution
 from .growth import genome_mesh as genome_mesh
 from .growth import grow as grow
+from .parameters import COARSEST as COARSEST
+from .parameters import FINEST as FINEST
 from .parameters import Envelope as Envelope
 from .parameters import Hole as Hole
 from .parameters import KeepSolid as KeepSolid

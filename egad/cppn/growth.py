@@ -7,13 +7,12 @@ from egad._util.parameters import check_count
 from egad.cppn import constraints
 from egad.cppn.constraints import UNBOUND, Rules
 from egad.cppn.genome import Row
-from egad.cppn.parameters import Shape
+from egad.cppn.parameters import COARSEST, FINEST, Shape
 from egad.cppn.query import query
 from egad.cppn.surface import surface
 from egad.cppn.voxels import Solid
 from egad.errors import UserError
 
-COARSEST, FINEST = 8, 200
 SAME = 0.95  # least overlap of regrown voxels with those of an archive
 
 

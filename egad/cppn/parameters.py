@@ -19,6 +19,7 @@ from egad._util.parameters import (
 )
 
 Activation = Literal["sin", "sigmoid", "gaussian", "identity"]  # `query.activate`
+COARSEST, FINEST = 8, 200  # resolutions that a genome can be grown at
 
 
 class Shape(Parameters):

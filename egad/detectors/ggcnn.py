@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad._util.extras import needed_for
 from egad.detectors.base import FULL_BITE, LEAST_BITE, WHERE, Grasp, bite_share, rank_grasps
 from egad.errors import UserError
 from egad.grasps import TABLE_CLEARANCE
@@ -155,11 +156,9 @@ class GGCNN(MapDetector):
             UserError: PyTorch is missing, or the weights are, or they are of another network.
         """
         self._weights = path = check_ggcnn(weights)
-        try:
+        with needed_for("GG-CNN"):
             from egad.learning import networks  # noqa: PLC0415 (an extra)
             from egad.learning import weights as files  # noqa: PLC0415
-        except ModuleNotFoundError as error:
-            raise UserError("GG-CNN needs PyTorch: pip install 'egad[vision]'") from error
         try:
             super().__init__(networks.inference(files.read(path)))
         except files.WeightsError as error:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from egad._util.extras import needed_for
 from egad.detectors.base import WHERE
 from egad.detectors.messages import packed, unpacked
 from egad.detectors.poses import GraspPoses, poses_of
@@ -34,10 +35,8 @@ class GraspGen:
         Raises:
             UserError: PyZMQ is missing, nobody answers, or the server has an unknown gripper.
         """
-        try:
+        with needed_for("graspgen"):
             import zmq  # noqa: PLC0415 (an extra)
-        except ModuleNotFoundError as error:
-            raise UserError("graspgen needs PyZMQ: pip install 'egad[graspgen]'") from error
         self._socket: Any = zmq.Context.instance().socket(zmq.REQ)
         self._socket.setsockopt(zmq.LINGER, 0)
         self._socket.setsockopt(zmq.RCVTIMEO, GREETING_TIME)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
+from egad._util.extras import needed_for
 from egad.detectors.base import WHERE
 from egad.detectors.poses import GraspPoses, best_poses
 from egad.errors import UserError
@@ -47,11 +48,9 @@ class Vgn:
             missing = "vgn needs `weights: FILE`" if weights is None else f"no such file: {weights}"
             raise UserError(f"{WHERE}: {missing}; {VGN_WEIGHTS}")
         self._weights = weights
-        try:
+        with needed_for("vgn"):
             from egad.learning import vgn  # noqa: PLC0415 (an extra)
             from egad.learning import weights as files  # noqa: PLC0415
-        except ModuleNotFoundError as error:
-            raise UserError("vgn needs PyTorch: pip install 'egad[vision]'") from error
         try:
             self._infer = vgn.inference(files.read_vgn(weights))
         except files.WeightsError as error:

@@ -58,6 +58,7 @@ from .meshes import write_obj as write_obj
 from .meshes import write_stl_mm as write_stl_mm
 from .parameters import Acronym as Acronym
 from .parameters import DexNet as DexNet
+from .parameters import DexNetDatabase as DexNetDatabase
 from .parameters import MeshFormat as MeshFormat
 from .parameters import PhysicsFormat as PhysicsFormat
 from .release_contents import ABSTRACT as ABSTRACT

@@ -1,12 +1,11 @@
 """The formats that objects can be written in, and what writes one object of each."""
 
-import importlib.util
 from collections.abc import Callable
 from pathlib import Path
 
 import trimesh
 
-from egad.errors import UserError
+from egad._util import extras
 from egad.evalset import SimulationObject
 from egad.exchange.glb import write_glb
 from egad.exchange.meshes import write_obj, write_stl_mm
@@ -53,7 +52,7 @@ PHYSICS_WRITERS: dict[str, PhysicsWriter] = {
     "usd": _write_usd,
     "vgn": write_vgn,
 }
-EXTRAS = {"usd": "pxr"}  # the package that a format needs; the extra is called like the format
+PACKAGES = {"usd": "pxr"}  # of an extra, by the format that needs it
 
 
 def check_installed(name: str) -> None:
@@ -65,7 +64,5 @@ def check_installed(name: str) -> None:
     Raises:
         UserError: One is missing.
     """
-    if name in EXTRAS and importlib.util.find_spec(EXTRAS[name]) is None:
-        raise UserError(
-            f"format {name} needs a package that is not installed: pip install 'egad[{name}]'"
-        )
+    if name in PACKAGES:
+        extras.check_installed(PACKAGES[name], f"format {name}")

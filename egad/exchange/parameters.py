@@ -4,7 +4,11 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Fraction, Parameters
+from egad._util.parameters import Fraction, ParameterGroup, Parameters
+from egad.evalset import Bundle
+from egad.geometry import Material
+from egad.grasps import Quality, Robust
+from egad.grippers import Gripper
 
 MeshFormat = Literal["glb", "obj", "stl"]  # formats of a surface
 PhysicsFormat = Literal[  # formats of objects with convex parts, mass and friction
@@ -47,3 +51,45 @@ class Acronym(Parameters):
         "grasp and on its straight approach, for the best of the approach angles tried, and if its "
         "robust success rate is at least this",
     )
+
+
+class EvaluationObjects(ParameterGroup):
+    """Objects of the simulation bundle, which has all that is written."""
+
+    gripper: Gripper
+
+
+class AllObjects(ParameterGroup):
+    """Objects whose mass and friction are not in a table."""
+
+    gripper: Gripper
+    material: Material
+    bundle: Bundle
+
+
+class ImageLayouts(ParameterGroup):
+    """Rendered images laid out as other datasets."""
+
+    gripper: Gripper
+
+
+class AcronymFiles(ParameterGroup):
+    """ACRONYM files."""
+
+    gripper: Gripper
+    quality: Quality
+    acronym: Acronym
+
+
+class SimulatedGraspFiles(ParameterGroup):
+    """Grasps with simulated labels in the format of another program."""
+
+    gripper: Gripper
+
+
+class DexNetDatabase(ParameterGroup):
+    """A Dex-Net database: the grasps, and how they were rated."""
+
+    gripper: Gripper
+    quality: Quality
+    robust: Robust

@@ -1,6 +1,5 @@
 """Convex parts by CoACD, the other choice beside our own cutting."""
 
-import importlib.util
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,7 +9,8 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
-from egad.errors import RejectedError, UserError
+from egad._util.extras import check_installed
+from egad.errors import RejectedError
 from egad.geometry.hull_vertices import fewer_vertices
 from egad.geometry.hulls import hull_mesh, hull_of
 
@@ -43,8 +43,7 @@ def coacd_parts(
     Source: Wei et al., Approximate Convex Decomposition for 3D Meshes with Collision-Aware
     Concavity and Tree Search, 2022.
     """
-    if importlib.util.find_spec("coacd") is None:
-        raise UserError("bundle.method is coacd, which is not installed: pip install 'egad[coacd]'")
+    check_installed("coacd", "bundle.method: coacd")
     task = (np.array(mesh.vertices), np.array(mesh.faces), threshold, max_parts)
     try:
         with Worker(_coacd, TIME_LIMIT, name="CoACD") as run:

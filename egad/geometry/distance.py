@@ -2,17 +2,18 @@
 
 from typing import NamedTuple
 
-import igl
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.extras import needed_for
 from egad.geometry.surface_samples import spread
 
 Floats = NDArray[np.float64]
 STEP = 0.02  # of the longest side: distance between the points that are looked at
 CELL = 0.5  # of that distance
 ROUNDING = 1e-9  # relative
+WHAT = "the distance to a surface"
 STEPS = 10  # binary digits of a distance within a cell: a thousandth
 
 
@@ -26,6 +27,8 @@ def nearest(points: Floats, mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
     Returns:
         Distances, (n,), and the nearest points of the mesh, (n, 3).
     """
+    with needed_for(WHAT):
+        import igl  # noqa: PLC0415 (an extra)
     faces = np.asarray(mesh.faces, dtype=np.int64)[np.asarray(mesh.area_faces) > 0]
     vertices = np.asarray(mesh.vertices, dtype=np.float64)
     around = np.ascontiguousarray(points, dtype=np.float64)
@@ -93,6 +96,8 @@ def distance_field(mesh: trimesh.Trimesh, size: int, padding: int) -> DistanceFi
     Source: the grid from SDFGen as Dex-Net calls it (100 nodes, 5 cells); distances from libigl's
     tree of triangles; sign by the winding number, Barill et al., SIGGRAPH 2018.
     """
+    with needed_for(WHAT):
+        import igl  # noqa: PLC0415 (an extra)
     low, high = np.asarray(mesh.bounds)
     resolution = float((high - low).max()) / (size - 2 * padding)
     origin = (low + high) / 2 - size // 2 * resolution

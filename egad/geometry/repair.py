@@ -10,6 +10,7 @@ from scipy.sparse import coo_array, csgraph
 from scipy.spatial import cKDTree
 
 from egad._util.arguments import check_number
+from egad._util.display import facts_html
 from egad.errors import RejectedError, check_name
 from egad.geometry.checks import check_surface
 from egad.geometry.manifold import Solid, is_solid, to_mesh, to_solid, union
@@ -112,6 +113,24 @@ class Repaired(NamedTuple):
     shell_thickness: float = 0.0
     dropped_bodies: int = 0
     dropped_volume: float = 0.0
+
+    def __repr__(self) -> str:
+        return f"Repaired({', '.join(self._facts().values())})"
+
+    def _repr_html_(self) -> str:
+        """A thumbnail and what was done, for notebooks."""
+        return facts_html("Repaired", self._facts(), self.mesh)
+
+    def _facts(self) -> dict[str, str]:
+        facts = {
+            "mesh": f"{len(self.mesh.faces)} faces",
+            "repair": "changed" if self.changed else "sound as it was",
+        }
+        if self.shell_thickness:
+            facts["wall"] = f"{1000 * self.shell_thickness:g} mm thick"
+        if self.dropped:
+            facts["left out"] = self.dropped
+        return facts
 
     @property
     def dropped(self) -> str:

@@ -2,12 +2,12 @@
 
 from contextlib import suppress
 
-import igl
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csgraph
 
+from egad._util.extras import needed_for
 from egad.errors import RejectedError
 from egad.geometry.checks import check_surface
 from egad.geometry.distance import nearest
@@ -63,6 +63,8 @@ def _check_thickness(mesh: trimesh.Trimesh, thickness: float) -> None:
 
 def _level_set(mesh: trimesh.Trimesh, thickness: float) -> tuple[Floats, Ints]:
     """Vertices and faces of the surface at half a thickness, wound outwards."""
+    with needed_for("a shell around an open surface"):
+        import igl  # noqa: PLC0415 (an extra)
     step, level = thickness / ROUNDING, thickness / 2
 
     def distance(points: Floats) -> Floats:

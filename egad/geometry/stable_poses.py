@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
+from egad._util.display import facts_html
 from egad.errors import RejectedError
 from egad.geometry.checks import check_mesh
 
@@ -38,6 +39,22 @@ class StablePose(NamedTuple):
     height: float
     margin: float
     center: Floats
+
+    def __repr__(self) -> str:
+        facts = ", ".join(f"{name} {value}" for name, value in self._facts().items())
+        return f"StablePose({facts})"
+
+    def _repr_html_(self) -> str:
+        """Its numbers, for notebooks."""
+        return facts_html("StablePose", self._facts())
+
+    def _facts(self) -> dict[str, str]:
+        return {
+            "probability": f"{100 * self.probability:.1f} %",
+            "center of mass at height": f"{self.height:.4g}",
+            "topples at": f"{np.degrees(self.margin):.1f}°",
+            "corners of the resting face": str(len(self.face)),
+        }
 
     @property
     def matrix(self) -> Floats:

@@ -7,6 +7,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from egad._util.arguments import check_array
+from egad._util.display import Picture, draw, facts_html
 from egad.errors import UserError
 from egad.grasps.poses import hand_poses
 
@@ -44,7 +45,40 @@ class Grasps:
         return type(self)(self._table.iloc[np.atleast_1d(index)])
 
     def __repr__(self) -> str:
-        return f"Grasps({len(self)})"
+        parts = [f"{len(self)} grasps" if len(self) != 1 else "1 grasp"]
+        parts += [f"{name}: {value}" for name, value in self._facts().items()]
+        return f"Grasps({', '.join(parts)})"
+
+    def _repr_html_(self) -> str:
+        """Their numbers, for notebooks; `plot` draws their quality, `egad.view` the grasps."""
+        return facts_html("Grasps", {"grasps": len(self), **self._facts()})
+
+    def _facts(self) -> dict[str, str]:
+        """How many are free of collision and do not slip, and how wide and good they are."""
+        if not len(self):
+            return {}
+        widths = 1000 * self.widths
+        return {
+            "collision-free": str(np.count_nonzero(self.collision_free)),
+            "without slip": str(np.count_nonzero(self.quality)),
+            "widths": f"{widths.min():.1f} to {widths.max():.1f} mm",
+            "best quality": f"{self.quality.max():.3g}",
+        }
+
+    def plot(self) -> Picture:
+        """Draw histograms of nominal and robust quality, with and without a collision.
+
+        `egad.view(mesh, grasps, gripper)` shows the grasps in 3D.
+
+        Returns:
+            A picture that a notebook shows; `save("quality.svg")` writes it.
+
+        Raises:
+            UserError: There are no grasps.
+        """
+        if not len(self):
+            raise UserError("there are no grasps to plot")
+        return draw("grasps", "collision_chart", self._table)
 
     @property
     def poses(self) -> Floats:

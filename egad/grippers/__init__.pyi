@@ -1,4 +1,5 @@
-from .description import description_files as description_files
+from .described import description_files as description_files
+from .described import model_of as model_of
 from .hand import CLEARANCE as CLEARANCE
 from .hand import Body as Body
 from .hand import BoxBody as BoxBody
@@ -14,7 +15,6 @@ from .parameters import PADS as PADS
 from .parameters import SIZES as SIZES
 from .parameters import Gripper as Gripper
 from .parameters import Pad as Pad
-from .reading import model_of as model_of
 from .robot import base_link as base_link
 from .robot import base_pose as base_pose
 from .robot import files_of as files_of

@@ -18,6 +18,7 @@ from scipy.spatial import ConvexHull, QhullError
 from typing_extensions import override
 
 from egad.errors import RejectedError
+from egad.grippers.described import model_of
 from egad.grippers.model import PALM_BODY, GripperModel
 from egad.grippers.parameters import Gripper
 
@@ -189,8 +190,6 @@ def body_of(gripper: Gripper) -> BoxBody | ModelBody:
     """
     if gripper.file is None:
         return BoxBody(gripper)
-    from egad.grippers.reading import model_of  # noqa: PLC0415 (loads an engine)
-
     return ModelBody(gripper, model_of(gripper))
 
 

@@ -1,10 +1,12 @@
 """What is set of a parallel-jaw gripper."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from egad._util.display import facts_html
 from egad._util.parameters import Length, UserParameters, UserPath
 
 
@@ -140,16 +142,28 @@ class Gripper(UserParameters):
         missing = SIZES - {name for name, value in values.items() if value is not None}
         if not missing:
             return values
-        from egad.grippers.reading import choices_of, read_model  # noqa: PLC0415 (loads an engine)
+        from egad.grippers.described import read_described  # noqa: PLC0415 (it imports this module)
         from egad.grippers.sizes import sizes_of  # noqa: PLC0415
 
-        found = sizes_of(read_model(Path(values["file"]).expanduser(), choices_of(values)))
+        found = sizes_of(read_described(Path(values["file"]).expanduser(), values))
         if isinstance(opening := values.get("opening"), int | float) and opening > found["opening"]:
             raise ValueError(
                 f"opening is {opening:g}; the hand of {values['file']} opens "
                 f"{found['opening']:.4g} m"
             )
         return values | {name: found[name] for name in missing}
+
+    def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
+        """What pydantic prints: the fields that differ from their defaults."""
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            if value != field.default:
+                yield name, value
+
+    def _repr_html_(self) -> str:
+        """All fields that are set, for notebooks."""
+        facts = {name: value for name, value in dict(self).items() if value is not None}
+        return facts_html("Gripper (metres, newtons)", facts)
 
     @property
     def pad(self) -> Pad:

@@ -24,7 +24,7 @@ from egad.grippers.fingers import Sides, find_driven, find_sides, snapped
 from egad.grippers.links import hand_link
 from egad.grippers.mechanism import Mechanism
 from egad.grippers.model import GripperModel
-from egad.grippers.parameters import Gripper, Place
+from egad.grippers.parameters import Place
 from egad.grippers.stroke import Stroke, find_stroke
 from egad.grippers.tree import find_palm, hand_bodies, joint_name, moving_joints, subtree
 
@@ -100,17 +100,6 @@ def choices_of(values: Mapping[str, Any]) -> Choices:
     given = {name: values.get(name) for name in Choices._fields}
     parsed: Choices = TypeAdapter(Choices).validate_python(given)
     return parsed
-
-
-def model_of(gripper: Gripper) -> GripperModel:
-    """The model of a gripper that has a file.
-
-    Raises:
-        UserError: It has none, or the file cannot be used.
-    """
-    if gripper.file is None:
-        raise UserError("this gripper has no file that describes it")
-    return read_model(Path(gripper.file), choices_of(gripper.model_dump()))
 
 
 def _modelled(spec: mujoco.MjSpec, path: Path, choices: Choices) -> tuple[GripperModel, list[str]]:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from egad.grippers.described import description_files, model_of
 from egad.grippers.model import GripperModel
 from egad.grippers.parameters import Gripper
 
@@ -19,8 +20,6 @@ def files_of(gripper: Gripper) -> list[Path]:
     """
     if gripper.file is None:
         return [Path(gripper.mesh)] if gripper.mesh else []
-    from egad.grippers.description import description_files  # noqa: PLC0415 (loads an engine)
-
     return description_files(Path(gripper.file))
 
 
@@ -78,8 +77,4 @@ def base_pose(gripper: Gripper, opening: float) -> Floats | None:
 
 
 def _model(gripper: Gripper) -> GripperModel | None:
-    if gripper.file is None:
-        return None
-    from egad.grippers.reading import model_of  # noqa: PLC0415 (loads an engine)
-
-    return model_of(gripper)
+    return None if gripper.file is None else model_of(gripper)

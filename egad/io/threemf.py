@@ -7,10 +7,10 @@ import io
 import zipfile
 from collections.abc import Iterator
 from typing import NamedTuple
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import numpy as np
-from lxml import etree
-from lxml.etree import _Element as Element
 from numpy.typing import NDArray
 
 from egad._util.input_limits import (
@@ -92,7 +92,8 @@ class _Package:
         """The path of the model part that the package is about."""
         names = self._archive.namelist()
         if "_rels/.rels" in names:
-            for each in _parsed(self._archive.read("_rels/.rels")):
+            relations, _ = _parsed(self._archive.read("_rels/.rels"))
+            for each in relations:
                 if each.get("Type") == MODEL_KIND and each.get("Target"):
                     return str(each.get("Target")).lstrip("/")
         if USUAL_MODEL not in names:
@@ -103,11 +104,11 @@ class _Package:
         if path not in self._models:
             if path not in self._archive.namelist():
                 raise RejectedError(f"its part {path} is missing")
-            root = _parsed(self._archive.read(path))
+            root, namespaces = _parsed(self._archive.read(path))
             if root.tag != f"{TAG}model":
                 raise RejectedError(f"its part {path} is not a model")
             for prefix in root.get("requiredextensions", "").split():
-                space = root.nsmap.get(prefix, prefix)
+                space = namespaces.get(prefix, prefix)
                 if space not in KNOWN:
                     raise RejectedError(f"it needs the extension {space}, which is not read")
             self._models[path] = root
@@ -155,7 +156,7 @@ class _Package:
         mesh = found.find(f"{TAG}mesh")
         others = [each for each in (found if mesh is None else mesh) if _is_foreign_shape(each)]
         if mesh is None or others:
-            name = etree.QName(others[0]).localname if others else "nothing"
+            name = _local_name(others[0]) if others else "nothing"
             raise RejectedError(f"an object has a shape of {name}, which is not read")
         vertices = _attributes(mesh.findall(f"{TAG}vertices/{TAG}vertex"), ("x", "y", "z"))
         corners = _attributes(mesh.findall(f"{TAG}triangles/{TAG}triangle"), ("v1", "v2", "v3"))
@@ -169,27 +170,55 @@ class _Package:
         return _Placed(points, faces[:, ::-1] if np.linalg.det(matrix[:3]) < 0 else faces)
 
 
-def _parsed(data: bytes) -> Element:
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
-    try:
-        root = etree.fromstring(data, parser)
-    except etree.XMLSyntaxError as error:
-        raise RejectedError(f"it is damaged: {str(error)[:120]}") from error
-    if root.getroottree().docinfo.doctype:
+class _Tree(ElementTree.TreeBuilder):
+    """Builds the elements of a file, and notes what its namespaces are called.
+
+    Attributes:
+        namespaces: Those of the root, by prefix.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.namespaces = dict[str, str]()
+        self._started = False
+
+    def start(self, tag: str, attributes: dict[str, str], /) -> Element:
+        self._started = True
+        return super().start(tag, attributes)
+
+    def start_ns(self, prefix: str, uri: str) -> None:
+        if not self._started:
+            self.namespaces[prefix] = uri
+
+    def doctype(self, *_: str | None) -> None:
         raise RejectedError("it has a document type, which is not allowed")
-    return root
+
+
+def _parsed(data: bytes) -> tuple[Element, dict[str, str]]:
+    """The root of a file, and its namespaces by prefix."""
+    tree = _Tree()
+    parser = ElementTree.XMLParser(target=tree)  # noqa: S314 (no document type, no entities)
+    try:
+        parser.feed(data)
+        return parser.close(), tree.namespaces
+    except ElementTree.ParseError as error:
+        raise RejectedError(f"it is damaged: {str(error)[:120]}") from error
 
 
 def _is_foreign_shape(element: Element) -> bool:
     """Whether an element of an extension shapes an object, such as a lattice of beams."""
-    if not isinstance(element.tag, str) or element.tag.startswith(TAG):
+    if element.tag.startswith(TAG):
         return False
-    return etree.QName(element).localname in (
+    return _local_name(element) in (
         "beamlattice",
         "booleanshape",
         "levelset",
         "displacementmesh",
     )
+
+
+def _local_name(element: Element) -> str:
+    return element.tag.rpartition("}")[2]
 
 
 def _unit(root: Element) -> str | None:

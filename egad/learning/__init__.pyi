@@ -9,6 +9,7 @@ from .evaluation import total_score as total_score
 from .model_card import TrainedNetwork as TrainedNetwork
 from .model_card import card as card
 from .parameters import SIZE as SIZE
+from .parameters import NetworkName as NetworkName
 from .parameters import Training as Training
 from .targets import Answer as Answer
 from .targets import peaks as peaks

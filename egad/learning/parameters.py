@@ -6,13 +6,14 @@ from pydantic import Field, model_validator
 
 from egad._util.parameters import Length, Parameters, PositiveFraction
 
+NetworkName = Literal["ggcnn", "ggcnn2"]
 SIZE = 300  # pixels along each side of the image that goes in, and of those that come out
 
 
 class Training(Parameters):
     """Training of a grasp network on rendered images."""
 
-    network: Literal["ggcnn", "ggcnn2"] = Field(
+    network: NetworkName = Field(
         "ggcnn2", description="GG-CNN (62,420 weights) or GG-CNN2 (66,676)"
     )
     images: int = Field(

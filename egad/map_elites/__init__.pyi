@@ -9,3 +9,4 @@ from .island import Watch as Watch
 from .island import evolve as evolve
 from .parameters import Evolution as Evolution
 from .parameters import EvolutionParameters as EvolutionParameters
+from .rules import rules_of as rules_of

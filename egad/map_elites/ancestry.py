@@ -5,9 +5,12 @@ from collections.abc import Iterable
 
 import pandas as pd
 
+from egad._util.display import table_html
 from egad.cppn import Row
 from egad.errors import UserError
 from egad.tables.evolution import GENOME
+
+MEASURES = ["complexity", "difficulty"]
 
 
 class Lineage:
@@ -38,8 +41,19 @@ class Lineage:
             for parent in dict.fromkeys(parents):
                 self._children[parent].append(name)
 
+    def __len__(self) -> int:
+        return len(self._parents)
+
     def __contains__(self, name: object) -> bool:
         return name in self._parents
+
+    def __repr__(self) -> str:
+        founders = sum(not parents for parents in self._parents.values())
+        return f"Lineage({len(self)} objects, {founders} of them founders)"
+
+    def _repr_html_(self) -> str:
+        """Parents and measures of the objects, for notebooks."""
+        return table_html(repr(self), self.table.set_index("id")[["parents", *MEASURES]])
 
     def genome(self, name: str) -> Row:
         """The CPPN of an object or ancestor, with the columns of `tables.evolution.GENOME`.

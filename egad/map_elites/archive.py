@@ -14,7 +14,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from egad._util.display import Picture, draw, facts_html
 from egad.cppn import Row
+from egad.errors import UserError
 from egad.measures import Cell, Space, cell_of, coverage_of
 from egad.reeb import Neighborhood, Similarity
 from egad.reeb import graph as reeb
@@ -22,7 +24,7 @@ from egad.tables import parquet
 from egad.tables.evolution import EPOCH, GENOME
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Elite:
     """An object of the archive."""
 
@@ -36,6 +38,10 @@ class Elite:
     epoch: int
     difficulty_std: float = math.nan
     cell_confidence: float = math.nan
+
+    def __repr__(self) -> str:
+        measures = f"complexity {self.complexity:.4g}, difficulty {self.difficulty:.4g}"
+        return f"Elite({self.id!r}: {measures})"
 
     def row(self) -> dict[str, Any]:
         """Columns of `tables.evolution.LINEAGE` and `EPOCH`: genome, measures and origin."""
@@ -80,6 +86,42 @@ class Archive:
 
     def __repr__(self) -> str:
         return f"Archive({len(self)} elites, coverage {self.coverage:.3f})"
+
+    def _repr_html_(self) -> str:
+        """Its numbers, for notebooks; `plot` draws it."""
+        counts, (across, upwards) = self.counts(), self._ranges()
+        facts = {
+            "elites": len(self),
+            "coverage": f"{100 * self.coverage:.1f} %",
+            "filled cells": f"{np.count_nonzero(counts)} of {counts.size}",
+            "slots per cell": self.space.elites_per_cell,
+            "range of the first measure": across,
+            "range of the second measure": upwards,
+        }
+        return facts_html("Archive", facts)
+
+    def _ranges(self) -> tuple[str, str]:
+        """The ranges of the measures in words."""
+        low, high = self.space.complexity_range
+        hard, easy = self.space.difficulty_range
+        return f"{low:g} to {high:g}", f"{hard:g} to {easy:g}"
+
+    def plot(self, measures: tuple[str, str] | None = None) -> Picture:
+        """Draw the map of the cells, with a picture of the oldest object of each.
+
+        Args:
+            measures: Names of the two measures, if they are your own. The first one ascends to the
+                right, the second one downwards. By default, complexity and difficulty.
+
+        Returns:
+            A picture that a notebook shows; `save("map.svg")` writes it.
+
+        Raises:
+            UserError: The names are not two texts.
+        """
+        if measures is not None and not _are_two_texts(measures):
+            raise UserError(f"measures is {measures!r}; allowed: two names, such as ('a', 'b')")
+        return draw("live_map", "archive_map", self, measures)
 
     def __contains__(self, elite_id: str) -> bool:
         return elite_id in self._ids
@@ -230,6 +272,10 @@ class Archive:
     def to_ribs_frame(self) -> pd.DataFrame:
         """The elites with the columns of a pyribs `ArchiveDataFrame`: see `ribs_frame`."""
         return ribs_frame(self.to_frame(), self.space)
+
+
+def _are_two_texts(given: object) -> bool:
+    return isinstance(given, tuple | list) and [type(each) for each in given] == [str, str]
 
 
 def elites_of(frame: pd.DataFrame) -> list[Elite]:

@@ -70,6 +70,10 @@ class Evolver:
     def __repr__(self) -> str:
         return f"Evolver({self.archive!r})"
 
+    def _repr_html_(self) -> str:
+        """The numbers of its archive, for notebooks."""
+        return self.archive._repr_html_()
+
     def ask(self) -> list[Candidate]:
         """The new shapes of the next step: `mesh`, `voxels` and `id` of each.
 

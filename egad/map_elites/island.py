@@ -12,6 +12,7 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.display import facts_html
 from egad._util.progress import progress
 from egad._util.workers import Mapper
 from egad.cppn import UNBOUND, Rules, Shape, packed_surface, voxels
@@ -30,13 +31,21 @@ LINE = "coverage {coverage:.3f}, {elites} elites"
 Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Candidate:
     """A new shape that is to be measured."""
 
     offspring: Offspring
     solid: Solid
     shape: Shape
+
+    def __repr__(self) -> str:
+        return f"Candidate({self.id!r})"
+
+    def _repr_html_(self) -> str:
+        """A thumbnail, for notebooks."""
+        facts = {"solid voxels": int(self.voxels.sum()), "resolution": self.shape.resolution}
+        return facts_html(repr(self), facts, self.mesh)
 
     @property
     def id(self) -> str:

@@ -14,6 +14,7 @@ from egad._util.parameters import (
     Percent,
     PositiveFraction,
     Range,
+    ScaleRule,
     Seed,
     SideFraction,
     UserPath,
@@ -26,7 +27,7 @@ from egad.grippers import Gripper
 from egad.reeb import Similarity
 
 MAX_CANDIDATES = 32768  # of the final estimate of difficulty
-MAP_RULE = "exact"  # at this size the objects of the map are measured
+MAP_RULE: ScaleRule = "exact"  # at this size the objects of the map are measured
 BINS = 512  # of the histogram of angular deficits
 
 

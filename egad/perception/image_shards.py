@@ -30,7 +30,7 @@ def files(folder: Path) -> list[Path]:
     """
     found = sorted(folder.glob("images-*.parquet"))
     if not found:
-        raise UserError(f"{folder}: no images found; make them with `egad render` or the workflow")
+        raise UserError(f"{folder}: no images found; make them with the workflow (targets.render)")
     notes = {path.name: parquet.notes(path) for path in found}
     totals = {each.get("shards") for each in notes.values()}
     if len(totals) > 1 or not isinstance(total := totals.pop(), int):

@@ -6,6 +6,8 @@ from pydantic import Field
 
 from egad._util.parameters import Fraction, Parameters
 
+Bases = Literal["even", "scan"]
+
 
 class Similarity(Parameters):
     """Shape similarity by matching of multiresolutional Reeb graphs."""
@@ -14,7 +16,7 @@ class Similarity(Parameters):
         4000, ge=4, description="edges are split until a mesh has this many vertices"
     )
     ranges: Literal[16, 32, 64, 128, 256] = Field(128, description="ranges of the finest graph")
-    bases: Literal["even", "scan"] = Field(
+    bases: Bases = Field(
         "even",
         description="`even`: farthest points; `scan`: in vertex order, as in the original program",
     )

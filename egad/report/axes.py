@@ -42,6 +42,12 @@ class Axis:
         """The same in full."""
         return f"{self.name}: {self.start} {ARROW} {self.end}"
 
+    def along(self, first: float, last: float) -> str:
+        """The text along an axis in full, with the values at its ends."""
+        ends = f"{self.factor * first:g} to {self.factor * last:g}{self.unit}"
+        value = f"{self.value} " if self.value not in self.name else ""
+        return f"{self.long_label} ({value}{ends})"
+
     @property
     def printed_unit(self) -> str:
         """The unit as it is set in pages, without a space before it."""
@@ -67,7 +73,16 @@ USUAL = AxisPair(COMPLEXITY, DIFFICULTY)
 
 def axis_pair(axes: CustomMeasures) -> AxisPair:
     """The axes that a configuration asks for; high values of difficulty come first."""
-    across, upwards = plugin_name(axes.complexity), plugin_name(axes.difficulty)
+    return named_axes(plugin_name(axes.complexity), plugin_name(axes.difficulty))
+
+
+def named_axes(across: str | None, upwards: str | None) -> AxisPair:
+    """Axes of measures with these names; high values of the second one come first.
+
+    Args:
+        across: Name of the first measure; None or empty: complexity.
+        upwards: Name of the second measure; None or empty: difficulty.
+    """
     return AxisPair(
         Axis(across, across, "low", "high", across) if across else COMPLEXITY,
         Axis(upwards, upwards, "high", "low", upwards) if upwards else DIFFICULTY,

@@ -1,14 +1,12 @@
-"""The colors of charts, maps and pages."""
+"""The colors and fonts of charts, maps and pages."""
 
 import math
-
-import matplotlib
-from matplotlib.colors import to_hex, to_rgb
 
 INK, SOFT, FAINT = "#1c2430", "#667080", "#e4e7ec"
 UNKNOWN = "#c4c9d1"
 LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255", "#8a6d3b"]
 COLOR_MAP = "viridis"  # of values on maps of objects
+FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 
 
 def line_color(number: int) -> str:
@@ -21,6 +19,9 @@ def scale_color(value: float, low: float, high: float) -> str:
 
     Values outside have the colors of the ends; NaN is grey.
     """
+    import matplotlib  # noqa: PLC0415 (an extra)
+    from matplotlib.colors import to_hex  # noqa: PLC0415
+
     if math.isnan(value):
         return UNKNOWN
     share = (value - low) / (high - low) if high > low else 0.5
@@ -29,5 +30,7 @@ def scale_color(value: float, low: float, high: float) -> str:
 
 def ink_on(color: str) -> str:
     """Dark or white, whichever reads better on a color."""
+    from matplotlib.colors import to_rgb  # noqa: PLC0415 (an extra)
+
     red, green, blue = to_rgb(color)
     return INK if 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.25 else "white"

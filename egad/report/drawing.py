@@ -11,7 +11,7 @@ import matplotlib
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 
-from egad.report.colors import FAINT, INK, SOFT
+from egad.report.colors import FAINT, FONTS, INK, SOFT
 
 DASHED = (0, (4, 4))
 THOUSANDTHS = "\N{MULTIPLICATION SIGN} 10\N{SUPERSCRIPT THREE}"
@@ -34,7 +34,6 @@ STYLE: dict[Any, Any] = {
     "ytick.labelcolor": INK,
     "legend.frameon": False,
 }
-FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 
 
 class Drawing:

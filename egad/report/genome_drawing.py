@@ -4,8 +4,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from egad.cppn import INPUT_NAMES, Node, Row, used_nodes
-from egad.report.colors import INK, LINES, SOFT
-from egad.report.drawing import FONTS
+from egad.report.colors import FONTS, INK, LINES, SOFT
 from egad.report.page import render_template
 
 COLUMN, LINE, MARGIN = 150, 54, 16

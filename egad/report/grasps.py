@@ -179,10 +179,10 @@ def print_numbers(manifest: pd.DataFrame) -> PrintNumbers:
 
 
 def grasp_chart(grasps: Mapping[str, pd.DataFrame]) -> str:
-    """Histograms of nominal and robust grasp quality, one line a gripper.
+    """Histograms of nominal and robust grasp quality, one line a table.
 
     Args:
-        grasps: Tables with the columns of `tables.grasping.GRASPS`, by gripper.
+        grasps: Tables with the columns of `tables.grasping.GRASPS`, by what they are of.
 
     Returns:
         SVG text.
@@ -202,6 +202,21 @@ def grasp_chart(grasps: Mapping[str, pd.DataFrame]) -> str:
                 *left.get_legend_handles_labels(), loc="outside upper center", ncols=5
             )
     return drawing.svg
+
+
+def collision_chart(grasps: pd.DataFrame) -> str:
+    """Histograms of nominal and robust quality of grasps with and without a collision.
+
+    Args:
+        grasps: Columns quality, robust_quality and collision_free of `tables.grasping.GRASPS`, at
+            least one row.
+
+    Returns:
+        SVG text.
+    """
+    free = grasps["collision_free"].astype(bool)
+    groups = {"collision-free": grasps[free], "in collision": grasps[~free]}
+    return grasp_chart({f"{len(table)} {name}": table for name, table in groups.items()})
 
 
 def _draw_histograms(axes: Axes, values: Mapping[str, "pd.Series[float]"]) -> None:

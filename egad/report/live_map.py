@@ -1,7 +1,8 @@
-"""A page with the map while evolution fills it: HTML that opens offline and reloads by itself.
+"""The map of an archive, and a page with it while evolution fills it.
 
-Each island keeps its state in a file of its own beside the page, and writes the page from the files
-of all islands of the same run. No result depends on any of them.
+The page is HTML that opens offline and reloads by itself. Each island keeps its state in a file of
+its own beside the page, and writes the page from the files of all islands of the same run. No
+result depends on any of them.
 """
 
 import json
@@ -9,7 +10,7 @@ import logging
 import os
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +20,7 @@ from egad._util.progress import duration, rate_text
 from egad.cppn import unpack
 from egad.map_elites import Archive, Elite
 from egad.measures import Space, cell_name, complexity_cells, difficulty_cells
-from egad.report.axes import USUAL, AxisPair
+from egad.report.axes import USUAL, AxisPair, named_axes
 from egad.report.drawing import data_uri
 from egad.report.page import render_template
 from egad.report.pictures import voxel_picture, voxel_png
@@ -28,9 +29,13 @@ log = logging.getLogger(__name__)
 
 INTERVAL = 10.0  # seconds between two versions of the page, at least
 SHARE = 0.01  # part of the time that may be spent on the page
-PICTURE = 36  # pixels along each side
+UNIT = 40  # side of a cell of the map, pixels
+MARGIN = 4  # of it that its picture leaves free
+LARGEST = 96  # side of a picture, pixels
+NARROWEST = 520  # side of a map, pixels, to which the cells of a small one are enlarged
 POINTS = 200  # of a curve, at most
 State = dict[str, Any]
+Cells = dict[str, tuple[int, str]]  # by name: how many objects, and a picture of one
 
 
 @dataclass(frozen=True)
@@ -108,29 +113,82 @@ class LiveMap:
         except OSError as error:
             log.warning("%s is not up to date: %s", self._page, error)
 
-    def _cells(self, elites: Sequence[Elite]) -> dict[str, tuple[int, str]]:
-        """How many elites each cell holds, and the picture of the oldest, by name of the cell."""
-        names = _names_of_cells(elites, self._space)
-        counts, first = Counter(names), dict[str, Elite]()
-        for name, elite in zip(names, elites, strict=True):
-            first.setdefault(name, elite)
-        kept = {elite.id: self._pictures.get(elite.id) for elite in first.values()}
-        self._pictures = {
-            elite.id: kept[elite.id] or picture_of(elite.voxels, self._resolution)
-            for elite in first.values()
-        }
-        return {name: (counts[name], self._pictures[elite.id]) for name, elite in first.items()}
+    def _cells(self, elites: Sequence[Elite]) -> Cells:
+        """The filled cells. Pictures of elites that are shown again are kept."""
+        kept, self._pictures = self._pictures, {}
+
+        def picture(elite: Elite) -> str:
+            found = kept.get(elite.id) or picture_of(elite.voxels, self._resolution)
+            self._pictures[elite.id] = found
+            return found
+
+        return filled_cells(elites, self._space, picture)
 
 
-def _names_of_cells(elites: Sequence[Elite], space: Space) -> list[str]:
+def filled_cells(elites: Sequence[Elite], space: Space, picture: Callable[[Elite], str]) -> Cells:
+    """How many elites each cell holds, and the picture of the oldest, by name of the cell.
+
+    Args:
+        elites: The oldest first.
+        space: The cells.
+        picture: Draws an elite, for the attribute `href` of an image.
+    """
     columns = complexity_cells([elite.complexity for elite in elites], space)
     rows = difficulty_cells([elite.difficulty for elite in elites], space)
-    return [cell_name(int(column), int(row)) for column, row in zip(columns, rows, strict=True)]
+    names = [cell_name(int(column), int(row)) for column, row in zip(columns, rows, strict=True)]
+    counts, first = Counter(names), dict[str, Elite]()
+    for name, elite in zip(names, elites, strict=True):
+        first.setdefault(name, elite)
+    return {name: (counts[name], picture(elite)) for name, elite in first.items()}
 
 
-def picture_of(packed: bytes, resolution: int) -> str:
+def picture_of(packed: bytes, resolution: int, size: int = UNIT - MARGIN) -> str:
     """A picture of voxels as archives keep them, for the attribute `href` of an image."""
-    return data_uri(voxel_png(voxel_picture(unpack(packed, resolution), PICTURE)))
+    return data_uri(voxel_png(voxel_picture(unpack(packed, resolution), size)))
+
+
+def archive_map(archive: Archive, measures: tuple[str, str] | None = None) -> str:
+    """The map of an archive: a picture of the oldest object of each cell.
+
+    Args:
+        archive: The elites.
+        measures: What the axes are called, if they are not EGAD's.
+
+    Returns:
+        SVG text.
+    """
+    unit = max(UNIT, NARROWEST // archive.space.cells)
+    size = min(unit - MARGIN, LARGEST)
+
+    def picture(elite: Elite) -> str:
+        return picture_of(elite.voxels, round((8 * len(elite.voxels)) ** (1 / 3)), size)
+
+    cells = filled_cells(archive.elites, archive.space, picture)
+    axes = USUAL if measures is None else named_axes(*measures)
+    caption = (
+        f"{_objects(len(archive))} in {len(cells)} of {archive.space.cells**2} cells, "
+        f"coverage {100 * archive.coverage:.1f} %; darker: more objects"
+    )
+    values = map_values(cells, archive.space, axes)
+    return render_template("archive_map.svg.j2", **values, unit=unit, caption=caption)
+
+
+def _objects(count: int) -> str:
+    return "1 object" if count == 1 else f"{count} objects"
+
+
+def map_values(cells: Cells, space: Space, axes: AxisPair) -> dict[str, Any]:
+    """What the template of the map reads beside the size of a cell and a caption."""
+    size = range(space.cells)
+    (start, end), (hard, easy) = space.complexity_range, space.difficulty_range
+    return {
+        "cells": cells,
+        "size": space.cells,
+        "capacity": space.elites_per_cell,
+        "names": [[cell_name(column, row) for column in size] for row in size],
+        "across": axes.across.along(start, end),
+        "upwards": axes.upwards.along(easy, hard),
+    }
 
 
 def progress_of(steps: Sequence[Mapping[str, Any]], total: int, seconds: float) -> State:
@@ -179,21 +237,18 @@ def page_of(states: Sequence[State], space: Space, axes: AxisPair = USUAL) -> st
         space: The cells.
         axes: What the axes of the space are called.
     """
-    cells: dict[str, tuple[int, str]] = {}
+    cells: Cells = {}
     for state in states:
         for name, (count, picture) in state["cells"].items():
             cells[name] = max(cells.get(name, (0, "")), (count, picture), key=lambda cell: cell[0])
-    size = range(space.cells)
     return render_template(
         "live_map.html.j2",
         states=states,
-        cells=cells,
-        size=space.cells,
-        capacity=space.elites_per_cell,
-        axes=axes,
         over=all(state["over"] for state in states),
-        names=[[cell_name(column, row) for column in size] for row in size],
         now=time.strftime("%H:%M:%S"),
+        unit=UNIT,
+        caption="",
+        **map_values(cells, space, axes),
     )
 
 

@@ -7,10 +7,11 @@ values into a `Section`, by a template of the same name.
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, FileSystemLoader, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 SPACE = "\N{NO-BREAK SPACE}"
@@ -49,21 +50,28 @@ def report_page(sections: Iterable[Section]) -> str:
     return render_template("report.html.j2", sections=list(sections))
 
 
-def render_template(name: str, /, **values: Any) -> str:  # noqa: ANN401 (as Jinja)
-    """The text of a template of this package, filled with values.
+def render_template(
+    name: str,
+    folder: Path | None = None,
+    /,
+    **values: Any,  # noqa: ANN401 (as Jinja)
+) -> str:
+    """The text of a template, filled with values.
 
     Args:
         name: Name of the template, such as `view.html.j2`.
+        folder: Folder of templates that may extend those of this package; default: these alone.
         values: What the template reads.
     """
-    return _environment().get_template(name).render(**values)
+    return _environment(folder).get_template(name).render(**values)
 
 
 @cache
-def _environment() -> Environment:
+def _environment(folder: Path | None) -> Environment:
     """The templates of this package; filters: `percent`, `count`, `fixed`, `p_value`, `code`."""
+    own = PackageLoader("egad.report")
     environment = Environment(
-        loader=PackageLoader("egad.report"),
+        loader=ChoiceLoader([FileSystemLoader(folder), own]) if folder else own,
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -10,13 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
-from egad.evalset import label_at
+from egad.evalset import LABEL, cell_of_label, label_at
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import FAINT, INK, SOFT, ink_on, line_color
 from egad.report.drawing import new_figure, show_percent
-from egad.stats import Mean, Rate, TrialGrid
+from egad.stats import Mean, Rate, TrialGrid, by_object, trial_grid
 
 GAP = 0.35
+MOST_BARS = 30
 DASH = "\N{EN DASH}"
 OUTCOMES = {
     "success": "#0072b2",
@@ -200,6 +201,32 @@ def outcome_chart(trials: Mapping[str, pd.DataFrame]) -> str:
         names = [name.replace("_", " ") for name in used]
         drawing.figure.legend(handles, names, loc="outside upper center", ncols=7, fontsize=9)
     return drawing.svg
+
+
+def trial_chart(trials: pd.DataFrame) -> str:
+    """What became of attempts: a heat map of the evaluation set, or the outcomes by object.
+
+    Args:
+        trials: Columns label, success and outcome of `tables.evaluation.TRIALS`, at least one row.
+
+    Returns:
+        SVG text. If all labels are those of an evaluation set, such as C4, the heat map of the
+        paper. Else the outcomes of all attempts, and those of each object; of more than
+        `MOST_BARS` objects, of those with the lowest success rates.
+    """
+    objects = by_object(trials)
+    names = [str(name) for name in objects.index]
+    if len(names) > 1 and all(map(LABEL.fullmatch, names)):
+        rows, columns = (1 + max(each) for each in zip(*map(cell_of_label, names), strict=True))
+        return trial_heat_map(trial_grid(trials, rows, columns), rows, columns, set(names))
+    rates = (objects["successes"] / objects["attempts"]).to_numpy()
+    lowest = np.sort(np.argsort(rates, kind="stable")[:MOST_BARS])
+    everything = f"all {len(names)} objects"
+    if len(names) > MOST_BARS:
+        everything += f"\n(below: the lowest {MOST_BARS})"
+    tables = {everything: trials} if len(names) > 1 else {}
+    tables |= {names[index]: trials[trials["label"] == names[index]] for index in lowest}
+    return outcome_chart(tables)
 
 
 def _outcome_bar(axes: Axes, y: float, counts: Mapping[str, int]) -> None:

@@ -27,8 +27,9 @@ def check_engine(name: str) -> None:
     check_name("engine", name, ENGINES)
     if importlib.util.find_spec(name) is None:
         raise UserError(
-            f"the physics engine {name} is not installed: pip install {name}, or choose another "
-            f"one of {', '.join(ENGINES)}"
+            f"the physics engine {name} is not installed: pip install 'egad[sim]' (PyBullet has "
+            f"packages for Python 3.11 and older only), or choose another one of "
+            f"{', '.join(ENGINES)}"
         )
 
 

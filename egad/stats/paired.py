@@ -7,6 +7,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
+from egad._util.display import facts_html
 from egad.errors import UserError
 from egad.stats.rates import Interval, bootstrap, by_object
 
@@ -17,7 +18,7 @@ class NothingInCommonError(UserError):
     """Two detectors made no attempt that can be compared."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """The first of two detectors against the second, over the attempts that both made.
 
@@ -42,6 +43,32 @@ class Comparison:
     only_first: int
     only_second: int
     p_attempts: float
+
+    def __repr__(self) -> str:
+        """The difference and its interval in percentage points, and the tests."""
+        facts = self._facts()
+        of = f"{self.attempts} attempts at {self.objects} objects"
+        tests = "; ".join(f"{name}: {facts[name]}" for name in list(facts)[1:])
+        return f"Comparison({facts['difference']}, {of}; {tests})"
+
+    def _repr_html_(self) -> str:
+        """The same as a table, for notebooks."""
+        counts = {"objects": self.objects, "attempts": self.attempts}
+        return facts_html("Comparison: first minus second", self._facts() | counts)
+
+    def _facts(self) -> dict[str, object]:
+        value, low, high = (100 * each for each in (self.difference, *self.interval))
+        between = "no interval" if np.isnan(low) else f"95 % interval {low:+.1f} to {high:+.1f}"
+        facts: dict[str, object] = {
+            "difference": f"{value:+.1f} percentage points ({between})",
+            "test over the objects": f"p = {self.p_objects:.3g}",
+        }
+        if self.alike:
+            facts["test over the attempts that began alike"] = (
+                f"p = {self.p_attempts:.3g}, {self.only_first} to {self.only_second} of "
+                f"{self.alike} succeeded for one alone"
+            )
+        return facts
 
 
 def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:

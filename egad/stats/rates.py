@@ -8,6 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest, norm, rankdata, t
 
+from egad._util.display import facts_html
 from egad.evalset import cell_of_label
 from egad.random import generator
 
@@ -87,6 +88,10 @@ class Rate:
         value, low, high = (100 * each for each in (self.value, *self.interval))
         between = "no interval" if np.isnan(low) else f"95 % interval {low:.1f} to {high:.1f} %"
         return f"{value:.1f} % ({between}), {self.successes} of {self.attempts}"
+
+    def _repr_html_(self) -> str:
+        """The same, for notebooks."""
+        return facts_html(repr(self), {})
 
 
 @dataclass(frozen=True, repr=False)

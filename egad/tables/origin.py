@@ -22,7 +22,7 @@ class Origin:
 
     Attributes:
         program: Version of the program.
-        stage: Name of the stage.
+        stage: Name of the rule or command.
         code: Fingerprint of its code.
         settings: Hash of the settings that it reads; none if it reads none.
         seed: The seed among these.

@@ -1,10 +1,8 @@
-"""The tables of a training, and of the training study."""
+"""The tables of a training."""
 
 import pyarrow as pa
 
-from egad.tables.clutter import CLUTTER
-from egad.tables.columns import FLOAT, INT, STRING, column
-from egad.tables.evaluation import RESULTS
+from egad.tables.columns import FLOAT, INT, column
 
 HISTORY = pa.schema(
     [
@@ -36,23 +34,5 @@ SCORE = pa.schema(
         ),
         column("ci_high", FLOAT, "upper end of this interval"),
         column("loss", FLOAT, "mean loss over all test images"),
-    ]
-)
-
-_TESTED = [
-    column("test", STRING, "dataset whose evaluation set was used"),
-    column("training_set", STRING, "training set of the network; empty for other detectors"),
-    column("seed", INT, "number of the training; 0 for detectors that were not trained"),
-]
-
-COMPARED = pa.schema(
-    [*_TESTED, column("noise", STRING, "of the depth images: none or stereo"), *RESULTS]
-)
-
-CLEARED = pa.schema(
-    [
-        *_TESTED,
-        column("detector", STRING, "name of the grasp detector"),
-        *(field for field in CLUTTER if field.name != "seed"),
     ]
 )

@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 from timing import timed
 
+from egad.config import Settings
+from egad.config.stages import select
 from egad.cppn import constraints, surface
 from egad.cppn import query as cppn
 from egad.map_elites import archive, evaluation, island
@@ -20,8 +22,6 @@ from egad.map_elites.archive import Archive, elites_of
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures import difficulty
 from egad.measures import measure as coordinates
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
 from egad.reeb import neighbors
 from egad.tables import parquet

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+from egad.config import Settings
+from egad.config.stages import select
 from egad.cppn import query as cppn
 from egad.cppn.constraints import UNBOUND
 from egad.cppn.surface import packed_surface
@@ -27,8 +29,6 @@ from egad.map_elites.island import evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import breed
 from egad.measures.difficulty import difficulty, rough_difficulty, spaced_difficulty
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
 from egad.reeb.forest import Forest
 from egad.reeb.neighbors import Neighborhood

@@ -9,15 +9,14 @@ from collections import Counter
 import pytest
 from timing import timed
 
+from egad.config import Settings
+from egad.config.stages import SimulatedTrials, select
 from egad.cppn.surface import packed_surface
 from egad.data import released
 from egad.detectors.registry import QUICK
 from egad.evalset.selection import candidates_by_cell
 from egad.geometry.repair import repair
 from egad.geometry.scaling import rescale
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
-from egad.pipeline.stages.simulate import SimulatedTrials
 from egad.sim import execution
 from egad.sim.attempts import run_attempts
 from egad.sim.gripper import Hand

@@ -15,11 +15,11 @@ from typing import TypeVar
 
 import pandas as pd
 
+from egad.config import Settings
+from egad.config.stages import select
 from egad.map_elites.archive import Archive, elites_of, merge
 from egad.map_elites.island import evolve
 from egad.map_elites.parameters import EvolutionParameters
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 

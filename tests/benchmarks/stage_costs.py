@@ -5,8 +5,8 @@
 
 What follows `run FOLDER OBJECTS` goes to Snakemake, e.g. `-- results/egad/eval49.parquet`.
 Benchmark files of Snakemake are samples, every half second and later every half minute: what a job
-did after the last is missing. Here every `egad` of a rule is waited for, and what the system says
-that it and its children have used goes into `costs.tsv`.
+did after the last is missing. Here every script of a rule writes what the system says that it and
+its children have used into `costs.tsv` when it ends.
 """
 
 import os
@@ -24,6 +24,25 @@ from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 
 ROOT = Path(__file__).parents[2]
+MEASURED = """
+import atexit, re, resource, sys
+from pathlib import Path
+
+
+def book():
+    job = getattr(sys.modules["__main__"], "snakemake", None)
+    if job is not None:
+        own, others = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+        spent = sum(each.ru_utime + each.ru_stime for each in (own, others))
+        # not own.ru_maxrss, which counts from before Snakemake's process became this one
+        peak = int(re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1])
+        most = max(peak, others.ru_maxrss) / 1024
+        with open({costs!r}, "a") as file:
+            file.write(f"{{job.rule}}\\t{{spent:.2f}}\\t{{most:.0f}}\\n")
+
+
+atexit.register(book)
+"""
 SETTINGS = {"shards": 2, "targets": {"exports": ["dexnet", "acronym"], "agreement": True}}
 
 
@@ -34,12 +53,14 @@ def run(folder: Path, objects: int, extra: list[str]) -> None:
     dataset = {"source": "archive", "archive": "some.parquet"}
     settings = {**SETTINGS, "datasets": {"egad": dataset}}
     (folder / "settings.yaml").write_text(yaml.safe_dump(settings))
-    # bash reads this file before each command of a rule
-    measured = f'"{sys.executable}" "{Path(__file__).resolve()}" job "{folder.resolve()}/costs.tsv"'
-    (folder / "measured.sh").write_text(f'egad() {{ {measured} "$@"; }}\n')
+    (folder / "measured").mkdir()
+    # Python imports a module of this name when it starts
+    code = MEASURED.format(costs=str(folder.resolve() / "costs.tsv"))
+    (folder / "measured/sitecustomize.py").write_text(code)
     snakemake = [sys.executable, "-m", "snakemake", "--cores", "1", "--directory", folder]
     files = ["--snakefile", ROOT / "Snakefile", "--configfile", folder / "settings.yaml"]
-    environment = {**os.environ, "BASH_ENV": str(folder.resolve() / "measured.sh")}
+    paths = [str(folder.resolve() / "measured"), os.environ.get("PYTHONPATH", "")]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
     subprocess.run([*snakemake, *files, *extra], env=environment, check=True)
 
 
@@ -48,19 +69,6 @@ def drawn(objects: int) -> pd.DataFrame:
     archive = parquet.read(released(), ARCHIVE)
     chosen = generator(0, "scaling").permutation(len(archive))[:objects]
     return archive.iloc[np.sort(chosen)].reset_index(drop=True)
-
-
-def job(costs: Path, arguments: list[str]) -> int:
-    """Call `egad` with these arguments and book what it took; returns its exit status."""
-    process = subprocess.Popen(["egad", *arguments])
-    _, status, used = os.wait4(process.pid, 0)
-    stage = arguments[0]
-    if stage in ("join", "export"):
-        stage += f" {Path(arguments[arguments.index('--out') + 1]).name}"
-    spent = used.ru_utime + used.ru_stime
-    with costs.open("a") as file:
-        file.write(f"{stage}\t{spent:.2f}\t{used.ru_maxrss / 1024:.0f}\n")
-    return os.waitstatus_to_exitcode(status)
 
 
 def costs_of(folder: Path) -> pd.DataFrame:
@@ -86,8 +94,6 @@ def table(folders: list[Path]) -> str:
 
 if __name__ == "__main__":
     command, first, *rest = sys.argv[1:]
-    if command == "job":
-        sys.exit(job(Path(first), rest))
     if command == "run":
         run(Path(first), int(rest[0]), rest[1:])
     else:

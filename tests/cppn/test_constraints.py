@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import Region
 from egad.cppn import constraints, voxels
 from egad.cppn.constraints import (
     UNBOUND,
@@ -13,7 +14,6 @@ from egad.cppn.constraints import (
 )
 from egad.cppn.parameters import Envelope, Hole, KeepSolid, Limits, Symmetry
 from egad.errors import RejectedError, UserError
-from egad.pipeline.config import Region
 
 R = 12
 

@@ -4,8 +4,8 @@ import sys
 
 import pytest
 
+from egad.config import Neat
 from egad.cppn import genome
-from egad.pipeline.config import Neat
 
 
 def grown(config, seed, generations=30):

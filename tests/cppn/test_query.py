@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
+from egad.config import Neat
 from egad.cppn import genome
 from egad.cppn import query as cppn
-from egad.pipeline.config import Neat
 from egad.tables.evolution import GENOME
 
 ACTIVATIONS = {

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from egad.config import Shape
 from egad.cppn.surface import surface
-from egad.pipeline.config import Shape
 
 SHAPE = Shape()
 

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
+from egad.config import Neat, Symmetry
 from egad.cppn import query as cppn
 from egad.cppn.constraints import folded, is_whole, turned
 from egad.cppn.genome import neat_config, random_genome
-from egad.pipeline.config import Neat, Symmetry
 
 CONFIG = neat_config(Neat(initial_connections=1.0))
 

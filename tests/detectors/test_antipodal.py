@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import GRIPPERS, Gripper, ImageNoise
 from egad.detectors.antipodal import _edges, _uneven, antipodal_depth
 from egad.detectors.base import Grasp
 from egad.perception.camera import WHOLE, DepthCamera, Intrinsics, View, camera_above, table_depth
 from egad.perception.heightmap import heightmap_of
 from egad.perception.noise import add_sensor_noise
-from egad.pipeline.config import GRIPPERS, Gripper, ImageNoise
 
 HAND = GRIPPERS["egad_75mm"]
 CAMERA = Intrinsics.spanning(300, 300, 40.0)

@@ -7,11 +7,11 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from egad.config import GRIPPERS
 from egad.detectors.cloud import LEAST_CLEARANCE, TORQUE_SCALING, _blocked, antipodal_cloud
 from egad.grasps import TABLE_CLEARANCE
 from egad.grippers import BoxBody
 from egad.perception import PointCloud
-from egad.pipeline.config import GRIPPERS
 
 HAND = GRIPPERS["panda"]
 

@@ -8,9 +8,9 @@ import pytest
 import trimesh
 import yaml
 
+from egad.config import GRIPPERS, DetectorConfig
+from egad.config.check import check
 from egad.detectors.registry import make_detector
-from egad.pipeline.config import GRIPPERS, DetectorConfig
-from egad.pipeline.config.check import check
 from egad.stats.records import COLUMNS
 
 PAGE = (Path(__file__).parents[2] / "docs" / "detectors.md").read_text()

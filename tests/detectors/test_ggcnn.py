@@ -8,13 +8,13 @@ import pytest
 import trimesh
 
 import egad.learning
+from egad.config import GRIPPERS, ImageNoise
 from egad.detectors.base import LEAST_BITE
 from egad.detectors.ggcnn import GGCNN, MapDetector, check_ggcnn, middle
 from egad.errors import UserError
 from egad.learning.targets import prepare_input
 from egad.perception.camera import View, camera_above
 from egad.perception.noise import add_sensor_noise
-from egad.pipeline.config import GRIPPERS, ImageNoise
 
 HAND = GRIPPERS["egad_75mm"]
 BAR = trimesh.creation.box((0.03, 0.12, 0.04))

@@ -6,12 +6,12 @@ import msgpack
 import numpy as np
 import pytest
 
+from egad.config import GRIPPERS
 from egad.detectors import DetectorConfig, DetectorError, opened
 from egad.detectors import graspgen as module
 from egad.detectors.graspgen import GraspGen
 from egad.errors import UserError
 from egad.perception import PointCloud
-from egad.pipeline.config import GRIPPERS
 
 zmq = pytest.importorskip("zmq")
 HAND = GRIPPERS["panda"]

@@ -5,10 +5,10 @@ import pandas as pd
 import pytest
 import trimesh
 
+from egad.config import GRIPPERS, Bundle, ImageNoise, Trials
 from egad.detectors.labels import Labels
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.perception.noise import add_sensor_noise
-from egad.pipeline.config import GRIPPERS, Bundle, ImageNoise, Trials
 from egad.sim.arms import ARMS
 from egad.sim.model import build
 from egad.sim.trial import TrialRunner

@@ -1,10 +1,10 @@
 import numpy as np
 import trimesh
 
+from egad.config import GRIPPERS, ImageNoise
 from egad.detectors.random_detector import random_grasp
 from egad.perception.camera import View
 from egad.perception.noise import add_sensor_noise
-from egad.pipeline.config import GRIPPERS, ImageNoise
 
 HAND = GRIPPERS["egad_75mm"]
 

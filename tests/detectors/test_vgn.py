@@ -8,12 +8,12 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from egad.config import GRIPPERS
 from egad.detectors import Vgn, wanted_input
 from egad.detectors.vgn import encode
 from egad.errors import UserError
 from egad.grippers import finger_span
 from egad.perception import DepthCamera, Intrinsics, Tsdf, cameras_around, fuse
-from egad.pipeline.config import GRIPPERS
 
 HAND = GRIPPERS["panda"]
 WEIGHTS = os.environ.get("EGAD_VGN")

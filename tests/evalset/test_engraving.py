@@ -4,9 +4,9 @@ import trimesh
 from matplotlib.path import Path
 from trimesh.transformations import random_rotation_matrix
 
+from egad.config import Engraving
 from egad.evalset.engraving import Patch, best_patch, cut_text, engrave, outlines
 from egad.geometry.rays import RayCaster
-from egad.pipeline.config import Engraving
 
 ON = Engraving(enabled=True)
 WALL = 0.0012

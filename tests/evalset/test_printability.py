@@ -3,9 +3,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import PrintCheck
 from egad.evalset.printability import print_problems, shell_volumes, thinness
 from egad.geometry.manifold import to_mesh
-from egad.pipeline.config import PrintCheck
 
 CHECK = PrintCheck(wall=0.0012, blunting=0.0015)
 THIN = ["walls thinner than 1.2 mm"]

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import PrintCheck, PrintExport
 from egad.evalset.plates import pack, plan_prints
 from egad.evalset.print_poses import first_layer_area, lie_down, overhang_area
-from egad.pipeline.config import PrintCheck, PrintExport
 
 CHECK = PrintCheck()
 BEDS = [(0.2, 0.2), (0.22, 0.22), (0.256, 0.256)]

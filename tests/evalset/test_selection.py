@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.config import SelectEval, Space
 from egad.evalset.selection import (
     LABEL,
     best_of_random,
@@ -20,7 +21,6 @@ from egad.evalset.selection import (
     select,
     total,
 )
-from egad.pipeline.config import SelectEval, Space
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.objects import OBJECTS

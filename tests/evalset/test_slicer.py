@@ -7,9 +7,9 @@ import subprocess
 import numpy as np
 import pytest
 
+from egad.config import PrintCheck, PrintExport
 from egad.evalset.plates import pack, plan_prints
 from egad.exchange.threemf import Placed, write_3mf
-from egad.pipeline.config import PrintCheck, PrintExport
 
 SLICER = shutil.which("prusa-slicer")
 pytestmark = [

@@ -5,20 +5,26 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.evalset import Bundle, make_simulation_object
+from egad.config import Settings
+from egad.config.stages import RescaleMeshes, select
+from egad.evalset import Bundle, make_simulation_object, part_rows
+from egad.exchange import read_mesh
+from egad.exchange.hand_body import hand_body
 from egad.exchange.meshes import write_obj
+from egad.geometry import RayCaster
 from egad.geometry.mass import mass_properties
-from egad.grasps.parameters import LabelParameters
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
-from egad.pipeline.stages import convex_parts, grasp_label, rescale, simulated_label
-from egad.pipeline.stages.convex_parts import ConvexParts
-from egad.pipeline.stages.rescale import RescaleMeshes
-from egad.pipeline.stages.simulated_label import SimulatedLabels
+from egad.grasps import LabelParameters, rate_grasps, sample_for_labels
+from egad.measures import center_of_mass
+from egad.random import generator
+from egad.sim import SimulatedLabelParameters, model_of, simulate_labels
 from egad.tables import parquet
+from egad.tables.evaluation import CONVEX_PARTS
+from egad.tables.grasping import SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
+from egad.workflow.rescale import rescale_files
 
 GRIPPER = "yumi"
+HELD = ("A00_0", "B01_0")
 
 
 @pytest.fixture(scope="session")
@@ -77,27 +83,45 @@ def dataset(meshes, settings, tmp_path_factory):
     density = settings.material.density
     rows = pd.DataFrame([object_row(*each, density) for each in meshes.items()])
     parquet.write(rows, OBJECTS, folder / "objects.parquet")
-    scaled, grasps = folder / "rescaled" / GRIPPER, folder / "grasps"
+    scaled = folder / "rescaled" / GRIPPER
     rule = select(settings, RescaleMeshes, GRIPPER)
     rule = rule.model_copy(update={"rescale": rule.rescale.model_copy(update={"side_fraction": 1})})
-    rescale.run(rule, sorted((folder / "meshes").glob("*.obj")), "m", scaled)
+    rescale_files(rule, sorted((folder / "meshes").glob("*.obj")), "m", scaled)
     wide = trimesh.creation.box((0.2, 0.2, 0.2))
     write_obj(wide, scaled / "C02_0.obj")
-    wanted = select(settings, LabelParameters, GRIPPER)
-    part, sampling, rejected = (folder / "labelled" / f"{n}.parquet" for n in range(3))
-    grasp_label.run(wanted, folder / "objects.parquet", scaled, (0, 1), part, sampling, rejected)
-    simulation = select(settings, SimulatedLabels, GRIPPER)
-    parts, pieces = folder / "convex_parts" / f"{GRIPPER}.parquet", select(settings, ConvexParts)
-    convex_parts.run(pieces, folder / "objects.parquet", scaled, (0, 1), parts)
-    simulated_label.run(simulation, part, parts, scaled, grasps / f"{GRIPPER}.parquet")
+    found = {label: read_mesh(scaled / f"{label}.obj", "m") for label in meshes}
+    parts = pd.concat([convex_parts(label, mesh, settings) for label, mesh in found.items()])
+    parquet.write(parts, CONVEX_PARTS, folder / "convex_parts" / f"{GRIPPER}.parquet")
+    grasps = pd.concat([simulated_grasps(label, found[label], settings) for label in HELD])
+    parquet.write(grasps, SIMULATED_GRASPS, folder / "grasps" / f"{GRIPPER}.parquet")
     return folder
+
+
+def convex_parts(label, mesh, settings):
+    """Rows of CONVEX_PARTS."""
+    made = make_simulation_object(mesh, settings.material.density, settings.bundle, label)
+    return part_rows(made).assign(label=label, id=f"id-{label}")
+
+
+def simulated_grasps(label, mesh, settings):
+    """Rows of SIMULATED_GRASPS."""
+    wanted = select(settings, LabelParameters, GRIPPER)
+    caster, rng = RayCaster(mesh), generator(wanted.seed, "grasps", f"id-{label}")
+    sampled, _ = sample_for_labels(caster, wanted, rng)
+    body, com = hand_body(wanted.gripper), center_of_mass(mesh)
+    rows = rate_grasps(caster, com, sampled, wanted, rng, body).assign(
+        label=label, id=f"id-{label}"
+    )
+    made = make_simulation_object(mesh, settings.material.density, settings.bundle, label)
+    model = model_of(made.mesh, made.parts, made.physics, made.volume_error)
+    return simulate_labels(model, rows, select(settings, SimulatedLabelParameters, GRIPPER))
 
 
 @pytest.fixture(scope="session")
 def labelled(dataset):
     """The table of its grasps."""
     frame = pd.read_parquet(dataset / "grasps" / f"{GRIPPER}.parquet")
-    assert set(frame["label"]) == {"A00_0", "B01_0"}
+    assert set(frame["label"]) == set(HELD)
     assert np.all(frame["grasp"] >= 0)
     return frame
 

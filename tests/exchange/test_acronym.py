@@ -6,15 +6,15 @@ import pandas as pd
 import pytest
 import trimesh
 
+from egad.config.stages import select
 from egad.errors import UserError
 from egad.exchange.acronym import QUALITIES, is_ours
+from egad.exchange.exports import acronym
 from egad.exchange.grasps import load_grasps
+from egad.exchange.parameters import AcronymFiles
 from egad.geometry.mass import mass_properties
 from egad.grasps.grasps import vectors
 from egad.grasps.poses import PANDA_REACH
-from egad.pipeline.config.stage_settings import select
-from egad.pipeline.exports import acronym
-from egad.pipeline.exports.acronym import AcronymFiles
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS

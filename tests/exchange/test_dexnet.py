@@ -11,17 +11,16 @@ import pytest
 import trimesh
 from autolab_core import RigidTransform
 
+from egad.config.stages import DexNetObjects, select
 from egad.errors import RejectedError, TableError, UserError
 from egad.exchange.dexnet import add_dataset, add_grasps
+from egad.exchange.exports import dexnet
 from egad.exchange.hdf5 import writing
 from egad.exchange.meshes import read_mesh
-from egad.pipeline.config.stage_settings import select
-from egad.pipeline.exports import dexnet
-from egad.pipeline.exports.dexnet import DexNetDatabase
-from egad.pipeline.stages import dexnet_objects
-from egad.pipeline.stages.dexnet_objects import DexNetObjects
+from egad.exchange.parameters import DexNetDatabase
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
+from egad.workflow.dexnet_objects import write_objects
 
 GRIPPER = "yumi"
 
@@ -32,7 +31,7 @@ def export(settings, dataset, folder, shards):
     objects, scaled = dataset / "objects.parquet", dataset / "rescaled" / GRIPPER
     for shard, part in enumerate(parts):
         wanted = select(settings, DexNetObjects)
-        dexnet_objects.run(wanted, objects, scaled, (shard, shards), part)
+        write_objects(wanted, objects, scaled, (shard, shards), part)
     return joined(settings, dataset, parts, folder / f"database-{shards}.hdf5")
 
 
@@ -219,7 +218,7 @@ def test_an_object_without_stable_poses_is_written(
     def none(*_):
         raise RejectedError("its center of mass is not inside its convex hull")
 
-    monkeypatch.setattr(dexnet_objects, "stable_poses", none)
+    monkeypatch.setattr("egad.workflow.dexnet_objects.stable_poses", none)
     with h5py.File(export(settings, dataset, tmp_path, 1)) as file:
         group = file["datasets/tiny/objects/A00_0"]
         assert group["stable_poses"].attrs["num_stable_poses"] == 0
@@ -239,7 +238,7 @@ def test_an_object_with_an_illegal_name_is_refused(dataset, tmp_path, settings):
     rows = pd.read_parquet(dataset / "objects.parquet").assign(label="a/b")
     parquet.write(rows, OBJECTS, tmp_path / "objects.parquet")
     with pytest.raises(TableError, match="'a/b' is not a valid file name"):
-        dexnet_objects.run(
+        write_objects(
             select(settings, DexNetObjects),
             tmp_path / "objects.parquet",
             dataset,
@@ -262,7 +261,7 @@ def test_an_unreadable_mesh_is_left_out(dataset, tmp_path, caplog, settings):
     (tmp_path / "B01_0.obj").write_text("v 0 0")
     wanted = select(settings, DexNetObjects)
     out = tmp_path / "part.hdf5"
-    dexnet_objects.run(wanted, dataset / "objects.parquet", tmp_path, (0, 1), out)
+    write_objects(wanted, dataset / "objects.parquet", tmp_path, (0, 1), out)
     with h5py.File(out) as file:
         assert list(file["objects"]) == ["A00_0"]
     assert "C02_0 is omitted: no such file" in caplog.text

@@ -8,11 +8,11 @@ from commands import egad
 from typer.testing import CliRunner
 
 from egad.api import rescale
+from egad.cli.commands import app
+from egad.config import Settings
 from egad.data import released
 from egad.exchange import read_mesh
 from egad.objects import load
-from egad.pipeline.cli.common import app
-from egad.pipeline.config import Settings
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 
@@ -98,21 +98,13 @@ def test_the_chosen_objects_are_given_to_the_export(monkeypatch, source, options
     assert list(asked[0].table["id"]) == list(load(expected).table["id"])
 
 
-@pytest.mark.parametrize(
-    ("source", "options", "named"),
-    [
-        (None, ["--objects", "all"], "--objects"),
-        ("evaluation-set", ["--objects", "all"], "--objects"),
-        ("released", ["--objects", "all", "--settings", "{}"], "--settings"),
-        (None, ["--settings", "{}", "--part", "a.hdf5"], "--settings, --part"),
-    ],
-)
-def test_options_for_runs_are_refused_without_one(archive, tmp_path, source, options, named):
+@pytest.mark.parametrize("source", [None, "evaluation-set"])
+def test_objects_of_a_run_are_not_chosen_without_one(archive, tmp_path, source):
     out, chosen = tmp_path / "objects", source or archive
-    given = ["--gripper", GRIPPER, "--format", "obj", "--out", out, *options]
+    given = ["--gripper", GRIPPER, "--format", "obj", "--out", out, "--objects", "all"]
     refused = egad("export", chosen, *given)
     assert refused.returncode == 1
-    assert refused.stderr == f"egad: {named}: for the folder of a run, not for {chosen}\n"
+    assert refused.stderr == f"egad: --objects: for the folder of a run, not for {chosen}\n"
     assert not out.exists()
 
 

@@ -8,14 +8,13 @@ import pytest
 import trimesh
 from commands import egad
 
+from egad.config.stages import SimulationBundle, select
 from egad.exchange import read_mesh
 from egad.exchange.meshes import write_obj
-from egad.pipeline.config.stage_settings import select
-from egad.pipeline.stages import bundle, convex_parts
-from egad.pipeline.stages.bundle import SimulationBundle
-from egad.pipeline.stages.convex_parts import ConvexParts
 from egad.tables import parquet
+from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS
+from egad.workflow.bundle import Item, write_bundle
 
 GRIPPER = "yumi"
 ALL = ("--objects", "all")
@@ -27,13 +26,14 @@ def folder(dataset, settings, tmp_path_factory):
     made = tmp_path_factory.mktemp("objects") / "tiny"
     scaled = made / "rescaled" / GRIPPER
     shutil.copytree(dataset / "rescaled" / GRIPPER, scaled)
-    items = [bundle.Item("A0", "id-A00_0", scaled / "A00_0.obj")]
-    bundle.run(select(settings, SimulationBundle), items, "m", made / "bundle" / GRIPPER)
-    objects = parquet.read(dataset / "objects.parquet", OBJECTS)
-    known = made / "objects.parquet"
-    parquet.write(objects[objects["label"] != "C02_0"], OBJECTS, known)
-    out = made / "convex_parts" / f"{GRIPPER}.parquet"
-    convex_parts.run(select(settings, ConvexParts), known, scaled, (0, 1), out)
+    items = [Item("A0", "id-A00_0", scaled / "A00_0.obj")]
+    write_bundle(select(settings, SimulationBundle), items, "m", made / "bundle" / GRIPPER)
+    for name, schema in (
+        ("objects.parquet", OBJECTS),
+        (f"convex_parts/{GRIPPER}.parquet", CONVEX_PARTS),
+    ):
+        rows = parquet.read(dataset / name, schema)
+        parquet.write(rows[rows["label"] != "C02_0"], schema, made / name)
     return made
 
 
@@ -50,7 +50,7 @@ def test_the_evaluation_set_is_that_of_the_bundle(folder, tmp_path):
             file = path.relative_to(folder / "bundle" / GRIPPER)
             assert (tmp_path / "out" / file).read_bytes() == path.read_bytes()
     noted = (tmp_path / "out/SHA256SUMS").read_text().splitlines()[0]
-    assert json.loads(noted.partition("egad-origin ")[2])["arguments"]["style"] == "simulation"
+    assert json.loads(noted.partition("egad-origin ")[2])["arguments"]["format"] == "simulation"
 
 
 def test_all_objects_have_their_parts_from_the_table(folder, tmp_path):

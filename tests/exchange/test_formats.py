@@ -43,6 +43,6 @@ def test_the_same_object_gives_the_same_bytes(tmp_path, made, name):
 
 def test_a_missing_package_is_named(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
-    with pytest.raises(UserError, match=r"usd needs a package .*: pip install 'egad\[usd\]'"):
+    with pytest.raises(UserError, match=r"usd needs OpenUSD: pip install 'egad\[usd\]'"):
         check_installed("usd")
     check_installed("sdf")

@@ -11,13 +11,13 @@ import yaml
 from described_hands import box_urdf
 
 from egad import Gripper
+from egad.config.stages import select
 from egad.errors import UserError
+from egad.exchange.exports import graspgen
 from egad.exchange.graspgen import default_split, graspgen_hand, start_graspgen, write_graspgen
+from egad.exchange.parameters import SimulatedGraspFiles
 from egad.geometry.distance import nearest
 from egad.grippers import GRIPPERS
-from egad.pipeline.config.stage_settings import select
-from egad.pipeline.exports import graspgen
-from egad.pipeline.exports._simulated import SimulatedGraspFiles
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 

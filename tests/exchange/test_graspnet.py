@@ -4,12 +4,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.config.stages import select
 from egad.errors import UserError
+from egad.exchange.exports import graspnet
 from egad.exchange.graspnet import needed_friction
+from egad.exchange.parameters import SimulatedGraspFiles
 from egad.grasps import Grasps
-from egad.pipeline.config.stage_settings import select
-from egad.pipeline.exports import graspnet
-from egad.pipeline.exports._simulated import SimulatedGraspFiles
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 

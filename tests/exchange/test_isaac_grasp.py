@@ -8,11 +8,11 @@ from described_hands import box_urdf, linkage_mjcf
 from scipy.spatial.transform import Rotation
 
 from egad import Gripper
+from egad.config.stages import select
 from egad.errors import UserError
+from egad.exchange.exports import isaac_grasp
 from egad.exchange.isaac_grasp import write_isaac_grasp
-from egad.pipeline.config.stage_settings import select
-from egad.pipeline.exports import isaac_grasp
-from egad.pipeline.exports._simulated import SimulatedGraspFiles
+from egad.exchange.parameters import SimulatedGraspFiles
 
 LABEL = "A00_0"
 

@@ -1,4 +1,4 @@
-"""Objects as URDF; `tests/pipeline/stages/test_bundle.py` has mass and inertia in engines."""
+"""Objects as URDF; `tests/workflow/scripts/test_bundle.py` has mass and inertia in engines."""
 
 from xml.etree import ElementTree
 

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-EXPERIMENTS = Path(__file__).parents[2] / "experiments"
+STUDY = Path(__file__).parents[2] / "experiments/training_study"
 
 
 def test_idle_channels_are_counted_over_all_images():
     """Of four channels, one is 0 for all inputs and one for the negative input only."""
     torch = pytest.importorskip("torch")
-    idle = runpy.run_path(str(EXPERIMENTS / "initial_weights.py"))["idle"]
+    idle = runpy.run_path(str(STUDY / "initial_weights.py"))["idle"]
     layer = torch.nn.Conv2d(1, 4, 1)
     with torch.no_grad():
         layer.weight[:, 0, 0, 0] = torch.tensor([1.0, 1.0, -1.0, 0.0])

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-EXPERIMENTS = Path(__file__).parents[2] / "experiments"
+STUDY = Path(__file__).parents[2] / "experiments/training_study"
 
 
 @pytest.fixture(scope="module")
 def power():
     """The simulation of the power, with few repeats."""
-    program = runpy.run_path(str(EXPERIMENTS / "seed_variance.py"))
+    program = runpy.run_path(str(STUDY / "seed_variance.py"))
     program["share"].__globals__["REPEATS"] = 400
     return program
 

@@ -17,7 +17,7 @@ from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.grasping import SCALES
 from egad.tables.images import IMAGES
 
-EXPERIMENTS = Path(__file__).parents[2] / "experiments"
+STUDY = Path(__file__).parents[2] / "experiments/training_study"
 
 
 @pytest.fixture(scope="module")
@@ -53,18 +53,19 @@ def keep_trials(table, folder):
 def pair(tmp_path):
     """A study of two sets of two networks, to be compared."""
     values = {
-        "detectors": {"random-0": {"detector": "random"}},
-        "datasets": {"own": {"source": "primitives", "objects": 9}},
-        "training_sets": {name: {"dataset": "own"} for name in ("few", "many")},
-        "training_study": {
-            "sets": ["few", "many"],
-            "seeds": 2,
-            "tests": ["own"],
-            "noise": ["none"],
-            "references": ["labels", "random-0"],
-            "comparisons": [["few", "many"]],
-            "object_curve": ["few", "many"],
+        "egad": {
+            "detectors": {"random-0": {"detector": "random"}},
+            "datasets": {"own": {"source": "primitives", "objects": 9}},
+            "targets": {"datasets": []},
         },
+        "training_sets": {name: {"dataset": "own"} for name in ("few", "many")},
+        "sets": ["few", "many"],
+        "seeds": 2,
+        "tests": ["own"],
+        "noise": ["none"],
+        "references": ["labels", "random-0"],
+        "comparisons": [["few", "many"]],
+        "object_curve": ["few", "many"],
     }
     path = tmp_path / "study.yaml"
     path.write_text(yaml.safe_dump(values))
@@ -84,7 +85,7 @@ def tables(text):
 
 @pytest.fixture(scope="module")
 def study():
-    return runpy.run_path(str(EXPERIMENTS / "training_study.py"))
+    return runpy.run_path(str(STUDY / "docs_tables.py"))
 
 
 def test_tables_of_the_study_are_counts_of_its_attempts(study, tried, pair, capsys):
@@ -236,7 +237,7 @@ def test_limits_of_a_set_are_counts_of_its_attempts(study, tried, pair, tmp_path
     ]
     write_rows(SCALES, scales, tmp_path / "own/rescaled/egad_75mm/scales.parquet")
     capsys.readouterr()
-    runpy.run_path(str(EXPERIMENTS / "training_limits.py"))["main"](tmp_path, pair, tmp_path)
+    runpy.run_path(str(STUDY / "limits.py"))["main"](tmp_path, pair, tmp_path)
     blocks = [tables(each)["own, no noise"] for each in capsys.readouterr().out.split("\n\n")]
     outcomes, parts, objects, reach = blocks
     rate = few["success"].mean()

@@ -7,30 +7,42 @@ import numpy as np
 import pytest
 import yaml
 from partial_tables import write_rows
+from study import read_study
 
-from egad.pipeline.cli.common import settings_in
 from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import ARCHIVE
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS
 
-EXPERIMENTS = Path(__file__).parents[2] / "experiments"
+STUDY = Path(__file__).parents[2] / "experiments/training_study"
 NAMES = [f"o{number:02}" for number in range(30)]
 
 
 @pytest.fixture(scope="module")
 def twins():
-    return runpy.run_path(str(EXPERIMENTS / "twins.py"))
+    return runpy.run_path(str(STUDY / "twins.py"))
 
 
 @pytest.fixture(scope="module")
 def config(tmp_path_factory):
     """Sets of two datasets."""
-    sets = {"evolved": {}, "ycb": {"dataset": "ycb"}, "longer": {"images": ["evolved"]}}
+    sets = {
+        "evolved": {"dataset": "egad"},
+        "simple": {"dataset": "egad", "render": {"complexity": [0.0, 0.333]}},
+        "complex": {"dataset": "egad", "render": {"complexity": [0.667, 1.0]}},
+        "ycb": {"dataset": "ycb"},
+        "longer": {"images": ["evolved"]},
+    }
     values = {
-        "datasets": {"ycb": {"source": "primitives", "objects": 9}},
+        "egad": {
+            "datasets": {
+                "egad": {"source": "evolved"},
+                "ycb": {"source": "primitives", "objects": 9},
+            }
+        },
         "training_sets": sets,
-        "training_study": {"sets": ["evolved", "simple", "complex", "ycb", "longer"]},
+        "sets": list(sets),
+        "tests": ["egad"],
     }
     path = tmp_path_factory.mktemp("config") / "study.yaml"
     path.write_text(yaml.safe_dump(values))
@@ -63,9 +75,9 @@ def test_overlaps_are_those_of_sets_of_voxels(twins):
 
 
 def test_what_is_learnt_from_is_of_the_set_and_not_of_the_evaluation_set(twins, dataset, config):
-    settings = settings_in(config)
+    study = read_study(config)
     found = {
-        name: set(twins["learnt"](settings, name, dataset, "egad_75mm"))
+        name: set(twins["learnt"](study, name, dataset, "egad_75mm"))
         for name in ("evolved", "simple", "complex")
     }
     assert len(found["evolved"]) == 24  # 3 are for testing, 3 for validation

@@ -6,12 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-EXPERIMENTS = Path(__file__).parents[2] / "experiments"
+STUDY = Path(__file__).parents[2] / "experiments/training_study"
 
 
-def test_typical_failures_are_those_of_the_object_that_is_lost_most(monkeypatch):
-    monkeypatch.syspath_prepend(EXPERIMENTS)
-    typical = runpy.run_path(str(EXPERIMENTS / "failures.py"))["typical"]
+def test_typical_failures_are_those_of_the_object_that_is_lost_most():
+    typical = runpy.run_path(str(STUDY / "failures.py"))["typical"]
     rows = [
         *[("A0", "missed", 0.05)] * 2,
         *[("B1", "missed", 0.05)] * 3,

@@ -9,6 +9,8 @@ import pytest
 import trimesh
 
 import egad
+from egad.config import Settings
+from egad.config.stages import select
 from egad.errors import EgadError, RejectedError, UserError
 from egad.geometry.checks import UnitsWarning, check_mesh, check_solid, check_units
 from egad.geometry.convex_parts import decompose
@@ -22,8 +24,6 @@ from egad.grippers import BoxBody
 from egad.measures.complexity import complexity
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import MeasureParameters
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
 from egad.reeb import graph as reeb
 
 SETTINGS = Settings()

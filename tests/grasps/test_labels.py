@@ -2,14 +2,14 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import GraspLabel, Settings
+from egad.config.stages import select
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
 from egad.grasps.labels import label_grasps, sample_for_labels
 from egad.grasps.parameters import LabelParameters
 from egad.grasps.sampler import sample_contacts
 from egad.grippers import BoxBody
-from egad.pipeline.config import GraspLabel, Settings
-from egad.pipeline.config.stage_settings import select
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 

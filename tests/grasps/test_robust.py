@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import Quality, Robust, Sampling
 from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import close_fingers, robust_ferrari_canny
 from egad.grasps.sampler import ContactPairs, sample_contacts
-from egad.pipeline.config import Quality, Robust, Sampling
 
 CALM = {
     "grasp_translation_sigma": 0.0,

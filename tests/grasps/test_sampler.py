@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import Sampling
 from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.sampler import (
@@ -13,7 +14,6 @@ from egad.grasps.sampler import (
     valid_contacts,
 )
 from egad.measures.percentile import percentile
-from egad.pipeline.config import Sampling
 
 REFERENCE = np.load(Path(__file__).parents[1] / "data" / "ferrari_canny.npz")
 OPENING = 0.05

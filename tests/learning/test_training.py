@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.config import Training
 from egad.errors import UserError
 from egad.learning import evaluation as scoring
 from egad.learning.dataset import Dataset, PositiveFilter, example
-from egad.pipeline.config import Training
 from egad.tables.training import HISTORY
 
 torch = pytest.importorskip("torch")

@@ -5,9 +5,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.config import Similarity, Space
 from egad.map_elites.archive import Archive, Elite, elites_of, merge, ribs_frame
 from egad.measures.grid import complexity_cells, difficulty_cells
-from egad.pipeline.config import Similarity, Space
 from egad.reeb import graph as reeb
 from egad.reeb.similarity import similarity
 from egad.tables import parquet

@@ -7,12 +7,12 @@ import pandas as pd
 import pytest
 
 import egad
+from egad.config import Settings
+from egad.config.stages import select
 from egad.errors import RejectedError, UserError
 from egad.map_elites import island
 from egad.map_elites.archive import Archive
 from egad.map_elites.parameters import EvolutionParameters
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
 
 RANGES = ((0.0, 3e-4), (1.0, 4.0))
 

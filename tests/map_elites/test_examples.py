@@ -9,19 +9,20 @@ import pytest
 import trimesh
 import yaml
 
+from egad.config.check import check
+from egad.config.schema import schema
+from egad.config.stages import PostprocessSolids, select
 from egad.cppn.constraints import voxel_middles
 from egad.cppn.surface import packed_surface
 from egad.cppn.voxels import largest_body, unpack
+from egad.geometry.repair import repair
+from egad.map_elites import rules_of
 from egad.map_elites.archive import Archive
 from egad.map_elites.island import evolve
 from egad.map_elites.parameters import EvolutionParameters
+from egad.measures import measure_repeatably
 from egad.measures.custom import plugin_value
 from egad.measures.difficulty import rough_difficulty
-from egad.pipeline.config.check import check
-from egad.pipeline.config.schema import schema
-from egad.pipeline.config.stage_settings import select
-from egad.pipeline.stages.evolve import rules_of
-from egad.pipeline.stages.postprocess import PostprocessSolids, solid_row
 from egad.random import generator
 
 ROOT = Path(__file__).parents[2]
@@ -141,10 +142,12 @@ def test_the_coordinates_are_the_measures_in_archive_and_dataset():
         mesh = packed_surface(each.voxels, config.shape)
         assert each.complexity == plugin_value(config.measures.complexity, mesh)
         assert each.difficulty == plugin_value(config.measures.difficulty, mesh)
-        row = solid_row(mesh, each.id, select(config, PostprocessSolids))
-        assert row["complexity"] == pytest.approx(each.complexity, rel=1e-6)
-        assert row["difficulty"] == pytest.approx(each.difficulty, abs=1e-6)
-        assert row["grasps"] == 0
+        settings = select(config, PostprocessSolids)
+        solid = repair(mesh).mesh
+        place = measure_repeatably(solid, settings, settings.postprocess.max_candidates)
+        assert place.complexity == pytest.approx(each.complexity, rel=1e-6)
+        assert place.difficulty == pytest.approx(each.difficulty, abs=1e-6)
+        assert place.grasps == 0
 
 
 def test_slippery_fingers_make_the_same_shape_harder():

@@ -5,6 +5,8 @@ import pandas as pd
 import pytest
 
 from egad._util.workers import workers
+from egad.config import Difficulty, Evolution, Settings, Shape, Similarity
+from egad.config.stages import select
 from egad.errors import UserError
 from egad.map_elites.ancestry import ancestors
 from egad.map_elites.archive import Archive, elites_of, merge
@@ -12,8 +14,6 @@ from egad.map_elites.evaluation import Solid, measure, refine
 from egad.map_elites.island import Island, evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import LEAST, breed, parent_odds
-from egad.pipeline.config import Difficulty, Evolution, Settings, Shape, Similarity
-from egad.pipeline.config.stage_settings import select
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, HISTORY
 

@@ -6,6 +6,8 @@ import pytest
 import trimesh
 
 import egad
+from egad.config import Settings
+from egad.config.stages import select
 from egad.grasps import ferrari_canny
 from egad.measures import (
     Attainable,
@@ -16,8 +18,6 @@ from egad.measures import (
     coverage,
     default_measures,
 )
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
 
 DEFAULT = default_measures(egad.gripper("yumi"), 0)
 

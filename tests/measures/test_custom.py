@@ -3,13 +3,13 @@ from functools import partial
 import pytest
 import trimesh
 
+from egad.config import CustomMeasures, Settings
+from egad.config.stages import select
 from egad.errors import RejectedError, UserError
 from egad.measures.custom import check_measures, plugin_name, plugin_value, source_hash
 from egad.measures.difficulty import rough_difficulty
 from egad.measures.measure import measure_mesh
 from egad.measures.parameters import MeasureParameters
-from egad.pipeline.config import CustomMeasures, Settings
-from egad.pipeline.config.stage_settings import select
 from egad.random import generator
 
 CODE = """

@@ -2,6 +2,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import Settings
+from egad.config.stages import select
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
@@ -22,8 +24,6 @@ from egad.measures.percentile import (
     percentile,
     percentile_std,
 )
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
 
 
 def parameters(sampling=None, confidence=0.0, **settings):

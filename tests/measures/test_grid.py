@@ -2,8 +2,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.config import Space
 from egad.measures import grid as space
-from egad.pipeline.config import Space
 
 SPACE = Space()
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from scipy.stats import spearmanr
 
+from egad.cli.measure import measure_files
+from egad.config import Settings
+from egad.config.stages import MeasureMeshes, select
 from egad.exchange.folders import mesh_files
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import MeasureMeshes, select
-from egad.pipeline.stages import measure
 
 FOLDER = os.environ.get("EGAD_PUBLISHED")
 pytestmark = [
@@ -22,7 +22,7 @@ pytestmark = [
 @pytest.fixture(scope="module")
 def table():
     files = {path.stem: path for path in mesh_files(Path(FOLDER))}
-    return measure.run(select(Settings(), MeasureMeshes), files, "mm", 2)
+    return measure_files(select(Settings(), MeasureMeshes), files, "mm", 2)
 
 
 def test_every_published_object_is_measured(table):

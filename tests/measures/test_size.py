@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import Settings, SizeEffect
+from egad.config.stages import select
 from egad.errors import RejectedError
 from egad.measures.parameters import SizeEffectParameters
 from egad.measures.size_effect import size_effect, summarize
-from egad.pipeline.config import Settings, SizeEffect
-from egad.pipeline.config.stage_settings import select
 from egad.tables.grasping import SIZE_EFFECT
 
 WANTED = SizeEffect(fractions=[0.3, 0.6, 0.9, 1.1], grasps=60, repeats=2)

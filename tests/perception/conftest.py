@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import Settings
+from egad.config.stages import select
 from egad.grippers import BoxBody
 from egad.perception.arrangement import PlacedObject, TableGrasps
 from egad.perception.parameters import RenderParameters
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
 
 
 @pytest.fixture(scope="session")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import GRIPPERS
 from egad.grasps.collision import TABLE_CLEARANCE
 from egad.perception.heightmap import PROBE, heightmap_of, min_fingertip_height
-from egad.pipeline.config import GRIPPERS
 
 HAND = GRIPPERS["egad_75mm"]
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from egad.config import GRIPPERS
 from egad.detectors.ggcnn import MapDetector
 from egad.learning.targets import targets
 from egad.perception.rectangles import half_turn
 from egad.perception.rendering import Labelled, views_of
 from egad.perception.splits import Share
-from egad.pipeline.config import GRIPPERS
 
 HAND = GRIPPERS["egad_75mm"]
 PIXEL = 0.0015  # metres, at the distance of the camera

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import ImageNoise
 from egad.perception.camera import DepthCamera, Intrinsics, View, camera_above
 from egad.perception.noise import (
     BASELINE,
@@ -12,7 +13,6 @@ from egad.perception.noise import (
     grazing,
     stereo_shadow,
 )
-from egad.pipeline.config import ImageNoise
 
 NOISE = ImageNoise(disparity=0.1)
 SMALL = Intrinsics.spanning(101, 101, 40.0)

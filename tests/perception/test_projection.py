@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import CAMERAS
 from egad.grasps.collision import roomy
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.perception.rectangles import half_turn, project_grasps
 from egad.perception.scenes import Scene, sample_scene
-from egad.pipeline.config import CAMERAS
 
 CAMERA = Intrinsics(300, 300, 417.0, (149.5, 149.5))
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import ImageNoise
 from egad.perception.camera import DepthCamera, Intrinsics, View, camera_above, object_mask
 from egad.perception.noise import add_sensor_noise
 from egad.perception.restoration import fill_missing, noise_of, restore
-from egad.pipeline.config import ImageNoise
 
 CAMERA = Intrinsics.spanning(320, 240, 40.0)
 NAN = np.nan

@@ -5,10 +5,10 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from egad.config import CAMERAS, Settings
 from egad.geometry.stable_poses import stable_poses
 from egad.perception.camera import LOOKING_DOWN, Intrinsics, camera_above
 from egad.perception.scenes import sample_object_poses, sample_scene
-from egad.pipeline.config import CAMERAS, Settings
 
 CENTER = np.array([0.001, -0.002, 0.003])
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.config import Render
 from egad.perception.splits import SPLITS, evenly, shard_count, shares, split_of
-from egad.pipeline.config import Render
 
 RENDER = Render(images=1000)
 

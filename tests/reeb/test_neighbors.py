@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import Similarity
 from egad.errors import UserError
-from egad.pipeline.config import Similarity
 from egad.reeb import graph as reeb
 from egad.reeb import neighbors
 from egad.reeb.neighbors import Neighborhood, diversities

@@ -6,9 +6,8 @@ import pytest
 import trimesh
 from partial_tables import fill_columns
 
+from egad.config import Dataset, Settings
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
-from egad.pipeline.config import Dataset, Settings
-from egad.pipeline.report.page import DatasetReport, ReportData, build
 from egad.report.pictures import png_bytes, render
 from egad.report.viewer import Scene
 from egad.tables import parquet
@@ -17,6 +16,7 @@ from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import OBJECTS, REJECTED
+from egad.workflow.report_page import DatasetReport, ReportData, build
 
 
 @pytest.fixture(scope="session")

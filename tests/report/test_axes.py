@@ -5,15 +5,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.cli.terminal_tables import measured
+from egad.config import CustomMeasures, Space
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
-from egad.pipeline.cli.terminal_tables import measured
-from egad.pipeline.config import CustomMeasures, Space
-from egad.pipeline.report.page import build
 from egad.report.axes import USUAL, axis_pair
 from egad.report.locations import location_map
 from egad.report.space_map import collage
 from egad.report.trial_charts import trial_heat_map
 from egad.stats.rates import trial_grid
+from egad.workflow.report_page import build
 
 OWN = CustomMeasures(complexity="a.py:wall_thickness", difficulty="b.c:slenderness")
 

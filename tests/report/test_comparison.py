@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from svg_text import SVG, texts
 
-from egad.pipeline.config import Space
+from egad.config import Space
 from egad.report.comparison import PUBLISHED, comparison_chart, comparison_text, dataset_maps
 
 

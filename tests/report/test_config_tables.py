@@ -1,5 +1,5 @@
-from egad.pipeline.config import Settings, Trials
-from egad.pipeline.report.config_tables import entry_tables, parameter_tables
+from egad.config import Settings, Trials
+from egad.workflow.config_tables import entry_tables, parameter_tables
 
 
 def test_only_changed_values_show_their_default():
@@ -23,7 +23,7 @@ def test_values_keep_all_their_digits():
 
 def test_grippers_stand_side_by_side():
     tables = {table.name: table for table in entry_tables(Settings())}
-    assert set(tables) == {"datasets", "grippers", "cameras", "detectors", "training_sets"}
+    assert set(tables) == {"datasets", "grippers", "cameras", "detectors"}
     names = [column.name for column in tables["grippers"].columns]
     row = dict(zip(names, tables["grippers"].rows["panda"], strict=True))
     assert (row["opening"], row["palm"]) == ("0.08", "0.2, 0.063, 0.06")

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from egad.pipeline.config import Space
+from egad.config import Space
 from egad.report.evolution import (
     coverage_animation,
     coverage_curves,

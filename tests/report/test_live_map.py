@@ -6,11 +6,11 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
+from egad.config import Settings
+from egad.config.stages import select
 from egad.cppn.voxels import pack
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
 from egad.report import live_map as module
 from egad.report.live_map import EpochOfIsland, LiveMap
 

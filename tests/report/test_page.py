@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.pipeline.config import Settings
-from egad.pipeline.report.page import DatasetReport, ReportData, build
+from egad.config import Settings
 from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 from egad.tables.grasping import GRASPS, SIZE_EFFECT
 from egad.tables.objects import OBJECTS, REJECTED
+from egad.workflow.report_page import DatasetReport, ReportData, build
 
 VOID = {"meta", "img", "br", "stop", "rect", "image", "link", "input", "hr"}
 

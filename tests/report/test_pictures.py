@@ -5,9 +5,9 @@ import pytest
 import trimesh
 from PIL import Image
 
+from egad.config import Shape
 from egad.cppn.surface import surface
 from egad.errors import RejectedError
-from egad.pipeline.config import Shape
 from egad.report.pictures import CAMERA, FILL, png_bytes, render, voxel_picture, voxel_png
 
 

@@ -9,12 +9,12 @@ import pytest
 import trimesh
 
 import egad
+from egad.config import GRIPPERS, GraspLabel, Settings
+from egad.config.stages import select
 from egad.errors import UserError
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.grippers import BoxBody
-from egad.pipeline.config import GRIPPERS, GraspLabel, Settings
-from egad.pipeline.config.stage_settings import select
 from egad.report import viewer
 from egad.report.viewer import Scene
 from egad.tables import parquet

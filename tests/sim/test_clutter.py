@@ -8,11 +8,11 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from worlds import EACH_ENGINE, HAND
 
+from egad.config import Bundle
 from egad.detectors import GraspPoses, PoseGrasp
 from egad.grasps import hand_poses
 from egad.outcomes import Outcome
 from egad.perception import Observation
-from egad.pipeline.config import Bundle
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose, proposed_by
 from egad.sim.model import build
 from egad.sim.parameters import Clutter, EngineName

@@ -8,9 +8,9 @@ import pytest
 import trimesh
 from worlds import EACH_ARM, EACH_ENGINE, HAND, start
 
+from egad.config import Bundle, Trials
 from egad.detectors.base import Grasp
 from egad.detectors.registry import QUICK
-from egad.pipeline.config import Bundle, Trials
 from egad.sim.arms import ARMS
 from egad.sim.execution import Execution, Stillness, execute
 from egad.sim.model import Model, build

@@ -6,10 +6,10 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from worlds import EACH_ENGINE, HAND
 
+from egad.config import Bundle
 from egad.grasps import hand_poses
 from egad.grippers import finger_span
 from egad.outcomes import Outcome
-from egad.pipeline.config import Bundle
 from egad.sim.free_hand import RETREAT, STANDOFF, FreeHand, execute_pose
 from egad.sim.model import build
 from egad.sim.parameters import EngineName

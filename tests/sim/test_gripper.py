@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from worlds import EACH_ARM, EACH_ENGINE, HAND, hung, start, twist
 
-from egad.pipeline.config import GRIPPERS, Bundle, Gripper
+from egad.config import GRIPPERS, Bundle, Gripper
 from egad.sim.arms import HandPose
 from egad.sim.gripper import COLLISION_FORCE, Hand
 from egad.sim.model import build

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import Settings
+from egad.config.stages import select
 from egad.grasps.sampler import ContactPairs
-from egad.pipeline.config import Settings
-from egad.pipeline.config.stage_settings import select
 from egad.sim.image_scenes import model_at_size, settle_scene, simulate_contacts
 from egad.sim.parameters import SimulatedLabelParameters
 

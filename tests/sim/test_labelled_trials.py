@@ -6,11 +6,11 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, start
 
+from egad.config import Bundle, Settings
+from egad.config.stages import select
 from egad.grasps.poses import hand_poses
 from egad.grippers import finger_span
 from egad.outcomes import Outcome
-from egad.pipeline.config import Bundle, Settings
-from egad.pipeline.config.stage_settings import select
 from egad.sim.labelled_trials import (
     execute_labelled_grasps,
     failed_labelled_grasps,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.pipeline.config import Bundle
+from egad.config import Bundle
 from egad.sim.model import MIN_MASS, build
 
 BUNDLE = Bundle()

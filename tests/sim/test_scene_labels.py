@@ -8,12 +8,12 @@ from scipy.spatial.transform import Rotation
 from worlds import HAND
 
 from egad.api import dataset_grasps
+from egad.config import Bundle
 from egad.detectors import PoseGrasp
 from egad.grasps import label_parameters
 from egad.grippers import BoxBody
 from egad.outcomes import Outcome
 from egad.perception import Observation
-from egad.pipeline.config import Bundle
 from egad.sim.free_hand import STANDOFF
 from egad.sim.model import Model, build
 from egad.sim.scene_labels import SceneLabels

@@ -6,8 +6,8 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, HAND
 
+from egad.config import Bundle
 from egad.outcomes import Outcome
-from egad.pipeline.config import Bundle
 from egad.sim import simulated_labels
 from egad.sim.gripper import Hand
 from egad.sim.model import build

@@ -6,8 +6,8 @@ import trimesh
 from scipy.spatial import ConvexHull
 from worlds import EACH_ENGINE
 
+from egad.config import Bundle
 from egad.perception.parameters import SCENE_KINDS, SceneKind
-from egad.pipeline.config import Bundle
 from egad.random import generator
 from egad.sim import scenes
 from egad.sim.model import build

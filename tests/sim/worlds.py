@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
+from egad.config import GRIPPERS
 from egad.grippers import Gripper
-from egad.pipeline.config import GRIPPERS
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.gripper import Hand
 from egad.sim.model import Model

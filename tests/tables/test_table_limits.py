@@ -13,11 +13,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from peak_memory import MEGABYTE, MEMORY, measured
 
+from egad.cli.export_meshes import write_meshes
+from egad.config import Settings
 from egad.cppn.surface import packed_surface
 from egad.data import released
 from egad.errors import RejectedError, TableError, UserError
-from egad.pipeline.config import Settings
-from egad.pipeline.stages import export_meshes
 from egad.tables import parquet
 from egad.tables.columns import ID, LABEL
 from egad.tables.evolution import ARCHIVE
@@ -140,7 +140,7 @@ def test_an_archive_writes_nothing_outside_its_folder(tmp_path):
     frame = parquet.read(released(), ARCHIVE).head(2).assign(id=["fine", "../outside"])
     parquet.write(frame, ARCHIVE, tmp_path / "archive.parquet")
     with pytest.raises(TableError, match="outside"):
-        export_meshes.run(tmp_path / "archive.parquet", tmp_path / "made/meshes", Settings().shape)
+        write_meshes(tmp_path / "archive.parquet", tmp_path / "made/meshes", Settings().shape)
     assert {path.name for path in tmp_path.rglob("*")} == {"archive.parquet"}
 
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 import yaml
@@ -17,6 +18,15 @@ ROOT = Path(__file__).parents[2]
 LAUNCHER = Launcher()
 SOURCES = ["Snakefile", "config", "envs", "profiles", "workflow"]
 TEST_CONFIG = "config/test.yaml"
+# The message of a job has what it is given, where a person reads what it does.
+TOLD = """
+include: "workflow/Snakefile"
+
+
+for each in workflow.rules:
+    names = [name for name, _ in each.params.items()]
+    each.message = "\\t".join(["TOLD {rule}", "{output}", *[f"{n}={{params.{n}}}" for n in names]])
+"""
 HUNGRY = """
 include: "workflow/rules/resources.smk"
 
@@ -34,6 +44,14 @@ rule hungry:
     shell:
         {command!r}
 """
+
+
+class Job(NamedTuple):
+    """A job that Snakemake would start."""
+
+    rule: str
+    output: str
+    params: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -68,6 +86,16 @@ class Checkout:
     def planned(self, *arguments, configs=(TEST_CONFIG,)):
         """How many jobs of each rule a run would start."""
         return self.jobs(self.make("--dry-run", "--cores", 2, *arguments, configs=configs))
+
+    def told(self, *arguments, snakefile="workflow/Snakefile", configs=(TEST_CONFIG,)):
+        """The jobs that a run would start: the rule of each, its output, its params as texts."""
+        (self.folder / "told.smk").write_text(TOLD.replace("workflow/Snakefile", snakefile))
+        said = self.make("--dry-run", "--snakefile", "told.smk", *arguments, configs=configs)
+        rows = [row.split("\t") for row in re.findall(r"TOLD (.*)", said)]
+        return [
+            Job(rule, output, dict(each.split("=", 1) for each in params))
+            for rule, output, *params in rows
+        ]
 
     @staticmethod
     def jobs(text):

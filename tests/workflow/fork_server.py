@@ -11,18 +11,24 @@ import sys
 import traceback
 from pathlib import Path
 
+import nbformat.validator  # noqa: F401 (Snakemake imports it late)
+import smart_open  # noqa: F401 (the same)
 import snakemake.executors.dryrun
 import snakemake.executors.local  # noqa: F401
 from snakemake.cli import get_argument_parser, main
 
+# what the workflow imports
+import egad.config.check
+import egad.config.input_files
+import egad.config.schema
+import egad.config.stages
 import egad.data
 import egad.detectors.ggcnn
 import egad.exchange.sums
-import egad.perception.splits  # noqa: F401
-
-# what the workflow imports
-from egad.pipeline.cli.stages import stage_commands, stage_function
-from egad.pipeline.code_version import code_version
+import egad.perception.splits
+import egad.workflow.display
+import egad.workflow.shards  # noqa: F401
+from egad.workflow.code_version import code_version
 
 ROOT = Path(__file__).parents[2]
 
@@ -30,10 +36,8 @@ ROOT = Path(__file__).parents[2]
 def serve():
     """Fork for every request on the standard input: say its process, then its exit status."""
     get_argument_parser()  # finds all plugins
-    for path in (ROOT / "egad/pipeline/stages").glob("[!_]*.py"):
-        code_version(f"egad.pipeline.stages.{path.stem}")
-    for stage in stage_commands().values():
-        stage_function(stage.module, stage.function)
+    for path in (ROOT / "workflow/scripts").glob("*.py"):
+        code_version(path)
     gc.freeze()
     for line in sys.stdin:
         run = os.fork()

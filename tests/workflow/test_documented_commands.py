@@ -10,7 +10,7 @@ from snakemake.cli import get_argument_parser
 ROOT = Path(__file__).parents[2]
 PAGES = [
     path
-    for folder in (ROOT, ROOT / "config", ROOT / "docs")
+    for folder in (ROOT, ROOT / "config", ROOT / "docs", ROOT / "experiments")
     for pattern in ("*.md", "*/*.md", "*.yaml", "*/*.yaml")
     for path in folder.glob(pattern)
 ]
@@ -36,7 +36,7 @@ PROGRAMS = {
     name
     for path in PAGES
     for name in re.findall(
-        r"\bpython\s+((?:experiments|tests/benchmarks)/\w+\.py)", path.read_text()
+        r"\bpython\s+((?:experiments|tests/benchmarks)/[\w/]+\.py)", path.read_text()
     )
 }
 

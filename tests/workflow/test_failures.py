@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 import numpy as np
 import psutil
 import pytest
+from running_scripts import script_of
 
 GRIPPER, DETECTOR = "egad_75mm", "antipodal-depth"
 TRIALS = f"egad/trials/{GRIPPER}/{DETECTOR}.parquet"
@@ -73,17 +74,17 @@ def test_a_job_that_is_killed_for_memory_is_named_and_the_next_run_goes_on(copy)
     said, _ = process.communicate()
     assert process.returncode == 1
     assert "Error in rule join_trials" in said
-    assert "exit status 137" in said
+    assert "died with <Signals.SIGKILL: 9>" in said
     make_trials(copy)
     assert copy.bytes() == expected
 
 
-def jobs_of(run, command):
-    """The processes of a run that are `egad COMMAND`."""
+def jobs_of(run, script):
+    """The processes of a run that run a script, of which Snakemake makes a copy for each."""
     found = []
     for child in psutil.Process(run.pid).children(recursive=True):
         with suppress(psutil.Error):  # it has ended meanwhile
-            found += [child] if child.cmdline()[2:3] == [command] else []
+            found += [child] if script_of(child) == script else []
     return found
 
 

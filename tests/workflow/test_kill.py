@@ -9,6 +9,7 @@ from collections import Counter
 import numpy as np
 import psutil
 import pytest
+from running_scripts import script_of
 
 KILLS, SEED = 20, 8
 
@@ -35,7 +36,7 @@ def test_twenty_kills_at_random_moments_leave_no_trace(finished, another):
             run.make("--unlock")
     run.make("--cores", 2)
     assert run.bytes() == expected
-    hit = Counter(command for at_work in killed for command in at_work)
+    hit = Counter(script for at_work in killed for script in at_work)
     print(f"{KILLS} kills in {runs} runs: {dict(hit)}")
     assert len(hit) >= 6
 
@@ -59,7 +60,7 @@ def killed_after(more, delay, run):
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGSTOP)
         tree = psutil.Process(process.pid).children(recursive=True)
-        at_work = sorted({command for child in tree for command in command_of(child)})
+        at_work = sorted({script for child in tree if (script := script_of(child))})
         os.killpg(process.pid, signal.SIGKILL)
         said, _ = process.communicate()
         assert not psutil.wait_procs(tree, timeout=60)[1]
@@ -67,9 +68,3 @@ def killed_after(more, delay, run):
             return at_work
     assert process.returncode == 0, said
     return None
-
-
-def command_of(process):
-    """The command of a process that is `egad COMMAND`, in a list; else none."""
-    words = process.cmdline()
-    return [words[2]] if len(words) > 2 and words[1].endswith("/egad") else []

@@ -1,20 +1,21 @@
 """What Snakemake would do: dry runs of a clean checkout and of a finished run."""
 
 import os
+from ast import literal_eval
 
 import pandas as pd
 import pytest
 import trimesh
 from described_hands import PANDA, box_urdf
 
+from egad.config import Settings
 from egad.perception.image_shards import read
-from egad.pipeline.config import Settings
-from egad.pipeline.stages.shards import shard_of
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.grasping import SCALES, SIMULATED_GRASPS, SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
+from egad.workflow.shards import shard_of
 
 TRIED = {"simulated_trial", "join_trials"}
 AFTER_TRIALS = {"join_trials", "report", "all"}
@@ -111,7 +112,7 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(copy, settings, rules)
         ("evalset/selection.py", "range(restarts)", "range(1)", {"select_eval"} | AFTER_SELECTION),
         ("geometry/mass.py", "/ size)", "/ (2 * size))", {"postprocess"} | AFTER_POSTPROCESS),
         ("measures/size_effect.py", "opening / side", "opening", AFTER_SIZES),
-        ("pipeline/cli/stages.py", 'PANEL = "Stages', 'PANEL = "All stages', set()),
+        ("workflow/job.py", "{twice[0]!r} twice", "{twice[0]!r} two times", set()),
         # columns of tables
         ("tables/evolution.py", "bias of each node", "biases", EVERYTHING),
         (
@@ -138,9 +139,32 @@ def test_an_edit_re_runs_the_stages_that_use_it(copy, module, old, new, rules):
     assert set(copy.planned()) == rules
 
 
-def test_a_touched_or_commented_module_re_runs_nothing(copy):
+@pytest.mark.parametrize(
+    ("script", "old", "new", "rules"),
+    [
+        ("rescale", "jobs=jobs", "jobs=1", {"rescale"} | AFTER_RESCALE),
+        (
+            "join",
+            'f"joining {len(tables)} tables"',
+            '"joining"',
+            {"join_trials", "history"} | AFTER_GRASPS,
+        ),
+    ],
+)
+def test_an_edited_script_re_runs_its_rules(copy, script, old, new, rules):
+    path = copy.folder / f"workflow/scripts/{script}.py"
+    text, time = path.read_text(encoding="utf-8"), path.stat().st_mtime
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    os.utime(path, (time, time))
+    assert set(copy.planned()) == rules
+
+
+def test_a_touched_or_commented_module_or_script_re_runs_nothing(copy):
     copy.take_library()
-    for module in ("egad/tables/objects.py", "egad/random.py", "egad/map_elites/island.py"):
+    scripts = [str(path) for path in (copy.folder / "workflow/scripts").glob("*.py")]
+    modules = ["egad/tables/objects.py", "egad/random.py", "egad/map_elites/island.py"]
+    for module in (*modules, *scripts):
         path = copy.folder / module
         path.write_text(f"# a comment\n{path.read_text()}\n\n")
         os.utime(path)
@@ -418,8 +442,9 @@ def test_datasets_of_others_are_compared_alone_or_beside_the_evolved_one(clean, 
     everything = clean.planned("--replace-workflow-config", configs=configs)
     assert set(everything) == AFTER_POSTPROCESS | {"postprocess"}
     objects = f"results/{name}/objects.parquet"
-    said = clean.make("--dry-run", "--printshellcmds", objects, configs=configs)
-    assert ("--pattern '*/google_16k/nontextured.ply'" in said) == (name == "ycb")
+    job = next(job for job in clean.told(objects, configs=configs) if job.rule == "postprocess")
+    pattern = literal_eval(job.params["dataset"])["pattern"]
+    assert pattern == ("*/google_16k/nontextured.ply" if name == "ycb" else None)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -15,21 +16,24 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 import trimesh
+from rule_texts import ROOT, script_of
 
 from egad import __version__
+from egad.config import Settings
 from egad.data import evaluation_set
 from egad.exchange.sums import read_sums
-from egad.pipeline.code_version import code_version
-from egad.pipeline.config import Settings
-from egad.pipeline.provenance.lookup import origin_of
-from egad.pipeline.provenance.verify import verify
+from egad.provenance.lookup import origin_of
+from egad.provenance.verify import verify
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY, LINEAGE
 from egad.tables.grasping import GRASPS, SAMPLING, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED, SOLIDS
+from egad.workflow.code_version import code_version
+from egad.workflow.results_page import RESULTS
 
 GRIPPER, DETECTOR = "egad_75mm", "antipodal-depth"
+SCRIPTS = ROOT / "workflow/scripts"
 SHARDS = EPOCHS = ISLANDS = 2
 PUBLISHED = {
     "comparison.parquet": COMPARISON,
@@ -100,12 +104,26 @@ def test_there_are_no_other_tables_and_no_temporary_files(finished):
     assert not list(finished.results.rglob("*.partial"))
 
 
+def test_every_file_is_in_the_manual(finished):
+    """But for sums, and for what jobs pass to each other."""
+    listed = [re.sub("[A-Z]+", "[^/]+", re.escape(each.path)) for each in RESULTS]
+    known = re.compile("|".join(f"{path}.*" if path.endswith("/") else path for path in listed))
+    unknown = [
+        path
+        for path in finished.bytes()
+        if not known.fullmatch(path)
+        and not path.startswith(("egad/parts/", "egad/epochs/"))
+        and not path.endswith(("SHA256SUMS", ".sha256"))
+    ]
+    assert unknown == []
+
+
 @pytest.mark.parametrize("path", TABLES)
 def test_every_table_says_what_it_was_made_by_and_from(finished, path):
     table = finished.results / path
     noted = origin_of(table)
     assert noted.program == __version__
-    assert noted.code == code_version(f"egad.pipeline.stages.{noted.stage}")
+    assert noted.code == code_version(SCRIPTS / f"{script_of(noted.stage)}.py")
     assert noted.sources() or noted.seed == Settings().seed
     assert all(source.exists() for source, _ in noted.sources())
     assert str(finished.folder) not in str(pq.read_schema(table).metadata)
@@ -409,18 +427,19 @@ def test_a_full_disk_leaves_no_half_table(finished, tmp_path):
     """A limit on the size of files stands in for the disk."""
     archive = finished.results / "egad/epochs/epoch-1/archive.parquet"
     out = tmp_path / "archive.parquet"
-    command = [
-        sys.executable,
-        "-c",
-        "from egad.pipeline.cli import main; main()",
-        "archive",
-        archive,
-    ]
+    code = f"""
+from pathlib import Path
+from egad._util.program import readable_errors
+import publish
+with readable_errors():
+    publish.run(Path({str(archive)!r}), Path({str(out)!r}))
+"""
+    paths = os.pathsep.join([finished.environment["PYTHONPATH"], str(SCRIPTS)])
 
     def publish(**limits):
         return subprocess.run(
-            [*map(str, command), "--out", str(out)],
-            env=finished.environment,
+            [sys.executable, "-c", code],
+            env=finished.environment | {"PYTHONPATH": paths},
             capture_output=True,
             text=True,
             check=False,

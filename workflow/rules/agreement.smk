@@ -5,6 +5,8 @@ Outputs: results/D/agreement/G.parquet, one row per grasp; made if targets.agree
 Steps: labelled grasps of shards of objects are executed; then the tables are joined.
 """
 
+from egad.sim import LabelTrialParameters
+
 
 localrules:
     join_agreement,
@@ -14,10 +16,10 @@ rule agreement:
     """Execute labelled grasps of the objects of a shard."""
     input:
         evaluation="results/{dataset}/eval49.parquet",
-        bundle="results/{dataset}/bundle/{gripper}/bundle.parquet",
+        table="results/{dataset}/bundle/{gripper}/bundle.parquet",
         grasps="results/{dataset}/grasps/{gripper}.parquet",
     output:
-        ensure(
+        out=ensure(
             "results/{dataset}/parts/agreement-{gripper}-{shard}.parquet",
             non_empty=True,
         ),
@@ -31,29 +33,29 @@ rule agreement:
     resources:
         **needs(mb=2000, minutes=60),
     params:
-        settings=settings_of("agreement"),
-        bundle=subpath(input.bundle, parent=True),
-        shards=len(EVALUATION_SHARDS),
+        settings=settings_of(LabelTrialParameters),
+        bundle=subpath(input.table, parent=True),
+        shard=shard_of(len(EVALUATION_SHARDS)),
         code=code_of("agreement"),
     message:
         "Executing grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
-    shell:
-        "egad agreement --settings {params.settings:q}"
-        " --shard {wildcards.shard} --shards {params.shards} --eval {input.evaluation:q}"
-        " --bundle {params.bundle:q} --grasps {input.grasps:q} --out {output:q} > {log:q} 2>&1"
+    script:
+        "../scripts/agreement.py"
 
 
 use rule join as join_agreement with:
     input:
-        parts("results/{dataset}/parts/agreement-{gripper}-{shard}.parquet", EVALUATION_SHARDS),
+        tables=parts(
+            "results/{dataset}/parts/agreement-{gripper}-{shard}.parquet", EVALUATION_SHARDS
+        ),
     output:
-        ensure("results/{dataset}/agreement/{gripper}.parquet", non_empty=True),
+        joined=ensure("results/{dataset}/agreement/{gripper}.parquet", non_empty=True),
     log:
         "logs/{dataset}/join_agreement/{gripper}.log",
     benchmark:
         "benchmarks/{dataset}/join_agreement/{gripper}.tsv"
     params:
-        by=["--by", "label", "--by", "grasp"],
+        by=["label", "grasp"],
         code=code_of("join"),
     message:
         "Joining the executed grasps of {wildcards.gripper} on {wildcards.dataset}"

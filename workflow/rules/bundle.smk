@@ -4,6 +4,8 @@ Inputs: results/D/eval49.parquet, results/D/rescaled/G.
 Outputs: results/D/bundle/G, a folder with bundle.parquet and rejected.parquet.
 """
 
+from egad.config.stages import SimulationBundle
+
 
 rule bundle:
     """Write convex parts, descriptions and poses at rest, for one gripper."""
@@ -13,6 +15,7 @@ rule bundle:
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
     output:
         table=ensure("results/{dataset}/bundle/{gripper}/bundle.parquet", non_empty=True),
+        rejected=ensure("results/{dataset}/bundle/{gripper}/rejected.parquet", non_empty=True),
     log:
         "logs/{dataset}/bundle/{gripper}.log",
     benchmark:
@@ -25,12 +28,11 @@ rule bundle:
     resources:
         **needs(mb=1500, mb_per_thread=500, minutes=60),
     params:
-        settings=settings_of("bundle"),
+        settings=settings_of(SimulationBundle),
         meshes=subpath(input.scales, parent=True),
-        folder=subpath(output.table, parent=True),
+        out=subpath(output.table, parent=True),
         code=code_of("bundle"),
     message:
         "Writing the simulation bundle of {wildcards.dataset} for {wildcards.gripper}"
-    shell:
-        "egad bundle --settings {params.settings:q} --eval {input.evaluation:q}"
-        " --out {params.folder:q} --jobs {threads} {params.meshes:q} > {log:q} 2>&1"
+    script:
+        "../scripts/bundle.py"

@@ -10,26 +10,23 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-from egad.pipeline.cli.stages import stage_function
-from egad.pipeline.config import training_study
-from egad.pipeline.code_version import code_version
-from egad.pipeline.config.check import check, check_engines
-from egad.pipeline.config.input_files import check_export, check_input_files
-from egad.pipeline.config.schema import schema
-from egad.pipeline.config.stage_settings import select
-from egad.pipeline.exports import (
-    OF_OBJECTS,
-    export_function,
+from egad.workflow.code_version import code_version
+from egad.config.check import check, check_engines
+from egad.config.input_files import check_export, check_input_files, is_result
+from egad.config.schema import schema
+from egad.config.stages import select
+from egad.exchange.exports import (
     export_module,
     formats,
     last_files,
+    settings_class,
     sources,
 )
-from egad.pipeline.parameters import settings_type
 from egad.data import released, released_ancestry
-from egad.pipeline.display import start_display
+from egad.workflow.display import start_display
+from egad.workflow.params import contents, plain
 from egad.errors import UserError
-from egad.exchange import check_installed, checksum, missing_files
+from egad.exchange import check_installed, missing_files
 from egad.grippers import files_of
 from egad._util.kernel_cache import compile_kernels
 from egad._util.progress import MARKS
@@ -41,8 +38,6 @@ try:
     SETTINGS = check_engines(check(config))
     # What is missing is named here, as Snakemake overlooks it where older results exist.
     check_input_files(SETTINGS)
-    # The same, with the networks of the training study among the detectors.
-    TRIED = training_study.with_networks(SETTINGS)
     # The user's own measures by their code, so that editing it re-runs what they measure.
     MEASURES = [source_hash(measure) for measure in SETTINGS.measures.functions().values()]
 except UserError as error:
@@ -62,13 +57,11 @@ SHARDS = range(SETTINGS.shards)
 CELLS = SETTINGS.select_eval.rows * SETTINGS.select_eval.columns
 EVALUATION_SHARDS = range(min(SETTINGS.shards, CELLS))
 IMAGE_SHARDS = range(shard_count(SETTINGS.render.images))
-NETWORKS = {network.name: network for network in training_study.networks_of(SETTINGS)}
-# The training study is for the first target.
-GRIPPER = SETTINGS.targets.grippers[0]
 ISLANDS = range(SETTINGS.schedule.islands)
 # Some formats need them, e.g. ACRONYM: they say whether a grasp succeeded.
 SIMULATES_LABELS = SETTINGS.targets.simulated_labels or any(
-    "simulated_grasps" in sources(name, GRIPPER) for name in SETTINGS.targets.exports
+    "simulated_grasps" in sources(name, SETTINGS.targets.grippers[0])
+    for name in SETTINGS.targets.exports
 )
 LAST_EPOCH = SETTINGS.schedule.epochs - 1
 EVOLVED = [name for name, dataset in SETTINGS.datasets.items() if dataset.source == "evolved"]
@@ -86,61 +79,54 @@ CLOCK_SKEW = 60  # seconds that the clocks of a cluster may differ
 wildcard_constraints:
     dataset="|".join(SETTINGS.datasets),
     gripper="|".join(SETTINGS.grippers),
-    detector="|".join(TRIED.detectors),
-    training_set="|".join(SETTINGS.training_sets),
+    detector="|".join(SETTINGS.detectors),
     epoch=r"\d+",
     island=r"\d+",
     shard=r"\d+",
-    seed=r"\d+",
-    noise="none|stereo",
 
 
 def settings_of(stage):
-    """The settings that a stage reads, as JSON: its rule re-runs when they change.
+    """The settings that a stage reads, by the class that lists them: changes re-run its rule.
 
     A stage that reads a gripper gets the one in the file name, otherwise the one of its own
     settings. The detector of the trials is also in the file name.
     """
-    return lambda wildcards: _chosen(stage_function(stage), wildcards)
-
-
-def settings_with_keep_going(stage):
-    """The same for a stage that asks a detector, and with `keep_going`.
-
-    Because of `input`, turning it on does not re-run finished trials.
-    """
-    return lambda wildcards, input: _selected(stage_function(stage), wildcards).model_dump_json()
+    return lambda wildcards: _selected(stage, wildcards)
 
 
 def settings_of_export(name=None):
     """The same for the given format of an export; default: the one in the file name."""
     objects = SETTINGS.targets.export_objects
-    return lambda wildcards: _chosen(export_function(name or wildcards.format, objects), wildcards)
+    return lambda wildcards: _selected(settings_class(name or wildcards.format, objects), wildcards)
 
 
-def _chosen(function, wildcards):
-    return _as_json(_selected(function, wildcards))
+def _selected(stage, wildcards):
+    return plain(select(SETTINGS, stage, wildcards.get("gripper"), wildcards.get("detector")))
 
 
-def _selected(function, wildcards):
-    names = wildcards.get("gripper"), wildcards.get("detector")
-    return select(TRIED, settings_type(function), *names)
+def keep_going(section):
+    """Whether to go on after failures. Because of `input`, this re-runs no finished trials."""
+    return lambda wildcards, input: section.keep_going
 
 
-def code_of(stage):
-    """The code version of a stage: its rule re-runs when it changes."""
-    return code_version(f"egad.pipeline.stages.{stage}")
+def code_of(script):
+    """The version of what a script uses: its rule re-runs when it changes."""
+    return code_version(workflow.source_path(f"../scripts/{script}.py"))
 
 
 def code_of_export(wildcards):
-    """The same for the format in the file name."""
-    return code_version(export_module(wildcards.format))
+    """The same with that of the format in the file name."""
+    return f"{code_of('export')}-{code_of_modules(export_module(wildcards.format))}"
 
 
-def exported_objects(wildcards):
-    """The option that says which objects are written, for formats of objects."""
-    given = ["--objects", SETTINGS.targets.export_objects]
-    return given if wildcards.format in OF_OBJECTS else []
+def code_of_modules(*names):
+    """The same for modules, where what else a script uses changes no result."""
+    return "-".join(map(code_version, names))
+
+
+def shard_of(count):
+    """The number of a shard in the file name, and the number of shards."""
+    return lambda wildcards: [int(wildcards.shard), count]
 
 
 def exported_from(wildcards):
@@ -153,19 +139,30 @@ def exported_from(wildcards):
     return [f"results/{wildcards.dataset}/{file}" for file in files]
 
 
-def _as_json(part):
-    # whether a run goes on after failures of a detector changes no result
-    values = part.model_dump(
-        mode="json", exclude={"trials": {"keep_going"}, "clutter": {"keep_going"}}
-    )
-    return json.dumps(values, separators=(",", ":"), sort_keys=True)
-
-
 def labelled(wildcards):
     """The labelled grasps for the detector `labels`; none for others."""
-    knows = TRIED.detectors[wildcards.detector].detector == "labels"
-    gripper = wildcards.get("gripper", GRIPPER)
-    return [f"results/{wildcards.dataset}/grasps/{gripper}.parquet"] if knows else []
+    knows = SETTINGS.detectors[wildcards.detector].detector == "labels"
+    file = f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"
+    return [file] if knows else []
+
+
+def weights_of_detector(wildcards):
+    """The weights of a detector, if a workflow makes them."""
+    weights = SETTINGS.detectors[wildcards.detector].weights
+    return [weights] if weights and is_result(weights) else []
+
+
+def detector_code(wildcards):
+    """The code of a detector, and its weights if no workflow makes them: trials depend on them."""
+    detector = SETTINGS.detectors[wildcards.detector]
+    if weights_of_detector(wildcards):
+        if ":" not in detector.name:
+            return []
+        detector = detector.model_copy(update={"weights": None})
+    try:
+        return fingerprint(detector)
+    except UserError as error:
+        raise WorkflowError(f"The detector {wildcards.detector} cannot be used: {error}")
 
 
 def touched_surface(wildcards):
@@ -177,19 +174,6 @@ def touched_surface(wildcards):
 def island_count(wildcards, input):
     """The number of islands. Because of `input`, its changes do not re-run finished islands."""
     return len(ISLANDS)
-
-
-def each(option, name):
-    """An option repeated for all files of a named input: `--solids A --solids B`."""
-    return lambda wildcards, input: [
-        word for file in getattr(input, name) for word in (option, str(file))
-    ]
-
-
-def named_grippers(option, files):
-    """An option repeated for the files of the target grippers: `--grasps G=A --grasps H=B`."""
-    pairs = zip(SETTINGS.targets.grippers, files)
-    return [word for gripper, file in pairs for word in (option, f"{gripper}={file}")]
 
 
 def parts(pattern, shards=SHARDS):
@@ -210,8 +194,8 @@ def parts_of_images(wildcards):
 
 
 def gripper_files(wildcards):
-    """The files that describe a gripper, if there are any; default: the first target."""
-    return files_of_gripper(wildcards.get("gripper", GRIPPER))
+    """The files that describe a gripper, if there are any."""
+    return files_of_gripper(wildcards.gripper)
 
 
 @cache
@@ -225,16 +209,7 @@ def contents_of(files):
 
     Snakemake re-runs a job if params that depend on wildcards change, not on its input.
     """
-    made = "results/"
-    return lambda wildcards: _contents(
-        tuple(file for file in files(wildcards) if not file.startswith(made))
-    )
-
-
-@cache
-def _contents(files):
-    sums = [checksum(Path(file)) for file in files if Path(file).exists()]
-    return hashlib.sha256("".join(sums).encode()).hexdigest()[:16]
+    return lambda wildcards: contents(files(wildcards))
 
 
 def again_if_incomplete(output):

@@ -4,6 +4,8 @@ Inputs: results/D/objects.parquet of every dataset.
 Outputs: results/comparison.parquet, results/comparison.svg; the table is also printed.
 """
 
+from egad.config.stages import Compare
+
 
 localrules:
     compare,
@@ -12,10 +14,14 @@ localrules:
 rule compare:
     """Compare objects, coverage and diversity of the datasets, with maps."""
     input:
-        of_datasets(SETTINGS.datasets, ["objects.parquet"]),
+        objects=of_datasets(SETTINGS.datasets, ["objects.parquet"]),
     output:
-        table=ensure("results/comparison.parquet", non_empty=True),
-        figure=ensure("results/comparison.svg", non_empty=True),
+        out=ensure("results/comparison.parquet", non_empty=True),
+        figure=report(
+            ensure("results/comparison.svg", non_empty=True),
+            caption="../report/comparison.rst",
+            category="Datasets",
+        ),
     log:
         "logs/compare.log",
     benchmark:
@@ -26,11 +32,10 @@ rule compare:
     resources:
         **needs(mb=1000, minutes=10),
     params:
-        settings=settings_of("compare"),
-        named=lambda wildcards, input: [f"{Path(file).parent.name}={file}" for file in input],
+        settings=settings_of(Compare),
+        datasets=list(SETTINGS.datasets),
         code=code_of("compare"),
     message:
         "Comparing the datasets"
-    shell:
-        "egad compare --settings {params.settings:q} --out {output.table:q}"
-        " --figure {output.figure:q} {params.named:q} > {log:q} 2>&1"
+    script:
+        "../scripts/compare.py"

@@ -6,6 +6,8 @@ Steps: shards of objects are decomposed, then the tables of the shards are joine
 the parts of a shard.
 """
 
+from egad.config.stages import ConvexParts
+
 
 rule convex_parts:
     """Make the convex parts of the objects of a shard."""
@@ -13,7 +15,7 @@ rule convex_parts:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
     output:
-        ensure("results/{dataset}/parts/convex_parts-{gripper}-{shard}.parquet", non_empty=True),
+        out=ensure("results/{dataset}/parts/convex_parts-{gripper}-{shard}.parquet", non_empty=True),
     log:
         "logs/{dataset}/convex_parts/{gripper}-{shard}.log",
     benchmark:
@@ -24,23 +26,21 @@ rule convex_parts:
     resources:
         **needs(mb=1500, minutes=60),
     params:
-        settings=settings_of("convex_parts"),
+        settings=settings_of(ConvexParts),
         meshes=subpath(input.scales, parent=True),
-        shards=len(SHARDS),
+        shard=shard_of(len(SHARDS)),
         code=code_of("convex_parts"),
     message:
         "Making convex parts of {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
-    shell:
-        "egad convex-parts --settings {params.settings:q}"
-        " --shard {wildcards.shard} --shards {params.shards} --objects {input.objects:q}"
-        " --meshes {params.meshes:q} --out {output:q} > {log:q} 2>&1"
+    script:
+        "../scripts/convex_parts.py"
 
 
 use rule join as join_convex_parts with:
     input:
-        parts("results/{dataset}/parts/convex_parts-{gripper}-{shard}.parquet"),
+        tables=parts("results/{dataset}/parts/convex_parts-{gripper}-{shard}.parquet"),
     output:
-        ensure("results/{dataset}/convex_parts/{gripper}.parquet", non_empty=True),
+        joined=ensure("results/{dataset}/convex_parts/{gripper}.parquet", non_empty=True),
     log:
         "logs/{dataset}/join_convex_parts/{gripper}.log",
     benchmark:
@@ -48,7 +48,7 @@ use rule join as join_convex_parts with:
     resources:
         **needs(mb=2000, minutes=10),
     params:
-        by=["--by", "label", "--by", "part"],
+        by=["label", "part"],
         code=code_of("join"),
     message:
         "Joining the convex parts of {wildcards.dataset} for {wildcards.gripper}"

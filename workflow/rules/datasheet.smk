@@ -4,6 +4,8 @@ Inputs: results/D/eval49.parquet; for every target gripper results/D/print/G and
 Outputs: results/D/eval49/README.md, contact-sheet.pdf and trials.csv.
 """
 
+from egad.config.stages import DataSheets
+
 
 rule datasheet:
     """Write the datasheet, a contact sheet, and an empty table for attempts."""
@@ -21,7 +23,12 @@ rule datasheet:
         ),
     output:
         page=ensure("results/{dataset}/eval49/README.md", non_empty=True),
-        sheet=ensure("results/{dataset}/eval49/contact-sheet.pdf", non_empty=True),
+        sheet=report(
+            ensure("results/{dataset}/eval49/contact-sheet.pdf", non_empty=True),
+            caption="../report/contact_sheet.rst",
+            category="Evaluation set",
+            labels={"dataset": "{dataset}"},
+        ),
         trials=ensure("results/{dataset}/eval49/trials.csv", non_empty=True),
     log:
         "logs/{dataset}/datasheet.log",
@@ -33,14 +40,11 @@ rule datasheet:
     resources:
         **needs(mb=1000, minutes=10),
     params:
-        settings=settings_of("datasheet"),
-        manifests=lambda wildcards, input: named_grippers("--manifest", input.manifests),
-        grasps=lambda wildcards, input: named_grippers("--grasps", input.grasps),
-        folder=subpath(output.page, parent=True),
+        settings=settings_of(DataSheets),
+        grippers=SETTINGS.targets.grippers,
+        out=subpath(output.page, parent=True),
         code=code_of("datasheet"),
     message:
         "Writing the datasheet of {wildcards.dataset}"
-    shell:
-        "egad datasheet --settings {params.settings:q} --dataset {wildcards.dataset:q}"
-        " --eval {input.evaluation:q} {params.manifests:q} {params.grasps:q}"
-        " --out {params.folder:q} > {log:q} 2>&1"
+    script:
+        "../scripts/datasheet.py"

@@ -4,6 +4,8 @@ Inputs: results/D/objects.parquet, results/D/meshes.
 Outputs: results/D/difficulty/G.parquet; made if targets.difficulty is true.
 """
 
+from egad.config.stages import DifficultyOfGripper
+
 
 rule difficulty:
     """Measure the difficulty of all objects of a dataset for a gripper."""
@@ -11,7 +13,7 @@ rule difficulty:
         objects="results/{dataset}/objects.parquet",
         meshes="results/{dataset}/meshes",
     output:
-        ensure("results/{dataset}/difficulty/{gripper}.parquet", non_empty=True),
+        out=ensure("results/{dataset}/difficulty/{gripper}.parquet", non_empty=True),
     log:
         "logs/{dataset}/difficulty/{gripper}.log",
     benchmark:
@@ -22,11 +24,10 @@ rule difficulty:
     resources:
         **needs(mb=1000, mb_per_thread=500, minutes=60),
     params:
-        settings=settings_of("difficulty"),
+        settings=settings_of(DifficultyOfGripper),
         measures=MEASURES,
         code=code_of("difficulty"),
     message:
         "Measuring the difficulty of {wildcards.dataset} for {wildcards.gripper}"
-    shell:
-        "egad difficulty --settings {params.settings:q} --objects {input.objects:q}"
-        " --meshes {input.meshes:q} --out {output:q} --jobs {threads} > {log:q} 2>&1"
+    script:
+        "../scripts/difficulty.py"

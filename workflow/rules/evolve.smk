@@ -9,6 +9,9 @@ the archive of the last epoch, or the source archive of a dataset, is published.
 before extend a finished run.
 """
 
+from egad.config.stages import Merge
+from egad.map_elites import EvolutionParameters
+
 
 localrules:
     archive,
@@ -46,8 +49,7 @@ rule evolve:
     resources:
         **needs(mb=1200, mb_per_thread=600, minutes=60),
     params:
-        settings=settings_of("evolve"),
-        base=each("--base", "base"),
+        settings=settings_of(EvolutionParameters),
         measures=MEASURES,
         contents=contents_of(region_meshes),
         page="logs/{dataset}/map.html",
@@ -56,22 +58,19 @@ rule evolve:
     message:
         "Evolving {wildcards.dataset}, epoch {wildcards.epoch}, island {wildcards.island}"
         " (live map: {params.page})"
-    shell:
-        "egad evolve --settings {params.settings:q} --epoch {wildcards.epoch}"
-        " --island {wildcards.island} {params.base:q} --jobs {threads} --page {params.page:q}"
-        " --islands {params.islands} --out {output.archive:q} --history {output.history:q}"
-        " --lineage {output.lineage:q} > {log:q} 2>&1"
+    script:
+        "../scripts/evolve.py"
 
 
 rule merge:
     """Merge the islands of an epoch into one archive."""
     input:
-        expand(
+        islands=expand(
             "results/{{dataset}}/epochs/epoch-{{epoch}}/island-{island}.parquet",
             island=ISLANDS,
         ),
     output:
-        ensure("results/{dataset}/epochs/epoch-{epoch}/archive.parquet", non_empty=True),
+        archive=ensure("results/{dataset}/epochs/epoch-{epoch}/archive.parquet", non_empty=True),
     log:
         "logs/{dataset}/merge/epoch-{epoch}.log",
     benchmark:
@@ -84,21 +83,20 @@ rule merge:
     resources:
         **needs(mb=1000, mb_per_thread=100, minutes=10),
     params:
-        settings=settings_of("merge"),
+        settings=settings_of(Merge),
         code=code_of("merge"),
     message:
         "Merging the islands of epoch {wildcards.epoch}"
-    shell:
-        "egad merge --settings {params.settings:q} --out {output:q} --jobs {threads} {input:q}"
-        " > {log:q} 2>&1"
+    script:
+        "../scripts/merge.py"
 
 
 rule archive:
     """Publish the archive that the objects are made from."""
     input:
-        final_archive,
+        final=final_archive,
     output:
-        ensure("results/{dataset}/archive.parquet", non_empty=True),
+        archive=ensure("results/{dataset}/archive.parquet", non_empty=True),
     log:
         "logs/{dataset}/archive.log",
     benchmark:
@@ -112,11 +110,11 @@ rule archive:
         **needs(mb=1000, minutes=10),
     params:
         contents=contents_of(final_archive),
-        code=code_of("merge"),
+        code=code_of("publish"),
     message:
         "Publishing the archive"
-    shell:
-        "egad archive {input:q} --out {output:q} > {log:q} 2>&1"
+    script:
+        "../scripts/publish.py"
 
 
 rule ancestry:
@@ -129,7 +127,7 @@ rule ancestry:
             island=ISLANDS,
         ),
     output:
-        ensure("results/{dataset}/ancestry.parquet", non_empty=True),
+        ancestry=ensure("results/{dataset}/ancestry.parquet", non_empty=True),
     log:
         "logs/{dataset}/ancestry.log",
     benchmark:
@@ -145,20 +143,19 @@ rule ancestry:
         code=code_of("ancestry"),
     message:
         "Finding the ancestors of {wildcards.dataset}"
-    shell:
-        "egad ancestry --archive {input.archive:q} --out {output:q} {input.lineages:q}"
-        " > {log:q} 2>&1"
+    script:
+        "../scripts/ancestry.py"
 
 
 use rule join as history with:
     input:
-        expand(
+        tables=expand(
             "results/{{dataset}}/epochs/epoch-{epoch}/history-{island}.parquet",
             epoch=range(LAST_EPOCH + 1),
             island=ISLANDS,
         ),
     output:
-        ensure("results/{dataset}/history.parquet", non_empty=True),
+        joined=ensure("results/{dataset}/history.parquet", non_empty=True),
     log:
         "logs/{dataset}/history.log",
     benchmark:
@@ -166,7 +163,7 @@ use rule join as history with:
     wildcard_constraints:
         dataset=EVOLVED_DATASET,
     params:
-        by=["--by", "epoch", "--by", "island", "--by", "step"],
+        by=["epoch", "island", "step"],
         code=code_of("join"),
     message:
         "Joining the history of {wildcards.dataset}"

@@ -7,6 +7,8 @@ Outputs: results/D/exchange/G.hdf5 (Dex-Net), results/D/exchange/G-FORMAT (the o
 Steps: for Dex-Net, distance fields and poses of shards of objects; then one file for all of them.
 """
 
+from egad.config.stages import DexNetObjects
+
 
 rule dexnet_objects:
     """Compute distance fields, stable poses and masses of the objects of a shard."""
@@ -14,7 +16,7 @@ rule dexnet_objects:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
     output:
-        ensure("results/{dataset}/parts/exchange-{gripper}-{shard}.hdf5", non_empty=True),
+        out=ensure("results/{dataset}/parts/exchange-{gripper}-{shard}.hdf5", non_empty=True),
     log:
         "logs/{dataset}/dexnet_objects/{gripper}-{shard}.log",
     benchmark:
@@ -25,16 +27,14 @@ rule dexnet_objects:
     resources:
         **needs(mb=1000, minutes=30),
     params:
-        settings=settings_of("dexnet_objects"),
+        settings=settings_of(DexNetObjects),
         meshes=subpath(input.scales, parent=True),
-        shards=len(SHARDS),
+        shard=shard_of(len(SHARDS)),
         code=code_of("dexnet_objects"),
     message:
         "Computing distance fields of {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
-    shell:
-        "IGL_NUM_THREADS={threads} egad dexnet-objects --settings {params.settings:q}"
-        " --shard {wildcards.shard} --shards {params.shards} --objects {input.objects:q}"
-        " --meshes {params.meshes:q} --out {output:q} > {log:q} 2>&1"
+    script:
+        "../scripts/dexnet_objects.py"
 
 
 rule dexnet:
@@ -45,7 +45,7 @@ rule dexnet:
         grasps="results/{dataset}/grasps/{gripper}.parquet",
         parts=parts("results/{dataset}/parts/exchange-{gripper}-{shard}.hdf5"),
     output:
-        ensure("results/{dataset}/exchange/{gripper}.hdf5", non_empty=True),
+        out=ensure("results/{dataset}/exchange/{gripper}.hdf5", non_empty=True),
     log:
         "logs/{dataset}/dexnet/{gripper}.log",
     benchmark:
@@ -58,13 +58,11 @@ rule dexnet:
     params:
         settings=settings_of_export("dexnet"),
         dataset=subpath(input.objects, parent=True),
-        parts=each("--part", "parts"),
-        code=code_version("egad.pipeline.exports.dexnet"),
+        code=code_of("dexnet"),
     message:
         "Writing the Dex-Net database of {wildcards.gripper} on {wildcards.dataset}"
-    shell:
-        "egad export --format dexnet --settings {params.settings:q} --gripper {wildcards.gripper:q}"
-        " {params.parts:q} --out {output:q} {params.dataset:q} > {log:q} 2>&1"
+    script:
+        "../scripts/dexnet.py"
 
 
 rule export:
@@ -73,7 +71,7 @@ rule export:
         again_if_incomplete("results/{dataset}/exchange/{gripper}-{format}"),
         exported_from,
     output:
-        directory("results/{dataset}/exchange/{gripper}-{format}"),
+        out=directory("results/{dataset}/exchange/{gripper}-{format}"),
     log:
         "logs/{dataset}/export/{gripper}-{format}.log",
     benchmark:
@@ -87,12 +85,11 @@ rule export:
         **needs(mb=1500, minutes=30),
     params:
         settings=settings_of_export(),
-        objects=exported_objects,
+        style="{format}",
+        chosen=SETTINGS.targets.export_objects,
         dataset="results/{dataset}",
         code=code_of_export,
     message:
         "Writing {wildcards.dataset} for {wildcards.gripper} as {wildcards.format}"
-    shell:
-        "egad export --format {wildcards.format} --settings {params.settings:q}"
-        " {params.objects} --gripper {wildcards.gripper:q} --out {output:q}"
-        " {params.dataset:q} > {log:q} 2>&1"
+    script:
+        "../scripts/export.py"

@@ -28,7 +28,7 @@ rule gallery:
         archives=archives_of_release,
     output:
         page=ensure("results/release/index.html", non_empty=True),
-        data=directory("results/release/gallery"),
+        out=directory("results/release/gallery"),
     log:
         "logs/release/gallery.log",
     benchmark:
@@ -41,21 +41,12 @@ rule gallery:
     params:
         settings=settings_of_gallery,
         gripper=RELEASED["gripper"],
-        grasps=each("--grasps", "grasps"),
-        archive=each("--archive", "archive"),
-        ancestry=each("--ancestry", "ancestry"),
-        pieces=each("--pieces", "pieces"),
-        archives=each("--pieces", "archives"),
-        trials=lambda wildcards: [f"{k}={v}" for k, v in trials_of_release(wildcards).items()],
+        detectors=lambda wildcards: list(trials_of_release(wildcards)),
         contents=contents_of(
             lambda wildcards: [*region_meshes(wildcards), *ancestry_of_release(wildcards)]
         ),
         code=code_of("gallery"),
     message:
         "Writing the gallery of the release"
-    shell:
-        "egad gallery --settings {params.settings:q} --objects {input.objects:q}"
-        " --meshes {input.meshes:q} --gripper {params.gripper:q} --scales {input.scales:q}"
-        " {params.grasps:q} --eval {input.evaluation:q} {params.archive:q} {params.ancestry:q}"
-        " {params.pieces:q} {params.archives:q} --out {output.data:q} --page {output.page:q}"
-        " --jobs {threads} {params.trials:q} > {log:q} 2>&1"
+    script:
+        "../scripts/gallery.py"

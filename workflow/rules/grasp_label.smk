@@ -7,6 +7,9 @@ Steps: shards of objects are labelled; if targets.simulated_labels is true, or a
 simulated labels, their grasps are simulated; then the tables of the shards are joined.
 """
 
+from egad.config.stages import SimulatedLabels
+from egad.grasps import LabelParameters
+
 
 localrules:
     join_sampling,
@@ -20,7 +23,7 @@ rule grasp_label:
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
         hand=gripper_files,
     output:
-        grasps=ensure("results/{dataset}/parts/grasps-{gripper}-{shard}.parquet", non_empty=True),
+        out=ensure("results/{dataset}/parts/grasps-{gripper}-{shard}.parquet", non_empty=True),
         sampling=ensure(
             "results/{dataset}/parts/sampling-{gripper}-{shard}.parquet", non_empty=True
         ),
@@ -38,18 +41,15 @@ rule grasp_label:
     resources:
         **needs(mb=1000, minutes=30),
     params:
-        settings=settings_of("grasp_label"),
+        settings=settings_of(LabelParameters),
         meshes=subpath(input.scales, parent=True),
-        shards=len(SHARDS),
+        shard=shard_of(len(SHARDS)),
         contents=contents_of(gripper_files),
         code=code_of("grasp_label"),
     message:
         "Labelling grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
-    shell:
-        "egad grasp-label --settings {params.settings:q} --shard {wildcards.shard}"
-        " --shards {params.shards} --objects {input.objects:q} --meshes {params.meshes:q}"
-        " --out {output.grasps:q} --sampling {output.sampling:q} --rejected {output.rejected:q}"
-        " > {log:q} 2>&1"
+    script:
+        "../scripts/grasp_label.py"
 
 
 rule simulated_label:
@@ -59,7 +59,7 @@ rule simulated_label:
         convex_parts="results/{dataset}/parts/convex_parts-{gripper}-{shard}.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
     output:
-        ensure("results/{dataset}/parts/simulated-{gripper}-{shard}.parquet", non_empty=True),
+        out=ensure("results/{dataset}/parts/simulated-{gripper}-{shard}.parquet", non_empty=True),
     log:
         "logs/{dataset}/simulated_label/{gripper}-{shard}.log",
     benchmark:
@@ -70,25 +70,24 @@ rule simulated_label:
     resources:
         **needs(mb=2000, minutes=60),
     params:
-        settings=settings_of("simulated_label"),
+        settings=settings_of(SimulatedLabels),
         meshes=subpath(input.scales, parent=True),
         code=code_of("simulated_label"),
     message:
         "Simulating grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
-    shell:
-        "egad simulated-label --settings {params.settings:q} --grasps {input.grasps:q}"
-        " --convex-parts {input.convex_parts:q} --meshes {params.meshes:q} --out {output:q} > {log:q} 2>&1"
+    script:
+        "../scripts/simulated_label.py"
 
 
 use rule join as join_grasps with:
     input:
-        parts(
+        tables=parts(
             "results/{dataset}/parts/simulated-{gripper}-{shard}.parquet"
             if SIMULATES_LABELS
             else "results/{dataset}/parts/grasps-{gripper}-{shard}.parquet"
         ),
     output:
-        ensure("results/{dataset}/grasps/{gripper}.parquet", non_empty=True),
+        joined=ensure("results/{dataset}/grasps/{gripper}.parquet", non_empty=True),
     log:
         "logs/{dataset}/join_grasps/{gripper}.log",
     benchmark:
@@ -96,7 +95,7 @@ use rule join as join_grasps with:
     resources:
         **needs(mb=2000, minutes=10),
     params:
-        by=["--by", "label", "--by", "grasp"],
+        by=["label", "grasp"],
         code=code_of("join"),
     message:
         "Joining the grasps of {wildcards.gripper} on {wildcards.dataset}"
@@ -104,15 +103,15 @@ use rule join as join_grasps with:
 
 use rule join as join_sampling with:
     input:
-        parts("results/{dataset}/parts/sampling-{gripper}-{shard}.parquet"),
+        tables=parts("results/{dataset}/parts/sampling-{gripper}-{shard}.parquet"),
     output:
-        ensure("results/{dataset}/grasps/{gripper}.sampling.parquet", non_empty=True),
+        joined=ensure("results/{dataset}/grasps/{gripper}.sampling.parquet", non_empty=True),
     log:
         "logs/{dataset}/join_sampling/{gripper}.log",
     benchmark:
         "benchmarks/{dataset}/join_sampling/{gripper}.tsv"
     params:
-        by=["--by", "label"],
+        by=["label"],
         code=code_of("join"),
     message:
         "Joining the sampling statistics of {wildcards.gripper} on {wildcards.dataset}"
@@ -120,15 +119,15 @@ use rule join as join_sampling with:
 
 use rule join as join_ungraspable with:
     input:
-        parts("results/{dataset}/parts/ungraspable-{gripper}-{shard}.parquet"),
+        tables=parts("results/{dataset}/parts/ungraspable-{gripper}-{shard}.parquet"),
     output:
-        ensure("results/{dataset}/grasps/{gripper}.rejected.parquet", non_empty=True),
+        joined=ensure("results/{dataset}/grasps/{gripper}.rejected.parquet", non_empty=True),
     log:
         "logs/{dataset}/join_ungraspable/{gripper}.log",
     benchmark:
         "benchmarks/{dataset}/join_ungraspable/{gripper}.tsv"
     params:
-        by=["--by", "id", "--by", "stage"],
+        by=["id", "stage"],
         code=code_of("join"),
     message:
         "Joining the objects of {wildcards.dataset} without grasps of {wildcards.gripper}"

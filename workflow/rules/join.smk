@@ -16,5 +16,5 @@ rule join:
     params:
         by=[],
         code=code_of("join"),
-    shell:
-        "egad join {params.by:q} --out {output:q} {input:q} > {log:q} 2>&1"
+    script:
+        "../scripts/join.py"

@@ -5,11 +5,14 @@ Outputs: results/D/objects.parquet, results/D/meshes/LABEL.obj (metres), results
 Steps: shards of objects are repaired and measured; then all get cells, labels and diversities.
 """
 
+from egad.config.stages import Collect, PostprocessSolids
+
 
 rule postprocess:
     """Repair and measure the objects of a shard."""
     input:
         raw_objects,
+        archive=raw_archive,
     output:
         solids=ensure("results/{dataset}/parts/solids-{shard}.parquet", non_empty=True),
         rejected=ensure("results/{dataset}/parts/rejected-{shard}.parquet", non_empty=True),
@@ -23,18 +26,16 @@ rule postprocess:
     resources:
         **needs(mb=1500, minutes=30),
     params:
-        settings=settings_of("postprocess"),
-        objects=raw_options,
+        settings=settings_of(PostprocessSolids),
+        dataset=dataset_of,
         state=raw_state,
         measures=MEASURES,
-        shards=len(SHARDS),
+        shard=shard_of(len(SHARDS)),
         code=code_of("postprocess"),
     message:
         "Repairing and measuring {wildcards.dataset}, shard {wildcards.shard}"
-    shell:
-        "egad postprocess --settings {params.settings:q} --shard {wildcards.shard}"
-        " --shards {params.shards} {params.objects:q} --out {output.solids:q}"
-        " --rejected {output.rejected:q} > {log:q} 2>&1"
+    script:
+        "../scripts/postprocess.py"
 
 
 rule collect:
@@ -57,15 +58,10 @@ rule collect:
     resources:
         **needs(mb=2000, mb_per_thread=1000, minutes=30),
     params:
-        settings=settings_of("collect"),
+        settings=settings_of(Collect),
         source=lambda wildcards: SETTINGS.datasets[wildcards.dataset].source,
-        solids=each("--solids", "solids"),
-        rejects=each("--rejects", "rejects"),
         code=code_of("collect"),
     message:
         "Collecting the objects of {wildcards.dataset}"
-    shell:
-        "egad collect --settings {params.settings:q} --source {params.source:q}"
-        " {params.solids:q} {params.rejects:q} --out {output.objects:q}"
-        " --rejected {output.rejected:q} --meshes {output.meshes:q} --jobs {threads}"
-        " > {log:q} 2>&1"
+    script:
+        "../scripts/collect.py"

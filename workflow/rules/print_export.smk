@@ -4,6 +4,8 @@ Inputs: results/D/eval49.parquet, results/D/rescaled/G; results/D/grasps/G.parqu
 Outputs: results/D/print/G, a folder with manifest.parquet.
 """
 
+from egad.config.stages import PrintFiles
+
 
 rule print_export:
     """Write files for printers, for one gripper."""
@@ -26,15 +28,11 @@ rule print_export:
     resources:
         **needs(mb=1500, minutes=10),
     params:
-        settings=settings_of("print_export"),
+        settings=settings_of(PrintFiles),
         meshes=subpath(input.scales, parent=True),
-        grasps=each("--grasps", "grasps"),
-        folder=subpath(output.manifest, parent=True),
+        out=subpath(output.manifest, parent=True),
         code=code_of("print_export"),
     message:
         "Writing print files of {wildcards.dataset} for {wildcards.gripper}"
-    shell:
-        "egad print-export --settings {params.settings:q} --eval {input.evaluation:q}"
-        " --meshes {params.meshes:q} --scales {input.scales:q} --gripper {wildcards.gripper:q}"
-        " --out {params.folder:q} {params.grasps:q}"
-        " > {log:q} 2>&1"
+    script:
+        "../scripts/print_export.py"

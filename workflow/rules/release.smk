@@ -8,6 +8,8 @@ a dataset card and checksums.
 Steps: tables, meshes, pictures and archives; the gallery (gallery.smk); then what explains them.
 """
 
+from egad.config.stages import ReleaseArchive, ReleaseCard, ReleaseTables
+
 
 localrules:
     release_card,
@@ -25,7 +27,7 @@ rule release_tables:
         ),
         ancestry=ancestry_of_release,
     output:
-        directory("results/release/data"),
+        out=directory("results/release/data"),
     log:
         "logs/release/release_tables.log",
     benchmark:
@@ -36,17 +38,13 @@ rule release_tables:
     resources:
         **needs(mb=2000, minutes=10),
     params:
-        settings=settings_of("release_tables"),
-        grasps=each("--grasps", "grasps"),
-        ancestry=each("--ancestry", "ancestry"),
+        settings=settings_of(ReleaseTables),
         contents=contents_of(ancestry_of_release),
         code=code_of("release_tables"),
     message:
         "Writing the tables of the release"
-    shell:
-        "egad release-tables --settings {params.settings:q} --objects {input.objects:q}"
-        " --scales {input.scales:q} --eval {input.evaluation:q} {params.grasps:q}"
-        " {params.ancestry:q} --out {output:q} > {log:q} 2>&1"
+    script:
+        "../scripts/release_tables.py"
 
 
 rule release_meshes:
@@ -56,7 +54,7 @@ rule release_meshes:
         objects=of_release("results/{dataset}/objects.parquet"),
         meshes=of_release("results/{dataset}/meshes"),
     output:
-        directory("results/release/meshes"),
+        out=directory("results/release/meshes"),
     log:
         "logs/release/release_meshes.log",
     benchmark:
@@ -70,9 +68,8 @@ rule release_meshes:
         code=code_of("release_meshes"),
     message:
         "Writing the meshes of the release"
-    shell:
-        "egad release-meshes --objects {input.objects:q} --meshes {input.meshes:q}"
-        " --out {output:q} --jobs {threads} > {log:q} 2>&1"
+    script:
+        "../scripts/release_meshes.py"
 
 
 rule release_previews:
@@ -82,7 +79,7 @@ rule release_previews:
         objects=of_release("results/{dataset}/objects.parquet"),
         meshes=of_release("results/{dataset}/meshes"),
     output:
-        directory("results/release/previews"),
+        out=directory("results/release/previews"),
     log:
         "logs/release/release_previews.log",
     benchmark:
@@ -96,9 +93,8 @@ rule release_previews:
         code=code_of("release_previews"),
     message:
         "Drawing the objects of the release"
-    shell:
-        "egad release-previews --objects {input.objects:q} --meshes {input.meshes:q}"
-        " --out {output:q} --jobs {threads} > {log:q} 2>&1"
+    script:
+        "../scripts/release_previews.py"
 
 
 rule release_archive:
@@ -107,7 +103,7 @@ rule release_archive:
         scales=of_release("results/{dataset}/rescaled/{gripper}/scales.parquet"),
         convex_parts=of_release("results/{dataset}/convex_parts/{gripper}.parquet"),
     output:
-        ensure("results/release/archives/{format}.zip", non_empty=True),
+        out=ensure("results/release/archives/{format}.zip", non_empty=True),
     log:
         "logs/release/release_archive/{format}.log",
     benchmark:
@@ -120,26 +116,22 @@ rule release_archive:
     resources:
         **needs(mb=1500, minutes=60),
     params:
-        settings=settings_of("release_archive"),
+        settings=settings_of(ReleaseArchive),
+        style="{format}",
         meshes=subpath(input.scales, parent=True),
         code=code_of("release_archive"),
     message:
         "Writing the objects of the release as {wildcards.format}"
-    shell:
-        "egad release-archive --settings {params.settings:q} --format {wildcards.format}"
-        " --meshes {params.meshes:q} --convex-parts {input.convex_parts:q} --out {output:q}"
-        " > {log:q} 2>&1"
+    script:
+        "../scripts/release_archive.py"
 
 
 rule release_card:
     """Write the dataset card, licence, citation, provenance and checksums of the release."""
     input:
-        "results/release/data",
-        "results/release/meshes",
-        "results/release/previews",
-        archives_of_release,
-        "results/release/index.html",
-        "results/release/gallery",
+        pieces=[f"results/release/{name}" for name in ("data", "meshes", "previews")],
+        archives=archives_of_release,
+        gallery=["results/release/index.html", "results/release/gallery"],
     output:
         card=ensure("results/release/README.md", non_empty=True),
         croissant=ensure("results/release/croissant.json", non_empty=True),
@@ -158,13 +150,11 @@ rule release_card:
     resources:
         **needs(mb=1000, minutes=10),
     params:
-        settings=settings_of("release_card"),
-        pieces=lambda wildcards, input: [w for file in input for w in ("--pieces", file)],
-        folder=subpath(output.card, parent=True),
+        settings=settings_of(ReleaseCard),
+        out=subpath(output.card, parent=True),
         network=contents_of(shipped_network),
         code=code_of("release_card"),
     message:
         "Describing the release"
-    shell:
-        "egad release-card --settings {params.settings:q} {params.pieces:q}"
-        " --out {params.folder:q} > {log:q} 2>&1"
+    script:
+        "../scripts/release_card.py"

@@ -1,5 +1,7 @@
 """Functions: what the release and its gallery are made from. No rules here."""
 
+from egad.config.stages import Gallery
+
 RELEASED = {"dataset": SETTINGS.release.dataset, "gripper": SETTINGS.release.gripper}
 
 
@@ -49,5 +51,4 @@ def trials_of_release(wildcards):
 
 def settings_of_gallery(wildcards):
     """The settings that the stage reads, with the gripper of the release."""
-    kind = settings_type(stage_function("gallery"))
-    return _as_json(select(SETTINGS, kind, RELEASED["gripper"]))
+    return plain(select(SETTINGS, Gallery, RELEASED["gripper"]))

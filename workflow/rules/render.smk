@@ -8,6 +8,9 @@ rejected.parquet, the objects without images. Made if targets.render is true.
 Steps: shards of images are rendered (their number depends on that of the images); then the card.
 """
 
+from egad.config.stages import RenderImages
+from egad.perception import RenderParameters
+
 
 localrules:
     image_card,
@@ -22,7 +25,7 @@ rule render:
         convex_parts=parts_of_images,
         hand=gripper_files,
     output:
-        images=ensure("results/{dataset}/images/{gripper}/images-{shard}.parquet", non_empty=True),
+        out=ensure("results/{dataset}/images/{gripper}/images-{shard}.parquet", non_empty=True),
         rejected=ensure(
             "results/{dataset}/parts/unrendered-{gripper}-{shard}.parquet",
             non_empty=True,
@@ -37,29 +40,29 @@ rule render:
     resources:
         **needs(mb=2000, minutes=30),
     params:
-        settings=settings_of("render"),
+        settings=settings_of(RenderImages),
         meshes=subpath(input.scales, parent=True),
-        shards=len(IMAGE_SHARDS),
-        evaluation=each("--eval", "evaluation"),
-        convex_parts=each("--convex-parts", "convex_parts"),
+        shard=shard_of(len(IMAGE_SHARDS)),
         code=code_of("render"),
     message:
         "Rendering {wildcards.dataset} for {wildcards.gripper}, shard {wildcards.shard}"
-    shell:
-        "egad render --settings {params.settings:q} --shard {wildcards.shard}"
-        " --shards {params.shards} --objects {input.objects:q} --meshes {params.meshes:q}"
-        " {params.evaluation:q} {params.convex_parts:q} --out {output.images:q}"
-        " --rejected {output.rejected:q} > {log:q} 2>&1"
+    script:
+        "../scripts/render.py"
 
 
 rule image_card:
     """Describe the images of a gripper."""
     input:
-        images=parts("results/{dataset}/images/{gripper}/images-{shard}.parquet", IMAGE_SHARDS),
+        parts=parts("results/{dataset}/images/{gripper}/images-{shard}.parquet", IMAGE_SHARDS),
         rejects=parts("results/{dataset}/parts/unrendered-{gripper}-{shard}.parquet", IMAGE_SHARDS),
     output:
-        card=ensure("results/{dataset}/images/{gripper}/card.md", non_empty=True),
-        figure=ensure("results/{dataset}/images/{gripper}/openings.svg", non_empty=True),
+        out=ensure("results/{dataset}/images/{gripper}/card.md", non_empty=True),
+        figure=report(
+            ensure("results/{dataset}/images/{gripper}/openings.svg", non_empty=True),
+            caption="../report/openings.rst",
+            category="Images",
+            labels={"dataset": "{dataset}", "gripper": "{gripper}"},
+        ),
         rejected=ensure("results/{dataset}/images/{gripper}/rejected.parquet", non_empty=True),
     log:
         "logs/{dataset}/image_card/{gripper}.log",
@@ -71,18 +74,13 @@ rule image_card:
     resources:
         **needs(mb=1000, minutes=10),
     params:
-        settings=settings_of("image_card"),
+        settings=settings_of(RenderParameters),
         dataset="{dataset}",
         gripper="{gripper}",
-        folder=subpath(output.card, parent=True),
+        images=subpath(output.out, parent=True),
         shards=len(IMAGE_SHARDS),
-        rejects=each("--rejects", "rejects"),
         code=code_of("image_card"),
     message:
         "Describing the images of {wildcards.dataset} for {wildcards.gripper}"
-    shell:
-        "egad image-card --settings {params.settings:q} --dataset {params.dataset:q}"
-        " --gripper {params.gripper:q} --images {params.folder:q} --shards {params.shards}"
-        " {params.rejects:q}"
-        " --out {output.card:q} --figure {output.figure:q} --rejected {output.rejected:q}"
-        " > {log:q} 2>&1"
+    script:
+        "../scripts/image_card.py"

@@ -11,7 +11,11 @@ rule report:
         published(),
     output:
         # an older one stays until this one is written
-        ensure(update("results/report.html"), non_empty=True),
+        out=report(
+            ensure(update("results/report.html"), non_empty=True),
+            caption="../report/overview.rst",
+            category="Overview",
+        ),
     log:
         "logs/report.log",
     benchmark:
@@ -22,12 +26,11 @@ rule report:
     resources:
         **needs(mb=1000, mb_per_thread=300, minutes=30),
     params:
-        settings=SETTINGS.model_dump_json(),
+        settings=SETTINGS.model_dump(mode="json"),
         meanings=MEANINGS,
-        results=subpath(output[0], parent=True),
+        results=subpath(output.out, parent=True),
         code=code_of("report"),
     message:
         "Writing the report"
-    shell:
-        "egad report --settings {params.settings:q} --results {params.results:q} --out {output:q}"
-        " --jobs {threads} {input:q} > {log:q} 2>&1"
+    script:
+        "../scripts/report.py"

@@ -4,12 +4,14 @@ Inputs: results/D/meshes.
 Outputs: results/D/rescaled/G/LABEL.obj (metres), scales.parquet and rejected.parquet.
 """
 
+from egad.config.stages import RescaleMeshes
+
 
 rule rescale:
     """Scale all objects of a dataset to one gripper."""
     input:
         again_if_incomplete("results/{dataset}/rescaled/{gripper}/scales.parquet"),
-        "results/{dataset}/meshes",
+        meshes="results/{dataset}/meshes",
     output:
         scales=ensure("results/{dataset}/rescaled/{gripper}/scales.parquet", non_empty=True),
         rejected=ensure("results/{dataset}/rescaled/{gripper}/rejected.parquet", non_empty=True),
@@ -23,11 +25,10 @@ rule rescale:
     resources:
         **needs(mb=1000, mb_per_thread=300, minutes=30),
     params:
-        settings=settings_of("rescale"),
-        folder=subpath(output.scales, parent=True),
+        settings=settings_of(RescaleMeshes),
+        out=subpath(output.scales, parent=True),
         code=code_of("rescale"),
     message:
         "Scaling {wildcards.dataset} to {wildcards.gripper}"
-    shell:
-        "egad rescale --settings {params.settings:q} --out {params.folder:q} --jobs {threads}"
-        " {input:q} > {log:q} 2>&1"
+    script:
+        "../scripts/rescale.py"

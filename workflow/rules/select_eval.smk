@@ -4,6 +4,8 @@ Inputs: results/D/objects.parquet, and the shards of postprocess for their Reeb 
 Outputs: results/D/eval49.parquet, and eval49.rejected.parquet for candidates that cannot be printed.
 """
 
+from egad.config.stages import EvalSelection
+
 
 rule select_eval:
     """Choose the most dissimilar objects."""
@@ -11,7 +13,7 @@ rule select_eval:
         objects="results/{dataset}/objects.parquet",
         solids=parts("results/{dataset}/parts/solids-{shard}.parquet"),
     output:
-        chosen=ensure("results/{dataset}/eval49.parquet", non_empty=True),
+        out=ensure("results/{dataset}/eval49.parquet", non_empty=True),
         rejected=ensure("results/{dataset}/eval49.rejected.parquet", non_empty=True),
     log:
         "logs/{dataset}/select_eval.log",
@@ -23,12 +25,9 @@ rule select_eval:
     resources:
         **needs(mb=2000, mb_per_thread=250, minutes=30),
     params:
-        settings=settings_of("select_eval"),
-        solids=each("--solids", "solids"),
+        settings=settings_of(EvalSelection),
         code=code_of("select_eval"),
     message:
         "Choosing the evaluation set of {wildcards.dataset}"
-    shell:
-        "egad select-eval --settings {params.settings:q} --objects {input.objects:q}"
-        " {params.solids:q} --out {output.chosen:q} --rejected {output.rejected:q}"
-        " --jobs {threads} > {log:q} 2>&1"
+    script:
+        "../scripts/select_eval.py"

@@ -12,9 +12,9 @@ localrules:
 rule simulated_difficulty:
     """Summarize the simulated labels of each object."""
     input:
-        "results/{dataset}/grasps/{gripper}.parquet",
+        grasps="results/{dataset}/grasps/{gripper}.parquet",
     output:
-        ensure("results/{dataset}/simulated/{gripper}.parquet", non_empty=True),
+        out=ensure("results/{dataset}/simulated/{gripper}.parquet", non_empty=True),
     log:
         "logs/{dataset}/simulated_difficulty/{gripper}.log",
     benchmark:
@@ -28,5 +28,5 @@ rule simulated_difficulty:
         code=code_of("simulated_difficulty"),
     message:
         "Summarizing simulated labels of {wildcards.gripper} on {wildcards.dataset}"
-    shell:
-        "egad simulated-difficulty --grasps {input:q} --out {output:q} > {log:q} 2>&1"
+    script:
+        "../scripts/simulated_difficulty.py"

@@ -1,10 +1,12 @@
 """Simulated-trial: attempts of a grasp detector on the evaluation set.
 
 Inputs: results/D/eval49.parquet, results/D/bundle/G; for the detector `labels` also
-results/D/grasps/G.parquet, and for a network of the training study its weights.
+results/D/grasps/G.parquet, and its weights, if a workflow makes them.
 Outputs: results/D/trials/G/P.parquet, one row per attempt.
 Steps: trials on shards of objects; then the tables of the shards are joined.
 """
+
+from egad.config.stages import SimulatedTrials
 
 
 localrules:
@@ -15,12 +17,12 @@ rule simulated_trial:
     """Run trials on the objects of a shard."""
     input:
         evaluation="results/{dataset}/eval49.parquet",
-        bundle="results/{dataset}/bundle/{gripper}/bundle.parquet",
+        table="results/{dataset}/bundle/{gripper}/bundle.parquet",
         grasps=labelled,
         weights=weights_of_detector,
         hand=gripper_files,
     output:
-        ensure(
+        out=ensure(
             "results/{dataset}/parts/trials-{gripper}-{detector}-{shard}.parquet",
             non_empty=True,
         ),
@@ -36,37 +38,33 @@ rule simulated_trial:
     resources:
         **needs(mb=2000, minutes=120),
     params:
-        settings=settings_of("simulate"),
-        given=settings_with_keep_going("simulate"),
-        bundle=subpath(input.bundle, parent=True),
-        shard="{shard}",
-        shards=len(EVALUATION_SHARDS),
-        grasps=each("--grasps", "grasps"),
+        settings=settings_of(SimulatedTrials),
+        keep_going=keep_going(SETTINGS.trials),
+        bundle=subpath(input.table, parent=True),
+        shard=shard_of(len(EVALUATION_SHARDS)),
         code=code_of("simulate"),
         contents=contents_of(gripper_files),
         detector=detector_code,
     message:
         "Running trials of {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
-    shell:
-        "egad simulate --settings {params.given:q}"
-        " --shard {params.shard} --shards {params.shards} --eval {input.evaluation:q}"
-        " --bundle {params.bundle:q} {params.grasps:q} --out {output:q} > {log:q} 2>&1"
+    script:
+        "../scripts/simulate.py"
 
 
 use rule join as join_trials with:
     input:
-        parts(
+        tables=parts(
             "results/{dataset}/parts/trials-{gripper}-{detector}-{shard}.parquet",
             EVALUATION_SHARDS,
         ),
     output:
-        ensure("results/{dataset}/trials/{gripper}/{detector}.parquet", non_empty=True),
+        joined=ensure("results/{dataset}/trials/{gripper}/{detector}.parquet", non_empty=True),
     log:
         "logs/{dataset}/join_trials/{gripper}-{detector}.log",
     benchmark:
         "benchmarks/{dataset}/join_trials/{gripper}-{detector}.tsv"
     params:
-        by=["--by", "label", "--by", "attempt"],
+        by=["label", "attempt"],
         code=code_of("join"),
     message:
         "Joining the trials of {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}"

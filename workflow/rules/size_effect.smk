@@ -4,6 +4,8 @@ Inputs: results/D/eval49.parquet, results/D/meshes.
 Outputs: results/D/size_effect/G.parquet.
 """
 
+from egad.measures import SizeEffectParameters
+
 
 rule size_effect:
     """Compute grasp quality over size for an easy, a medium and a hard object."""
@@ -11,7 +13,7 @@ rule size_effect:
         evaluation="results/{dataset}/eval49.parquet",
         meshes="results/{dataset}/meshes",
     output:
-        ensure("results/{dataset}/size_effect/{gripper}.parquet", non_empty=True),
+        size_effect=ensure("results/{dataset}/size_effect/{gripper}.parquet", non_empty=True),
     log:
         "logs/{dataset}/size_effect/{gripper}.log",
     benchmark:
@@ -22,10 +24,9 @@ rule size_effect:
     resources:
         **needs(mb=1000, minutes=10),
     params:
-        settings=settings_of("size_effect"),
+        settings=settings_of(SizeEffectParameters),
         code=code_of("size_effect"),
     message:
         "Computing grasp quality over size of {wildcards.dataset} for {wildcards.gripper}"
-    shell:
-        "egad size-effect-eval --settings {params.settings:q} --eval {input.evaluation:q}"
-        " --meshes {input.meshes:q} --out {output:q} > {log:q} 2>&1"
+    script:
+        "../scripts/size_effect.py"

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from egad.exchange import EVERY_FILE, objects_in
-from egad.pipeline.stages.shards import by_shard
+from egad.workflow.shards import by_shard
 
 
 def previous_archive(wildcards):
@@ -39,12 +39,17 @@ def meshes_by_shard(name):
 
 
 def raw_objects(wildcards):
-    """The source of the objects of a shard: the archive, mesh files, or nothing."""
+    """The mesh files of a shard; none for other objects."""
     source = SETTINGS.datasets[wildcards.dataset].source
-    if source == "primitives":
+    if source != "meshes":
         return []
-    if source == "meshes":
-        return list(meshes_by_shard(wildcards.dataset)[int(wildcards.shard)].values())
+    return list(meshes_by_shard(wildcards.dataset)[int(wildcards.shard)].values())
+
+
+def raw_archive(wildcards):
+    """The archive that the objects of a dataset come from; none for meshes and primitives."""
+    if SETTINGS.datasets[wildcards.dataset].source in ("meshes", "primitives"):
+        return []
     return [f"results/{wildcards.dataset}/archive.parquet"]
 
 
@@ -61,16 +66,6 @@ def raw_state(wildcards):
     return hashlib.sha256(json.dumps(state).encode()).hexdigest()
 
 
-def raw_options(wildcards):
-    """The options of postprocess for the source of the objects.
-
-    Without `input`, so that other units or another number of objects run it again.
-    """
-    dataset = SETTINGS.datasets[wildcards.dataset]
-    if dataset.source == "primitives":
-        return ["--primitives", str(dataset.objects)]
-    if dataset.source == "meshes":
-        pattern = ["--pattern", dataset.pattern] if dataset.pattern else []
-        units = ["--units", dataset.units] if dataset.units else []
-        return ["--folder", dataset.folder, *units, *pattern]
-    return ["--archive", *raw_objects(wildcards)]
+def dataset_of(wildcards):
+    """The settings of a dataset: other units or another number of objects run it again."""
+    return SETTINGS.datasets[wildcards.dataset].model_dump(mode="json")

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.config import CAMERAS, Settings
+from egad.config.stages import select
 from egad.grasps.collision import SIDE_CLEARANCE
 from egad.perception.arrangement import PlacedObject, TableGrasps
 from egad.perception.parameters import RenderParameters
 from egad.perception.rendering import Labelled, views_of
 from egad.perception.splits import Share
-from egad.pipeline.config import CAMERAS, Settings
-from egad.pipeline.config.stage_settings import select
 
 SIDES = np.array([0.03, 0.06, 0.04])
 AXES = np.vstack([np.eye(3), [[1.0, 0, 0]]])

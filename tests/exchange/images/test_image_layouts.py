@@ -11,10 +11,10 @@ import pytest
 import tifffile
 from PIL import Image
 
+from egad.config import CAMERAS, GRIPPERS
 from egad.errors import UserError
 from egad.exchange.cornell import write_cornell
 from egad.exchange.jacquard import write_jacquard
-from egad.pipeline.config import CAMERAS, GRIPPERS
 
 GRIPPER = GRIPPERS["egad_75mm"]
 

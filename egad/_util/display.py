@@ -1,0 +1,89 @@
+"""How results show themselves: pictures that can be saved, and HTML for notebooks.
+
+What draws them is in `egad.report`. It is imported by name when it is needed: it does not affect
+results, so its changes must not re-run jobs.
+"""
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from egad._util.files import as_path, write_text
+from egad.errors import UserError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import trimesh
+
+
+@dataclass(frozen=True, repr=False)
+class Picture:
+    """A drawing that notebooks show, and that can be saved: what `plot()` of a result returns.
+
+    Attributes:
+        svg: The text of the drawing, which needs no other file.
+    """
+
+    svg: str
+
+    def __repr__(self) -> str:
+        return "Picture: save('picture.svg') writes it; a notebook shows it"
+
+    def save(self, path: str | Path) -> None:
+        """Write the drawing, atomically.
+
+        Args:
+            path: A file that ends in `.svg`.
+
+        Raises:
+            UserError: The path is none, or has another ending.
+        """
+        file = as_path("path", path)
+        if file.suffix.lower() != ".svg":
+            raise UserError(f"path is {str(file)!r}; allowed: a file that ends in .svg")
+        write_text(file, self.svg)
+
+    def _repr_svg_(self) -> str:
+        """The drawing, for notebooks."""
+        return self.svg
+
+
+def draw(module: str, function: str, *values: object) -> Picture:
+    """Let a function of the report draw a picture.
+
+    Args:
+        module: Its module in `egad.report`.
+        function: Its name; it returns SVG text.
+        values: Its arguments.
+    """
+    return Picture(_call(module, function, *values))
+
+
+def facts_html(
+    title: str, facts: Mapping[str, object], mesh: "trimesh.Trimesh | None" = None
+) -> str:
+    """HTML of a result: what it is, its facts as a table, and a thumbnail of its mesh.
+
+    Args:
+        title: What it is.
+        facts: Values by their names.
+        mesh: What to draw beside them, if anything.
+    """
+    return _call("notebook", "facts_html", title, facts, mesh)
+
+
+def table_html(title: str, table: "pd.DataFrame") -> str:
+    """HTML of a table; of a long one, its first and last rows.
+
+    Args:
+        title: What it is.
+        table: The table.
+    """
+    return _call("notebook", "table_html", title, table)
+
+
+def _call(module: str, function: str, *values: object) -> str:
+    text: str = getattr(importlib.import_module(f"egad.report.{module}"), function)(*values)
+    return text

@@ -1,0 +1,77 @@
+"""Packages that are installed on request only: `pip install 'egad[sim]'`."""
+
+import importlib.util
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+from egad.errors import MissingPackageError
+
+
+class Package(NamedTuple):
+    """A package of an extra.
+
+    Attributes:
+        name: What its makers call it.
+        extra: The extra of egad that installs it.
+    """
+
+    name: str
+    extra: str
+
+
+# By the name that is imported; pyproject.toml has the versions.
+PACKAGES = {
+    "coacd": Package("CoACD", "coacd"),
+    "collada": Package("pycollada", "sim"),
+    "h5py": Package("h5py", "sim"),
+    "igl": Package("libigl", "sim"),
+    "imageio": Package("imageio", "sim"),
+    "matplotlib": Package("Matplotlib", "plot"),
+    "msgpack": Package("msgpack", "sim"),
+    "mujoco": Package("MuJoCo", "sim"),
+    "pxr": Package("OpenUSD", "usd"),
+    "pybullet": Package("PyBullet", "sim"),
+    "safetensors": Package("safetensors", "vision"),
+    "snakemake": Package("Snakemake", "workflow"),
+    "torch": Package("PyTorch", "vision"),
+    "zmq": Package("PyZMQ", "graspgen"),
+}
+
+
+@contextmanager
+def needed_for(what: str) -> Iterator[None]:
+    """Import packages of an extra in a `with` block.
+
+    Args:
+        what: What the user wants, as the beginning of a sentence: "graspgen".
+
+    Raises:
+        MissingPackageError: One is not installed; the message names its extra.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        module = (error.name or "").partition(".")[0]
+        if isinstance(error, MissingPackageError) or module not in PACKAGES:
+            raise
+        raise _missing(what, module) from error
+
+
+def check_installed(module: str, what: str) -> None:
+    """Check that a package of an extra is installed, without importing it.
+
+    Args:
+        module: Its name in imports.
+        what: What the user wants, as the beginning of a sentence.
+
+    Raises:
+        MissingPackageError: It is not; the message names its extra.
+    """
+    if importlib.util.find_spec(module) is None:
+        raise _missing(what, module)
+
+
+def _missing(what: str, module: str) -> MissingPackageError:
+    name, extra = PACKAGES[module]
+    return MissingPackageError(f"{what} needs {name}: pip install 'egad[{extra}]'", name=module)

@@ -1,0 +1,42 @@
+"""What every program of egad does: messages on stderr, and errors of users as one sentence."""
+
+import logging
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from egad._util.extras import needed_for
+from egad._util.progress import MARKS, marked
+from egad.errors import LESS_MEMORY, RejectedError, TableError, UserError
+
+
+class _Formatter(logging.Formatter):
+    """Messages alone; in the logs of the workflow, which shows them, the important are marked."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        text = super().format(record)
+        shown = record.levelno >= logging.WARNING and MARKS in os.environ
+        return marked(text) if shown else text
+
+
+def start_logging() -> None:
+    """Show messages of egad, and warnings of other packages, on stderr."""
+    handler = logging.StreamHandler()
+    handler.setFormatter(_Formatter())
+    logging.basicConfig(level=logging.WARNING, handlers=[handler])
+    logging.getLogger("egad").setLevel(logging.INFO)
+
+
+@contextmanager
+def readable_errors() -> Iterator[None]:
+    """End the program with one sentence, without a traceback, where the user can mend it."""
+    try:
+        with needed_for("this"):
+            yield
+    except (UserError, TableError, RejectedError) as error:
+        sys.exit(f"egad: {error}")
+    except MemoryError as error:
+        sys.exit(f"egad: out of memory ({error}); {LESS_MEMORY}")
+    except OSError as error:
+        sys.exit(f"egad: {error.strerror or error}: {error.filename or ''}".rstrip(": "))

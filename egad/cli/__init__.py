@@ -1,0 +1,12 @@
+"""The `egad` command: one module per command, and `commands` for the list of all."""
+
+from egad._util.program import readable_errors, start_logging
+
+
+def main() -> None:
+    """Run the command."""
+    from egad.cli.commands import app
+
+    start_logging()
+    with readable_errors():
+        app(prog_name="egad")

@@ -1,0 +1,202 @@
+"""Options that several commands have, and how they are read."""
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from egad._util.parameters import ScaleRule
+from egad.config import GRIPPERS, Gripper, Settings
+from egad.errors import UserError, check_name
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+RUN = Path("results/egad")  # of the default configuration
+FIRST_TARGET = "the first of targets.grippers"
+
+
+def out_option(help: str) -> Any:  # noqa: A002, ANN401 (as in typer)
+    """The option for what a command writes."""
+    return typer.Option("--out", "-o", help=help)
+
+
+def grippers_like(incomplete: str) -> list[str]:
+    """The grippers that a shell offers while `--gripper` is being typed."""
+    return [name for name in GRIPPERS if name.startswith(incomplete)]
+
+
+def gripper_option(default: str = "", opening: bool = True) -> Any:  # noqa: ANN401 (as in typer)
+    """The option for the gripper.
+
+    Args:
+        default: Which one it is if none is given; empty if the command needs one, or if typer
+            shows it.
+        opening: Whether an opening will do: see `gripper_in`.
+    """
+    words = ["gripper of the configuration"]
+    words += ["or an opening in metres, such as 0.08"] if opening else []
+    told = ", ".join(words) + (f"; default: {default}" if default else "")
+    return typer.Option("--gripper", help=told, autocompletion=grippers_like)
+
+
+Config = Annotated[
+    Path | None, typer.Option("--config", help="configuration file, merged into the defaults")
+]
+Meshes = Annotated[list[Path], typer.Argument(help="mesh files, or folders of mesh files")]
+Units = Annotated[
+    Literal["m", "cm", "mm", "inch"] | None,
+    typer.Option("--units", help="unit of the meshes; needed unless the files state it"),
+]
+Rule = Annotated[
+    ScaleRule | None,
+    typer.Option(
+        "--rule",
+        help="scaling to the gripper; default: rescale.rule, paper unless configured",
+    ),
+]
+Jobs = Annotated[
+    int, typer.Option("--jobs", min=1, help="cores to use; results do not depend on it")
+]
+OutFolder = Annotated[Path, out_option("folder to write")]
+TableFile = Annotated[Path | None, out_option("table to write: .parquet or .csv")]
+Dataset = Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")]
+ArchiveFile = Annotated[Path, typer.Argument(help="archive.parquet, or `released`")]
+DatasetIn = Annotated[Path, typer.Option("--in", help="folder of the dataset")]
+MaxCandidates = Annotated[
+    int | None,
+    typer.Option(
+        min=1, help="most candidate grasps for the difficulty; default: as in the configuration"
+    ),
+]
+
+
+def settings_in(config: Path | None) -> Settings:
+    """The settings of a configuration file, merged into the defaults; without one, the defaults.
+
+    Raises:
+        UserError: The file is not YAML, or has settings that are not allowed.
+    """
+    from egad.config.check import check
+    from egad.config.files import defaults, merged, read_values
+
+    return Settings() if config is None else check(merged(defaults(), read_values(config)))
+
+
+def with_option(settings: Settings, option: str, key: str, value: object) -> Settings:
+    """The settings with the value of an option.
+
+    Args:
+        settings: The whole configuration.
+        option: As it is written, such as `--grasps`.
+        key: What it sets: a section and a key of it, such as `size_effect.grasps`, or `seed`.
+        value: None keeps what the configuration has.
+
+    Raises:
+        UserError: The value is not allowed.
+    """
+    from egad.config.check import check
+
+    if value is None:
+        return settings
+    whole = settings.model_dump(mode="json")
+    section, _, name = key.partition(".")
+    whole[section] = {**whole[section], name: value} if name else value
+    try:
+        return check(whole)
+    except UserError as error:
+        raise UserError(f"{option}: {error}") from error
+
+
+def gripper_in(settings: Settings, given: str) -> tuple[Settings, str]:
+    """The settings with the gripper of the option `--gripper`, and what it is called there.
+
+    Args:
+        settings: The whole configuration, complete otherwise: an opening is no valid name there.
+        given: The name of a gripper, or the opening of a gripper that has only this in metres.
+
+    Raises:
+        UserError: It is neither.
+    """
+    opening = None if given in settings.grippers else _number(given)
+    if opening is None:
+        names = settings.grippers
+        return settings, check_name("--gripper", given, names, ", nor is it an opening in metres")
+    try:
+        added = Gripper(opening=opening)
+    except UserError as error:
+        raise UserError(f"--gripper {given}: {error}") from error
+    name = f"{opening:g} m"
+    return settings.model_copy(update={"grippers": {**settings.grippers, name: added}}), name
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def named_gripper(settings: Settings, given: str | None) -> str:
+    """The gripper of the option `--gripper` where results of a run have its name in theirs.
+
+    Raises:
+        UserError: The configuration has none of this name.
+    """
+    name = given or settings.targets.grippers[0]
+    return check_name("--gripper", name, settings.grippers, " in the configuration (--config)")
+
+
+def files_in(paths: Sequence[Path], units: str | None) -> list[Path]:
+    """The given files, and the files in the given folders, without duplicates.
+
+    Raises:
+        UserError: No unit is given, and one of the files does not state it.
+    """
+    from egad.exchange import mesh_files
+    from egad.io import check_unit_known
+
+    files: dict[Path, Path] = {}
+    for path in paths:
+        for file in mesh_files(path) if path.is_dir() else [path]:
+            if file.resolve() in files:
+                typer.echo(f"{file} is given twice; it is used once", err=True)
+            files.setdefault(file.resolve(), file)
+    check_unit_known(files.values(), units)
+    return list(files.values())
+
+
+def check_spare(folder: Path, files: Sequence[Path] = (), table: str = "scales.parquet") -> None:
+    """Make sure that a folder may be replaced.
+
+    Args:
+        folder: What `--out` names.
+        files: What the command reads.
+        table: A file that the command writes there.
+
+    Raises:
+        UserError: The folder has files that this command did not write.
+    """
+    foreign = folder.exists() and any(folder.iterdir()) and not (folder / table).exists()
+    inside = any(folder.resolve() in file.resolve().parents for file in files)
+    if foreign or inside:
+        raise UserError(f"--out {folder} has other files, which would be lost; give another folder")
+
+
+def reasons_in(table: "pd.DataFrame") -> dict[str, str]:
+    """The reasons of the rejected meshes, by name: from the columns name and reason."""
+    rejected = table[table["reason"] != ""]
+    return dict(zip(rejected["name"], rejected["reason"], strict=True))
+
+
+def complain(reasons: Mapping[str, str], total: int) -> None:
+    """Print the rejected meshes with reasons; raise an error if all were rejected."""
+    for name, reason in reasons.items():
+        typer.echo(f"{name}: {reason}", err=True)
+    if len(reasons) == total:
+        raise UserError(f"none of the {total} meshes could be used")
+    if reasons:
+        typer.echo(f"{len(reasons)} of {total} meshes could not be used", err=True)

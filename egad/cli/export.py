@@ -1,0 +1,146 @@
+"""Exports of objects, labelled grasps and images in the formats of other programs."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from egad.cli.common import (
+    Config,
+    gripper_in,
+    gripper_option,
+    named_gripper,
+    out_option,
+    settings_in,
+)
+from egad.config import GRIPPERS, Settings
+from egad.errors import UserError
+from egad.exchange.exports import (
+    ALL,
+    EVALUATION_SET,
+    OF_OBJECTS,
+    Format,
+    ObjectSet,
+    last_files,
+    settings_class,
+    sources,
+    write_format,
+)
+
+Dataset = Annotated[
+    Path,
+    typer.Argument(
+        help="folder of a dataset, e.g. results/egad; `released`; or an archive.parquet"
+    ),
+]
+RELEASED = "released"
+
+
+def export(
+    dataset: Dataset,
+    gripper: Annotated[str, gripper_option()],
+    out: Annotated[Path, out_option("file or folder to write, as the format has it")],
+    ending: Annotated[Format, typer.Option("--format", help="format to write")],
+    config: Config = None,
+    objects: Annotated[
+        ObjectSet | None,
+        typer.Option(
+            help="which objects to write (formats of objects)", show_default="evaluation-set"
+        ),
+    ] = None,
+) -> None:
+    """Export objects for simulators and browsers, labelled grasps, or rendered images."""
+    from egad.config.stages import select
+    from egad.exchange import check_opening, grasp_table, write_sums
+    from egad.provenance.record import recorded
+
+    if dataset.is_file() or str(dataset) in (RELEASED, EVALUATION_SET):
+        if objects and str(dataset) != RELEASED:
+            raise UserError(f"--objects: for the folder of a run, not for {dataset}")
+        _export_archive(dataset, gripper, out, ending, config, objects)
+        return
+    chosen = objects or EVALUATION_SET
+    reads = {name: dataset / file for name, file in sources(ending, gripper, chosen).items()}
+    if ending in OF_OBJECTS:
+        named_gripper(settings_in(config), gripper)  # an opening is none: results have names
+        _check_made(dataset / file for file in last_files(ending, gripper, chosen))
+    for name in reads.keys() & {"grasps", "simulated_grasps"}:
+        reads[name] = grasp_table(dataset, gripper)
+    whole = settings_in(config)
+    named_gripper(whole, gripper)
+    check_opening(dataset, gripper, whole.grippers[gripper].opening)
+    settings = select(whole, settings_class(ending, chosen), gripper)
+    arguments = {"gripper": gripper, "format": ending, "objects": objects}
+    with recorded("export", settings=settings, inputs=reads.values(), arguments=arguments):
+        if ending == "dexnet":
+            _write_dexnet(settings, whole, dataset, gripper, reads["grasps"], out)
+        else:
+            write_format(ending, chosen, settings, gripper, reads, out)
+        write_sums(out)
+
+
+def _export_archive(
+    archive: Path, gripper: str, out: Path, ending: str, config: Path | None, objects: str | None
+) -> None:
+    """Write objects that no run has scaled or grasped yet, as `egad.export` does.
+
+    Raises:
+        UserError: The format needs results of a run.
+    """
+    from egad.export import FORMATS, export
+    from egad.objects import load
+
+    if ending not in FORMATS:
+        folder = Path("results/egad")
+        files = " ".join(str(folder / file) for file in last_files(ending, gripper))
+        shipped = " --configfile config/released.yaml --" if not archive.is_file() else ""
+        raise UserError(
+            f"{archive} has objects alone, and {ending} needs results of a run; first make them "
+            f"with snakemake --cores 2{shipped} {files}, then export {folder}"
+        )
+    settings, name = gripper_in(settings_in(config), gripper)
+    hand = name if config is None and name in GRIPPERS else settings.grippers[name]
+    whole = str(archive) != RELEASED or objects == ALL
+    export(load(str(archive) if whole else EVALUATION_SET), ending, hand, out)
+
+
+def _check_made(files: Iterable[Path]) -> None:
+    """Check that files of a run exist.
+
+    Raises:
+        UserError: One does not.
+    """
+    for file in files:
+        if not file.exists():
+            raise UserError(f"{file} is missing; make it first: snakemake --cores 2 {file}")
+
+
+def _write_dexnet(
+    settings: Any,  # noqa: ANN401 (of the format)
+    whole: Settings,
+    dataset: Path,
+    gripper: str,
+    grasps: Path,
+    out: Path,
+) -> None:
+    """Write a Dex-Net database; what the workflow does in shards is done at once."""
+    from egad.config.stages import DexNetObjects, select
+    from egad.exchange.exports import dexnet
+    from egad.workflow.dexnet_objects import write_objects
+
+    if out.is_dir():
+        raise UserError(f"--out {out} is a folder; name a file")
+    if out.suffix != ".hdf5":
+        raise UserError(
+            f"--out {out}: the name must end in .hdf5, otherwise Dex-Net does not open it"
+        )
+    dexnet.check(dataset, gripper, grasps)
+    part = out.with_name(f".{out.name}.objects")
+    try:
+        meshes = dataset / "rescaled" / gripper
+        wanted = select(whole, DexNetObjects)
+        write_objects(wanted, dataset / "objects.parquet", meshes, (0, 1), part)
+        dexnet.run(settings, dataset, gripper, [part], grasps, out)
+    finally:
+        part.unlink(missing_ok=True)

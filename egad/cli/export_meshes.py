@@ -1,0 +1,155 @@
+"""The meshes of an archive, at its resolution or another one."""
+
+import logging
+from collections.abc import Callable, Collection
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.cli.common import (
+    CORES,
+    ArchiveFile,
+    Config,
+    Jobs,
+    OutFolder,
+    check_spare,
+    settings_in,
+)
+from egad.config import Shape
+from egad.config.stages import LocateMeshes, select
+from egad.cppn import COARSEST, FINEST
+from egad.errors import RejectedError, UserError
+
+if TYPE_CHECKING:
+    import trimesh
+
+    from egad.cppn import Rules
+
+log = logging.getLogger(__name__)
+
+
+def export_meshes(
+    archive: ArchiveFile,
+    out: OutFolder,
+    resolution: Annotated[
+        int | None,
+        typer.Option(
+            min=COARSEST, max=FINEST, help="voxels along each side; default: those of the archive"
+        ),
+    ] = None,
+    objects: Annotated[
+        list[str] | None,
+        typer.Option("--object", help="label or id; may be repeated; default: all objects"),
+    ] = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Write the meshes of an archive as ID.obj, in metres, without repair."""
+    from egad.config.archive_settings import check_provenance
+    from egad.data import archive_path
+    from egad.map_elites import EvolutionParameters, rules_of
+    from egad.objects import load
+
+    check_spare(out)
+    archive, settings = archive_path(archive), settings_in(config)
+    if archive.is_dir() and not (archive / "archive.parquet").is_file():
+        raise UserError(f"{archive} has no archive.parquet: its objects come from meshes")
+    archive = archive / "archive.parquet" if archive.is_dir() else archive
+    check_provenance(archive, select(settings, LocateMeshes), ("shape",))
+    ids = None if objects is None else load(archive).select(objects).table["id"].tolist()
+    rules = partial(rules_of, select(settings, EvolutionParameters))
+    count = write_meshes(archive, out, settings.shape, resolution, rules, ids, jobs)
+    typer.echo(f"{count} meshes in {out}")
+
+
+def write_meshes(
+    archive: Path,
+    out: Path,
+    shape: Shape,
+    resolution: int | None = None,
+    rules: "Callable[[int], Rules] | None" = None,
+    ids: Collection[str] | None = None,
+    jobs: int = 1,
+) -> int:
+    """Write objects of an archive as `ID.obj`, in metres, as measured during evolution.
+
+    Args:
+        archive: Table with the columns of `tables.evolution.ARCHIVE`.
+        out: Folder to make.
+        shape: The settings that the archive was evolved with.
+        resolution: Voxels along each side of the cube; None: those of the archive.
+        rules: Gives the constraints that the archive was evolved with, at a resolution;
+            None: there are none.
+        ids: Objects to write; None: all.
+        jobs: Processes.
+
+    Returns:
+        Number of meshes written. Objects of which nothing is left at the resolution are logged.
+
+    Raises:
+        TableError: The archive is damaged, or an id in it is not a valid file name.
+        UserError: A genome does not describe its voxels within these constraints.
+    """
+    from egad._util.files import atomic_output
+    from egad.cppn import UNBOUND
+    from egad.tables import parquet
+    from egad.tables.columns import check_names
+    from egad.tables.evolution import ARCHIVE, GENOME
+
+    frame = parquet.read(archive, ARCHIVE)
+    check_names(frame, archive, ["id"])
+    frame = frame if ids is None else frame[frame["id"].isin(list(ids))]
+    rows = frame[["id", "voxels", *GENOME.names]].to_dict("records")
+    make: Callable[[dict[str, Any]], trimesh.Trimesh] = partial(_stored, shape=shape)
+    if resolution not in (None, shape.resolution):
+        bound = rules or (lambda _: UNBOUND)
+        found, checked = bound(resolution), bound(shape.resolution)
+        make = partial(_grown, shape=shape, resolution=resolution, rules=found, checked=checked)
+    missing = 0
+    with atomic_output(out) as folder, workers(jobs) as mapper:
+        folder.mkdir()
+        reasons = mapper(partial(_write, make=make, folder=folder), rows)
+        for row, reason in zip(rows, progress(reasons, "writing meshes", len(rows)), strict=True):
+            if reason:
+                missing += 1
+                log.info("no mesh of %s: %s", row["id"], reason)
+    return len(rows) - missing
+
+
+def _write(
+    row: dict[str, Any], make: "Callable[[dict[str, Any]], trimesh.Trimesh]", folder: Path
+) -> str:
+    """Write the mesh of an object; the reason if there is none."""
+    from egad.exchange import write_obj
+
+    try:
+        mesh = make(row)
+    except RejectedError as reason:
+        return str(reason)
+    write_obj(mesh, folder / f"{row['id']}.obj")
+    return ""
+
+
+def _stored(row: dict[str, Any], shape: Shape) -> "trimesh.Trimesh":
+    """The mesh of the voxels in the archive."""
+    from egad.cppn import packed_surface
+
+    return packed_surface(row["voxels"], shape)
+
+
+def _grown(
+    row: dict[str, Any], shape: Shape, resolution: int, rules: "Rules", checked: "Rules"
+) -> "trimesh.Trimesh":
+    """The mesh of a genome at another resolution."""
+    from egad.cppn import check_regrown, genome_mesh, unpack
+
+    voxels = unpack(row["voxels"], shape.resolution)
+    try:
+        check_regrown(row, voxels, shape.threshold, checked)
+    except UserError as error:
+        raise UserError(f"{row['id']}: {error}") from error
+    return genome_mesh(row, resolution, shape=shape, rules=rules)

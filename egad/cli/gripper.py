@@ -1,0 +1,62 @@
+"""Tools for grippers."""
+
+import re
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from egad.cli.common import Config, out_option, settings_in
+from egad.errors import UserError, check_name
+
+gripper = typer.Typer(
+    name="gripper", no_args_is_help=True, help="Grippers from URDF and MJCF files: inspect."
+)
+
+
+@gripper.callback()
+def _group() -> None:
+    """Keep `inspect` a command of its own."""
+
+
+@gripper.command()
+def inspect(
+    hand: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE|NAME", help="URDF or MJCF file, or a gripper of the configuration"
+        ),
+    ],
+    out: Annotated[Path | None, out_option("page to write: .html; default: NAME.html")] = None,
+    config: Config = None,
+) -> None:
+    """Show what is found in the file of a hand: joints, fingers, pads, opening, shape in 3D.
+
+    Prints the entry for a configuration. Writes NAME.html, or the page given by --out.
+    """
+    from egad._util.files import write_text
+    from egad.exchange import check_ending
+    from egad.grippers import Gripper, model_of
+    from egad.report.hand import hand_entry, hand_facts, hand_page
+
+    check_ending(out, (".html",))
+    if Path(hand).is_file():
+        name, found = _name_of(Path(hand)), Gripper.from_file(hand)
+    else:
+        known = settings_in(config).grippers
+        name = check_name("gripper or file", hand, known)
+        found = known[name]
+        if found.file is None:
+            raise UserError(f"the gripper {name} has no `file`; its boxes are in the configuration")
+    model = model_of(found)
+    for key, value in hand_facts(found, model).items():
+        typer.echo(f"{key + ':':38s} {value}")
+    typer.echo(f"\n{hand_entry(name, found)}")
+    page = out or Path(f"{name}.html")
+    write_text(page, hand_page(name, found, model))
+    typer.echo(f"see {page}")
+
+
+def _name_of(path: Path) -> str:
+    """A name for the gripper of a file."""
+    return re.sub(r"[^a-z0-9_-]+", "_", path.stem.lower()).strip("_-") or "hand"

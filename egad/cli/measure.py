@@ -1,0 +1,201 @@
+"""Complexity and difficulty of meshes, and their cells."""
+
+import logging
+from collections.abc import Iterable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from egad._util.parameters import ScaleRule
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.cli.common import (
+    CORES,
+    Config,
+    Jobs,
+    MaxCandidates,
+    Meshes,
+    TableFile,
+    Units,
+    complain,
+    files_in,
+    gripper_in,
+    gripper_option,
+    reasons_in,
+    settings_in,
+    with_option,
+)
+from egad.config import Settings
+from egad.config.stages import MeasureMeshes, select
+from egad.errors import RejectedError
+from egad.measures import MAP_RULE
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import trimesh
+
+log = logging.getLogger(__name__)
+SIZE = "size_as_read"  # longest side before repair, metres; known of rejected meshes, too
+
+
+def measure(
+    meshes: Meshes,
+    units: Units = None,
+    gripper: Annotated[str | None, gripper_option("difficulty.gripper")] = None,
+    rule: Annotated[
+        ScaleRule,
+        typer.Option("--rule", help=f"scaling to the gripper; cells compare only with {MAP_RULE}"),
+    ] = MAP_RULE,
+    out: TableFile = None,
+    max_candidates: MaxCandidates = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Measure complexity and difficulty of meshes, and print their cells."""
+    from egad.cli.terminal_tables import measured
+    from egad.exchange import check_ending, object_names, write_frame
+    from egad.report.axes import axis_pair
+    from egad.tables.objects import MEASURED
+
+    check_ending(out)
+    option = ("--max-candidates", "postprocess.max_candidates", max_candidates)
+    whole = with_option(settings_in(config), *option)
+    whole, name = gripper_in(whole, gripper or whole.difficulty.gripper)
+    files = object_names(files_in(meshes, units))
+    table = measure_files(select(whole, MeasureMeshes, name), files, units, jobs, rule)
+    if out is not None:
+        write_frame(table, MEASURED, out)
+    measured(table, axis_pair(whole.measures), name)
+    if note := incomparable(whole, name, rule):
+        typer.echo(note)
+    complain(reasons_in(table), len(table))
+
+
+def measure_files(
+    settings: MeasureMeshes,
+    files: Mapping[str, Path],
+    units: str | None,
+    worker_count: int,
+    rule: str = MAP_RULE,
+) -> "pd.DataFrame":
+    """Repair and measure meshes.
+
+    Args:
+        settings: Settings of this tool.
+        files: Mesh files by name.
+        units: Unit of their coordinates; None: as the files say.
+        worker_count: Processes; the result does not depend on it.
+        rule: At which size grasps are sampled: see `egad.rescale`.
+
+    Returns:
+        Columns of `tables.objects.MEASURED`: one row per mesh, in the given order. For an
+        unusable mesh the measures are missing, and `reason` says why.
+    """
+    import pandas as pd
+
+    from egad.tables.objects import MEASURED
+
+    work = partial(_row, units=units, settings=settings, rule=rule)
+    with workers(min(worker_count, len(files))) as mapper:
+        rows = list(progress(mapper(work, files.items()), "measuring", len(files)))
+    table = pd.DataFrame(rows, columns=MEASURED.names)
+    warn_of_units(rows, units)
+    warn_of_measures(table)
+    return table
+
+
+def _row(
+    item: tuple[str, Path], units: str | None, settings: MeasureMeshes, rule: str
+) -> dict[str, Any]:
+    from egad.exchange import read_mesh
+
+    name, path = item
+    found: dict[str, Any] = {"name": name, "reason": ""}
+    try:
+        mesh = read_mesh(path, units)
+        found[SIZE] = float(mesh.extents.max())
+        _, row = measure_row(mesh, settings, rule)
+    except RejectedError as reason:
+        return {**found, "reason": str(reason)}
+    return {**found, **row}
+
+
+def measure_row(
+    mesh: "trimesh.Trimesh", settings: MeasureMeshes, rule: str = MAP_RULE
+) -> "tuple[trimesh.Trimesh, dict[str, Any]]":
+    """The repaired mesh and its row of `tables.objects.MEASURED`.
+
+    Raises:
+        RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
+    """
+    from egad.measures import cell_of, grasped_size, measure_repeatably
+    from egad.workflow.repair import repaired_body
+
+    repaired, _ = repaired_body(mesh, settings.postprocess, settings.material.density)
+    solid = repaired.mesh
+    if settings.measures.difficulty:
+        rule = "none"  # a measure of the user gets the mesh as it is
+    size = grasped_size(solid, settings, rule)
+    place = measure_repeatably(solid, settings, settings.postprocess.max_candidates, size.factor)
+    column, row = cell_of(place.complexity, place.difficulty, settings.space)
+    return solid, {
+        **place._asdict(),
+        "complexity_cell": column,
+        "difficulty_cell": row,
+        "longest_side": float(solid.extents.max()),
+        "rule": rule,
+        "opening": settings.gripper.opening,
+        "factor": size.factor,
+        **dict(zip(("grasped_1", "grasped_2", "grasped_3"), size.sides, strict=True)),
+        "repaired": repaired.changed,
+        "shell_thickness": repaired.shell_thickness,
+        "dropped_bodies": repaired.dropped_bodies,
+        "dropped_volume": repaired.dropped_volume,
+    }
+
+
+def warn_of_units(rows: Iterable[Mapping[str, Any]], units: str | None) -> None:
+    """Warn if the size of meshes suggests that their unit is wrong.
+
+    Args:
+        rows: With `name`, and `SIZE` for those that could be read.
+        units: Unit that they were read with.
+    """
+    from egad.geometry import units_doubt
+
+    if doubt := units_doubt({row["name"]: row.get(SIZE, float("nan")) for row in rows}, units):
+        log.warning("%s", doubt)
+
+
+def warn_of_measures(table: "pd.DataFrame") -> None:
+    """Warn of meshes that are measured larger than they are, and as `warn_of_shapes`."""
+    from egad.geometry import ENLARGED
+    from egad.workflow.repair import warn_of_shapes
+
+    larger = table[table["factor"] > ENLARGED]
+    if len(larger):
+        log.warning(
+            "%d of %d meshes are measured larger than they are, %s for one %.3g times: "
+            "with --rule none, egad measure takes their real size",
+            *(len(larger), len(table), larger["name"].iloc[0], larger["factor"].iloc[0]),
+        )
+    warn_of_shapes(table)
+
+
+def incomparable(settings: Settings, gripper: str, rule: str) -> str:
+    """Why cells cannot be compared with the map of a configuration; empty if they can.
+
+    Args:
+        settings: The configuration.
+        gripper: Name of the gripper that they were measured for.
+        rule: The scale rule.
+    """
+    own = settings.difficulty.gripper
+    if settings.measures.difficulty or (rule, gripper) == (MAP_RULE, own):
+        return ""
+    return (
+        f"Cells by the rule {rule} for {gripper} cannot be compared with the map, whose objects "
+        f"are measured by {MAP_RULE} for {own}."
+    )

@@ -1,0 +1,55 @@
+"""Meshes scaled to a gripper."""
+
+from typing import Annotated, Literal
+
+import typer
+
+from egad.cli.common import (
+    CORES,
+    Config,
+    Jobs,
+    Meshes,
+    OutFolder,
+    Rule,
+    Units,
+    check_spare,
+    files_in,
+    gripper_in,
+    gripper_option,
+    settings_in,
+    with_option,
+)
+
+
+def rescale(
+    meshes: Meshes,
+    out: OutFolder,
+    gripper: Annotated[str, gripper_option()],
+    rule: Rule = None,
+    units: Units = None,
+    ending: Annotated[
+        Literal["obj", "stl"], typer.Option("--format", help="obj is in metres, stl in millimetres")
+    ] = "obj",
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Scale meshes to a gripper."""
+    from egad.config.stages import RescaleMeshes, select
+    from egad.exchange import write_sums
+    from egad.geometry import scale_suffix
+    from egad.provenance.record import recorded
+    from egad.workflow.rescale import rescale_files
+
+    whole = with_option(settings_in(config), "--rule", "rescale.rule", rule)
+    whole, name = gripper_in(whole, gripper)
+    settings = select(whole, RescaleMeshes, name)
+    meshes = files_in(meshes, units)
+    check_spare(out, meshes)
+    suffix = scale_suffix(settings.rescale.rule, settings.gripper.opening)
+    with recorded(
+        "rescale", settings=settings, inputs=meshes, arguments={"units": units, "format": ending}
+    ):
+        rejected = rescale_files(settings, meshes, units, out, ending, suffix, jobs)
+        write_sums(out)
+    if rejected:
+        typer.echo(f"{rejected} files were rejected: see {out / 'rejected.parquet'}")

@@ -1,0 +1,127 @@
+"""Pairwise similarity of meshes."""
+
+import logging
+from collections.abc import Mapping
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.cli.common import (
+    CORES,
+    Config,
+    Jobs,
+    Meshes,
+    TableFile,
+    Units,
+    complain,
+    files_in,
+    settings_in,
+    with_option,
+)
+from egad.config import Similarity
+from egad.errors import RejectedError
+from egad.reeb import Bases
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import trimesh
+
+    from egad.reeb.graph import ReebGraph
+
+log = logging.getLogger(__name__)
+
+
+def similarity(
+    meshes: Meshes,
+    units: Units = None,
+    out: TableFile = None,
+    bases: Annotated[
+        Bases | None,
+        typer.Option(help="scan: as in the original program; default: as in the configuration"),
+    ] = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Compute pairwise similarities of meshes: 1 for equal shapes, 0 for nothing in common."""
+    from egad.cli.terminal_tables import square
+    from egad.exchange import check_ending, object_names, write_matrix
+
+    check_ending(out)
+    whole = with_option(settings_in(config), "--bases", "similarity.bases", bases)
+    files = object_names(files_in(meshes, units))
+    matrix, reasons = similarity_of_files(whole.similarity, files, units, jobs)
+    if out is not None:
+        write_matrix(matrix, out)
+    square(matrix)
+    complain(reasons, len(files))
+
+
+def similarity_of_files(
+    settings: Similarity, files: Mapping[str, Path], units: str | None, worker_count: int
+) -> "tuple[pd.DataFrame, dict[str, str]]":
+    """Compute the similarity of all pairs of meshes.
+
+    Args:
+        settings: Settings of shape similarity.
+        files: Mesh files by name.
+        units: Unit of their coordinates; None: as the files say.
+        worker_count: Processes; the result does not depend on it.
+
+    Returns:
+        The square matrix of similarities with names as index and columns, in the given order, and
+        the reasons of rejected meshes by name; their rows and columns have missing values.
+    """
+    import pandas as pd
+
+    from egad.geometry import units_doubt
+    from egad.reeb import graph as reeb
+    from egad.reeb import similarity_matrix
+
+    work = partial(_graph, units=units, settings=settings)
+    with workers(min(worker_count, len(files))) as mapper:
+        found = list(progress(mapper(work, files.values()), "Reeb graphs", len(files)))
+    results = {name: result for name, (result, _) in zip(files, found, strict=True)}
+    if doubt := units_doubt({n: side for n, (_, side) in zip(files, found, strict=True)}, units):
+        log.warning("%s", doubt)
+    reasons = {name: result for name, result in results.items() if isinstance(result, str)}
+    graphs = {name: result for name, result in results.items() if isinstance(result, bytes)}
+    names = pd.Index(list(files), name="name")
+    watch = partial(progress, what="comparing", total=len(graphs))
+    unpacked = [reeb.unpack(graph) for graph in graphs.values()]
+    matrix = similarity_matrix(unpacked, settings.weight, worker_count, watch)
+    used = list(graphs)
+    return pd.DataFrame(matrix, used, used).reindex(index=names, columns=list(names)), reasons
+
+
+def _graph(path: Path, units: str | None, settings: Similarity) -> tuple[bytes | str, float]:
+    """The packed Reeb graph of a mesh, or the reason why there is none; and its longest side."""
+    from egad.exchange import read_mesh
+    from egad.reeb import graph as reeb
+
+    longest = float("nan")
+    try:
+        mesh = read_mesh(path, units)
+        longest = float(mesh.extents.max())
+        return reeb.pack(graph_of(mesh, settings, path.stem)), longest
+    except RejectedError as reason:
+        return str(reason), longest
+
+
+def graph_of(mesh: "trimesh.Trimesh", settings: Similarity, name: str) -> "ReebGraph":
+    """The Reeb graph of a mesh after repair, as in datasets.
+
+    With `scan` bases it is the graph of the original mesh if possible: these bases depend on the
+    order of the vertices, which repair changes.
+    """
+    from egad.reeb import graph as reeb
+    from egad.workflow.repair import repaired_mesh
+
+    if settings.bases == "scan":
+        with suppress(RejectedError):
+            return reeb.extract(mesh, settings)
+    return reeb.extract(repaired_mesh(mesh, name), settings)

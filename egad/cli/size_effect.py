@@ -1,0 +1,60 @@
+"""Grasp quality over the size of objects."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from egad.cli.common import (
+    CORES,
+    FIRST_TARGET,
+    Config,
+    Jobs,
+    Meshes,
+    Units,
+    complain,
+    files_in,
+    gripper_in,
+    gripper_option,
+    out_option,
+    settings_in,
+    with_option,
+)
+
+
+def size_effect(
+    meshes: Meshes,
+    units: Units = None,
+    gripper: Annotated[str | None, gripper_option(FIRST_TARGET)] = None,
+    out: Annotated[
+        list[Path], out_option("file to write: .svg, .parquet or .csv; may be repeated")
+    ] = [],  # noqa: B006 (typer copies it)
+    grasps: Annotated[
+        int | None, typer.Option(min=1, help="number of grasps; default: as in the configuration")
+    ] = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Compute grasp quality of meshes at several sizes, relative to the gripper opening."""
+    from egad._util.files import write_text
+    from egad.cli.terminal_tables import size_curves
+    from egad.config.stages import select
+    from egad.exchange import check_ending, object_names, write_frame
+    from egad.measures import SizeEffectParameters
+    from egad.report.grasps import size_chart
+    from egad.tables.grasping import SIZE_EFFECT
+    from egad.workflow.size_effect import curves
+
+    for path in out:
+        check_ending(path, (".svg", ".parquet", ".csv"))
+    whole = with_option(settings_in(config), "--grasps", "size_effect.grasps", grasps)
+    whole, name = gripper_in(whole, gripper or whole.targets.grippers[0])
+    files = object_names(files_in(meshes, units))
+    table, reasons = curves(select(whole, SizeEffectParameters, name), files, units, jobs)
+    complain(reasons, len(files))
+    for path in out:
+        if path.suffix.lower() == ".svg":
+            write_text(path, size_chart(table))
+        else:
+            write_frame(table, SIZE_EFFECT, path)
+    size_curves(table)

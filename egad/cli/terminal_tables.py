@@ -1,0 +1,234 @@
+"""Tables on the terminal."""
+
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import pandas as pd
+from rich.console import Console
+from rich.table import Table
+
+from egad.measures import cell_name
+from egad.report.axes import DIFFICULTY, AxisPair
+from egad.report.page import p_value
+from egad.stats import Clearing, ClearingComparison, Mean
+
+if TYPE_CHECKING:
+    from egad.report.trials import Pair  # it loads Matplotlib
+
+DASH = "-"
+WIDE = 200  # columns of a table that goes into a file
+MOST = 12  # columns of a matrix that still can be read
+
+
+def measured(table: pd.DataFrame, axes: AxisPair, gripper: str) -> None:
+    """Print columns of `tables.objects.MEASURED`, with the size and gripper of sampled grasps."""
+    sampled = axes.upwards == DIFFICULTY
+    size = ["grasped at, mm", "times its size", "gripper"] if sampled else []
+    show(
+        ["name", *_titles(axes), "cell", "certain %", "grasps", *size],
+        [
+            (
+                *_place(row, axes),
+                number(100 * row["cell_confidence"], 0),
+                number(row["grasps"], 0),
+                *(_size(row, gripper) if sampled else ()),
+            )
+            for row in _rows(table)
+        ],
+    )
+
+
+def _size(row: pd.Series, gripper: str) -> tuple[str, str, str]:
+    """Sides of the box when grasps were sampled, what they are of the real ones, and gripper.
+
+    Dashes if no grasps were sampled.
+    """
+    if pd.isna(row["factor"]):
+        return DASH, DASH, DASH
+    sides = " x ".join(number(1000 * row[f"grasped_{side}"], 1) for side in (1, 2, 3))
+    return sides, number(row["factor"], 3), gripper
+
+
+def located(table: pd.DataFrame, axes: AxisPair) -> None:
+    """Print columns of `tables.objects.LOCATED`."""
+    show(
+        ["name", *_titles(axes), "cell", "certain %", *_orders(axes), "diversity", "nearest"],
+        [
+            (
+                *_place(row, axes),
+                number(100 * row["cell_confidence"], 0),
+                number(row["complexity_percentile"], 0),
+                number(row["difficulty_percentile"], 0),
+                number(row["diversity"], 3),
+                row["nearest"][0] if isinstance(row["nearest"], list) else DASH,
+            )
+            for row in _rows(table)
+        ],
+    )
+
+
+def size_curves(table: pd.DataFrame) -> None:
+    """Print columns of `tables.grasping.SIZE_EFFECT`: means, lowest to highest in brackets."""
+    from egad.measures import summarize
+
+    numbers = summarize(table)
+    percents = [f"{percent:g}" for percent in numbers["percentile"].unique()]
+    show(
+        ["name", "side/opening", "possible %", *(f"quality p{each}, 1e-3" for each in percents)],
+        [
+            (
+                str(name),
+                number(float(rows["fraction"].iloc[0]), 2),
+                number(100 * rows["share"].iloc[0], 1),
+                *(_spread(row) for row in _rows(rows)),
+            )
+            for (name, _), rows in numbers.groupby(["name", "fraction"], sort=False)
+        ],
+    )
+
+
+def square(matrix: pd.DataFrame) -> None:
+    """Print a matrix of similarities, or a summary if it is too large."""
+    if len(matrix) > MOST:
+        known = matrix.notna().any()
+        print(f"{len(matrix)} meshes, {known.sum()} compared; --out writes their similarities")
+        return
+    numbers = [[number(value, 3) for value in row] for row in matrix.to_numpy()]
+    names = [str(name) for name in matrix.index]
+    show(["", *names], [(name, *row) for name, row in zip(names, numbers, strict=True)])
+
+
+def succeeded(rates: Mapping[str, Mean], engines: Mapping[str, str]) -> None:
+    """Print success rates by detector, with the physics engine; a dash is a real robot."""
+    show(
+        ["detector", "engine", "attempts", "success %", "95 % interval"],
+        [
+            (
+                *(name, engines[name] or DASH, str(rate.attempts)),
+                *(number(100 * rate.value, 1), _interval(rate.interval)),
+            )
+            for name, rate in rates.items()
+        ],
+    )
+
+
+def compared(pairs: Sequence["Pair"]) -> None:
+    """Print the comparison of each pair of detectors."""
+    show(
+        [
+            "first vs second",
+            *("common attempts", "difference %", "95 % interval", "p over objects"),
+            *("same start", "only first", "only second", "p over these"),
+        ],
+        [
+            (
+                f"{pair.first} vs {pair.second}",
+                str(pair.result.attempts),
+                number(100 * pair.result.difference, 1),
+                _interval(pair.result.interval),
+                p_value(pair.result.p_objects),
+                str(pair.result.alike),
+                str(pair.result.only_first),
+                str(pair.result.only_second),
+                p_value(pair.result.p_attempts),
+            )
+            for pair in pairs
+        ],
+    )
+
+
+def cleared(rates: Mapping[str, Sequence[Clearing]], engines: Mapping[str, str]) -> None:
+    """Print how well detectors clear tables, with the physics engine."""
+    show(
+        [
+            *("detector", "engine", "scenes", "noise", "rounds", "attempts"),
+            *("success %", "95 % interval", "cleared %", "95 % interval"),
+        ],
+        [
+            (
+                *(name, engines[name], rate.scene, rate.noise, str(rate.rounds)),
+                str(rate.success.attempts),
+                number(100 * rate.success.value, 1),
+                _interval(rate.success.interval),
+                number(100 * rate.cleared.value, 1),
+                _interval(rate.cleared.interval),
+            )
+            for name, each in rates.items()
+            for rate in each
+        ],
+    )
+
+
+def clearing_compared(pairs: Mapping[str, Sequence[ClearingComparison]]) -> None:
+    """Print the comparison of detectors that cleared the same tables."""
+    show(
+        [
+            *("first vs second", "scenes", "noise", "common rounds"),
+            *("success +%", "95 % interval", "cleared +%", "95 % interval", "p over rounds"),
+        ],
+        [
+            (
+                *(name, found.scene, found.noise, str(found.rounds)),
+                number(100 * found.success, 1),
+                _interval(found.success_interval),
+                number(100 * found.cleared, 1),
+                _interval(found.cleared_interval),
+                p_value(found.p_cleared),
+            )
+            for name, each in pairs.items()
+            for found in each
+        ],
+    )
+
+
+def show(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table on stdout."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for place, column in enumerate(columns):
+        left = place == 0 or column == "nearest"
+        table.add_column(column, justify="left" if left else "right", no_wrap=place == 0)
+    for row in rows:
+        table.add_row(*row)
+    width = None if sys.stdout.isatty() else WIDE
+    Console(width=width, highlight=False, markup=False).print(table)
+
+
+def number(value: float, digits: int) -> str:
+    """A number, or a dash if there is none."""
+    return DASH if pd.isna(value) else f"{value:.{digits}f}"
+
+
+def _interval(ends: tuple[float, float]) -> str:
+    return " to ".join(number(100 * end, 1) for end in ends)
+
+
+def _rows(table: pd.DataFrame) -> list[pd.Series]:
+    return [row for _, row in table.iterrows()]
+
+
+def _spread(row: pd.Series) -> str:
+    """Mean, lowest and highest quality in thousandths."""
+    if pd.isna(row["mean"]):
+        return DASH
+    mean, low, high = (1000 * row[name] for name in ("mean", "low", "high"))
+    return f"{mean:.2f} ({low:.2f} to {high:.2f})"
+
+
+def _titles(axes: AxisPair) -> list[str]:
+    return [axis.short + ("," + axis.unit if axis.unit else "") for axis in axes]
+
+
+def _orders(axes: AxisPair) -> tuple[str, str]:
+    """What the objects before this one are, along both axes."""
+    return f"{axes.across.before} %", f"{axes.upwards.before} %"
+
+
+def _place(row: pd.Series, axes: AxisPair) -> tuple[str, str, str, str]:
+    """Name, complexity, difficulty and cell of a row."""
+    unknown = pd.isna(row["complexity_cell"])
+    cell = DASH if unknown else cell_name(int(row["complexity_cell"]), int(row["difficulty_cell"]))
+    quality = number(axes.upwards.factor * row["difficulty"], 3)
+    if not pd.isna(row["difficulty_std"]):
+        quality += f" ± {number(axes.upwards.factor * row['difficulty_std'], 3)}"
+    return str(row["name"]), number(row["complexity"], 3), quality, cell

@@ -1,0 +1,170 @@
+"""Results of trials, in simulation or with a real robot: compared, reported, filmed."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from egad.cli.common import Config, out_option, settings_in
+from egad.cli.replay import film, replay
+from egad.config import Settings
+from egad.errors import UserError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+trials = typer.Typer(
+    name="trials",
+    no_args_is_help=True,
+    help="Results of grasping trials: compare, report, replay, film, template.",
+)
+
+Evaluation = Annotated[
+    Path | None, typer.Option("--eval", help="eval49.parquet: difficulty and complexity by object")
+]
+
+
+@trials.command()
+def compare(
+    tables: Annotated[list[Path], typer.Argument(help="results of detectors: .parquet or .csv")],
+    out: Annotated[Path | None, out_option("page to write: .html")] = None,
+    evaluation: Evaluation = None,
+    config: Config = None,
+) -> None:
+    """Compare detectors on the same objects: success rates, differences, significance.
+
+    Simulated results must be of the same evaluation set, scaled to the same gripper; cleared tables
+    must begin with the same scenes.
+    """
+    from egad.exchange import check_ending
+    from egad.stats import gather
+    from egad.tables import parquet
+
+    check_ending(out, (".html",))
+    is_clutter = [path.suffix == ".parquet" and "scene" in parquet.columns(path) for path in tables]
+    if any(is_clutter) and not all(is_clutter):
+        one, other = (tables[is_clutter.index(kind)] for kind in (True, False))
+        raise UserError(f"{one} is of cleared tables, {other} of trials: compare them apart")
+    if len(tables) > 1 and all(is_clutter):
+        _compare_clearing(tables, out)
+        return
+    found = {} if all(is_clutter) else gather(tables)
+    if len(found) < 2:
+        raise UserError("compare needs the results of at least two detectors")
+    _tell(found)
+    if out is not None:
+        _write(out, found, evaluation, settings_in(config))
+
+
+@trials.command()
+def report(
+    table: Annotated[Path, typer.Argument(help="CSV file with label, attempt, success")],
+    out: Annotated[
+        list[Path], out_option("file to write: .html, .parquet or .csv; may be repeated")
+    ] = [Path("trials.html")],  # noqa: B006 (typer copies it)
+    evaluation: Evaluation = None,
+    config: Config = None,
+) -> None:
+    """Report the results of a real robot in the same way as simulated results."""
+    import pandas as pd
+
+    from egad.exchange import check_ending, write_frame
+    from egad.stats import read
+    from egad.tables.evaluation import RESULTS
+
+    for path in out:
+        check_ending(path, (".html", ".parquet", ".csv"))
+    found, settings = read(table), settings_in(config)
+    _tell(found)
+    for path in out:
+        if path.suffix.lower() == ".html":
+            _write(path, found, evaluation, settings)
+        else:
+            write_frame(pd.concat(found.values()), RESULTS, path)
+
+
+trials.command()(replay)
+trials.command()(film)
+
+
+@trials.command()
+def template(
+    out: Annotated[Path, out_option("table to write: .csv")] = Path("results.csv"),
+    evaluation: Annotated[
+        Path | None,
+        typer.Option("--eval", help="eval49.parquet: use its objects; default: all cells"),
+    ] = None,
+    detector: Annotated[str, typer.Option(help="name of the detector")] = "",
+    config: Config = None,
+) -> None:
+    """Write a CSV file to fill in at the robot: one row per attempt, `success` is 1 or 0."""
+    from egad._util.files import atomic_output
+    from egad.evalset import ATTEMPTS, labels_of
+    from egad.exchange import check_ending
+    from egad.stats import template as empty
+    from egad.tables import parquet
+    from egad.tables.evaluation import EVAL49
+
+    check_ending(out, (".csv",))
+    if out.exists():
+        raise UserError(f"--out {out} exists and may be filled in; give another file")
+    settings = settings_in(config)
+    labels = labels_of(settings.select_eval.rows, settings.select_eval.columns)
+    if evaluation is not None:
+        labels = parquet.read(evaluation, EVAL49)["label"].tolist()
+    frame = empty(labels, ATTEMPTS, detector)
+    with atomic_output(out) as temporary:
+        frame.to_csv(temporary, index=False)
+    typer.echo(f"{out}: {len(frame)} attempts at {len(labels)} objects")
+
+
+def _compare_clearing(tables: list[Path], out: Path | None) -> None:
+    """Print rates of detectors that cleared tables, and comparisons of pairs; write a page."""
+    from egad._util.files import write_text
+    from egad.cli.terminal_tables import cleared, clearing_compared
+    from egad.report.clutter import clearing_results, page
+    from egad.tables import parquet
+    from egad.tables.clutter import CLUTTER
+
+    several = len({path.stem for path in tables}) < len(tables)
+    names = [str(path.with_suffix("")) if several else path.stem for path in tables]
+    found = {name: parquet.read(path, CLUTTER) for name, path in zip(names, tables, strict=True)}
+    results = clearing_results(found)
+    cleared(results.rates, results.engines)
+    if results.pairs:
+        clearing_compared(results.pairs)
+    else:
+        typer.echo("No two tables have a round in common: same scene, noise, objects and seed")
+    if out is not None:
+        write_text(out, page(results))
+
+
+def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
+    """Print success rates, and comparisons of pairs of detectors."""
+    from egad.cli.terminal_tables import compared, succeeded
+    from egad.report.trials import pairs
+    from egad.stats import engine_names, mean_rate
+
+    engines = {name: engine_names(table) for name, table in found.items()}
+    succeeded({name: mean_rate(table) for name, table in found.items()}, engines)
+    if len(found) > 1:
+        compared(pairs(found))
+
+
+def _write(
+    out: Path, found: "Mapping[str, pd.DataFrame]", evaluation: Path | None, settings: Settings
+) -> None:
+    from egad._util.files import write_text
+    from egad.evalset import cell_of_label
+    from egad.report.axes import axis_pair
+    from egad.report.trials import EvaluationSet, page
+    from egad.tables import parquet
+    from egad.tables.evaluation import EVAL49
+
+    chosen = None if evaluation is None else parquet.read(evaluation, EVAL49)
+    cells = [cell_of_label(label) for table in found.values() for label in table["label"].unique()]
+    rows = max(settings.select_eval.rows, *(row + 1 for row, _ in cells))
+    columns = max(settings.select_eval.columns, *(column + 1 for _, column in cells))
+    tried = EvaluationSet(rows, columns, chosen, axis_pair(settings.measures))
+    write_text(out, page(found, tried))

@@ -1,0 +1,163 @@
+"""An object of a dataset or a mesh in 3D, with its labelled grasps."""
+
+import logging
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from egad._util.progress import phase_if_slow
+from egad.cli.common import (
+    FIRST_TARGET,
+    RUN,
+    Config,
+    DatasetIn,
+    Rule,
+    Units,
+    gripper_in,
+    gripper_option,
+    named_gripper,
+    out_option,
+    settings_in,
+    with_option,
+)
+from egad.config.stages import ViewMesh, select
+from egad.errors import RejectedError, UserError, check_name
+
+if TYPE_CHECKING:
+    from egad.report.viewer import Scene
+
+log = logging.getLogger(__name__)
+
+
+def view(
+    item: Annotated[
+        str, typer.Argument(metavar="OBJECT", help="label of an object, or a mesh file")
+    ],
+    gripper: Annotated[str | None, gripper_option(FIRST_TARGET)] = None,
+    dataset: DatasetIn = RUN,
+    units: Units = None,
+    rule: Rule = None,
+    out: Annotated[Path, out_option("page to write: .html")] = Path("view.html"),
+    grasps: Annotated[
+        int | None,
+        typer.Option(min=1, help="number of grasps for a mesh file; default: grasp_label.grasps"),
+    ] = None,
+    config: Config = None,
+) -> None:
+    """Show an object in 3D with its labelled grasps, as an HTML page that works offline."""
+    from egad._util.files import write_text
+    from egad.exchange import ENDINGS, check_ending
+    from egad.io import check_unit_known
+    from egad.report.viewer import page
+
+    check_ending(out, (".html",))
+    whole = with_option(settings_in(config), "--grasps", "grasp_label.grasps", grasps)
+    whole = with_option(whole, "--rule", "rescale.rule", rule)
+    if Path(item).suffix.lower() not in ENDINGS and not Path(item).is_file():
+        for option, value in {"--rule": rule, "--units": units, "--grasps": grasps}.items():
+            if value is not None:
+                raise UserError(
+                    f"{option} is for mesh files; the grasps of {item} were made for one size"
+                )
+        name = named_gripper(whole, gripper)
+        shown = from_dataset(dataset, name, item, whole.grippers[name].opening)
+    else:
+        check_unit_known([Path(item)], units)
+        whole, name = gripper_in(whole, gripper or whole.targets.grippers[0])
+        shown = from_mesh(Path(item), units, select(whole, ViewMesh, name))
+    write_text(out, page(shown, name, whole.grippers[name]))
+    free = int(shown.grasps["collision_free"].sum())
+    found = shown.note or f"{len(shown.grasps)} grasps of {name}, {free} of them collision-free"
+    typer.echo(f"{shown.name}: {found}, at {shown.title}; see {out}")
+
+
+def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> "Scene":
+    """An object of a dataset with its labelled grasps.
+
+    Args:
+        folder: Of the dataset, such as `results/egad`.
+        gripper: Its name.
+        name: Label of the object, in the dataset or in the evaluation set.
+        opening: Opening of the displayed gripper, metres.
+
+    Raises:
+        UserError: The dataset, the object or the grasps of this gripper do not exist, or the
+            grasps were made with a different opening.
+    """
+    from egad.exchange import check_opening
+    from egad.report.scenes import scene
+    from egad.tables import parquet
+    from egad.tables.evaluation import EVAL49
+    from egad.tables.grasping import GRASPS, SCALES
+
+    table = folder / "grasps" / f"{gripper}.parquet"
+    scales = folder / "rescaled" / gripper / "scales.parquet"
+    if not (folder / "objects.parquet").is_file():
+        raise UserError(f"--in {folder}: no dataset here; give its folder, e.g. results/egad")
+    for path in (scales, table):
+        if not path.is_file():
+            raise UserError(f"{path} is not there; make it with: snakemake --cores 2 {table}")
+    check_opening(folder, gripper, opening)
+    evaluation = folder / "eval49.parquet"
+    sizes = parquet.read(scales, SCALES).set_index("label")
+    labels = {str(each): str(each) for each in sizes.index}
+    if evaluation.is_file():
+        chosen = parquet.read(evaluation, EVAL49)
+        labels = dict(zip(chosen["label"], chosen["object_label"], strict=True)) | labels
+    check_name("object", name, labels, f" in {folder} for {gripper}")
+    shown = scene(folder, gripper, labels[name], parquet.read(table, GRASPS))
+    return replace(shown, title=_size(sizes.loc[labels[name]].to_dict()))
+
+
+@phase_if_slow("sampling grasps")
+def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "Scene":
+    """A mesh, repaired and scaled to the gripper, with newly labelled grasps.
+
+    Args:
+        path: The mesh file.
+        units: Unit of its coordinates; None: as the file says.
+        settings: Gripper, scale rule and settings of grasp labels.
+
+    Raises:
+        UserError: The file is not a mesh, or the mesh cannot be repaired.
+    """
+    from egad.exchange import read_mesh
+    from egad.exchange.hand_body import hand_body
+    from egad.geometry import ENLARGED, rescale, units_doubt
+    from egad.grasps import label_grasps
+    from egad.measures import center_of_mass
+    from egad.random import generator
+    from egad.report.viewer import Scene
+    from egad.tables import parquet
+    from egad.tables.grasping import GRASPS
+    from egad.workflow.repair import repaired_mesh
+
+    rule = settings.rescale
+    try:
+        given = read_mesh(path, units)
+        if doubt := units_doubt({path.name: float(given.extents.max())}, units):
+            log.warning("%s", doubt)
+        solid = repaired_mesh(given, path.stem)
+        mesh, row = rescale(solid, rule.rule, settings.gripper.opening, rule.side_fraction)
+    except RejectedError as reason:
+        raise UserError(f"{path}: {reason}") from reason
+    if row["factor"] > ENLARGED:
+        log.warning("%s is shown and grasped larger than it is; --rule none changes that", path)
+    title = _size(row)
+    rng = generator(settings.seed, "grasps", path.stem)
+    try:
+        rows = label_grasps(mesh, center_of_mass(mesh), settings, rng, hand_body(settings.gripper))
+        return Scene(path.stem, title, mesh, rows)
+    except RejectedError as reason:
+        return Scene(path.stem, title, mesh, parquet.empty(GRASPS), str(reason))
+
+
+def _size(row: Mapping[Any, Any]) -> str:
+    """The size that grasps are for, from columns of `tables.grasping.SCALES`."""
+    from egad.geometry import size_text
+
+    sides = [row[f"after_{number}"] for number in (1, 2, 3)]
+    return f"{size_text(sides, row['factor'])} (rule {row['rule']})"

@@ -1,0 +1,85 @@
+"""Every setting of the pipeline, as pydantic models.
+
+The models are the only source of names, defaults, bounds and meanings: `check` says what is wrong
+with a configuration, `manual` lists them all in `config/README.md`.
+Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles degrees.
+"""
+
+from egad._util.parameters import Axis, Name, Parameters, Range, ScaleRule
+from egad.config.sections import (
+    Dataset,
+    Postprocess,
+    Release,
+    Rescale,
+    Schedule,
+    Targets,
+)
+from egad.config.settings import Settings
+from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Region, Shape, Symmetry
+from egad.detectors import DETECTORS, DetectorConfig
+from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
+from egad.exchange import Acronym, DexNet
+from egad.geometry import Material
+from egad.grasps import GraspLabel, Quality, Robust, Sampling
+from egad.grippers import GRIPPERS, Gripper
+from egad.learning import Training
+from egad.map_elites import Evolution
+from egad.measures import Complexity, CustomMeasures, Difficulty, SizeEffect, Space
+from egad.perception import CAMERAS, Camera, ImageNoise, Render
+from egad.reeb import Similarity
+from egad.sim import Agreement, Lifting, SimulatedLabel, Trials
+
+__all__ = [
+    "CAMERAS",
+    "DETECTORS",
+    "GRIPPERS",
+    "Acronym",
+    "Agreement",
+    "Axis",
+    "Bundle",
+    "Camera",
+    "Complexity",
+    "CustomMeasures",
+    "Dataset",
+    "DetectorConfig",
+    "DexNet",
+    "Difficulty",
+    "Engraving",
+    "Envelope",
+    "Evolution",
+    "GraspLabel",
+    "Gripper",
+    "Hole",
+    "ImageNoise",
+    "KeepSolid",
+    "Lifting",
+    "Limits",
+    "Material",
+    "Name",
+    "Neat",
+    "Parameters",
+    "Postprocess",
+    "PrintCheck",
+    "PrintExport",
+    "Quality",
+    "Range",
+    "Region",
+    "Release",
+    "Render",
+    "Rescale",
+    "Robust",
+    "Sampling",
+    "ScaleRule",
+    "Schedule",
+    "SelectEval",
+    "Settings",
+    "Shape",
+    "Similarity",
+    "SimulatedLabel",
+    "SizeEffect",
+    "Space",
+    "Symmetry",
+    "Targets",
+    "Training",
+    "Trials",
+]

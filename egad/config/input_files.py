@@ -1,0 +1,126 @@
+"""Whether the files and folders that a configuration names can be read, before anything runs."""
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from pathlib import Path
+
+from egad.config.sections import Dataset
+from egad.config.settings import Settings
+from egad.detectors import fingerprint
+from egad.errors import TableError, UserError
+from egad.exchange import (
+    EVERY_FILE,
+    check_articulated,
+    check_installed,
+    mesh_files,
+)
+from egad.grippers import Gripper, files_of
+from egad.io import check_unit_known
+from egad.measures import source_hash
+from egad.tables.evolution import GENOME
+from egad.tables.parquet import check_columns
+
+MOST_LINES = 10
+
+
+def check_input_files(settings: Settings) -> None:
+    """Open everything that the datasets and targets of a configuration read.
+
+    Snakemake looks for files later, and not for those of results that an earlier run made.
+
+    Raises:
+        UserError: Something is missing or cannot be read; the text has a line for each problem.
+    """
+    problems: dict[str, None] = {}
+    for where, check in _checks(settings):
+        try:
+            check()
+        except UserError as error:
+            prefix = f"{where}: " if where else ""
+            problems |= dict.fromkeys(f"{prefix}{line}" for line in str(error).split("\n"))
+    if problems:
+        raise UserError("\n".join(problems))
+
+
+def _checks(settings: Settings) -> Iterator[tuple[str, Callable[[], object]]]:
+    """What is to be checked, by the key that names it; empty if the error says it."""
+    for name, dataset in settings.datasets.items():
+        yield f"datasets.{name}", partial(_check_dataset, dataset)
+    for key in ("envelope", "keep_solid", "hole"):
+        if file := getattr(settings, key).mesh:
+            yield f"{key}.mesh", partial(check_readable, [Path(file)])
+    for measure in settings.measures.functions().values():
+        yield "", partial(source_hash, measure)
+    for name in dict.fromkeys([*settings.targets.detectors, *settings.targets.clutter]):
+        detector = settings.detectors[name]
+        made = detector.weights and is_result(detector.weights)
+        if not made or Path(str(detector.weights)).is_file():
+            yield "", partial(fingerprint, detector)
+    for name in settings.targets.grippers:
+        yield f"grippers.{name}", partial(_check_gripper, settings.grippers[name])
+        for style in settings.targets.exports:
+            yield "targets.exports", partial(check_export, style, name, settings)
+
+
+def is_result(file: str) -> bool:
+    """Whether a file is one that a workflow makes."""
+    return file.startswith("results/")
+
+
+def check_export(style: str, gripper: str, settings: Settings) -> None:
+    """Check that a format can be written for a gripper.
+
+    Raises:
+        UserError: A package is not installed, or the gripper lacks what the format describes.
+    """
+    check_installed(style)
+    if style == "isaac_grasp":
+        check_articulated(gripper, settings.grippers[gripper])
+
+
+def _check_dataset(dataset: Dataset) -> None:
+    if dataset.folder is not None:
+        folder = Path(dataset.folder)
+        files = mesh_files(folder, dataset.pattern or EVERY_FILE)
+        check_readable(files)
+        check_unit_known(files, dataset.units)
+    if dataset.archive not in (None, "released"):
+        check_readable([Path(dataset.archive)])
+        _check_archive(Path(dataset.archive))
+
+
+def _check_archive(path: Path) -> None:
+    try:
+        check_columns(path, ["id", *GENOME.names, "voxels"])
+    except TableError as error:
+        raise UserError(str(error)) from error
+
+
+def _check_gripper(gripper: Gripper) -> None:
+    check_readable(files_of(gripper))
+
+
+def check_readable(files: Iterable[Path]) -> None:
+    """Open files.
+
+    Raises:
+        UserError: Some cannot be opened; the text has a line for each.
+    """
+    lines = [f"{path} {reason}" for path in files if (reason := _unreadable(path))]
+    more = len(lines) - MOST_LINES
+    if lines:
+        end = [f"and {more} more files cannot be read"] if more > 0 else []
+        raise UserError("\n".join([*lines[:MOST_LINES], *end]))
+
+
+def _unreadable(path: Path) -> str:
+    """Why a file cannot be read; empty if it can."""
+    try:
+        with path.open("rb"):
+            return ""
+    except FileNotFoundError:
+        if path.is_symlink():
+            return f"is a link to {path.readlink()}, which does not exist"
+        return "does not exist"
+    except OSError as error:
+        return f"cannot be read: {error.strerror}"

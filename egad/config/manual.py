@@ -1,0 +1,88 @@
+"""The list of all settings in `config/README.md`.
+
+`python -m egad.config.manual` writes it, `--check` says whether it is up to date.
+"""
+
+import json
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from egad._util.files import write_text
+from egad._util.markdown import table
+from egad._util.parameters import Node, allowed, keys_of
+from egad.config.files import defaults
+from egad.config.schema import node_at
+
+PAGE = Path("config/README.md")
+BETWEEN = re.compile(r"(?<=<!-- settings -->\n).*(?=<!-- end -->)", re.DOTALL)
+
+
+def manual() -> str:
+    """All settings with their defaults, as Markdown."""
+    known = defaults()
+    single = [name for name in keys_of(node_at(()) or {}) if not _is_section(name)]
+    general = [name for name in single if not _is_table(name)]
+    parts = ["\n", table(["setting", "default", "meaning", "allowed"], _rows((), general, known))]
+    for name in keys_of(node_at(()) or {}):
+        path: tuple[str, ...] = (name, "any") if _is_table(name) else (name,)
+        if name not in general:
+            parts += [
+                f"\n### `{name}`\n\n",
+                f"{_about(name)}\n\n",
+                _keys(path, known.get(name, {})),
+            ]
+    return "".join(parts) + "\n"
+
+
+def _about(name: str) -> str:
+    """What a section is about, and the entries that a table has."""
+    about = str((node_at((name,)) or {})["description"])
+    about = about if about.endswith(".") else f"{about[0].upper()}{about[1:]}."
+    entries = ", ".join(f"`{each}`" for each in defaults().get(name, {}))
+    return f"{about} Built in: {entries}." if _is_table(name) else about
+
+
+def _keys(path: tuple[str, ...], known: Mapping[str, Any]) -> str:
+    keys = keys_of(node_at(path) or {})
+    if path[-1] == "any":  # of an entry; it has no defaults of its own
+        return table(["key", "meaning", "allowed"], [_row(path, key)[:3] for key in keys])
+    return table(["key", "default", "meaning", "allowed"], _rows(path, keys, known))
+
+
+def _rows(
+    path: tuple[str, ...], keys: list[str], known: Mapping[str, Any]
+) -> Iterator[tuple[str, ...]]:
+    for key in keys:
+        name, meaning, may_be = _row(path, key)
+        shown = f"`{json.dumps(known[key])}`" if key in known else ""
+        yield name, shown.replace('"', ""), meaning, may_be
+
+
+def _row(path: tuple[str, ...], key: str) -> tuple[str, str, str]:
+    node: Node = node_at((*path, key)) or {}
+    return f"`{key}`", str(node.get("description", "")), allowed(node)
+
+
+def _is_table(name: str) -> bool:
+    return "patternProperties" in (node_at((name,)) or {})
+
+
+def _is_section(name: str) -> bool:
+    return "properties" in (node_at((name,)) or {})
+
+
+def main() -> None:
+    """Write the list, or with `--check` say whether it is up to date."""
+    text = PAGE.read_text(encoding="utf-8")
+    current = BETWEEN.sub(lambda _: manual(), text)
+    if "--check" not in sys.argv:
+        write_text(PAGE, current)
+    elif text != current:
+        sys.exit(f"{PAGE} is out of date: run python -m egad.config.manual")
+
+
+if __name__ == "__main__":
+    main()

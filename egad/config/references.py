@@ -1,0 +1,55 @@
+"""Whether the names that a configuration refers to are defined in it."""
+
+from collections.abc import Iterable, Mapping
+
+from egad.config.settings import Settings
+
+
+def wrong_references(settings: Settings) -> list[str]:
+    """What a configuration names and does not define, a line each.
+
+    Only what the user gave is wrong: a default may name what is missing as long as nothing uses it.
+    So a dump of the settings, in which every section is given, is not checked again.
+
+    Args:
+        settings: Those of the user's configuration, which remember what was given.
+    """
+    problems = [
+        *unknown_names("targets.datasets", settings.targets.datasets, settings.datasets),
+        *unknown_names("targets.grippers", settings.targets.grippers, settings.grippers),
+        *unknown_names("targets.detectors", settings.targets.detectors, settings.detectors),
+        *unknown_names("targets.clutter", settings.targets.clutter, settings.detectors),
+        *unknown_names("render.camera", [settings.render.camera], settings.cameras),
+        *unknown_names("difficulty.gripper", [settings.difficulty.gripper], settings.grippers),
+        *unknown_names(
+            "select_eval.gripper",
+            [name] if (name := settings.select_eval.gripper) else [],
+            settings.grippers,
+        ),
+        *_unknown_in_release(settings),
+    ]
+    evolved = [name for name, data in settings.datasets.items() if data.source == "evolved"]
+    if len(evolved) > 1:
+        problems.append(
+            f"datasets: at most one can have the source `evolved`, got {', '.join(evolved)}"
+        )
+    return problems
+
+
+def _unknown_in_release(settings: Settings) -> list[str]:
+    """Unknown names of the section, if it is given; its defaults may name what is missing."""
+    if "release" not in settings.model_fields_set:
+        return []
+    return [
+        *unknown_names("release.dataset", [settings.release.dataset], settings.datasets),
+        *unknown_names("release.gripper", [settings.release.gripper], settings.grippers),
+    ]
+
+
+def unknown_names(key: str, used: Iterable[str], table: Mapping[str, object]) -> list[str]:
+    """A line for each name that a setting uses and a table does not have."""
+    return [
+        f"{key}: {name!r} is not defined; known: {', '.join(sorted(table))}"
+        for name in used
+        if name not in table
+    ]

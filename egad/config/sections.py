@@ -1,0 +1,201 @@
+"""Settings of the pipeline itself: datasets, targets, schedule, repair, release."""
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from egad._util.parameters import (
+    Fraction,
+    Length,
+    Name,
+    Parameters,
+    PositiveFraction,
+    ScaleRule,
+    UserPath,
+)
+from egad.exchange import PhysicsFormat
+from egad.exchange.exports import EVALUATION_SET, Format, ObjectSet
+from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
+from egad.measures import MAX_CANDIDATES
+
+
+class Schedule(Parameters):
+    """Division of evolution into jobs. More epochs than before extend a finished run."""
+
+    islands: int = Field(
+        1,
+        ge=1,
+        le=1024,
+        description="archives that evolve independently within an epoch and are then merged",
+    )
+    epochs: int = Field(1, ge=1, le=200, description="rounds of independent evolution and merging")
+
+
+class Postprocess(Parameters):
+    """Repair, and measures by other grasps than those that evolution selected by."""
+
+    max_candidates: int = Field(
+        MAX_CANDIDATES,
+        ge=1,
+        description="most candidate grasps drawn to make the cell of an object certain",
+    )
+    min_volume: float = Field(
+        1e-9, ge=0, description="objects with a smaller volume are rejected, m3"
+    )
+    open_surfaces: OpenSurfaces = Field(
+        "reject",
+        description="treatment of surfaces that are still open after small holes are closed, such "
+        "as scans of glasses and bowls: reject them, or thicken them to closed shells",
+    )
+    shell_thickness: Length = Field(
+        SHELL_THICKNESS,
+        description="wall thickness of these shells, metres, half on each side of the surface "
+        "(open_surfaces: thicken)",
+    )
+
+
+class Rescale(Parameters):
+    """Scaling of objects to a gripper."""
+
+    rule: ScaleRule = Field(
+        "paper",
+        description="paper: smallest side at most `side_fraction` of the opening; egad-script: "
+        "longest side = opening, then as paper; exact: smallest side = `side_fraction` of it; "
+        "none: objects stay as they are",
+    )
+    side_fraction: PositiveFraction = Field(
+        SIDE_FRACTION, description="fraction of the opening that the rule uses"
+    )
+
+
+MOST_PRIMITIVES = 100_000  # their ids have five digits
+
+
+class Dataset(Parameters):
+    """A set of objects: evolved, from an archive, from mesh files, or random primitives."""
+
+    source: Literal["evolved", "archive", "meshes", "primitives"] = Field(
+        description="`evolved`: by this pipeline; `archive`: from an existing archive; `meshes`: "
+        "read from a folder; `primitives`: random unions of primitives"
+    )
+    archive: UserPath | None = Field(
+        None,
+        description="archive file, or `released` for the one shipped with egad (source: archive)",
+    )
+    folder: UserPath | None = Field(None, description="folder of the meshes (source: meshes)")
+    units: Literal["m", "mm", "cm", "inch"] | None = Field(
+        None,
+        description="unit of the mesh coordinates, unless the files state it (source: meshes)",
+    )
+    pattern: str | None = Field(
+        None,
+        description="glob of the mesh files, relative to the folder; objects are named by what its "
+        "wildcards match; nothing: `*`, all files of the folder itself (source: meshes)",
+    )
+    objects: int | None = Field(
+        None,
+        ge=1,
+        le=MOST_PRIMITIVES,
+        description="number of objects, each of 2 to 5 boxes, cylinders, spheres (source: "
+        "primitives)",
+    )
+
+    @model_validator(mode="after")
+    def _keys_belong_to_the_source(self) -> Self:
+        needed = {
+            "evolved": (),
+            "archive": ("archive",),
+            "meshes": ("folder",),
+            "primitives": ("objects",),
+        }
+        allowed = {**needed, "meshes": ("folder", "units", "pattern")}
+        given = [name for name, value in self if name != "source" and value is not None]
+        if any(name not in given for name in needed[self.source]):
+            keys = " and ".join(f"`{name}`" for name in needed[self.source])
+            raise ValueError(f"a dataset with source `{self.source}` needs {keys}")
+        if extra := [name for name in given if name not in allowed[self.source]]:
+            raise ValueError(f"a dataset with source `{self.source}` takes no `{extra[0]}`")
+        return self
+
+
+class Targets(Parameters):
+    """Targets of `snakemake --cores 2` without a named file."""
+
+    datasets: list[Name] = Field(
+        ["egad"],
+        description="datasets that run through the whole pipeline: grasps, scaling, evaluation "
+        "set, prints, trials",
+    )
+    grippers: list[Name] = Field(
+        ["egad_75mm"],
+        min_length=1,
+        description="grippers to make results for, from the table below",
+    )
+    detectors: list[Name] = Field(
+        ["antipodal-depth"],
+        min_length=1,
+        description="grasp detectors to test in simulation, from the table below",
+    )
+    clutter: list[Name] = Field(
+        [],
+        description="grasp detectors to let clear tables of several objects, from the table below",
+    )
+    exports: list[Format] = Field(
+        [],
+        description="exports for other programs, of objects, of labelled grasps or of rendered "
+        "images with grasps",
+    )
+    export_objects: ObjectSet = Field(
+        EVALUATION_SET, description="objects that exports in formats of objects have"
+    )
+    difficulty: bool = Field(
+        False, description="whether to measure the difficulty of all objects for each gripper"
+    )
+    agreement: bool = Field(
+        False, description="whether to execute a sample of the labelled grasps in simulation"
+    )
+    simulated_labels: bool = Field(
+        False,
+        description="whether to simulate labelled grasps of all objects; it is done in any case if "
+        "`exports` has acronym, graspgen, graspnet or isaac_grasp",
+    )
+    render: bool = Field(
+        False, description="whether to render depth images with grasps for training"
+    )
+
+
+class Release(Parameters):
+    """The folder `results/release`, a dataset that anyone can host: docs/release.md."""
+
+    dataset: Name = Field("egad", description="dataset whose objects are released")
+    gripper: Name = Field(
+        "panda",
+        description="gripper that objects are scaled to and grasps are of, from the table below",
+    )
+    grasps: int = Field(
+        100,
+        ge=1,
+        description="most grasps per object; only grasps with a simulated label are released, of "
+        "which there are at most simulated_label.grasps",
+    )
+    validation: Fraction = Field(
+        0.15,
+        lt=1,
+        description="largest fraction of the objects outside the test split that are for "
+        "validation; whole families are",
+    )
+    archives: list[PhysicsFormat] = Field(
+        ["urdf", "mjcf"],
+        description="formats of the archives of objects for simulators; usd is installed with "
+        "`pip install 'egad[usd]'`",
+    )
+    title: str = Field(
+        "EGAD: evolved objects for robot grasping", description="name of the dataset for people"
+    )
+    version: str = Field("1.0.0", description="version of the dataset, as its card states it")
+    date: str | None = Field(
+        None,
+        pattern=r"^\d{4}-\d{2}-\d{2}$",
+        description="day of publication, YYYY-MM-DD, as its card states it",
+    )
+    url: str | None = Field(None, description="where the dataset is hosted, as its card states it")

@@ -1,0 +1,85 @@
+"""The whole configuration."""
+
+from pydantic import Field
+
+from egad._util.parameters import Name, Parameters, Seed
+from egad.config.sections import (
+    Dataset,
+    Postprocess,
+    Release,
+    Rescale,
+    Schedule,
+    Targets,
+)
+from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
+from egad.detectors import DETECTORS, DetectorConfig
+from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
+from egad.exchange import Acronym, DexNet
+from egad.geometry import Material
+from egad.grasps import GraspLabel, Quality, Robust, Sampling
+from egad.grippers import GRIPPERS, Gripper
+from egad.learning import Training
+from egad.map_elites import Evolution
+from egad.measures import Complexity, CustomMeasures, Difficulty, SizeEffect, Space
+from egad.perception import CAMERAS, Camera, ImageNoise, Render
+from egad.reeb import Similarity
+from egad.sim import Agreement, Clutter, SimulatedLabel, Trials
+
+
+class Settings(Parameters):
+    """The whole configuration."""
+
+    seed: Seed = Field(0, description="seed of all random numbers")
+    shards: int = Field(
+        4, ge=1, le=1024, description="jobs per dataset; does not change any result"
+    )
+    datasets: dict[Name, Dataset] = Field(
+        {"egad": Dataset(source="evolved")}, min_length=1, description="all datasets, by name"
+    )
+    targets: Targets = Targets()
+    schedule: Schedule = Schedule()
+    evolution: Evolution = Evolution()
+    neat: Neat = Neat()
+    shape: Shape = Shape()
+    envelope: Envelope = Envelope()
+    keep_solid: KeepSolid = KeepSolid()
+    hole: Hole = Hole()
+    symmetry: Symmetry = Symmetry()
+    limits: Limits = Limits()
+    space: Space = Space()
+    measures: CustomMeasures = CustomMeasures()
+    complexity: Complexity = Complexity()
+    difficulty: Difficulty = Difficulty()
+    similarity: Similarity = Similarity()
+    sampling: Sampling = Sampling()
+    quality: Quality = Quality()
+    robust: Robust = Robust()
+    material: Material = Material()
+    postprocess: Postprocess = Postprocess()
+    grasp_label: GraspLabel = GraspLabel()
+    size_effect: SizeEffect = SizeEffect()
+    rescale: Rescale = Rescale()
+    select_eval: SelectEval = SelectEval()
+    print_check: PrintCheck = PrintCheck()
+    print_export: PrintExport = PrintExport()
+    engraving: Engraving = Engraving()
+    bundle: Bundle = Bundle()
+    dexnet: DexNet = DexNet()
+    acronym: Acronym = Acronym()
+    trials: Trials = Trials()
+    clutter: Clutter = Clutter()
+    simulated_label: SimulatedLabel = SimulatedLabel()
+    agreement: Agreement = Agreement()
+    training: Training = Training()
+    render: Render = Render()
+    image_noise: ImageNoise = ImageNoise()
+    release: Release = Release()
+    grippers: dict[Name, Gripper] = Field(
+        GRIPPERS, min_length=1, description="all grippers, by name"
+    )
+    cameras: dict[Name, Camera] = Field(
+        CAMERAS, min_length=1, description="all cameras of rendered images, by name"
+    )
+    detectors: dict[Name, DetectorConfig] = Field(
+        DETECTORS, min_length=1, description="all grasp detectors, by name"
+    )

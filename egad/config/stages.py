@@ -1,0 +1,249 @@
+"""The sections of the configuration that each stage reads.
+
+A rule passes its stage these settings alone, as a parameter, so a changed setting re-runs the
+stages that read it and no others.
+"""
+
+from typing import TypeVar
+
+from egad._util.parameters import ParameterGroup
+from egad.config.sections import Postprocess, Release, Rescale
+from egad.config.settings import Settings
+from egad.cppn import Shape
+from egad.detectors import DetectorConfig
+from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
+from egad.exchange import DexNet
+from egad.geometry import Material
+from egad.grasps import LabelParameters, Quality
+from egad.grippers import Gripper
+from egad.learning import Training
+from egad.map_elites import EvolutionParameters
+from egad.measures import MeasureParameters, Space
+from egad.perception import RenderParameters
+from egad.reeb import Similarity
+from egad.sim import (
+    ClutterParameters,
+    Lifting,
+    SimulatedLabel,
+    SimulatedLabelParameters,
+    TrialParameters,
+)
+
+
+class StageSettings(ParameterGroup):
+    """The sections that one stage reads; `gripper`, `camera` and the like are entries of tables."""
+
+
+class MeasureMeshes(MeasureParameters):
+    """Any meshes: repaired, measured, and placed in the space."""
+
+    postprocess: Postprocess
+    material: Material
+    space: Space
+
+
+class LocateMeshes(MeasureMeshes):
+    """The same among the objects of an archive."""
+
+    shape: Shape
+
+
+class ViewMesh(LabelParameters):
+    """Labelled grasps of any mesh, scaled first."""
+
+    rescale: Rescale
+
+
+class Compare(MeasureParameters):
+    """Datasets side by side, and the cells that the measures leave to objects."""
+
+
+class DifficultyOfGripper(MeasureParameters):
+    """Measures of objects for one gripper."""
+
+    postprocess: Postprocess
+
+
+class PostprocessSolids(MeasureParameters):
+    """Repair, mass properties and measures of the objects of a shard."""
+
+    postprocess: Postprocess
+    material: Material
+    shape: Shape
+
+
+class Collect(StageSettings):
+    """Cells, labels and diversities of a whole dataset."""
+
+    space: Space
+    similarity: Similarity
+
+
+class Merge(StageSettings):
+    """What merging reads."""
+
+    space: Space
+    similarity: Similarity
+
+
+class EvalSelection(StageSettings):
+    """The evaluation set."""
+
+    seed: int
+    space: Space
+    similarity: Similarity
+    select_eval: SelectEval
+    gripper: Gripper
+    rescale: Rescale
+    print_check: PrintCheck
+
+
+class RescaleMeshes(StageSettings):
+    """Scaling to a gripper."""
+
+    gripper: Gripper
+    rescale: Rescale
+
+
+class PrintFiles(StageSettings):
+    """Files for printers."""
+
+    gripper: Gripper
+    rescale: Rescale
+    print_check: PrintCheck
+    print_export: PrintExport
+    engraving: Engraving
+
+
+class ConvexParts(StageSettings):
+    """Convex parts of objects."""
+
+    material: Material
+    bundle: Bundle
+
+
+class SimulationBundle(StageSettings):
+    """Files for simulators."""
+
+    material: Material
+    bundle: Bundle
+
+
+class SimulatedTrials(TrialParameters):
+    """Simulated trials of a grasp detector."""
+
+    detector: DetectorConfig
+
+
+class ClearedTables(ClutterParameters):
+    """Rounds of clearing a table with a grasp detector."""
+
+    detector: DetectorConfig
+
+
+class SimulatedLabels(SimulatedLabelParameters):
+    """Simulated labels of the grasps of a gripper."""
+
+    material: Material
+
+
+class RenderImages(RenderParameters):
+    """Depth images of objects at rest; some need a simulation."""
+
+    material: Material
+    trials: Lifting
+    simulated_label: SimulatedLabel
+
+    @property
+    def labels(self) -> SimulatedLabelParameters:
+        """What simulated labels depend on."""
+        names = SimulatedLabelParameters.model_fields
+        return SimulatedLabelParameters(**{name: getattr(self, name) for name in names})
+
+
+class DataSheets(StageSettings):
+    """The datasheet of an evaluation set."""
+
+    select_eval: SelectEval
+    print_export: PrintExport
+
+
+class Gallery(EvolutionParameters):
+    """The gallery: how genomes become shapes, the space, and the gripper of the release."""
+
+    map_gripper: Gripper  # that difficulty is for
+    release: Release
+
+
+class DexNetObjects(StageSettings):
+    """Objects of a Dex-Net database: distance fields, stable poses, masses."""
+
+    material: Material
+    dexnet: DexNet
+
+
+class TrainNetwork(StageSettings):
+    """Training of a grasp network."""
+
+    seed: int
+    training: Training
+
+
+class ReleaseTables(StageSettings):
+    """Tables of a release."""
+
+    seed: int
+    release: Release
+
+
+class ReleaseCard(StageSettings):
+    """What the card of a release says."""
+
+    release: Release
+    material: Material
+    quality: Quality
+
+
+class ReleaseArchive(StageSettings):
+    """Mass and friction of the objects in an archive."""
+
+    material: Material
+    bundle: Bundle
+
+
+S = TypeVar("S", bound=ParameterGroup)
+
+
+def select(
+    settings: Settings, stage: type[S], gripper: str | None = None, detector: str | None = None
+) -> S:
+    """The part of a configuration that a stage reads.
+
+    Args:
+        settings: The whole configuration.
+        stage: The class of the settings that the stage reads.
+        gripper: Name of the gripper, for stages that read one.
+        detector: Name of the grasp detector, for the stage that tries one.
+    """
+    entries = ("gripper", "map_gripper", "camera", "detector")
+    names = [name for name in stage.model_fields if name not in entries]
+    values = {name: getattr(settings, name) for name in names}
+    if issubclass(stage, MeasureParameters) and settings.difficulty.metric == "nominal":
+        values["robust"] = None
+    if "gripper" in stage.model_fields:
+        chooses = "select_eval" in values
+        own = _narrowest(settings) if chooses else settings.difficulty.gripper
+        values["gripper"] = settings.grippers[gripper or own]
+    if "map_gripper" in stage.model_fields:
+        values["map_gripper"] = settings.grippers[settings.difficulty.gripper]
+    if "camera" in stage.model_fields:
+        values["camera"] = settings.cameras[settings.render.camera]
+    if "detector" in stage.model_fields:
+        values["detector"] = settings.detectors[detector or settings.targets.detectors[0]]
+    return stage(**values)
+
+
+def _narrowest(settings: Settings) -> str:
+    """The gripper that the evaluation set must be printable for."""
+    named = settings.select_eval.gripper
+    return named or min(settings.grippers, key=lambda name: settings.grippers[name].opening)

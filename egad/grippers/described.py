@@ -1,0 +1,49 @@
+"""Hands that a URDF or MJCF file describes: MuJoCo is loaded only where there is such a file."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from egad._util.extras import needed_for
+from egad.errors import UserError
+from egad.grippers.model import GripperModel
+from egad.grippers.parameters import Gripper
+
+FILE = "a gripper with a URDF or MJCF file"
+
+
+def model_of(gripper: Gripper) -> GripperModel:
+    """The model of a gripper that has a file.
+
+    Raises:
+        UserError: It has none, the file cannot be used, or MuJoCo is not installed.
+    """
+    if gripper.file is None:
+        raise UserError("this gripper has no file that describes it")
+    return read_described(Path(gripper.file), gripper.model_dump())
+
+
+def read_described(path: Path, values: Mapping[str, Any]) -> GripperModel:
+    """The hand that a file describes.
+
+    Args:
+        path: The file.
+        values: Settings of a gripper, of which those count that are not left to be found.
+
+    Raises:
+        UserError: The file cannot be used, or MuJoCo is not installed.
+    """
+    with needed_for(FILE):
+        from egad.grippers.reading import choices_of, read_model  # noqa: PLC0415 (an extra)
+    return read_model(path, choices_of(values))
+
+
+def description_files(path: Path) -> list[Path]:
+    """A description and the files of all its meshes.
+
+    Raises:
+        UserError: One of them cannot be used, or MuJoCo is not installed.
+    """
+    with needed_for(FILE):
+        from egad.grippers import description  # noqa: PLC0415 (an extra)
+    return description.description_files(path)

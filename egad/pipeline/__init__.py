@@ -1,1 +1,0 @@
-"""The pipeline: configuration, stages, exports, commands, provenance and progress."""

@@ -1,1 +1,0 @@
-"""Pages about a run: the report and the training study."""

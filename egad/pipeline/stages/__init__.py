@@ -1,1 +1,0 @@
-"""Stages, one module each: they read and write files and call the library in between."""

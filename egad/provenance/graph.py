@@ -1,0 +1,48 @@
+"""The origin of files, and of all that these were made from, as plain values."""
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from egad.provenance.lookup import Noted, is_near, origin_of
+from egad.tables.origin import ELSEWHERE
+
+
+def provenance_graph(paths: Iterable[Path], folder: Path) -> dict[str, dict[str, Any]]:
+    """What is noted of files and folders, and of everything that they were made from.
+
+    Args:
+        paths: Files and folders.
+        folder: Paths in the result are relative to it.
+
+    Returns:
+        For each path what made it: stage, version and fingerprint of the code, hash of the
+        settings, seed, arguments, and its inputs with their SHA-256. Inputs that nothing is noted
+        of, or that lie outside the working directory, have no entry.
+
+    Raises:
+        TableError: A table is damaged.
+        UserError: What is noted of a file is.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    waiting = list(paths)
+    while waiting:
+        path = waiting.pop()
+        name = _relative(path, folder)
+        if name in found or not is_near(path, [Path.cwd(), folder]):
+            continue
+        noted = origin_of(path)
+        if noted:
+            found[name] = _entry(noted, folder)
+            waiting.extend(source for source, _ in noted.sources())
+    return dict(sorted(found.items()))
+
+
+def _entry(noted: Noted, folder: Path) -> dict[str, Any]:
+    values = noted.model_dump(exclude={"path", "inputs"})
+    return values | {"inputs": {_relative(path, folder): sha for path, sha in noted.sources()}}
+
+
+def _relative(path: Path, folder: Path) -> str:
+    return str(path) if str(path).startswith(ELSEWHERE) else os.path.relpath(path, folder)

@@ -1,0 +1,113 @@
+"""Whether files are still what was made: their own hashes, and those that others noted of them."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from egad.errors import TableError, UserError
+from egad.exchange import ENDING, NAME, checksum, files_of, read_sums
+from egad.provenance.lookup import TABLE, is_near, origin_of
+from egad.tables.seal import is_whole
+
+Found = Iterator[tuple[Path, str]]  # files, and what is wrong with them; empty if nothing is
+UNSEALED = "no provenance recorded: not written by egad, or by an older version"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was found.
+
+    Attributes:
+        checked: How many files were compared with a hash.
+        problems: What is wrong, for each file that is not as it was made.
+        unknown: Files that nothing is noted of.
+        gone: How many inputs are not there any more, or lie neither in the folder nor in the
+            working directory.
+    """
+
+    checked: int
+    problems: dict[Path, str]
+    unknown: list[Path]
+    gone: int
+
+
+def verify(folder: Path) -> Verdict:
+    """Compare all files of a folder, hidden ones apart, with what was noted when they were made.
+
+    A table has a hash of itself, other files have theirs beside them; and every file is compared
+    with the hash that was noted when another was made from it.
+
+    Args:
+        folder: Such as `results/egad`.
+
+    Raises:
+        UserError: There is no such folder, or nothing is noted of any file in it.
+    """
+    if not folder.is_dir():
+        raise UserError(f"{folder}: no such folder")
+    files = [*files_of(folder), *(path for path in [folder / NAME] if path.is_file())]
+    records = [path for path in files if path.name == NAME or path.suffix == ENDING]
+    tables = [path for path in files if path.suffix == TABLE]
+    digest = cache(checksum)
+    found = [*_tables(tables), *_others(records, digest)]
+    if not found:
+        raise UserError(f"{folder}: no provenance recorded for any file")
+    altered = {path for path, problem in found if problem}
+    sources = _sources([*(path for path in tables if path not in altered), *map(_made, records)])
+    there = {source for _, source, _ in sources if is_near(source, (folder, Path.cwd()))}
+    chained = [
+        (path, f"made from a different version of {source}")
+        for path, source, value in sources
+        if source in there and digest(source) != value
+    ]
+    problems: dict[Path, str] = {}
+    for path, problem in [*found, *chained]:
+        if problem:
+            problems.setdefault(path, problem)
+    known = {path for path, _ in found}
+    return Verdict(
+        checked=len(known),
+        problems=problems,
+        unknown=[path for path in files if path not in known | set(records)],
+        gone=len({source for _, source, _ in sources} - there),
+    )
+
+
+def _tables(paths: Iterable[Path]) -> Found:
+    for path in paths:
+        whole = is_whole(path)
+        yield path, UNSEALED if whole is None else "" if whole else "altered"
+
+
+def _others(records: Iterable[Path], digest: Callable[[Path], str]) -> Found:
+    """The files that sums are about, and those beside them that they are not about."""
+    for record in records:
+        try:
+            sums = read_sums(record)[0]
+        except UserError:
+            yield record, "altered: not a checksum file"
+            continue
+        for path, value in sums.items():
+            same = path.is_file() and digest(path) == value
+            yield path, "" if same else "altered" if path.is_file() else "deleted"
+        for path in files_of(record.parent) if record.name == NAME else []:
+            if path not in sums:
+                yield path, "added: not among the files that were written here"
+
+
+def _sources(paths: Iterable[Path]) -> list[tuple[Path, Path, str]]:
+    """Files, an input of each, and its hash of then; damaged files are passed over."""
+    found = []
+    for path in paths:
+        try:
+            noted = origin_of(path)
+        except (TableError, UserError):
+            continue
+        found += [(path, *source) for source in (noted.sources() if noted else [])]
+    return found
+
+
+def _made(record: Path) -> Path:
+    """The file or folder that sums are about."""
+    return record.parent if record.name == NAME else record.with_suffix("")

@@ -1,0 +1,39 @@
+"""How notebooks show results: HTML with facts, tables and thumbnails."""
+
+from collections.abc import Mapping
+
+import pandas as pd
+import trimesh
+
+from egad.report.drawing import data_uri
+from egad.report.page import render_template
+from egad.report.pictures import png_bytes, render
+
+THUMBNAIL = 160  # pixels along each side
+ROWS = 10  # of a long table
+
+
+def facts_html(title: str, facts: Mapping[str, object], mesh: trimesh.Trimesh | None) -> str:
+    """What a result is, its facts as a table, and a thumbnail of its mesh.
+
+    Args:
+        title: What it is.
+        facts: Values by their names.
+        mesh: What to draw, if anything.
+    """
+    picture = "" if mesh is None else data_uri(png_bytes(render(mesh, 2 * THUMBNAIL)))
+    return render_template(
+        "facts.html.j2", title=title, facts=facts, picture=picture, size=THUMBNAIL
+    )
+
+
+def table_html(title: str, table: pd.DataFrame) -> str:
+    """A table under its title; of a long one, its first and last rows.
+
+    Args:
+        title: What it is.
+        table: The table.
+    """
+    with pd.option_context("display.max_colwidth", None):
+        rows = table.to_html(max_rows=ROWS, border=0, float_format="{:.4g}".format)
+    return render_template("facts.html.j2", title=title, facts={}, picture="", size=0) + rows

@@ -1,0 +1,1 @@
+"""How scripts of the workflow run, what they share with commands, and the display of a run."""

@@ -1,0 +1,183 @@
+"""A fingerprint of the code behind a script, so that editing the library re-runs its stage.
+
+Snakemake sees a changed rule and a changed script, but not a changed module of the library. The
+workflow gives every rule the version of what its script uses as a parameter.
+"""
+
+import hashlib
+import re
+from collections.abc import Iterable, Iterator
+from functools import cache
+from pathlib import Path
+
+from egad.workflow.definitions import LOOSE, SCRIPT, Definition, offered, read_module, source_of
+
+PACKAGE = Path(__file__).parents[1]
+EXCLUDED = ("workflow.job", "provenance.record")  # how scripts run, and what is noted of it
+# The top module counts only for what it re-exports: it has the version of the release.
+Name = tuple[str, str]  # of a definition: its module, and its name there
+
+
+def code_version(module: str | Path, package: Path = PACKAGE) -> str:
+    """A fingerprint of a script or module and of all that it uses of the package, at any depth.
+
+    Functions, classes and constants count where their names are used, wherever these come from; so
+    do the types and defaults of settings. Other files of a package, such as templates and data,
+    count byte for byte where a definition that counts has their name, or that of their folder.
+    Everything is read from the source, and nothing is imported. Comments, docstrings and layout do
+    not count, nor do descriptions and bounds of settings: a stage gets their values.
+
+    Args:
+        module: Path of a script, or dotted name of a module of the package.
+        package: Folder of the top package.
+
+    Returns:
+        16 hexadecimal digits.
+
+    Raises:
+        ModuleNotFoundError: There is no such script or module.
+    """
+    used = _Used(str(module), package)
+    digest = hashlib.sha256()
+    for name in sorted(used.found):
+        digest.update(f"{Path(name[0]).name}.{name[1]}\n".encode())
+        for each in used.found[name]:
+            digest.update(f"{each.code}\n".encode())
+    for path in sorted(used.files):
+        digest.update(f"{path.relative_to(package).as_posix()}\n".encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def used_names(module: str | Path, package: Path = PACKAGE) -> set[Name]:
+    """The definitions that count for a module: the module of each, and its name there."""
+    return {name for name in _Used(str(module), package).found if name[1]}
+
+
+class _Used:
+    """The definitions and files that count for a module."""
+
+    def __init__(self, module: str, package: Path) -> None:
+        self.found: dict[Name, list[Definition]] = {}
+        self.files: set[Path] = set()
+        self._package = package
+        self._modules: set[str] = set()
+        self._words: set[str] = set()
+        self._methods: dict[Name, tuple[str, Definition]] = {}
+        read_module(package, module)
+        self._follow(_everything_in(package, module))
+        while self._follow_methods() or self._follow_files():
+            pass
+
+    def _follow(self, names: Iterable[Name]) -> None:
+        """Let definitions count, and those that they use."""
+        waiting = list(names)
+        while waiting:
+            name = waiting.pop()
+            if name not in self.found:
+                self._take(name, read_module(self._package, name[0]).definitions.get(name[1], []))
+                waiting.extend(_uses(self._package, name))
+
+    def _take(self, name: Name, definitions: list[Definition]) -> None:
+        module, local = name
+        self.found[name] = definitions
+        self._modules.add(module)
+        self._words.update(word for each in definitions for word in each.words)
+        for method, definition in read_module(self._package, module).methods.get(local, {}).items():
+            self._methods[module, f"{local}.{method}"] = (method, definition)
+
+    def _follow_methods(self) -> bool:
+        """Let methods of settings count whose names occur; whether there were more."""
+        more = [
+            (name, definition)
+            for name, (method, definition) in self._methods.items()
+            if name not in self.found and (method in self._words or method.startswith("__"))
+        ]
+        for name, definition in more:
+            self._take(name, [definition])
+            self._follow(_named_in(self._package, name[0], definition))
+        return bool(more)
+
+    def _follow_files(self) -> bool:
+        """Let files count whose names occur, or those of their folders; whether there were more."""
+        more = {
+            path
+            for module in self._modules
+            for path in _other_files(self._package, module)
+            if path not in self.files and not self._words.isdisjoint((path.name, path.parent.name))
+        }
+        self.files |= more
+        self._words.update(word for path in more for word in _words(path))
+        return bool(more)
+
+
+@cache
+def _uses(package: Path, name: Name) -> frozenset[Name]:
+    """What a definition uses, and what runs when the modules around it are imported."""
+    module, local = name
+    definitions = read_module(package, module).definitions.get(local, [])
+    used = {found for each in definitions for found in _named_in(package, module, each)}
+    return frozenset(used | {(each, LOOSE) for each in _with_parents(module) if "." in each})
+
+
+def _named_in(package: Path, module: str, definition: Definition) -> Iterator[Name]:
+    for used in definition.uses:
+        yield from _resolved(package, module, tuple(used.split(".")))
+
+
+@cache
+def _resolved(package: Path, module: str, used: tuple[str, ...]) -> frozenset[Name]:
+    """The definitions that a dotted name in a module stands for."""
+    if module.partition(".")[2] in EXCLUDED or source_of(package, module) is None:
+        return frozenset()
+    if not used:  # the module itself, of which anything may be used
+        return _everything_in(package, module)
+    read, (first, *rest) = read_module(package, module), used
+    own = first in read.definitions and module != package.name
+    found = {(module, first)} if own else set()
+    targets = [*read.imports.get(first, ()), *read.imports.get("*", ())]
+    if (stands_for := offered(package, module).get(first)) is not None:
+        targets.append(stands_for)
+    elif source_of(package, f"{module}.{first}"):
+        targets.append(f"{module}.{first}")
+    for target in targets:
+        base, _, name = target.rpartition(".")
+        if source_of(package, target):
+            found |= _resolved(package, target, tuple(rest))
+        elif base != module:
+            found |= _resolved(package, base, (first if name == "*" else name, *rest))
+    return frozenset(found)
+
+
+def _everything_in(package: Path, module: str) -> frozenset[Name]:
+    return frozenset((module, name) for name in [*read_module(package, module).definitions, LOOSE])
+
+
+def _with_parents(name: str) -> Iterator[str]:
+    """`a.b.c`, `a.b` and `a`: importing a module runs the packages around it; a script has none."""
+    while name and not name.endswith(SCRIPT):
+        yield name
+        name = name.rpartition(".")[0]
+
+
+@cache
+def _other_files(package: Path, module: str) -> list[Path]:
+    """Files in the folder of a subpackage, and below it, that are neither code nor stubs."""
+    path = source_of(package, module)
+    if path is None or path.name != "__init__.py" or module == package.name:
+        return []
+    return sorted(
+        file
+        for file in path.parent.rglob("*")
+        if file.is_file() and file.suffix not in (".py", ".pyi") and "__pycache__" not in file.parts
+    )
+
+
+@cache
+def _words(path: Path) -> frozenset[str]:
+    """The words and quoted names of files in a file of text."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        return frozenset()
+    return frozenset([*re.findall(r"(?<=[\"'])[\w.-]+(?=[\"'])", text), *re.findall(r"\w+", text)])

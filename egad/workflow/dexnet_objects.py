@@ -1,0 +1,76 @@
+"""dexnet-objects: the objects of a shard for a Dex-Net database."""
+
+import logging
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from egad._util.progress import progress
+from egad.config.stages import DexNetObjects
+from egad.errors import RejectedError
+from egad.exchange import MEASURES, Solid, add_object, check_key, read_mesh, writing
+from egad.geometry import StablePose, distance_field, mass_properties
+from egad.geometry.stable_poses import stable_poses
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS
+from egad.workflow.shards import rows_in_shard
+
+Floats = NDArray[np.float64]
+log = logging.getLogger(__name__)
+
+
+def write_objects(
+    settings: DexNetObjects,
+    objects: Path,
+    meshes: Path,
+    shard: tuple[int, int],
+    out: Path,
+) -> None:
+    """Write the objects of a shard for a Dex-Net database: distance fields, stable poses.
+
+    If the stable poses of an object cannot be computed, it is written without them and logged.
+
+    Args:
+        settings: Settings of this stage.
+        objects: Objects of the dataset.
+        meshes: Folder of the scaled meshes.
+        shard: Number of this shard, and number of shards.
+        out: HDF5 file with one group per object in its group `objects`.
+    """
+    rows = parquet.records(rows_in_shard(parquet.read(objects, OBJECTS), *shard))
+    with writing(out) as file:
+        group = file.create_group("objects")
+        for row in progress(rows, "computing distance fields", len(rows)):
+            key = check_key(row["label"])
+            try:
+                solid = _solid(settings, row, meshes / f"{key}.obj")
+            except RejectedError as reason:
+                log.warning("%s is omitted: %s", key, reason)
+            else:
+                add_object(group, key, solid)
+
+
+def _solid(settings: DexNetObjects, row: Mapping[str, Any], path: Path) -> Solid:
+    mesh = read_mesh(path, "m")
+    mass = mass_properties(mesh, settings.material.density)
+    wanted = settings.dexnet
+    return Solid(
+        mesh=mesh,
+        mass=mass.mass,
+        field=distance_field(mesh, wanted.field_size, wanted.field_padding),
+        poses=_poses(mesh, mass.com, wanted.pose_probability, row["label"]),
+        name=row["id"],
+        measures={name: float(row[name]) for name in MEASURES},
+    )
+
+
+def _poses(mesh: trimesh.Trimesh, com: Floats, least: float, label: str) -> list[StablePose]:
+    try:
+        return [pose for pose in stable_poses(mesh, com) if pose.probability >= least]
+    except RejectedError as reason:
+        log.warning("%s is written without stable poses: %s", label, reason)
+        return []

@@ -1,0 +1,78 @@
+"""Jobs as plain lines, for a pipe, a file or a continuous integration server."""
+
+import threading
+import time
+from collections.abc import Iterator
+from typing import Protocol, TextIO
+
+from egad._util.progress import duration
+from egad.workflow.display.jobs import Job, Jobs
+
+FIRST, NEXT = 4.0, 8.0  # seconds after the start of a job, and between lines
+TICK = 0.5
+MOST = 10  # jobs that have lines; more are counted
+
+
+class View(Protocol):
+    """What shows the jobs.
+
+    Attributes:
+        stream: Where others may write meanwhile.
+    """
+
+    stream: TextIO
+
+    def print(self, text: str, style: str = "") -> None:
+        """Print lines that stay."""
+
+    def close(self) -> None:
+        """Show nothing more."""
+
+
+class Lines:
+    """Prints a line for each job, now and then."""
+
+    def __init__(self, jobs: Jobs, stream: TextIO) -> None:
+        """Start a thread that prints to the stream."""
+        self.stream, self._jobs = stream, jobs
+        self._due: dict[Job, float] = {}
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._watch, daemon=True)
+        self._thread.start()
+
+    def print(self, text: str, style: str = "") -> None:  # noqa: ARG002 (plain text has none)
+        """Print lines that stay."""
+        self.stream.write(f"{text}\n")
+        self.stream.flush()
+
+    def close(self) -> None:
+        """Show nothing more."""
+        self._ended.set()
+        self._thread.join()
+
+    def _watch(self) -> None:
+        while not self._ended.wait(TICK):
+            if lines := list(self._lines(time.monotonic())):
+                self.print("\n".join(lines))
+
+    def _lines(self, now: float) -> Iterator[str]:
+        running = self._jobs.running()
+        due = [job for job in running[:MOST] if now >= self._due.get(job, job.start + FIRST)]
+        self._due = {job: self._due[job] for job in running if job in self._due}
+        for job in due:
+            self._due[job] = now + NEXT
+            yield f"{clock()}       {job_line(job, now)}"
+        if due and len(running) > MOST:
+            yield f"{clock()}       and {len(running) - MOST} more jobs"
+
+
+def job_line(job: Job, now: float) -> str:
+    """How far a job is."""
+    status, doing = job.read()
+    parts = [str(status) if status else "", doing, f"{duration(now - job.start)} so far"]
+    return f"{job.title}: {', '.join(part for part in parts if part)}"
+
+
+def clock() -> str:
+    """The time of day."""
+    return time.strftime("%H:%M:%S")

@@ -1,0 +1,110 @@
+"""How the script of a stage runs: the names in its rule are the arguments of its function.
+
+A script defines `run(settings, objects, meshes, grasps, jobs)`, say, and ends with
+
+    if __name__ == "__main__":
+        run_job(run)
+
+Its rule then has `params: settings=...`, `input: objects=..., meshes=...` and `output: grasps=...`.
+Wildcards are arguments as well, unless a param has the same name, and `jobs` are the threads.
+pydantic turns words into paths and numbers, and tables of settings into the classes that the
+function names.
+"""
+
+import logging
+import os
+from collections.abc import Callable, Iterator
+from inspect import signature
+from pathlib import Path
+from typing import Any, get_args, get_origin, get_type_hints
+
+from pydantic import validate_call
+
+from egad._util.program import readable_errors, start_logging
+from egad.exchange import write_sums
+from egad.provenance.record import recorded
+
+FOLDERS = ("meshes", "bundle")  # params that are read: an input names a table in them
+
+
+def run_job(function: Callable[..., object]) -> None:
+    """Run the function of a script as a job of Snakemake.
+
+    Messages go to the log of the rule. Tables that are written say where they come from, and other
+    files and folders have it beside them. An error of the user is one sentence.
+
+    Args:
+        function: Of a script, where Snakemake puts the object `snakemake`.
+    """
+    job = function.__globals__["snakemake"]
+    for log in job.log[:1]:
+        _write_messages_to(Path(log))
+    start_logging()
+    logging.getLogger(function.__module__).setLevel(logging.INFO)
+    params = dict(job.params.items())
+    arguments = arguments_of(function, job)
+    folders = [params[name] for name in FOLDERS if name in params]
+    with (
+        readable_errors(),
+        recorded(
+            job.rule,
+            code=params.get("code", ""),
+            settings=params.get("settings"),
+            arguments=dict(job.wildcards.items()),
+            inputs=[Path(path) for path in [*job.input, *folders]],
+        ),
+    ):
+        told = validate_call(function)(**arguments)
+        if isinstance(told, str):
+            print(told)
+        for path in _other_files(job):
+            write_sums(path)
+
+
+def arguments_of(function: Callable[..., object], job: Any) -> dict[str, Any]:  # noqa: ANN401
+    """The arguments of a function that a job names, not yet of the types that it wants.
+
+    Args:
+        function: Of a script.
+        job: The object `snakemake`.
+
+    Raises:
+        TypeError: A name stands for two things.
+    """
+    hints = get_type_hints(function)
+    found: dict[str, Any] = {"jobs": job.threads, **dict(job.wildcards.items())}
+    found |= dict(job.params.items())
+    taken = set(job.params.keys())
+    for values in (job.input, job.output):
+        named = {
+            name: _files(value, hints[name]) for name, value in values.items() if name in hints
+        }
+        if twice := sorted(named.keys() & taken):
+            raise TypeError(f"rule {job.rule} has {twice[0]!r} twice")
+        taken |= named.keys()
+        found |= named
+    return {name: found[name] for name in signature(function).parameters if name in found}
+
+
+def _files(value: Any, wanted: Any) -> Any:  # noqa: ANN401 (what Snakemake has, and a type)
+    """Files of one name as a list or as one, whichever is wanted; none if there are none."""
+    files = [value] if isinstance(value, str) else list(value)
+    if any(get_origin(each) is list for each in (wanted, *get_args(wanted))):
+        return files
+    return files[0] if files else None
+
+
+def _other_files(job: Any) -> Iterator[Path]:  # noqa: ANN401 (of Snakemake)
+    """Files and folders that are written and are no tables."""
+    folder = job.params.get("out")
+    written = job.output if folder is None else [folder]
+    for path in map(Path, written):
+        if path.suffix != ".parquet":
+            yield path
+
+
+def _write_messages_to(log: Path) -> None:
+    """Write all that this process and its children print to a file."""
+    with log.open("w", encoding="utf-8") as file:
+        for stream in (1, 2):
+            os.dup2(file.fileno(), stream)

@@ -1,0 +1,67 @@
+"""Compile the kernels of the pipeline on a small object: `python -m egad.workflow.precompile`.
+
+Jobs that run side by side would each compile the kernels that they share. A kernel that is left
+out here is compiled at its first use.
+"""
+
+import multiprocessing
+import sys
+
+import numpy as np
+import trimesh
+
+from egad._util.kernel_cache import compiled_marker
+from egad.config import Settings, Shape
+from egad.config.stages import select
+from egad.cppn.surface import surface
+from egad.geometry import decompose
+from egad.geometry.repair import repair
+from egad.grasps import LabelParameters, label_grasps
+from egad.grippers import BoxBody
+from egad.measures import MeasureParameters, rough_difficulty
+from egad.measures.complexity import complexity
+from egad.perception import Intrinsics, View, camera_above, fuse
+from egad.random import generator
+from egad.reeb import Forest, diversities, extract, similarities
+
+
+def compile_grasps() -> None:
+    """Sampling, quality and collisions of grasps, difficulty; triangles that cross; parts."""
+    mesh, rng = repair(_example()).mesh, generator(0, "precompile")
+    labels = select(Settings(), LabelParameters)
+    label_grasps(mesh, mesh.center_mass, labels, rng, BoxBody(labels.gripper))
+    rough_difficulty(mesh, select(Settings(), MeasureParameters), rng)
+    decompose(mesh, 64, 0.5)
+
+
+def compile_measures() -> None:
+    """Complexity, Reeb graphs and their matching."""
+    mesh, settings = _example(), Settings()
+    complexity(mesh, settings.complexity.bins)
+    graphs, weight = [extract(mesh, settings.similarity)] * 2, settings.similarity.weight
+    diversities(graphs, weight, 1)
+    similarities(Forest(weight, graphs), np.array([[0, 1]]))
+
+
+def compile_fusion() -> None:
+    """Fusion of depth images."""
+    view = View(np.ones((2, 2), np.float32), Intrinsics.spanning(2, 2, 60.0), camera_above(1.0))
+    fuse([view], np.zeros(3), 1.0, 2)
+
+
+def _example() -> trimesh.Trimesh:
+    """A small object as evolution makes them."""
+    voxels = np.zeros((25, 25, 25), bool)
+    voxels[8:16, 10:14, 4:20] = voxels[8:12, 4:20, 4:8] = True
+    return surface(voxels, Shape())
+
+
+if __name__ == "__main__":
+    other = multiprocessing.get_context("spawn").Process(target=compile_grasps)
+    other.start()
+    compile_measures()
+    compile_fusion()
+    other.join()
+    if other.exitcode:
+        sys.exit("grasp kernels could not be compiled")
+    compiled_marker().touch()

@@ -1,0 +1,270 @@
+"""The report of a run: one HTML page that needs no other file and no network.
+
+Each section is a module of `egad.report`; this one hands it tables and the values of settings.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import pandas as pd
+
+from egad.config.settings import Settings
+from egad.config.stages import select
+from egad.measures import Attainable, MeasureParameters, attainable_difficulty
+from egad.report import (
+    agreement,
+    clutter,
+    comparison,
+    evaluation,
+    evolution,
+    grasps,
+    space_map,
+    summary,
+    trials,
+)
+from egad.report.axes import AxisPair, axis_pair
+from egad.report.page import Section, report_page, section_of
+from egad.report.viewer import Scene
+from egad.workflow.config_tables import entry_tables, parameter_tables
+
+KINDS = {"evolved": "evolved", "primitives": "random"}
+ByGripper = Mapping[str, pd.DataFrame]
+ByDetector = Mapping[str, pd.DataFrame]
+
+
+@dataclass(frozen=True)
+class DatasetReport:
+    """Tables and pictures of one dataset. What was not made for it is absent.
+
+    Attributes:
+        objects: Columns of `tables.objects.OBJECTS`.
+        rejected: Columns of `tables.objects.REJECTED`.
+        pictures: PNG of each object, by its label; objects without one are shown without.
+        evalset: Columns of `tables.evaluation.EVAL49`.
+        evalset_pictures: Larger PNGs, by the label in the evaluation set; optional.
+        grasps: Columns of `tables.grasping.GRASPS`, by gripper.
+        scales: Columns of `tables.grasping.SCALES`, by gripper.
+        size_effects: Columns of `tables.grasping.SIZE_EFFECT`, by gripper.
+        manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
+        trials: Columns of `tables.evaluation.TRIALS`, by gripper and detector.
+        clutter: Columns of `tables.clutter.CLUTTER`, by gripper and detector.
+        clutter_pictures: PNGs of scenes that are cleared, by gripper and kind of scene.
+        agreement: Columns of `tables.evaluation.AGREEMENT`, by gripper.
+        scenes: Objects of the evaluation set with grasps of the first gripper.
+        history: Columns of `tables.evolution.HISTORY`; only of a dataset evolved here.
+    """
+
+    objects: pd.DataFrame
+    rejected: pd.DataFrame
+    pictures: Mapping[str, bytes] = field(default_factory=dict)
+    evalset: pd.DataFrame | None = None
+    evalset_pictures: Mapping[str, bytes] = field(default_factory=dict)
+    grasps: ByGripper = field(default_factory=dict)
+    scales: ByGripper = field(default_factory=dict)
+    size_effects: ByGripper = field(default_factory=dict)
+    manifests: ByGripper = field(default_factory=dict)
+    trials: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
+    clutter: Mapping[str, ByDetector] = field(default_factory=dict)
+    clutter_pictures: Mapping[str, Mapping[str, Sequence[bytes]]] = field(default_factory=dict)
+    agreement: ByGripper = field(default_factory=dict)
+    scenes: Sequence[Scene] = ()
+    history: pd.DataFrame | None = None
+
+
+@dataclass(frozen=True)
+class ReportData:
+    """A whole run.
+
+    Attributes:
+        settings: The resolved configuration.
+        comparison: Columns of `tables.objects.COMPARISON`.
+        datasets: Reports by name of the dataset.
+        versions: Version of each program that took part.
+    """
+
+    settings: Settings
+    comparison: pd.DataFrame
+    datasets: Mapping[str, DatasetReport]
+    versions: Mapping[str, str]
+
+
+def build(report: ReportData) -> str:
+    """Put a run together as one HTML page.
+
+    Args:
+        report: Tables, pictures, settings and versions; what a dataset lacks is left out.
+
+    Returns:
+        The text of the page: the same for the same report. Pictures and figures are inline.
+    """
+    return report_page(_sections(report))
+
+
+def _sections(report: ReportData) -> Iterator[Section]:
+    """All sections, in their order; those without any content are left out."""
+    settings, datasets = report.settings, report.datasets
+    axes, space = axis_pair(settings.measures), settings.space
+    limit = attainable_difficulty(select(settings, MeasureParameters))
+    results = {name: _results(data, settings, axes) for name, data in datasets.items()}
+    objects = {name: data.objects for name, data in datasets.items()}
+    yield _summary(datasets, results, settings, axes)
+    maps = {
+        name: space_map.space_map(data.objects, data.pictures, space)
+        for name, data in datasets.items()
+    }
+    yield space_map.section(maps, space, axes, limit)
+    yield from _evolution(datasets, settings, axes, limit)
+    yield from _evaluation(datasets, settings, axes)
+    yield comparison.section(report.comparison, objects, space, axes, limit)
+    yield from _grasps(datasets, settings)
+    yield from _trials(results, settings)
+    yield from _clutter(datasets)
+    yield from _agreement(datasets, settings)
+    yield summary.rejected_section({name: data.rejected for name, data in datasets.items()})
+    yield section_of(
+        "parameters.html.j2",
+        "Parameters",
+        parameters=parameter_tables(settings),
+        entries=entry_tables(settings),
+        versions=report.versions,
+    )
+
+
+def _results(data: DatasetReport, settings: Settings, axes: AxisPair) -> dict[str, trials.Results]:
+    """What the detectors achieved, by gripper."""
+    tables: dict[str, dict[str, pd.DataFrame]] = {}
+    for (gripper, detector), table in data.trials.items():
+        if len(table):
+            tables.setdefault(gripper, {})[detector] = table
+    layout = settings.select_eval
+    tried = trials.EvaluationSet(layout.rows, layout.columns, data.evalset, axes)
+    return {gripper: trials.trial_results(each, tried) for gripper, each in tables.items()}
+
+
+def _summary(
+    datasets: Mapping[str, DatasetReport],
+    results: Mapping[str, Mapping[str, trials.Results]],
+    settings: Settings,
+    axes: AxisPair,
+) -> Section:
+    summaries = {
+        name: summary.summarize(
+            KINDS.get(settings.datasets[name].source, "given"),
+            data.objects,
+            settings.space,
+            0 if data.evalset is None else len(data.evalset),
+            results[name],
+        )
+        for name, data in datasets.items()
+    }
+    capacity = settings.select_eval.rows * settings.select_eval.columns
+    return summary.section(summaries, settings.space, axes, capacity)
+
+
+def _evolution(
+    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair, limit: Attainable
+) -> Iterator[Section]:
+    found = {
+        name: evolution.evolution_view(data.objects, data.history, settings.space)
+        for name, data in datasets.items()
+    }
+    views = {name: view for name, view in found.items() if view}
+    if views:
+        yield evolution.section(
+            views,
+            settings.space,
+            axes,
+            limit,
+            sampled=not settings.measures.difficulty,
+            islands=settings.schedule.islands,
+            named=len(datasets) > 1,
+        )
+
+
+def _evaluation(
+    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair
+) -> Iterator[Section]:
+    layout, name_of_gripper = settings.select_eval, settings.targets.grippers[0]
+    views = {
+        name: evaluation.evaluation_view(
+            data.evalset,
+            layout.rows,
+            layout.columns,
+            {**data.pictures, **data.evalset_pictures},
+            data.scenes,
+            settings.grippers[name_of_gripper],
+        )
+        for name, data in datasets.items()
+        if data.evalset is not None and len(data.evalset)
+    }
+    if views:
+        yield evaluation.section(
+            views,
+            axes,
+            percentile=None if settings.measures.difficulty else settings.difficulty.percentile,
+            gripper=name_of_gripper,
+            named=len(datasets) > 1,
+        )
+
+
+def _grasps(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterator[Section]:
+    found = {
+        name: grasps.grasp_view(data.grasps, data.size_effects, data.scales, data.manifests)
+        for name, data in datasets.items()
+    }
+    views = {name: view for name, view in found.items() if view}
+    if views:
+        yield grasps.section(
+            views,
+            most_grasps=settings.grasp_label.grasps,
+            copies=settings.robust.samples,
+            size_grasps=settings.size_effect.grasps,
+            size_repeats=settings.size_effect.repeats,
+            named=len(datasets) > 1,
+        )
+
+
+def _trials(
+    results: Mapping[str, Mapping[str, trials.Results]], settings: Settings
+) -> Iterator[Section]:
+    if any(results.values()):
+        yield trials.section(
+            results,
+            attempts=settings.trials.attempts,
+            lift_height=settings.trials.lift_height,
+            named=len(results) > 1,
+        )
+
+
+def _clutter(datasets: Mapping[str, DatasetReport]) -> Iterator[Section]:
+    found = {
+        name: {
+            gripper: clutter.clutter_view(
+                tables, data.evalset, data.clutter_pictures.get(gripper, {})
+            )
+            for gripper, tables in data.clutter.items()
+            if data.evalset is not None and any(len(table) for table in tables.values())
+        }
+        for name, data in datasets.items()
+    }
+    if any(found.values()):
+        yield clutter.section(found, named=len(datasets) > 1)
+
+
+def _agreement(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterator[Section]:
+    found = {
+        name: {
+            gripper: agreement.agreement(table, settings.select_eval.rows)
+            for gripper, table in data.agreement.items()
+            if len(table)
+        }
+        for name, data in datasets.items()
+    }
+    if any(found.values()):
+        yield agreement.section(
+            found,
+            lift_height=settings.trials.lift_height,
+            hold_time=settings.trials.hold_time,
+            friction=settings.quality.friction,
+            named=len(datasets) > 1,
+        )

@@ -1,0 +1,107 @@
+"""rescale: meshes scaled to a gripper."""
+
+import logging
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from egad._util.files import atomic_output
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.config.stages import RescaleMeshes
+from egad.errors import RejectedError
+from egad.exchange import object_names, read_mesh, write_obj, write_stl_mm
+from egad.geometry import rescale, units_doubt
+from egad.grasps import graspable_fraction, graspable_widths
+from egad.tables import parquet
+from egad.tables.grasping import SCALES
+from egad.tables.objects import REJECTED
+from egad.workflow.shards import rejection
+
+log = logging.getLogger(__name__)
+BOTH = ("before", "after")
+WRITERS = {".obj": write_obj, ".stl": write_stl_mm}
+
+
+def rescale_files(
+    settings: RescaleMeshes,
+    meshes: list[Path],
+    units: str | None,
+    out: Path,
+    ending: str = "obj",
+    suffix: str = "",
+    jobs: int = 1,
+) -> int:
+    """Scale every mesh by the rule, and write the meshes with a table of their scales.
+
+    Args:
+        settings: Gripper and rule.
+        meshes: Mesh files.
+        units: Unit of their coordinates: m, mm, cm, inch; without it, as the files say.
+        out: Folder with the meshes scaled to gripper G (`.obj` in metres, `.stl` in millimetres), a
+            table of their scales, and a table of the rejected objects.
+        ending: `obj` or `stl`.
+        suffix: Appended to the names of the files.
+        jobs: Processes; the result does not depend on it.
+
+    Returns:
+        How many files could not be used; `rejected.parquet` names them.
+    """
+    named = object_names(meshes)
+    scales, left_out, sides = [], [], {}
+    with workers(jobs) as mapper, atomic_output(out) as folder:
+        folder.mkdir()
+        work = partial(
+            _scaled, units=units, settings=settings, folder=folder, tail=f"{suffix}.{ending}"
+        )
+        results = mapper(work, named.items())
+        done = progress(results, "scaling", len(named))
+        for name, (result, sides[name]) in zip(named, done, strict=True):
+            if isinstance(result, str):
+                left_out.append(rejection(name, "rescale", result))
+            else:
+                scales.append({"label": name, **result})
+        parquet.write(pd.DataFrame(scales), SCALES, folder / "scales.parquet")
+        parquet.write(pd.DataFrame(left_out), REJECTED, folder / "rejected.parquet")
+    if doubt := units_doubt(sides, units):
+        log.warning("%s", doubt)
+    rule = settings.rescale.rule
+    log.info("%d meshes scaled by rule %s, %d rejected", len(scales), rule, len(left_out))
+    if scales:
+        _log_fit(scales, settings.gripper.opening)
+    return len(left_out)
+
+
+def _log_fit(scales: list[dict[str, Any]], opening: float) -> None:
+    """Say how much of the surface fits into the gripper."""
+    before, after = (
+        100 * np.mean([row[f"graspable_fraction_{when}"] for row in scales]) for when in BOTH
+    )
+    text = "%.0f %% of their surface fits into an opening of %g mm, before %.0f %%"
+    log.info(text, after, 1000 * opening, before)
+
+
+def _scaled(
+    named: tuple[str, Path], units: str | None, settings: RescaleMeshes, folder: Path, tail: str
+) -> tuple[dict[str, Any] | str, float]:
+    """Write a scaled mesh; its row, or the reason why there is none, and its longest side."""
+    (name, path), rule, longest = named, settings.rescale, np.nan
+    try:
+        mesh = read_mesh(path, units)
+        longest = float(mesh.extents.max())
+        scaled, row = rescale(mesh, rule.rule, settings.gripper.opening, rule.side_fraction)
+    except RejectedError as reason:
+        return str(reason), longest
+    widths, areas = graspable_widths(mesh)
+    opening = settings.gripper.opening
+    file = folder / f"{name}{tail}"
+    WRITERS[file.suffix](scaled, file)
+    row |= {
+        "graspable_fraction_before": graspable_fraction(widths, areas, opening),
+        "graspable_fraction_after": graspable_fraction(row["factor"] * widths, areas, opening),
+        "file": file.name,
+    }
+    return row, longest

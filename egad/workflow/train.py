@@ -1,0 +1,130 @@
+"""train: training of a grasp network on rendered images."""
+
+import json
+import logging
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.extras import needed_for
+from egad._util.files import write_text
+from egad.config.stages import TrainNetwork
+from egad.errors import UserError
+from egad.exchange import checksum
+from egad.learning import (
+    Dataset,
+    PositiveFilter,
+    Score,
+    TrainedNetwork,
+    card,
+    outline_score,
+    score_table,
+    total_score,
+)
+from egad.perception import files
+from egad.report.training import training_chart
+from egad.tables import parquet
+from egad.tables.training import HISTORY, SCORE
+from egad.workflow.code_version import code_version
+
+log = logging.getLogger(__name__)
+WEIGHTS = "weights.safetensors"
+CHART, CARD = "history.svg", "README.md"
+TABLE, REACHED = "history.parquet", "score.parquet"
+CHECKPOINT = "checkpoint.pt"
+
+
+def train(
+    settings: TrainNetwork,
+    images: list[Path],
+    out: Path,
+    jobs: int = 1,
+) -> Score:
+    """Train a network; an interrupted training resumes after its last epoch.
+
+    Args:
+        settings: Settings of this stage.
+        images: Folders of images in the compact layout, used as one set.
+        out: A trained network: `weights.safetensors`, its model card `README.md`, and
+            `history.svg`; the training history, one epoch per row; and the score on images of
+            held-out objects. See `docs/vision.md`.
+        jobs: Cores; no result depends on it.
+
+    Returns:
+        The score of the network on the split `test`.
+
+    Raises:
+        UserError: PyTorch, the images of a split, or all positive grasps are missing; or an object
+            is in two splits.
+        TableError: A shard cannot be read.
+    """
+    with needed_for("training"):
+        from egad.learning import networks, training, weights  # noqa: PLC0415 (an extra)
+    plan, seed = settings.training, settings.seed
+    shards = open_dataset(images, settings)
+    network = networks.new_network(plan.network, seed)
+    kept = training.Checkpoint(out / CHECKPOINT, fingerprint(settings, images))
+    rows = training.train(network, shards, plan, seed, jobs, kept)
+    held, judgements = training.evaluate_split(network, shards, plan.test, jobs)
+    score = total_score(shards.index.loc[held], judgements)
+    weights.write(network, out / WEIGHTS, {"network": plan.network, "seed": seed})
+    trained = TrainedNetwork(
+        networks.TITLES[plan.network],
+        networks.parameters(network),
+        ", ".join(path.name if path.is_absolute() else path.as_posix() for path in images),
+        shards.index,
+        pd.DataFrame(rows),
+        score,
+        outline_score(shards, held),
+        {"seed": seed, **plan.model_dump(mode="json")},
+    )
+    tell(trained, out)
+    (out / CHECKPOINT).unlink(missing_ok=True)
+    return score
+
+
+def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> Dataset:
+    """The training images.
+
+    Raises:
+        UserError: A split has no images, an object is in two, or no training image has a positive
+            grasp.
+        TableError: A shard cannot be read.
+    """
+    plan = settings.training
+    by_simulation = plan.positive == "simulated"
+    shards = Dataset(images, PositiveFilter(plan.quality, plan.breadth, by_simulation))
+    for split in ("validation", "test"):
+        shards.indices(split)
+    if not shards.index.loc[shards.indices("train"), "positive"].any():
+        wanted = (
+            "that succeeded in simulation"
+            if by_simulation
+            else f"with a robust quality above training.quality, {plan.quality}"
+        )
+        raise UserError(
+            f"{shards}: no image of the split train has a collision-free grasp {wanted}"
+        )
+    return shards
+
+
+def fingerprint(settings: TrainNetwork, images: Sequence[Path]) -> str:
+    """Everything that the result of a training depends on, as text."""
+    import torch  # noqa: PLC0415 (an extra)
+
+    known = {
+        "settings": settings.model_dump(mode="json"),
+        "images": [checksum(path) for folder in images for path in files(folder)],
+        "torch": torch.__version__,
+        "code": [code_version(f"egad.learning.{name}") for name in ("networks", "training")],
+    }
+    return json.dumps(known, sort_keys=True)
+
+
+def tell(trained: TrainedNetwork, out: Path) -> None:
+    """Write the history, its chart, the score and the model card."""
+    parquet.write(trained.history, HISTORY, out / TABLE)
+    parquet.write(score_table(trained.score), SCORE, out / REACHED)
+    write_text(out / CHART, training_chart(trained.history))
+    write_text(out / CARD, card(trained))

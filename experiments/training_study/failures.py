@@ -1,0 +1,105 @@
+"""Pictures of typical failures: `python failures.py STUDY NOISE SET`.
+
+STUDY is the folder `results/training_study`. Of each way to lose an object that is more than 1 % of
+the failed grasps of the networks of SET in a test, the object with most of them is shown by its
+first attempt: the depth image without noise, with the grasp as a line between the fingertips, and
+frames of the attempt from when the hand comes to when it leaves. Writes docs/training_failures.png.
+"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+sys.path.append(str(Path(__file__).parents[1]))
+from study import read_study
+from trials import HEIGHT, TEXT, WIDTH, chosen  # type: ignore[import-not-found]
+
+from egad._util.files import atomic_output
+from egad.cli.replay import repeat_attempt
+from egad.config.stages import SimulatedTrials, select
+from egad.detectors import Grasp
+from egad.perception import DepthCamera, Intrinsics, camera_above
+from egad.sim import Model, Pose, Trials
+from egad.tables import parquet
+from egad.tables.evaluation import TRIALS
+from egad.workflow.bundled import model_in, rows_by_id
+
+DOCS = Path(__file__).parents[2] / "docs"
+FRAMES = 5
+SHARE = 0.01  # of all failures, for an outcome to be shown
+CROP = 270, 300  # pixels of the depth image that are shown
+HIGHEST = 0.05  # metres; objects less high are not white
+Pixels = NDArray[np.uint8]
+
+
+def main(results: Path, noise: str, name: str) -> None:
+    """Draw the picture."""
+    study = read_study(Path(__file__).with_name("study.yaml"))
+    hand = study.gripper
+    trials = select(study.settings, SimulatedTrials, hand)
+    rows: list[tuple[str, list[Pixels]]] = []
+    networks = [each.name for each in study.plan.networks if each.training_set == name]
+    for test in study.plan.tests:
+        folder = results / "trials" / test / noise
+        tables = [parquet.read(folder / f"{network}.parquet", TRIALS) for network in networks]
+        shown = typical(pd.concat(tables))
+        for attempt in parquet.records(shown):
+            title = f"{test}, {attempt['label']}: {attempt['outcome'].replace('_', ' ')}"
+            rows.append((title, pictures(trials, attempt, results.parent / test / "bundle" / hand)))
+    sheet = Image.new("RGB", ((FRAMES + 1) * WIDTH, len(rows) * (HEIGHT + TEXT)), "white")
+    for place, (title, row) in enumerate(rows):
+        top = place * (HEIGHT + TEXT)
+        ImageDraw.Draw(sheet).text((4, top + 2), title, "black")
+        for column, picture in enumerate(row):
+            small = Image.fromarray(picture).resize((WIDTH, HEIGHT))
+            sheet.paste(small, (column * WIDTH, top + TEXT))
+    with atomic_output(DOCS / "training_failures.png") as out:
+        sheet.quantize(256).save(out, "png", optimize=True)
+
+
+def pictures(trials: SimulatedTrials, attempt: dict[str, Any], bundle: Path) -> list[Pixels]:
+    """The depth image of an attempt and frames of its film."""
+    again, frames = repeat_attempt(trials, attempt, bundle)
+    found = [frames[number] for number in chosen(frames, FRAMES)]
+    if again.rest and again.grasp:
+        model = model_in(bundle, rows_by_id(bundle)[attempt["id"]])
+        found.insert(0, depth_picture(model, again.rest, again.grasp, trials.trials))
+    return found
+
+
+def typical(trials: pd.DataFrame) -> pd.DataFrame:
+    """The attempts that are shown, the most frequent outcome first."""
+    lost = trials[~trials["success"] & trials["width"].notna()]
+    shown = [lost.head(0)]
+    for outcome, count in lost["outcome"].value_counts().items():
+        own = lost[lost["outcome"] == outcome]
+        worst = own["label"].value_counts().index[0]
+        if count > SHARE * len(lost):
+            shown.append(own[own["label"] == worst].head(1))
+    found: pd.DataFrame = pd.concat(shown)
+    return found
+
+
+def depth_picture(model: Model, rest: Pose, grasp: Grasp, trials: Trials) -> Pixels:
+    """The middle of the depth image, higher parts brighter, with the line of the grasp."""
+    camera = Intrinsics.spanning(*trials.image, trials.field_of_view)
+    pose = camera_above(trials.camera_height)
+    depth = DepthCamera(model.mesh).render(rest.matrix, camera, pose).depth
+    height = np.clip((trials.camera_height - depth) / max(HIGHEST, float(np.ptp(depth))), 0, 1)
+    picture = Image.fromarray((60 + 195 * height).astype(np.uint8)).convert("RGB")
+    pen = ImageDraw.Draw(picture)
+    reach = grasp.width / 2 * np.array([np.cos(grasp.angle), np.sin(grasp.angle), 0])
+    ends = np.add(grasp.center, np.stack([-reach, reach]))
+    (u, v), (u2, v2) = camera.pixels((ends - pose[:3, 3]) @ pose[:3, :3])
+    pen.line([(u, v), (u2, v2)], "red", 3)
+    left, top = (camera.width - CROP[0]) // 2, (camera.height - CROP[1]) // 2
+    return np.asarray(picture.crop((left, top, left + CROP[0], top + CROP[1])))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), *sys.argv[2:])

@@ -1,0 +1,424 @@
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import trimesh
+from commands import egad
+from described_hands import box_urdf
+from typer.main import get_command
+
+from egad import __version__
+from egad.cli.commands import app
+from egad.cli.common import settings_in
+from egad.config import Gripper, Settings
+from egad.tables import parquet
+from egad.tables.grasping import SCALES, SIZE_EFFECT
+from egad.tables.objects import MEASURED, OBJECTS, REJECTED
+
+ROOT = Path(__file__).parents[2]
+SCRIPTS = ROOT / "workflow/scripts"
+
+
+def test_the_version_is_printed():
+    assert egad("--version").stdout.strip() == f"egad {__version__}"
+
+
+def test_a_mesh_of_unknown_unit_is_refused_alike(tmp_path):
+    path = tmp_path / "cube.stl"
+    trimesh.creation.box((1, 1, 1)).export(path)
+    told = {egad(*command, path).stderr for command in (["view"], ["measure", "--jobs", 1])}
+    (text,) = told
+    assert "cube.stl does not state its unit" in text
+
+
+def test_help_imports_no_library_that_is_slow_and_nothing_of_the_workflow():
+    code = (
+        "import sys, egad.cli.commands\n"
+        "slow = {'numba', 'trimesh', 'pybullet', 'mujoco', 'scipy', 'snakemake', 'torch'}\n"
+        "slow |= {'numpy', 'pandas', 'pyarrow', 'matplotlib', 'skimage'}\n"
+        "print([n for n in sys.modules if n in slow or n.startswith('egad.workflow')])"
+    )
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True
+    )
+    assert loaded.stdout.strip() == "[]"
+
+
+def test_help_lists_what_people_call_and_no_stage_of_the_workflow():
+    names = set(get_command(app).commands)
+    shown = egad("--help").stdout
+    assert all(f" {name} " in shown for name in names)
+    stages = {path.stem.replace("_", "-") for path in SCRIPTS.glob("*.py")}
+    assert {"evolve", "postprocess", "grasp-label", "select-eval", "simulate"} <= stages - names
+    # what people do with meshes and images of their own, too
+    assert names & stages == {"bundle", "export", "rescale", "size-effect"}
+
+
+def test_a_damaged_table_is_one_sentence_without_a_traceback(tmp_path):
+    broken = tmp_path / "archive.parquet"
+    broken.write_bytes(b"PAR1 and then nothing")
+    result = egad("heatmap", broken, "--out", tmp_path / "map.svg")
+    assert result.returncode == 1
+    assert "archive.parquet: not a readable Parquet file" in result.stderr
+    assert "delete it and run again" in result.stderr
+    assert "Traceback" not in result.stderr
+    assert not (tmp_path / "map.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--gripper", "-1"], "--gripper -1: opening is -1.0; allowed: a number, above 0"),
+        (["--gripper", "nan"], "--gripper nan: opening is nan; allowed: a number, above 0"),
+        (["--gripper", "80mm"], "--gripper '80mm' is not known, nor is it an opening in metres"),
+        (["--gripper", "pandaa"], "did you mean panda?"),
+        (["--gripper", "0.05", "--rule", "papr"], "'egad-script'"),
+        ([], "--gripper"),
+        (["--gripper", "0.05", "--format", "step"], "'obj', 'stl'"),
+    ],
+)
+def test_rescale_says_what_is_allowed(tmp_path, arguments, sentence):
+    (tmp_path / "a.obj").write_text("v 0 0 0\n")
+    result = egad("rescale", tmp_path, "--out", tmp_path / "out", *arguments)
+    assert result.returncode in (1, 2)
+    assert sentence in unboxed(result.stderr)
+    assert "Traceback" not in result.stderr
+
+
+def unboxed(said):
+    """What a box on the terminal says, on one line."""
+    return " ".join(said.replace("│", " ").split())
+
+
+CUBE = "\n".join(
+    [
+        *(f"v {x} {y} {z}" for x in (0, 1) for y in (0, 1) for z in (0, 1)),
+        *("f 1 2 4", "f 1 4 3", "f 5 7 8", "f 5 8 6", "f 1 5 6", "f 1 6 2"),
+        *("f 3 4 8", "f 3 8 7", "f 1 3 7", "f 1 7 5", "f 2 6 8", "f 2 8 4"),
+    ]
+)
+
+
+def test_rescale_keeps_files_that_it_did_not_write(tmp_path):
+    source, kept = tmp_path / "source", tmp_path / "kept"
+    for folder in (source, kept):
+        folder.mkdir()
+    (source / "cube.obj").write_text(CUBE)
+    (kept / "thesis.txt").write_text("years of work")
+    for out in (source, kept):
+        result = egad("rescale", source, "--units", "m", "--gripper", "0.05", "--out", out)
+        assert result.returncode == 1
+        assert "would be lost" in result.stderr
+    assert (source / "cube.obj").read_text() == CUBE
+    assert (kept / "thesis.txt").exists()
+
+
+def test_rescale_scales_the_good_and_names_the_bad(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "cube.obj").write_text(CUBE)
+    (tmp_path / "in" / "list.obj").write_text("milk, eggs")
+    given = ["--units", "m", "--gripper", "0.05", "--out", tmp_path / "out"]
+    for _ in range(2):  # a second time over its own output
+        result = egad("rescale", tmp_path / "in", *given)
+        assert result.returncode == 0, result.stderr
+    scales = parquet.read(tmp_path / "out" / "scales.parquet", SCALES)
+    assert scales["factor"].tolist() == pytest.approx([0.04])
+    assert scales[["graspable_fraction_before", "graspable_fraction_after"]].values.tolist() == [
+        [0, 1]
+    ]
+    assert scales["file"].tolist() == ["cube_paper_50mm.obj"]
+    assert (tmp_path / "out" / "cube_paper_50mm.obj").exists()
+    rejected = parquet.read(tmp_path / "out" / "rejected.parquet", REJECTED)
+    assert rejected["id"].tolist() == ["list"]
+
+
+@pytest.mark.parametrize("content", ["a: [1", "\x80\x81", "seed: -1\nshard: 3"])
+def test_check_config_says_what_is_wrong(tmp_path, content):
+    path = tmp_path / "mine.yaml"
+    path.write_bytes(content.encode("latin-1"))
+    result = egad("check-config", path)
+    assert result.returncode == 1
+    assert "Traceback" not in result.stderr
+    if "shard" in content:
+        assert "seed" in result.stderr
+        assert "shards" in result.stderr
+
+
+def test_a_configuration_file_adds_to_the_default_tables(tmp_path):
+    path = tmp_path / "hand.yaml"
+    path.write_text("grippers: {panda: {force: 20}, my_hand: {opening: 0.065}}")
+    found, usual = settings_in(path).grippers, Settings().grippers
+    assert found["my_hand"] == Gripper(opening=0.065)
+    assert found["panda"] == usual["panda"].model_copy(update={"force": 20.0})
+    assert found.keys() == usual.keys() | {"my_hand"}
+
+
+def test_check_config_accepts_the_files_that_come_along():
+    files = sorted((ROOT / "config").rglob("*.yaml"))
+    result = egad("check-config", *files)
+    assert result.stdout.splitlines() == [f"{file}: fine" for file in files]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A cube, and a file that is no mesh."""
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "meshes" / "cube.obj").write_text(CUBE)
+    (tmp_path / "meshes" / "broken.stl").write_text("solid")
+    return tmp_path / "meshes"
+
+
+def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_path):
+    for ending, read in ((".csv", pd.read_csv), (".parquet", pd.read_parquet)):
+        out = tmp_path / f"table{ending}"
+        result = egad("measure", folder, "--units", "cm", "--jobs", 1, "--out", out)
+        assert result.returncode == 0
+        assert "cube" in result.stdout
+        assert "broken: no faces" in result.stderr
+        assert "1 of 2 meshes could not be used" in result.stderr
+        table = read(out).set_index("name")
+        assert table.columns.tolist() == MEASURED.names[1:]
+        assert table.loc["cube", "complexity"] == 0
+        assert table.loc["cube", "difficulty"] == pytest.approx(0.0025, abs=0.0003)
+        assert table.loc["cube", "cell_confidence"] >= 0.99
+        assert 0 < table.loc["cube", "difficulty_std"] < 0.0001
+        assert " ± " in result.stdout
+        assert table.loc["broken", "reason"] == "no faces"
+
+
+def test_measure_says_at_which_size_and_what_cannot_be_compared(tmp_path):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    given = ["measure", tmp_path / "cube.obj", "--units", "cm", "--jobs", 1]
+    result = egad(*given)
+    assert "40.0 x " in result.stdout
+    assert "yumi" in result.stdout
+    assert "cannot be compared" not in result.stdout
+    result = egad(*given, "--rule", "none")
+    assert "10.0 x 10.0 x 10.0" in result.stdout
+    assert "Cells by the rule none for yumi cannot be compared with the map" in result.stdout
+    assert "'papr' is not one of 'paper'" in egad(*given, "--rule", "papr").stderr
+
+
+def test_measure_fails_if_no_mesh_can_be_used(folder):
+    result = egad("measure", folder / "broken.stl", "--units", "m", "--jobs", 1)
+    assert result.returncode == 1
+    assert "none of the 1 meshes could be used" in result.stderr
+
+
+def test_measure_takes_a_budget_and_a_configuration(folder, tmp_path):
+    config, out = tmp_path / "my.yaml", tmp_path / "table.csv"
+    config.write_text("space: {cells: 5}\ncomplexity: {bins: 64}\n")
+    given = ["--units", "cm", "--jobs", 1, "--out", out]
+    egad("measure", folder, *given, "--max-candidates", 50, "--config", config)
+    cube = pd.read_csv(out).set_index("name").loc["cube"]
+    assert 5 < cube["grasps"] < 50
+    assert cube["difficulty_cell"] == 2
+
+
+def test_difficulty_is_for_the_gripper_that_is_named(folder, tmp_path):
+    hand = f"grippers: {{mine: {{file: {box_urdf(tmp_path / 'hand.urdf')}}}}}\n"
+    (tmp_path / "hand.yaml").write_text(hand)
+    (tmp_path / "set.yaml").write_text(hand + "difficulty: {gripper: mine}")
+    given = [folder / "cube.obj", "--units", "cm", "--jobs", 1, "--max-candidates", 200]
+    tables = []
+    for options in (["hand.yaml", "--gripper", "mine"], ["set.yaml"], ["hand.yaml"]):
+        out, config = tmp_path / "table.csv", tmp_path / options[0]
+        done = egad("measure", *given, "--out", out, "--config", config, *options[1:])
+        assert done.returncode == 0
+        tables.append(out.read_text())
+    assert tables[0] == tables[1] != tables[2]
+
+
+def test_a_file_named_twice_is_taken_once(folder):
+    result = egad("measure", folder, folder / "cube.obj", "--units", "cm", "--jobs", 1)
+    assert result.stdout.count("cube") == 1
+    assert "cube.obj is given twice" in result.stderr
+
+
+def test_the_table_is_written_even_if_nobody_reads_the_terminal(folder, tmp_path):
+    out = tmp_path / "table.csv"
+    code = "from egad.cli import main; main()"
+    given = ["measure", folder, "--units", "m", "--jobs", "1", "--out", out]
+    command = [sys.executable, "-c", code, *given]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
+        process.stdout.close()
+    assert len(pd.read_csv(out)) == 2
+
+
+def test_similarity_writes_a_square_matrix(folder, tmp_path):
+    trimesh.creation.torus(0.04, 0.01).export(folder / "torus.ply")
+    (folder / "copy.obj").write_text(CUBE)
+    found = {}
+    for bases in ("even", "scan"):
+        out = tmp_path / f"{bases}.csv"
+        given = ["--units", "m", "--bases", bases, "--jobs", 1, "--out", out]
+        egad("similarity", folder, *given)
+        matrix = found[bases] = pd.read_csv(out, index_col="name")
+        assert matrix.columns.tolist() == matrix.index.tolist()
+        assert matrix.index.tolist() == ["broken", "copy", "cube", "torus"]
+        assert matrix.loc["copy", "cube"] == 1
+        assert matrix.loc["broken"].isna().all()
+    assert found["even"].loc["cube", "torus"] != found["scan"].loc["cube", "torus"]
+
+
+def test_locate_writes_a_page_and_a_table(folder, tmp_path):
+    """Among two objects, of which one is the mesh itself."""
+    dataset = tmp_path / "dataset"
+    (dataset / "meshes").mkdir(parents=True)
+    names = OBJECTS.names
+    objects = pd.DataFrame(0, index=range(2), columns=names).assign(
+        id=["1", "2"], label=["A00_0", "B01_0"], complexity=[0.0, 2.0], difficulty=[0.003, 0.001]
+    )
+    parquet.write(objects, OBJECTS, dataset / "objects.parquet")
+    (dataset / "meshes" / "A00_0.obj").write_text(CUBE)
+    trimesh.creation.torus(0.04, 0.01).export(dataset / "meshes" / "B01_0.obj")
+    page, table = tmp_path / "page.html", tmp_path / "table.csv"
+    given = ["--units", "cm", "--in", dataset, "--jobs", 1, "--out", page, "--out", table]
+    result = egad("locate", folder, *given)
+    assert result.returncode == 0, result.stderr
+    assert "A00_0" in result.stdout
+    row = pd.read_csv(table).set_index("name").loc["cube"]
+    assert row["nearest"] == "A00_0 B01_0"
+    assert row["distances"].startswith("0.0 0.")
+    assert row["difficulty_percentile"] == 50
+    text = page.read_text()
+    assert "cube" in text
+    assert "broken" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["measure"], "--units"),
+        (["measure", "--units", "feet"], "not one of"),
+        (["measure", "--units", "m", "--out", "table.xlsx"], "must end in .parquet or .csv"),
+        (["measure", "--units", "m", "--out", "no/such/table.csv"], "there is no folder no/such"),
+        (["measure", "--units", "m", "--max-candidates", "-3"], "--max-candidates"),
+        (["measure", "--units", "m", "--gripper", "yumy"], "did you mean yumi?"),
+        (["similarity", "--units", "m", "--bases", "odd"], "not one of 'even', 'scan'"),
+        (["locate", "--units", "m"], "--in"),
+        (["locate", "--units", "m", "--in", "nothing.parquet"], "no such file"),
+    ],
+)
+def test_tools_say_what_is_allowed(folder, arguments, sentence):
+    result = egad(arguments[0], folder / "cube.obj", *arguments[1:])
+    assert result.returncode != 0
+    assert sentence in unboxed(result.stderr)
+    assert "Traceback" not in result.stderr
+
+
+def test_export_says_what_is_allowed(tmp_path):
+    (tmp_path / "grasps").mkdir()
+    given = ["export", tmp_path, "--out", tmp_path / "out", "--gripper", "hand", "--format"]
+    assert "neither a table of grasps nor a dataset" in egad(*given, "dexnet").stderr
+    (tmp_path / "grasps" / "yumi.parquet").touch()
+    assert "no grasps of gripper 'hand'; there are yumi" in egad(*given, "acronym").stderr
+    (tmp_path / "grasps" / "hand.parquet").touch()
+    unknown = egad(*given, "dexnet")
+    assert "--gripper 'hand' is not known in the configuration (--config)" in unknown.stderr
+    refused = egad(*given, "step")
+    assert refused.returncode != 0
+    assert "dexnet" in refused.stderr
+    assert "Traceback" not in unknown.stderr + refused.stderr
+
+
+def test_size_effect_rates_the_good_and_names_the_bad(tmp_path):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    (tmp_path / "list.obj").write_text("milk, eggs")
+    config = tmp_path / "quick.yaml"
+    config.write_text("size_effect: {fractions: [0.5, 1.2], repeats: 2}")
+    out = [tmp_path / name for name in ("curve.svg", "curve.csv", "curve.parquet")]
+    files = [word for path in out for word in ("--out", path)]
+    options = ["--units", "mm", "--gripper", "yumi", "--config", config, "--grasps", 10]
+    result = egad("size-effect", tmp_path / "cube.obj", tmp_path / "list.obj", *options, *files)
+    assert result.returncode == 0, result.stderr
+    assert "list: no faces" in result.stderr
+    table = parquet.read(out[2], SIZE_EFFECT)
+    assert pd.read_csv(out[1])["quality"].notna().tolist() == [True] * 6 + [False] * 6
+    assert set(table["name"]) == {"cube"}
+    assert "</svg>" in out[0].read_text()
+    assert "cube" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["size-effect", "a.obj", "--units", "mm", "--gripper", "yumy"], "did you mean yumi?"),
+        (["size-effect", "a.obj", "--units", "mm", "--out", "a.pdf"], ".svg or .parquet or .csv"),
+        (["size-effect", "a.obj", "--units", "mm"], "none of the 1 meshes could be used"),
+        (["view", "A0", "--in", "nowhere"], "no dataset here"),
+        (["view", "A0", "--gripper", "pandaa"], "did you mean panda?"),
+        (
+            ["view", "there.obj"],
+            "there.obj does not state its unit; give `units`",
+        ),
+        (["view", "a.obj", "--units", "mm"], "a.obj: no such file"),
+        (["view", "a.obj", "--units", "foot"], "not one of"),
+        (["view", "A0", "--out", "a.png"], "must end in .html"),
+        (["view", "A0", "--rule", "exact"], "--rule is for mesh files"),
+        (["view", "A0", "--units", "mm"], "--units is for mesh files"),
+        (["view", "A0", "--grasps", 9], "--grasps is for mesh files"),
+        (["view", "A0", "--gripper", 0.05], "--gripper '0.05' is not known in the configuration"),
+        (["view", "a.obj", "--units", "mm", "--rule", "papr"], "'egad-script', 'exact'"),
+    ],
+)
+def test_tools_about_grasps_say_what_is_wrong(tmp_path, monkeypatch, arguments, sentence):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there.obj").write_text(CUBE)
+    result = egad(*arguments)
+    assert result.returncode in (1, 2)
+    assert sentence in unboxed(result.stderr)
+    assert "Traceback" not in result.stderr
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["measure", "cube.obj", "--max-candidates", 200],
+        ["similarity", "cube.obj"],
+        ["rescale", "cube.obj", "--gripper", 0.08, "--out", "scaled"],
+        ["bundle", "cube.obj", "--out", "bundle"],
+        ["size-effect", "cube.obj", "--gripper", "yumi", "--out", "curve.csv"],
+        ["view", "cube.obj", "--grasps", 3],
+    ],
+)
+def test_commands_doubt_a_unit_that_makes_a_mesh_too_large(tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    trimesh.creation.box((60, 60, 60)).export(tmp_path / "cube.obj")
+    doubt = "larger than 1 m, cube"
+    jobs = [] if command[0] == "view" else ["--jobs", 1]
+    assert doubt in egad(*command, *jobs, "--units", "m").stderr
+    shutil.rmtree(tmp_path / "scaled", ignore_errors=True)
+    shutil.rmtree(tmp_path / "bundle", ignore_errors=True)
+    if command[0] in ("similarity", "rescale", "view"):  # the quick ones again
+        assert doubt not in egad(*command, *jobs, "--units", "mm").stderr
+
+
+def test_view_writes_a_page_of_a_mesh(tmp_path):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    out = tmp_path / "cube.html"
+    result = egad("view", tmp_path / "cube.obj", "--units", "m", "--grasps", 3, "--out", out)
+    assert result.returncode == 0, result.stderr
+    assert re.match(r"cube: 3 grasps of egad_75mm, \d of them collision-free, at ", result.stdout)
+    assert "times its size (rule paper); see" in result.stdout
+    assert "<title>Grasps of cube</title>" in out.read_text()
+
+
+def test_the_file_of_a_hand_is_inspected(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    box_urdf(tmp_path / "My Hand.urdf")
+    found = egad("gripper", "inspect", "My Hand.urdf")
+    assert found.returncode == 0
+    assert "0.2 to 80.2 mm" in found.stdout
+    entry = "grippers:" + found.stdout.split("grippers:")[1].split("\nsee ")[0]
+    (tmp_path / "hand.yaml").write_text(entry)
+    page = (tmp_path / "my_hand.html").read_bytes()
+    named = egad("gripper", "inspect", "my_hand", "--config", "hand.yaml", "--out", "again.html")
+    assert named.returncode == 0
+    assert (tmp_path / "again.html").read_bytes() == page
+    assert "no `file`" in egad("gripper", "inspect", "panda").stderr
+    assert "gripper or file 'nothing'" in egad("gripper", "inspect", "nothing").stderr

@@ -1,0 +1,73 @@
+import itertools
+import time
+
+import pytest
+
+from egad.workflow.display import lines as module
+from egad.workflow.display.jobs import Job, Jobs
+from egad.workflow.display.lines import Lines, job_line
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    monkeypatch.setattr(module, "TICK", 0.01)
+    monkeypatch.setattr(module, "FIRST", 0.05)
+    monkeypatch.setattr(module, "NEXT", 0.2)
+
+
+def wait_for(condition):
+    end = time.monotonic() + 10
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+@pytest.mark.usefixtures("quick")
+def test_two_jobs_at_once_have_whole_lines_again_and_again(start_run):
+    run = start_run()
+    for number in (1, 2):
+        run.start(number, message=f"Evolving island {number}")
+        status = f"evaluations: {number}0/100, 5.00/s, coverage 0.1{number}\n"
+        run.log(number).write_text(status)
+    wait_for(lambda: run.shown.count("coverage 0.11") >= 2)
+    for number in (1, 2):
+        expected = f"Evolving island {number}: evaluations: {number}0/100, 5.00/s, "
+        told = [line for line in run.shown.splitlines() if f"coverage 0.1{number}" in line]
+        assert all(expected in line for line in told)
+        assert told
+
+
+@pytest.mark.usefixtures("quick")
+def test_a_job_that_has_ended_is_not_told_of_any_more(start_run):
+    run = start_run()
+    run.start(1)
+    wait_for(lambda: "so far" in run.shown)
+    run.finish(1)
+    before = run.shown
+    time.sleep(0.5)
+    assert run.shown == before
+
+
+@pytest.mark.usefixtures("quick")
+def test_many_jobs_are_counted(start_run):
+    run = start_run()
+    for number in range(25):
+        run.start(number, message=f"Job {number}")
+    wait_for(lambda: "and 15 more jobs" in run.shown)
+    assert "Job 24: starting" not in run.shown
+
+
+def test_a_job_is_told_of_within_five_seconds_and_then_every_ten():
+    jobs, job = Jobs(1), Job("evolve", "Evolving", None, start=0.0)
+    jobs.add(1, job)
+    view = Lines(jobs, None)
+    view.close()
+    told = [now / 2 for now in range(100) if list(view._lines(now / 2))]
+    assert told[0] <= 5
+    assert max(after - before for before, after in itertools.pairwise(told)) <= 10
+
+
+def test_a_line_tells_how_far_a_job_is_and_what_it_does(tmp_path):
+    job = Job("evolve", "Evolving (map: a.html)", tmp_path / "log", start=100.0)
+    job.log.write_text("evaluations: 20/100\ncompiling kernels ...\n")
+    assert job_line(job, 165.0) == "Evolving: evaluations: 20/100, compiling kernels, 1:05 so far"

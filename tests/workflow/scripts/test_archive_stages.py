@@ -1,0 +1,73 @@
+"""What evolution and the stages behind it do with archives that they are given."""
+
+import evolve
+import merge
+import publish
+import pytest
+from foreign_archives import write_first_edition
+from postprocess import from_archive
+
+from egad.config import Settings
+from egad.config.archive_settings import provenance
+from egad.config.stages import Merge, PostprocessSolids, select
+from egad.errors import UserError
+from egad.map_elites.parameters import EvolutionParameters
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE, EPOCH
+
+
+def settings(**changes):
+    return select(Settings.model_validate(changes), EvolutionParameters)
+
+
+@pytest.fixture
+def archive(tmp_path):
+    path = tmp_path / "archive.parquet"
+    parquet.write(parquet.empty(EPOCH), EPOCH, path, provenance(settings()))
+    return path
+
+
+def test_objects_of_the_first_edition_are_read_and_its_difficulties_explained(tmp_path, caplog):
+    first_edition = write_first_edition(tmp_path / "first.parquet")
+    with caplog.at_level("INFO"):
+        from_archive(first_edition, select(Settings(), PostprocessSolids), 0, 1)
+    assert "percentiles of few grasps that keep a distance" in caplog.text
+    assert parquet.read(first_edition, ARCHIVE)["cell_confidence"].isna().all()
+
+
+def test_notes_travel_from_epoch_to_archive(archive, tmp_path):
+    merged, published = tmp_path / "merged.parquet", tmp_path / "published.parquet"
+    merge.run(select(Settings(), Merge), [archive], merged)
+    publish.run(merged, published)
+    assert parquet.notes(published) == parquet.notes(archive) == provenance(settings())
+
+
+def test_evolution_refuses_to_go_on_from_a_foreign_archive(archive, tmp_path):
+    out = tmp_path / "out.parquet"
+    with pytest.raises(UserError, match="made with other settings"):
+        evolve.run(
+            settings(quality={"friction": 0.8}), 1, 0, out, tmp_path / "h", tmp_path / "l", archive
+        )
+    assert not out.exists()
+
+
+def test_difficulties_by_another_gripper_are_not_compared(tmp_path):
+    """The objects are taken, what they were selected by is not."""
+    path = tmp_path / "archive.parquet"
+    parquet.write(parquet.empty(ARCHIVE), ARCHIVE, path, provenance(settings()))
+    for gripper, count in (("yumi", 0), ("panda", 0)):
+        config = Settings.model_validate({"difficulty": {"gripper": gripper}})
+        read = select(config, PostprocessSolids)
+        _, known = from_archive(path, read, 0, 1)
+        assert len(known) == count
+        assert (known.name == "difficulty") == (gripper == "yumi")
+
+
+def test_an_evolution_that_keeps_nothing_says_why(tmp_path):
+    (tmp_path / "mine.py").write_text("def area(mesh): return mesh.aera\n")
+    nothing = settings(
+        measures={"complexity": f"{tmp_path}/mine.py:area"},
+        evolution={"steps_per_epoch": 1, "population": 20},
+    )
+    with pytest.raises(UserError, match=r"20 offspring was accepted: .*area failed .*AttributeErr"):
+        evolve.run(nothing, 0, 0, tmp_path / "out", tmp_path / "h", tmp_path / "l")

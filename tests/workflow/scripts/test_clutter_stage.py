@@ -1,0 +1,240 @@
+"""Tables of a bundle are cleared, whatever the engine and the detector do."""
+
+import os
+import signal
+from contextlib import contextmanager
+
+import clutter
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+from PIL import Image
+from report import scene_pictures
+
+from egad.cli import main
+from egad.cli.replay import film_clearing
+from egad.config import Settings
+from egad.config.stages import ClearedTables, SimulationBundle, select
+from egad.errors import UserError
+from egad.exchange.meshes import write_obj
+from egad.sim import ClutterParameters, proposed_by, run_round
+from egad.sim.rounds import rounds_of
+from egad.tables import parquet
+from egad.tables.clutter import CLUTTER
+from egad.workflow.bundle import any_objects, write_bundle
+from egad.workflow.bundled import model_in, rows_by_id
+
+GRIPPER = "egad_75mm"
+FEW = {"rounds": 2, "objects": 2, "noise": ["none"], "scenes": ["packed", "pile"]}
+WHOLE = Settings.model_validate({"clutter": FEW})
+MESHES = {
+    f"box{number}": trimesh.creation.box(sides)
+    for number, sides in enumerate([(0.04, 0.03, 0.05), (0.03, 0.06, 0.03), (0.04, 0.04, 0.04)])
+}
+OWN = """
+import os, signal, time
+import numpy as np
+from egad.detectors import GraspPoses
+
+
+def at_the_highest_point(cloud, gripper, rng):
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    pose[:3, 3] = cloud.points[cloud.points[:, 2].argmax()] - [0, 0, 0.01]
+    return GraspPoses(pose[None], np.array([gripper.opening]), np.ones(1))
+
+
+def late(cloud, gripper, rng):
+    time.sleep(60)
+
+
+def dying(cloud, gripper, rng):
+    os.kill(os.getpid(), signal.SIGSEGV)
+
+
+def failing(cloud, gripper, rng):
+    return 1 / 0
+
+
+def misnamed(point_cloud, gripper, rng):
+    return []
+
+
+def answering_nonsense(cloud, gripper, rng):
+    return "up"
+"""
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """The folder of a bundle."""
+    folder = tmp_path_factory.mktemp("results")
+    for name, mesh in MESHES.items():
+        write_obj(mesh, folder / f"{name}.obj")
+    items = any_objects([folder / f"{name}.obj" for name in MESHES])
+    write_bundle(select(WHOLE, SimulationBundle), items, "m", folder / "bundle" / GRIPPER)
+    return folder / "bundle" / GRIPPER
+
+
+def settings(detector, **changes):
+    detectors = {"own": {"detector": detector}}
+    targets = {"detectors": ["own"]}
+    whole = {"clutter": FEW | changes, "detectors": detectors, "targets": targets}
+    return select(Settings.model_validate(whole), ClearedTables, GRIPPER, "own")
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory):
+    path = tmp_path_factory.mktemp("code") / "own.py"
+    path.write_text(OWN)
+    return path
+
+
+def cleared(given, made, out, shard=(0, 1), keep_going=False):
+    clutter.run(given, made, shard, out, keep_going=keep_going)
+    return parquet.read(out, CLUTTER)
+
+
+@pytest.fixture(scope="module")
+def table(made, own, tmp_path_factory):
+    out = tmp_path_factory.mktemp("out") / "own.parquet"
+    return cleared(settings(f"{own}:at_the_highest_point"), made, out)
+
+
+def test_shards_together_are_the_whole(table, made, own, tmp_path):
+    given = settings(f"{own}:at_the_highest_point")
+    parts = [cleared(given, made, tmp_path / f"{i}.parquet", (i, 3)) for i in range(3)]
+    order = ["scene", "noise", "round", "attempt"]
+    joined = pd.concat(parts).sort_values(order, ignore_index=True)
+    pd.testing.assert_frame_equal(joined, table.sort_values(order, ignore_index=True))
+    assert table["success"].any()
+
+
+def test_it_is_what_the_library_does_in_this_process(table, made, own):
+    """The detector is in a process of its own and the simulation in another one."""
+    space = {}
+    exec(own.read_text(), space)  # noqa: S102
+    given = select(WHOLE, ClutterParameters, GRIPPER)
+    models = {name: model_in(made, row) for name, row in rows_by_id(made).items()}
+    propose = proposed_by(space["at_the_highest_point"], given.gripper)
+    expected = [
+        run_round(this, models, lambda *_: propose, given) for this in rounds_of(models, given)
+    ]
+    pd.testing.assert_frame_equal(pd.concat(expected, ignore_index=True), table, check_dtype=False)
+
+
+@pytest.mark.parametrize(
+    ("name", "outcome"), [("late", "timeout"), ("dying", "error"), ("answering_nonsense", "error")]
+)
+def test_what_a_detector_does_wrong_is_an_outcome_and_the_run_goes_on(
+    made, own, tmp_path, name, outcome
+):
+    given = settings(f"{own}:{name}", planning_time=2.0, rounds=1, scenes=["packed"])
+    found = cleared(given, made, tmp_path / "out.parquet", keep_going=True)
+    assert found["outcome"].tolist() == [outcome, outcome]  # two in a row end a round
+    assert (found["failure"] != "").all()
+
+
+def test_a_detector_that_only_fails_stops_the_run_and_leaves_its_traceback(made, own, tmp_path):
+    given = settings(f"{own}:failing", scenes=["packed"], rounds=4)
+    with pytest.raises(UserError, match=r"all 6 attempts of the first 3 rounds") as stopped:
+        cleared(given, made, tmp_path / "out.parquet")
+    line = OWN[: OWN.index("1 / 0")].count("\n") + 1
+    kept = tmp_path / "out.parquet.failure.txt"
+    assert str(stopped.value).endswith(f"is kept in {kept}")
+    text = kept.read_text(encoding="utf-8")
+    assert f'File "{own.name}", line {line}, in failing' in text
+    assert text.endswith("ZeroDivisionError: division by zero\n")
+    assert not (tmp_path / "out.parquet").exists()
+
+
+def test_a_detector_that_asks_for_something_unknown_stops_the_run_at_once(made, own, tmp_path):
+    with pytest.raises(UserError, match=r"'point_cloud' is none of view, views, cloud"):
+        cleared(settings(f"{own}:misnamed"), made, tmp_path / "out.parquet")
+
+
+def test_a_round_that_kills_the_engine_is_marked(made, monkeypatch, tmp_path):
+    given = settings("random", rounds=1, scenes=["pile"])
+    monkeypatch.setattr(clutter, "open_clutter", deadly)
+    clutter.run(given, made, (0, 1), tmp_path / "out.parquet")
+    found = parquet.read(tmp_path / "out.parquet", CLUTTER)
+    assert found["outcome"].tolist() == ["crashed"]
+    assert found["n_objects"].tolist() == [0]
+
+
+@contextmanager
+def deadly(*_):
+    yield lambda _: os.kill(os.getpid(), signal.SIGABRT)
+
+
+def test_labels_need_grasps(made, tmp_path):
+    with pytest.raises(UserError, match="labels needs the table of labelled grasps"):
+        clutter.run(settings("labels"), made, (0, 1), tmp_path / "out.parquet")
+
+
+def test_a_bundle_without_objects_gives_an_empty_table(tmp_path):
+    empty = tmp_path / "bundle"
+    write_bundle(select(WHOLE, SimulationBundle), [], "m", empty)
+    assert len(cleared(settings("random"), empty, tmp_path / "out.parquet")) == 0
+
+
+def test_a_round_is_filmed_again(table, made, tmp_path):
+    given = select(WHOLE, ClutterParameters, GRIPPER)
+    path = tmp_path / "own.parquet"
+    parquet.write(table, CLUTTER, path)
+    film_clearing(given, path, made, ("pile", "none", 0), tmp_path / "film.gif")
+    frames = Image.open(tmp_path / "film.gif").n_frames
+    assert frames > 20 * table.query("scene == 'pile' and round == 0")["success"].sum()
+    with pytest.raises(UserError, match="there is none"):
+        film_clearing(given, path, made, ("pile", "none", 2), tmp_path / "film.gif")
+    altered = table.assign(success=~table["success"])
+    parquet.write(altered, CLUTTER, path)
+    with pytest.raises(UserError, match="not reproduced"):
+        film_clearing(given, path, made, ("pile", "none", 0), tmp_path / "film.gif")
+
+
+def test_pictures_show_scenes_of_each_kind(made):
+    given = select(WHOLE, ClutterParameters, GRIPPER)
+    found = scene_pictures(given, made)
+    assert {kind: len(each) for kind, each in found.items()} == {"packed": 2, "pile": 2}
+    assert len({png for each in found.values() for png in each}) == 4
+
+
+def test_commands_benchmark_and_compare(own, tmp_path, monkeypatch, capsys):
+    for name, mesh in MESHES.items():
+        write_obj(mesh, tmp_path / "objects" / f"{name}.obj")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "few.yaml").write_text(f"clutter: {FEW}")
+    common = (
+        "--objects objects --units m --rule none --config few.yaml --rounds 1 --jobs 1 --gripper"
+    )
+    for text in (
+        f"{own}:at_the_highest_point {common} {GRIPPER} --films films",
+        f"random {common} {GRIPPER}",
+    ):
+        monkeypatch.setattr("sys.argv", ["egad", "benchmark", *text.split()])
+        with pytest.raises(SystemExit) as stopped:
+            main()
+        assert stopped.value.code == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert {tuple(row[:3]) for row in rows} >= {
+        ("own", "mujoco", "packed"),
+        ("own", "mujoco", "pile"),
+        ("random", "mujoco", "pile"),
+    }
+    assert {path.name for path in (tmp_path / "films").iterdir()} == {
+        "own-packed.gif",
+        "own-pile.gif",
+    }
+    tables = ["benchmark/own.parquet", "benchmark/random.parquet"]
+    monkeypatch.setattr("sys.argv", ["egad", "trials", "compare", *tables])
+    with pytest.raises(SystemExit) as stopped:
+        main()
+    assert stopped.value.code == 0
+    assert "own vs random" in capsys.readouterr().out
+    one, other = (parquet.read(tmp_path / path, CLUTTER) for path in tables)
+    same = ["scene", "seed", "objects", "n_objects"]
+    first, second = (each[each["attempt"] == 0][same].to_numpy().tolist() for each in (one, other))
+    assert first == second
+    assert parquet.origin_of(tmp_path / tables[0])["stage"] == "benchmark"
+    assert np.isfinite(one["score"]).any()

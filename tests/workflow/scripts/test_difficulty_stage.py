@@ -1,0 +1,41 @@
+"""Difficulty of the objects of a dataset for a gripper, against `egad.measure`."""
+
+import difficulty
+import pandas as pd
+import pytest
+import trimesh
+from described_hands import box_urdf
+
+import egad
+from egad.config import Postprocess, Settings
+from egad.config.stages import DifficultyOfGripper, select
+from egad.grippers import GRIPPERS, Gripper
+from egad.tables import parquet
+from egad.tables.objects import DIFFICULTIES, OBJECTS
+
+
+@pytest.fixture
+def dataset(tmp_path, lumpy):
+    """Two objects, one of them flat."""
+    blank = {f.name: "" if str(f.type) == "string" else 0 for f in OBJECTS}
+    frame = pd.DataFrame([blank | {"label": label} for label in ("A0", "B0")])
+    parquet.write(frame[OBJECTS.names], OBJECTS, tmp_path / "objects.parquet")
+    lumpy.export(tmp_path / "A0.obj")
+    trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).export(tmp_path / "B0.obj")
+    return tmp_path
+
+
+def test_a_gripper_by_file_measures_as_its_opening_does(dataset):
+    hand = Gripper.from_file(box_urdf(dataset / "hand.urdf"))
+    grippers = GRIPPERS | {"mine": hand}
+    whole = Settings(grippers=grippers, postprocess=Postprocess(max_candidates=1024))
+    tables = {}
+    for name in ("mine", "yumi"):
+        settings = select(whole, DifficultyOfGripper, name)
+        difficulty.run(settings, dataset / "objects.parquet", dataset, dataset / "out.parquet")
+        tables[name] = parquet.read(dataset / "out.parquet", DIFFICULTIES).set_index("label")
+        mesh = trimesh.load_mesh(dataset / "A0.obj")
+        expected = egad.measure(mesh, grippers[name], max_candidates=1024)
+        assert tables[name].loc["A0", "difficulty"] == pytest.approx(expected.difficulty, rel=1e-6)
+    assert tables["mine"].loc["A0", "difficulty"] != tables["yumi"].loc["A0", "difficulty"]
+    assert pd.isna(tables["mine"].loc["B0", "difficulty"])

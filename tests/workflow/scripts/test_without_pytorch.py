@@ -1,0 +1,56 @@
+"""PyTorch is an extra: training alone needs it, and only once it runs."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from egad.workflow.code_version import PACKAGE
+
+SCRIPTS = Path(__file__).parents[3] / "workflow" / "scripts"
+
+CODE = """
+import importlib, json, sys
+
+class Without:
+    def find_spec(name, *_):
+        if name.partition(".")[0] in ("torch", "safetensors"):
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Without)
+failed = {}
+for name in sys.argv[1:]:
+    try:
+        importlib.import_module(name)
+    except ImportError as error:
+        failed[name] = str(error)
+print(json.dumps(failed))
+"""
+
+
+def failures(names):
+    """What the import of modules says where PyTorch and safetensors are not installed."""
+    found = os.pathsep.join(map(str, (SCRIPTS, PACKAGE.parent)))
+    command = [sys.executable, "-c", CODE, *names]
+    done = subprocess.run(
+        command, check=True, capture_output=True, text=True, env=os.environ | {"PYTHONPATH": found}
+    )
+    return json.loads(done.stdout)
+
+
+def modules(folder):
+    """Names of the modules in a folder of the package, also of those in its folders."""
+    for path in sorted(folder.rglob("*.py")):
+        parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+        yield ".".join(parts).removesuffix(".__init__")
+
+
+def test_every_stage_can_be_imported_without_pytorch():
+    scripts = sorted(path.stem for path in SCRIPTS.glob("*.py"))
+    folders = [PACKAGE / "workflow", PACKAGE / "exchange/exports"]
+    shared = [name for folder in folders for name in modules(folder)]
+    known = {"evolve", "egad.workflow.train", "egad.exchange.exports.dexnet"}
+    assert known <= {*scripts, *shared}
+    networks = ["egad.learning.networks", "egad.learning.weights"]
+    assert set(failures([*scripts, *shared, *networks])) == set(networks)

@@ -1,0 +1,37 @@
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from compiled import SCRIPTS, reached_kernels
+
+HERE = Path(__file__).parents[1]
+
+
+def loaded_kernels(path):
+    """The modules with compiled code that are there once a file has run."""
+    code = f"""
+import runpy, sys
+sys.path.insert(0, {str(SCRIPTS)!r})
+runpy.run_path({str(path)!r})
+from numba.core.dispatcher import Dispatcher
+modules = [m for n, m in sys.modules.items() if n.startswith("egad.")]
+kernels = (value for m in modules for value in vars(m).values() if isinstance(value, Dispatcher))
+print(*{{kernel.__module__ for kernel in kernels}})
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+@pytest.mark.parametrize("name", ["reeb/test_graph.py", "cppn/test_voxels.py"])
+def test_reading_the_source_finds_the_kernels_that_importing_loads(name):
+    assert reached_kernels(HERE / name) == loaded_kernels(HERE / name)
+
+
+@pytest.mark.parametrize("line", ["import postprocess", "from evolve import run"])
+def test_kernels_of_a_script_are_found(tmp_path, line):
+    path = tmp_path / "test_of_a_stage.py"
+    path.write_text(f"{line}\n")
+    found = reached_kernels(path)
+    assert found == loaded_kernels(path)
+    assert len(found) > 10

@@ -1,0 +1,75 @@
+"""agreement: simulated execution of labelled grasps of the evaluation objects of a shard."""
+
+import logging
+from functools import partial
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.child_process import Survivor
+from egad._util.progress import phase, progress
+from egad.sim import (
+    LabelTrialParameters,
+    failed_labelled_grasps,
+    sample_labelled_grasps,
+    shares,
+)
+from egad.tables import parquet
+from egad.tables.evaluation import AGREEMENT, EVAL49
+from egad.tables.grasping import GRASPS
+from egad.workflow.bundled import ENGINE_TIME, outlived, rows_by_id
+from egad.workflow.job import run_job
+from egad.workflow.shards import rows_in_shard
+from egad.workflow.simulations import open_agreement
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: LabelTrialParameters,
+    evaluation: Path,
+    bundle: Path,
+    grasps: Path,
+    shard: tuple[int, int],
+    out: Path,
+) -> None:
+    """Execute labelled grasps of the evaluation objects of a shard in simulation.
+
+    As in `simulate`, everything runs in a separate process. If an object crashes it twice, the
+    grasps of that object are marked as crashed.
+
+    Args:
+        settings: Settings of this stage.
+        evaluation: Evaluation set.
+        bundle: Folder of the simulation bundle, scaled to the gripper. Grasps of objects that it
+            does not contain count as failed.
+        grasps: Labelled grasps for the gripper; a sample of them is executed.
+        shard: Number of this shard, and number of shards.
+        out: A sample of the labelled grasps for gripper G, executed in simulation. Made if
+            `targets.agreement` is true.
+    """
+    objects = parquet.read(evaluation, EVAL49)
+    share = dict(zip(objects["id"], shares(settings.agreement.grasps, len(objects)), strict=True))
+    chosen = parquet.records(rows_in_shard(objects, *shard))
+    labelled = parquet.read(grasps, GRASPS)
+    known = rows_by_id(bundle)
+    parts = []
+    limit = ENGINE_TIME * max(share.values(), default=1)
+    phase("starting the simulator")
+    with Survivor(partial(open_agreement, settings, bundle), limit) as execute:
+        for row in progress(chosen, "trying", len(chosen)):
+            label, name = row["label"], row["id"]
+            sample = sample_labelled_grasps(
+                labelled[labelled["id"] == name], name, share[name], settings.seed
+            )
+            task = (known[name], sample) if name in known else None
+            failed = partial(failed_labelled_grasps, label, name, sample, settings)
+            parts.append(outlived(row, execute, task, failed))
+    filled = [table for table in parts if len(table)]
+    whole = pd.concat(filled) if filled else parquet.empty(AGREEMENT)
+    parquet.write(whole, AGREEMENT, out)
+    log.info("%d grasps, %d successes", len(whole), int(whole["success"].sum()))
+
+
+if __name__ == "__main__":
+    run_job(run)

@@ -1,0 +1,26 @@
+"""bundle: the evaluation set for simulators, scaled to a gripper."""
+
+from pathlib import Path
+
+from egad.config.stages import SimulationBundle
+from egad.workflow.bundle import evaluation_objects, write_bundle
+from egad.workflow.job import run_job
+
+
+def run(
+    settings: SimulationBundle, evaluation: Path, meshes: Path, out: Path, jobs: int = 1
+) -> None:
+    """Prepare the evaluation set for simulators: convex parts, URDF, MJCF, poses at rest.
+
+    Args:
+        settings: Material, and method of the convex decomposition.
+        evaluation: Evaluation set.
+        meshes: Folder of the scaled meshes, in metres.
+        out: Folder to write: see docs/bundle.md.
+        jobs: Processes; the result does not depend on it.
+    """
+    write_bundle(settings, evaluation_objects(evaluation, meshes), "m", out, jobs)
+
+
+if __name__ == "__main__":
+    run_job(run)

@@ -1,0 +1,74 @@
+"""clutter: rounds of clearing a table with a grasp detector, a shard of them."""
+
+import logging
+from functools import partial
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.child_process import Survivor
+from egad._util.progress import phase, progress
+from egad.benchmark import Cleared
+from egad.config.stages import ClearedTables
+from egad.detectors import STARTING_TIME, FailureMonitor, keep_failure
+from egad.outcomes import Outcome
+from egad.sim import (
+    failed_round,
+    rounds_of,
+)
+from egad.tables import parquet
+from egad.tables.clutter import CLUTTER
+from egad.workflow.bundled import ENGINE_TIME, rows_by_id
+from egad.workflow.job import run_job
+from egad.workflow.simulations import open_clutter
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: ClearedTables,
+    bundle: Path,
+    shard: tuple[int, int],
+    out: Path,
+    grasps: Path | None = None,
+    keep_going: bool = False,
+) -> None:
+    """Let a grasp detector clear tables of several objects of the evaluation set.
+
+    As in `simulate`, everything runs in a separate process. A round that crashes it twice is marked
+    as crashed.
+
+    Args:
+        settings: Settings of this stage.
+        bundle: Folder of the simulation bundle, scaled to the gripper.
+        shard: Number of this shard, and number of shards; the rounds are dealt out among them.
+        out: Rounds in which detector P clears a table of objects with gripper G, one attempt per
+            row. Made for the detectors in `targets.clutter`.
+        grasps: Labelled grasps of the objects, for the detector `labels`.
+        keep_going: Whether to go on with a detector that fails in every attempt.
+    """
+    number, shards = shard
+    todo = rounds_of(list(rows_by_id(bundle)), settings)[number::shards]
+    tables = [parquet.empty(CLUTTER)]
+    phase("starting the simulator")
+    attempt = settings.clutter.planning_time + STARTING_TIME + ENGINE_TIME
+    monitor = FailureMonitor(len(todo), keep_going, "rounds")
+    limit = 2 * settings.clutter.objects * attempt
+    with (
+        keep_failure(out),
+        Survivor(partial(open_clutter, settings, bundle, grasps), limit) as clear,
+    ):
+        for this in progress(todo, "clearing", len(todo)):
+            done: Cleared | None = clear(this)
+            if done is None:
+                log.warning("round %d, %s: %s", this.number, this.scene, Outcome.CRASHED)
+            table, _ = done or (failed_round(this, settings, Outcome.CRASHED), [])
+            tables.append(table)
+            monitor.check(table)
+    whole = pd.concat([table for table in tables if len(table)] or tables)
+    parquet.write(whole, CLUTTER, out)
+    log.info("%d attempts, %d successes", len(whole), int(whole["success"].sum()))
+
+
+if __name__ == "__main__":
+    run_job(run)

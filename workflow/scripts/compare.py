@@ -1,0 +1,69 @@
+"""compare: a comparison of datasets, as in Table III of EGAD, with a map of each."""
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from egad._util.files import write_text
+from egad.config.stages import Compare
+from egad.measures import (
+    Attainable,
+    Space,
+    attainable_coverage,
+    attainable_difficulty,
+    coverage,
+    filled_cells,
+)
+from egad.report.axes import axis_pair
+from egad.report.comparison import comparison_text, dataset_maps
+from egad.tables import parquet
+from egad.tables.objects import COMPARISON, OBJECTS
+from egad.workflow.job import run_job
+
+
+def run(
+    settings: Compare,
+    datasets: list[str],
+    objects: list[Path],
+    out: Path,
+    figure: Path,
+) -> str:
+    """Compare datasets: coverage and diversity, and a map of the objects of each.
+
+    Args:
+        settings: Settings of this stage.
+        datasets: Their names.
+        objects: Their objects.
+        out: Coverage and diversity of all datasets.
+        figure: A small map of each dataset: objects per cell, on a common scale.
+
+    Returns:
+        The table for a terminal, with the published numbers below.
+    """
+    tables = {
+        name: parquet.read(path, OBJECTS) for name, path in zip(datasets, objects, strict=True)
+    }
+    space, limit = settings.space, attainable_difficulty(settings)
+    comparison = pd.DataFrame([_row(name, each, space, limit) for name, each in tables.items()])
+    parquet.write(comparison, COMPARISON, out)
+    write_text(figure, dataset_maps(tables, space, axis_pair(settings.measures), limit.rows))
+    return comparison_text(comparison)
+
+
+def _row(name: str, objects: pd.DataFrame, space: Space, limit: Attainable) -> dict[str, Any]:
+    diversity = objects["diversity"]
+    return {
+        "dataset": name,
+        "objects": len(objects),
+        "coverage": coverage(objects, space),
+        "attainable_coverage": attainable_coverage(objects, space, limit.rows),
+        "filled_cells": filled_cells(objects, space),
+        "diversity_min": diversity.min(),
+        "diversity_max": diversity.max(),
+        "diversity_mean": diversity.mean(),
+    }
+
+
+if __name__ == "__main__":
+    run_job(run)

@@ -1,0 +1,58 @@
+"""convex-parts: the convex parts of the objects of a shard, scaled to a gripper."""
+
+import logging
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.progress import progress
+from egad.config.stages import ConvexParts
+from egad.errors import RejectedError
+from egad.evalset import make_simulation_object, part_rows
+from egad.exchange import read_mesh
+from egad.tables import parquet
+from egad.tables.evaluation import CONVEX_PARTS
+from egad.tables.objects import OBJECTS
+from egad.workflow.job import run_job
+from egad.workflow.shards import rows_in_shard
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: ConvexParts,
+    objects: Path,
+    meshes: Path,
+    shard: tuple[int, int],
+    out: Path,
+) -> None:
+    """Make the convex parts of the objects of a shard, which stand for them in simulators.
+
+    Args:
+        settings: Material, and how the parts are made.
+        objects: Objects of the dataset.
+        meshes: Folder of the scaled meshes.
+        shard: Number of this shard, and number of shards.
+        out: Convex parts of all objects, one row each, in the frame of
+            `D/rescaled/G/LABEL.obj`. An object that has none is missing, and the log says why. Made
+            for a release, and for exports of all objects to simulators.
+    """
+    frame = rows_in_shard(parquet.read(objects, OBJECTS), *shard)
+    made = []
+    names = zip(frame["id"], frame["label"], strict=True)
+    for object_id, label in progress(names, "making convex parts", len(frame)):
+        try:
+            mesh = read_mesh(meshes / f"{label}.obj", "m")
+            density, bundle = settings.material.density, settings.bundle
+            found = make_simulation_object(mesh, density, bundle, label)
+        except RejectedError as reason:
+            log.warning("%s has no convex parts: %s", label, reason)
+        else:
+            made.append(part_rows(found).assign(label=label, id=object_id))
+    table = pd.concat(made) if made else parquet.empty(CONVEX_PARTS)
+    parquet.write(table, CONVEX_PARTS, out)
+    log.info("%d parts of %d objects", len(table), len(made))
+
+
+if __name__ == "__main__":
+    run_job(run)

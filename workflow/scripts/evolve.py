@@ -1,0 +1,86 @@
+"""evolve: one epoch of one island."""
+
+import importlib
+import logging
+from pathlib import Path
+
+from egad._util.progress import phase
+from egad._util.workers import workers
+from egad.config.archive_settings import check_provenance, provenance
+from egad.errors import UserError, most_common
+from egad.map_elites import Archive, EvolutionParameters, Watch, elites_of, evolve, rules_of
+from egad.measures import check_measures
+from egad.tables import parquet
+from egad.tables.evolution import EPOCH, HISTORY, LINEAGE
+from egad.workflow.job import run_job
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: EvolutionParameters,
+    epoch: int,
+    island: int,
+    archive: Path,
+    history: Path,
+    lineage: Path,
+    base: Path | None = None,
+    page: Path | None = None,
+    islands: int | None = None,
+    jobs: int = 1,
+) -> None:
+    """Evolve one island for one epoch.
+
+    Args:
+        settings: Settings of this stage.
+        epoch: Number of the epoch.
+        island: Number of the island.
+        archive: Archive of the island.
+        history: Statistics of the archive, one row per step.
+        lineage: All objects that the archive took in, even if they left it again.
+        base: Merged archive of the previous epoch; none starts from random genomes.
+        page: HTML page to write, a live map of the archive.
+        islands: Number of islands, for the page.
+        jobs: Processes, and threads; the result does not depend on it.
+    """
+    check_measures(settings.measures)
+    rules = rules_of(settings)
+    watch = watch_of(settings, epoch, island, page, islands) if page else None
+    with workers(jobs) as mapper:
+        found = Archive(settings.space, settings.similarity, jobs)
+        if base is not None:
+            phase("reading the archive of the epoch before")
+            check_provenance(base, settings)
+            found.add(elites_of(parquet.read(base, EPOCH)))
+        done = evolve(found, settings, epoch, island, rules, mapper, watch)
+    counts = done.outcomes
+    if not len(found):
+        raise UserError(f"none of {counts.total()} offspring was accepted: {most_common(counts)}")
+    parquet.write(done.history, HISTORY, history)
+    parquet.write(done.lineage, LINEAGE, lineage)
+    parquet.write(found.to_frame(), EPOCH, archive, provenance(settings))
+    log.info("%d elites, coverage %.3f", len(found), found.coverage)
+    for outcome, count in sorted(counts.items()):
+        log.info("%6d offspring: %s", count, outcome)
+
+
+def watch_of(
+    settings: EvolutionParameters, epoch: int, island: int, page: Path, islands: int | None
+) -> Watch:
+    """The live map of the archive.
+
+    It is imported by name: the page does not affect results, so its changes must not re-run jobs.
+    """
+    live_map = importlib.import_module("egad.report.live_map")
+    record = importlib.import_module("egad.provenance.record")
+    axes = importlib.import_module("egad.report.axes")
+    evaluations = settings.evolution.steps_per_epoch * settings.evolution.population
+    run = record.settings_hash(settings)
+    about = live_map.EpochOfIsland(run, epoch, island, evaluations, islands)
+    names = axes.axis_pair(settings.measures)
+    watch: Watch = live_map.LiveMap(page, about, settings.space, settings.shape.resolution, names)
+    return watch
+
+
+if __name__ == "__main__":
+    run_job(run)

@@ -1,0 +1,34 @@
+"""export: objects, grasps or images of a gripper in the format of another program."""
+
+from pathlib import Path
+from typing import Any
+
+from egad.exchange.exports import ObjectSet, settings_class, sources, write_format
+from egad.workflow.job import run_job
+
+
+def run(
+    settings: dict[str, Any],
+    dataset: Path,
+    gripper: str,
+    style: str,
+    chosen: ObjectSet,
+    out: Path,
+) -> None:
+    """Write a folder in a format.
+
+    Args:
+        settings: Those of the format.
+        dataset: Folder of the dataset.
+        gripper: Name of the gripper.
+        style: The format.
+        chosen: Which objects are written, for a format of objects.
+        out: Folder to write.
+    """
+    parsed = settings_class(style, chosen).model_validate(settings)
+    reads = {name: dataset / file for name, file in sources(style, gripper, chosen).items()}
+    write_format(style, chosen, parsed, gripper, reads, out)
+
+
+if __name__ == "__main__":
+    run_job(run)

@@ -1,0 +1,78 @@
+"""grasp-label: labelled grasps of the objects of a shard, scaled to a gripper."""
+
+import logging
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.progress import progress
+from egad.errors import RejectedError
+from egad.exchange import read_mesh
+from egad.exchange.hand_body import hand_body
+from egad.geometry import RayCaster
+from egad.grasps import LabelParameters, rate_grasps, sample_for_labels, statistics_row
+from egad.measures import center_of_mass
+from egad.random import generator
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS, SAMPLING
+from egad.tables.objects import OBJECTS, REJECTED
+from egad.workflow.job import run_job
+from egad.workflow.shards import rejection, rows_in_shard
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: LabelParameters,
+    objects: Path,
+    meshes: Path,
+    shard: tuple[int, int],
+    out: Path,
+    sampling: Path,
+    rejected: Path,
+) -> None:
+    """Label the grasps of the objects of a shard.
+
+    Args:
+        settings: Settings of this stage.
+        objects: Objects of the dataset.
+        meshes: Folder of the scaled meshes.
+        shard: Number of this shard, and number of shards.
+        out: Labelled grasps for gripper G, in the frame of `D/rescaled/G/LABEL.obj`. It has the
+            columns `simulated_*` only if `targets.simulated_labels` is true, or an export needs
+            them.
+        sampling: Sampling statistics of each object: number of candidates, and the reasons of their
+            rejection.
+        rejected: The objects without grasps.
+    """
+    frame = parquet.read(objects, OBJECTS)
+    frame = rows_in_shard(frame, *shard)
+    body = hand_body(settings.gripper)
+    labelled, tallies, left_out = [], [], []
+    names = zip(frame["id"], frame["label"], strict=True)
+    for object_id, object_label in progress(names, "labelling grasps", len(frame)):
+        named = {"id": object_id, "label": object_label}
+        try:
+            mesh = read_mesh(meshes / f"{object_label}.obj", "m")
+        except RejectedError as reason:
+            left_out.append(rejection(object_id, "grasp-label", reason))
+            continue
+        rng = generator(settings.seed, "grasps", object_id)
+        caster = RayCaster(mesh)
+        grasps, counts = sample_for_labels(caster, settings, rng)
+        if len(grasps):
+            rows = rate_grasps(caster, center_of_mass(mesh), grasps, settings, rng, body)
+            labelled.append(rows.assign(**named))
+        else:
+            rows = parquet.empty(GRASPS)
+            left_out.append(rejection(object_id, "grasp-label", f"no grasp ({counts})"))
+        tallies.append(named | statistics_row(settings.grasp_label.grasps, counts, rows))
+    table = pd.concat(labelled) if labelled else parquet.empty(GRASPS)
+    parquet.write(table, GRASPS, out)
+    parquet.write(pd.DataFrame(tallies), SAMPLING, sampling)
+    parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
+    log.info("%d grasps, %d objects without any", len(table), len(left_out))
+
+
+if __name__ == "__main__":
+    run_job(run)

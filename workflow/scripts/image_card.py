@@ -1,0 +1,74 @@
+"""image-card: a readable description of a set of rendered images."""
+
+import logging
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.files import write_text
+from egad.errors import UserError
+from egad.perception import COLUMNS, RenderParameters, card, files, summary
+from egad.report.training import openings_chart
+from egad.tables import parquet
+from egad.tables.objects import REJECTED
+from egad.workflow.job import run_job
+from egad.workflow.shards import join
+
+log = logging.getLogger(__name__)
+
+
+def tidy(images: Path, shards: int) -> list[Path]:
+    """The shards of a set; leftover shards of an earlier, larger set are removed.
+
+    Args:
+        images: Folder of the images.
+        shards: Number of shards of the set.
+
+    Raises:
+        UserError: Shards are missing, or belong to different sets.
+    """
+    if parquet.notes(images / "images-0.parquet").get("shards") != shards:
+        raise UserError(f"{images}: expected images in {shards} shards; render them again")
+    wanted = {f"images-{number}.parquet" for number in range(shards)}
+    for path in images.glob("images-*.parquet"):
+        if path.name not in wanted:
+            path.unlink()
+    return files(images)
+
+
+def run(
+    settings: RenderParameters,
+    dataset: str,
+    gripper: str,
+    images: Path,
+    shards: int,
+    rejects: list[Path],
+    out: Path,
+    figure: Path,
+    rejected: Path,
+) -> None:
+    """Write the card of a set of images: counts, splits, sizes, camera, noise.
+
+    Args:
+        settings: Settings that the images were rendered with.
+        dataset: Name of the dataset.
+        gripper: Name of the gripper.
+        images: Folder of the images; leftovers of an earlier, larger set are removed.
+        shards: Number of shards.
+        rejects: Rejected objects of the shards.
+        out: Description of the images for gripper G.
+        figure: How far the hand opens for the good grasps in them.
+        rejected: The objects without images, with reasons.
+    """
+    batches = [rows for path in tidy(images, shards) for rows in parquet.batches(path, COLUMNS)]
+    rows = pd.concat(batches) if batches else pd.DataFrame(columns=COLUMNS)
+    left_out = join(rejects, REJECTED, ["id", "stage"])
+    found = summary(rows, settings.render.quality)
+    write_text(out, card(settings, dataset, gripper, found, left_out, figure.name))
+    write_text(figure, openings_chart(found.openings, settings.gripper.opening))
+    parquet.write(left_out, REJECTED, rejected)
+    log.info("%d images, %d objects without any", len(rows), len(left_out))
+
+
+if __name__ == "__main__":
+    run_job(run)

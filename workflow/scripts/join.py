@@ -1,0 +1,25 @@
+"""join: combine the tables of all shards."""
+
+from pathlib import Path
+
+from egad._util.progress import phase
+from egad.tables import parquet
+from egad.workflow.job import run_job
+from egad.workflow.shards import join
+
+
+def run(tables: list[Path], by: list[str], joined: Path) -> None:
+    """Combine the tables of all shards into one.
+
+    Args:
+        tables: Tables with the same columns.
+        by: Columns to sort by, so that the result does not depend on the shards.
+        joined: The joined table.
+    """
+    phase(f"joining {len(tables)} tables")
+    schema = parquet.schema_of(tables[0]).remove_metadata()
+    parquet.write(join(tables, schema, by), schema, joined)
+
+
+if __name__ == "__main__":
+    run_job(run)

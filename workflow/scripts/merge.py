@@ -1,0 +1,35 @@
+"""merge: combine the islands of an epoch into one archive."""
+
+from pathlib import Path
+
+from egad._util.progress import phase
+from egad.config.stages import Merge
+from egad.map_elites import merge
+from egad.tables import parquet
+from egad.tables.evolution import EPOCH
+from egad.workflow.job import run_job
+
+
+def run(
+    settings: Merge,
+    islands: list[Path],
+    archive: Path,
+    jobs: int = 1,
+) -> None:
+    """Merge the islands of an epoch into one archive.
+
+    Args:
+        settings: Settings of this stage.
+        islands: Archives of all islands.
+        archive: Merged archive.
+        jobs: Threads; the result does not depend on it.
+    """
+    frames = [parquet.read(path, EPOCH) for path in islands]
+    if len(frames) > 1:
+        phase(f"merging {len(frames)} islands")
+        frames = [merge(frames, settings.space, settings.similarity, jobs)]
+    parquet.write(frames[0], EPOCH, archive, parquet.notes(islands[0]))
+
+
+if __name__ == "__main__":
+    run_job(run)

@@ -1,0 +1,194 @@
+"""postprocess: repaired meshes, mass properties and measures of the objects of a shard."""
+
+import logging
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad._util.progress import progress
+from egad.config import Dataset
+from egad.config.archive_settings import (
+    MEASURING,
+    archive_notes,
+    check_provenance,
+    differences,
+)
+from egad.config.stages import PostprocessSolids
+from egad.cppn import packed_surface
+from egad.errors import RejectedError
+from egad.exchange import EVERY_FILE, objects_in, read_mesh
+from egad.geometry import joined_primitives
+from egad.measures import measure_repeatably
+from egad.random import generator
+from egad.reeb import graph as reeb
+from egad.tables import parquet
+from egad.tables.columns import inertia_columns
+from egad.tables.evolution import ARCHIVE
+from egad.tables.objects import REJECTED, SOLIDS
+from egad.workflow.job import run_job
+from egad.workflow.repair import repaired_body
+from egad.workflow.shards import in_shard, rejection
+
+log = logging.getLogger(__name__)
+PAPER_ESTIMATES = (
+    "The difficulties in %s are rough: percentiles of few grasps that keep a distance from each "
+    "other, with a bias from selection. The objects are measured again."
+)
+Sources = dict[str, Callable[[], trimesh.Trimesh]]
+
+
+def run(
+    settings: PostprocessSolids,
+    dataset: Dataset,
+    shard: tuple[int, int],
+    solids: Path,
+    rejected: Path,
+    archive: Path | None = None,
+) -> None:
+    """Repair and measure the objects of a shard, from an archive, mesh files or primitives.
+
+    Args:
+        settings: Settings of this stage.
+        dataset: Where the objects come from.
+        shard: Number of this shard, and number of shards.
+        solids: Repaired objects with mass properties, measures and Reeb graphs.
+        rejected: Table of the rejected objects, with reasons.
+        archive: Archive of evolved objects, unless they are meshes or primitives.
+
+    Raises:
+        UserError: The objects cannot be used.
+    """
+    if dataset.folder is not None:
+        pattern = dataset.pattern or EVERY_FILE
+        sources, known = from_folder(Path(dataset.folder), dataset.units, *shard, pattern)
+    elif dataset.objects is not None:
+        sources, known = from_primitives(dataset.objects, settings, *shard)
+    else:
+        assert archive is not None  # noqa: S101 (the rule gives one)
+        sources, known = from_archive(archive, settings, *shard)
+    measure_objects(settings, sources, known, solids, rejected)
+
+
+def measure_objects(
+    settings: PostprocessSolids, sources: Sources, known: pd.Series, out: Path, rejected: Path
+) -> None:
+    """Repair and measure objects.
+
+    Args:
+        settings: Settings of this stage.
+        sources: For each id, a function that returns its mesh.
+        known: Difficulty by id that evolution used for selection; empty for other meshes.
+        out: Table with the columns of `tables.objects.SOLIDS`.
+        rejected: Table of the rejected objects, with reasons.
+    """
+    rows, left_out = [], []
+    for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
+        try:
+            row = solid_row(load(), object_id, settings)
+        except RejectedError as reason:
+            left_out.append(rejection(object_id, "postprocess", reason))
+        else:
+            rows.append(row | {"archive_difficulty": known.get(object_id, np.nan)})
+    log.info("%d objects, %d rejected", len(rows), len(left_out))
+    parquet.write(pd.DataFrame(rows), SOLIDS, out)
+    parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
+
+
+def from_archive(
+    path: Path, settings: PostprocessSolids, shard: int, shards: int
+) -> tuple[Sources, pd.Series]:
+    """The evolved objects of a shard, and the difficulties used for their selection.
+
+    The difficulties are omitted if they were measured with different settings.
+
+    Raises:
+        UserError: The archive was made with different settings of shapes.
+    """
+    check_provenance(path, settings, ("shape",))
+    archive = parquet.read(path, ARCHIVE).set_index("id")
+    if archive_notes(path).get("evolution.estimator") == "paper":
+        log.info(PAPER_ESTIMATES, path)
+    sources: Sources = {
+        str(object_id): partial(packed_surface, packed, settings.shape)
+        for object_id, packed in archive["voxels"].items()
+        if in_shard(str(object_id), shard, shards)
+    }
+    if other := differences(path, settings, MEASURING):
+        log.info("\n".join(["Not compared with the difficulties in the archive:", *other]))
+        return sources, pd.Series(dtype=float)
+    return sources, archive["difficulty"]
+
+
+def from_folder(
+    folder: Path, units: str | None, shard: int, shards: int, pattern: str = EVERY_FILE
+) -> tuple[Sources, pd.Series]:
+    """The objects of the mesh files of a shard, without difficulties of a selection."""
+    files = files_of_shard(folder, shard, shards, pattern)
+    sources: Sources = {name: partial(read_mesh, path, units) for name, path in files.items()}
+    return sources, pd.Series(dtype=float)
+
+
+def files_of_shard(
+    folder: Path, shard: int, shards: int, pattern: str = EVERY_FILE
+) -> dict[str, Path]:
+    """The mesh files of a shard, by the names of their objects."""
+    files = objects_in(folder, pattern)
+    return {name: path for name, path in files.items() if in_shard(name, shard, shards)}
+
+
+def from_primitives(
+    count: int, settings: PostprocessSolids, shard: int, shards: int
+) -> tuple[Sources, pd.Series]:
+    """The random objects of a shard, without difficulties of a selection.
+
+    An object depends on its number, the seed and its size, not on the number of objects.
+    """
+    names = {f"p{number:05d}": number for number in range(count)}
+    sources: Sources = {
+        name: partial(_primitives, settings.seed, number, settings.shape.longest_side)
+        for name, number in names.items()
+        if in_shard(name, shard, shards)
+    }
+    return sources, pd.Series(dtype=float)
+
+
+def _primitives(seed: int, number: int, longest_side: float) -> trimesh.Trimesh:
+    return joined_primitives(generator(seed, "primitives", number), longest_side)
+
+
+def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids) -> dict[str, Any]:
+    """The row of `tables.objects.SOLIDS` of one object.
+
+    Raises:
+        RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
+    """
+    repaired, mass = repaired_body(mesh, settings.postprocess, settings.material.density)
+    solid = repaired.mesh
+    place = measure_repeatably(solid, settings, settings.postprocess.max_candidates)
+    return {
+        "id": object_id,
+        **place._asdict(),
+        "volume": mass.volume,
+        "area": mass.area,
+        "watertight": bool(solid.is_watertight),
+        "repaired": repaired.changed,
+        "shell_thickness": repaired.shell_thickness,
+        "dropped_bodies": repaired.dropped_bodies,
+        "dropped_volume": repaired.dropped_volume,
+        **dict(zip(("extents_x", "extents_y", "extents_z"), solid.extents, strict=True)),
+        **dict(zip(("com_x", "com_y", "com_z"), mass.com, strict=True)),
+        "mass": mass.mass,
+        **inertia_columns(mass.inertia),
+        "vertices": solid.vertices.ravel(),
+        "faces": solid.faces.ravel(),
+        "graph": reeb.pack(reeb.extract(solid, settings.similarity)),
+    }
+
+
+if __name__ == "__main__":
+    run_job(run)

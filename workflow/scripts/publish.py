@@ -1,0 +1,21 @@
+"""publish: the archive that the objects are made from."""
+
+from pathlib import Path
+
+from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
+from egad.workflow.job import run_job
+
+
+def run(final: Path, archive: Path) -> None:
+    """Publish the archive of the last epoch.
+
+    Args:
+        final: Archive of the last epoch; its internal columns are omitted.
+        archive: The elites of evolution, one per row.
+    """
+    parquet.write(parquet.read(final, ARCHIVE), ARCHIVE, archive, parquet.notes(final))
+
+
+if __name__ == "__main__":
+    run_job(run)

@@ -1,0 +1,64 @@
+"""release-archive: the objects of a dataset release for simulators, in one ZIP archive."""
+
+import logging
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from egad._util.files import atomic_output
+from egad._util.progress import progress
+from egad.config.stages import ReleaseArchive
+from egad.exchange import (
+    PHYSICS_WRITERS,
+    check_installed,
+    mesh_files,
+    read_convex_objects,
+    write_zip,
+)
+from egad.workflow.job import run_job
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: ReleaseArchive,
+    style: str,
+    meshes: Path,
+    convex_parts: Path,
+    out: Path,
+) -> None:
+    """Write all objects that have convex parts in a format for simulators.
+
+    Args:
+        settings: Density and friction.
+        style: The format, such as `urdf`.
+        meshes: Folder of the scaled meshes.
+        convex_parts: Convex parts of the objects, sorted by label.
+        out: Objects for simulators, scaled to the gripper of the release, for each FORMAT of
+            `release.archives`. An object without convex parts is missing.
+
+    Raises:
+        UserError: The format needs a package that is not installed.
+    """
+    check_installed(style)
+    count = len(mesh_files(meshes, "*.obj"))
+    with atomic_output(out, keep=False) as path:
+        write_zip(path, _written(settings, style, meshes, convex_parts, count))
+
+
+def _written(
+    settings: ReleaseArchive, style: str, meshes: Path, convex_parts: Path, count: int
+) -> Iterator[Path]:
+    """A folder with the files of each object, which is gone when the next one is asked for."""
+    written = 0
+    found = read_convex_objects(convex_parts, meshes, settings.material.density)
+    for label, made in progress(found, "writing objects", count):
+        with TemporaryDirectory() as folder:
+            PHYSICS_WRITERS[style](Path(folder), label, made, settings.bundle.friction)
+            yield Path(folder)
+        written += 1
+    log.info("%d of %d objects", written, count)
+
+
+if __name__ == "__main__":
+    run_job(run)

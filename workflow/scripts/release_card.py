@@ -1,0 +1,146 @@
+"""release-card: what explains a dataset release, for people and for programs."""
+
+import json
+import shutil
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import pandas as pd
+
+from egad import __version__
+from egad._util.files import atomic_output, write_text
+from egad.config import Release
+from egad.config.stages import ReleaseCard
+from egad.detectors import SHIPPED_WEIGHTS
+from egad.errors import UserError
+from egad.exchange import (
+    ABSTRACT,
+    CREATOR,
+    LICENSE_URL,
+    OTHER_FILES,
+    PAPER,
+    TABLES,
+    TAGS,
+    Files,
+    ReleaseFacts,
+    card_page,
+    citation_cff,
+    croissant_json,
+    licence_text,
+)
+from egad.perception import SPLITS
+from egad.provenance.graph import provenance_graph
+from egad.tables import parquet
+from egad.tables.release import RELEASED_OBJECTS
+from egad.workflow.job import run_job
+
+PROGRAM = f"egad {__version__}"
+
+
+def run(
+    settings: ReleaseCard,
+    pieces: list[Path],
+    archives: list[Path],
+    gallery: list[Path],
+    out: Path,
+) -> None:
+    """Write the card of a release, its licence, citation, provenance and checksums.
+
+    Args:
+        settings: What the card says.
+        pieces: Folders of tables, meshes and previews.
+        archives: Archives of objects for simulators.
+        gallery: The page of the gallery, and its folder.
+        out: What explains the folder `release`: a dataset card as Hugging Face reads it, the same
+            tables for tools that read Croissant, how to cite it, the licence of the data, what each
+            file was made from, the checksums of all files, and the network that egad ships. The
+            rule `release` makes the folder. See `docs/release.md`.
+
+    Raises:
+        UserError: The folder has archives of an earlier release.
+    """
+    _check_archives(out, archives)
+    with atomic_output(out / "networks") as folder:
+        network = SHIPPED_WEIGHTS.parent
+        shutil.copytree(network, folder / network.name)
+    release = settings.release
+    objects = pd.concat(
+        parquet.read(out / "data/objects" / f"{split}.parquet", RELEASED_OBJECTS)
+        for split in SPLITS
+    )
+    files = [each for each in OTHER_FILES if any(out.glob(each.pattern))]
+    page = card_page(
+        _facts(settings, objects), objects, _success(out), _contents(out, [*TABLES, *files])
+    )
+    write_text(out / "README.md", page)
+    write_text(out / "croissant.json", croissant_json(_about(release), TABLES, files))
+    citation = citation_cff(release.title, release.version, release.date, release.url)
+    write_text(out / "CITATION.cff", citation)
+    write_text(out / "LICENSE", licence_text(release.title, release.version))
+    graph = {"program": PROGRAM, "files": provenance_graph([*pieces, *archives, *gallery], out)}
+    write_text(out / "provenance.json", json.dumps(graph, indent=1, sort_keys=True) + "\n")
+
+
+def _check_archives(out: Path, pieces: Iterable[Path]) -> None:
+    """Raise UserError if there are others than those that were made for this release."""
+    made = {path.resolve() for path in pieces}
+    old = [path for path in sorted(out.glob("archives/*.zip")) if path.resolve() not in made]
+    if old:
+        raise UserError(
+            f"{', '.join(map(str, old))}: of an earlier release; remove it, or add its format to "
+            "release.archives"
+        )
+
+
+def _facts(settings: ReleaseCard, objects: pd.DataFrame) -> ReleaseFacts:
+    engines = objects["simulated_engine"].dropna().unique()
+    return ReleaseFacts(
+        title=f"{settings.release.title}, version {settings.release.version}",
+        gripper=settings.release.gripper,
+        opening=float(objects["opening"].max()),
+        density=settings.material.density,
+        friction=settings.quality.friction,
+        grasps=settings.release.grasps,
+        engine=" and ".join(sorted(engines)),
+        program=PROGRAM,
+    )
+
+
+def _success(out: Path) -> dict[str, float]:
+    """The share of the grasps with an outcome that held, by split."""
+    found = {}
+    for split in SPLITS:
+        paths = sorted((out / "data/grasps").glob(f"{split}-*.parquet"))
+        rows = [each for path in paths for each in parquet.batches(path, ["simulated_success"])]
+        judged = [held for each in rows for held in each["simulated_success"].dropna()]
+        if judged:
+            found[split] = sum(judged) / len(judged)
+    return found
+
+
+def _contents(out: Path, files: Iterable[Files]) -> Iterator[tuple[str, str, int, int]]:
+    """The pattern, meaning, number and bytes of the files of a release."""
+    for each in files:
+        sizes = [path.stat().st_size for path in out.glob(each.pattern)]
+        yield each.pattern, each.meaning, len(sizes), sum(sizes)
+
+
+def _about(release: Release) -> dict[str, object]:
+    """Properties of the dataset by the names of schema.org."""
+    paper = f"{PAPER['authors']}, {PAPER['title']}, {PAPER['journal']} {PAPER['year']}"
+    return {
+        "name": "egad",
+        "alternateName": release.title,
+        "description": ABSTRACT,
+        "license": LICENSE_URL,
+        "version": release.version,
+        "creator": {"@type": "sc:Organization", "name": CREATOR},
+        "citeAs": f"{paper}, doi:{PAPER['doi']}",
+        "keywords": TAGS,
+        "datePublished": release.date,
+        "url": release.url,
+    }
+
+
+if __name__ == "__main__":
+    run_job(run)

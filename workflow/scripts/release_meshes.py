@@ -1,0 +1,43 @@
+"""release-meshes: the meshes of a dataset release as GLB."""
+
+from collections import deque
+from functools import partial
+from pathlib import Path
+
+from egad._util.files import atomic_output
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.exchange import read_mesh, write_glb
+from egad.tables import parquet
+from egad.tables.objects import OBJECTS
+from egad.workflow.job import run_job
+
+
+def run(
+    objects: Path,
+    meshes: Path,
+    out: Path,
+    jobs: int = 1,
+) -> None:
+    """Write the mesh of each object as GLB.
+
+    Args:
+        objects: Objects of the dataset.
+        meshes: Folder of their meshes, which are not scaled.
+        out: The meshes of the objects in metres, not scaled. glTF is Y up: the z axis of the
+            tables is y in these files, and most programs turn it back.
+        jobs: Processes; the result does not depend on it.
+    """
+    labels = parquet.read(objects, OBJECTS)["label"].tolist()
+    with workers(jobs) as mapper, atomic_output(out) as folder:
+        folder.mkdir()
+        written = mapper(partial(_write, meshes, folder), labels)
+        deque(progress(written, "writing meshes", len(labels)), maxlen=0)
+
+
+def _write(meshes: Path, folder: Path, label: str) -> None:
+    write_glb(folder, label, read_mesh(meshes / f"{label}.obj", "m"))
+
+
+if __name__ == "__main__":
+    run_job(run)

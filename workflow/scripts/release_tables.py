@@ -1,0 +1,103 @@
+"""release-tables: the tables of a dataset release, in splits by family."""
+
+import logging
+from collections import Counter
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.files import atomic_output
+from egad._util.progress import progress
+from egad.config.stages import ReleaseTables
+from egad.evalset import families, split_by_family, with_parents_and_children
+from egad.exchange import (
+    in_files,
+    released_grasps,
+    released_objects,
+    simulated_grasps,
+    with_files,
+)
+from egad.grasps import simulated_difficulty
+from egad.map_elites import Lineage
+from egad.perception import SPLITS
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49
+from egad.tables.evolution import LINEAGE
+from egad.tables.grasping import SCALES, SIMULATED_GRASPS, SIMULATED_OBJECTS
+from egad.tables.objects import OBJECTS
+from egad.tables.release import RELEASED_EVALUATION_SET, RELEASED_GRASPS, RELEASED_OBJECTS
+from egad.workflow.job import run_job
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: ReleaseTables,
+    objects: Path,
+    scales: Path,
+    evaluation: Path,
+    grasps: list[Path],
+    out: Path,
+    ancestry: Path | None = None,
+) -> None:
+    """Write the objects, the grasps with simulated labels, and the evaluation set of a release.
+
+    Args:
+        settings: Numbers of grasps, fraction for validation.
+        objects: Objects of the dataset.
+        scales: Scales of the objects for the gripper.
+        evaluation: Evaluation set of the dataset.
+        grasps: Grasps with simulated labels of all shards.
+        out: Tables of the release, with `train`, `validation` and `test` for SPLIT. Grasps are in
+            the frame of the object, scaled to the gripper of the release.
+        ancestry: Objects and their ancestors; without it, each object is a family of its own.
+    """
+    known = parquet.read(objects, OBJECTS)
+    chosen = parquet.read(evaluation, EVAL49)
+    found, simulated = _grasps(grasps, settings.release.grasps)
+    table = released_objects(
+        known,
+        parquet.read(scales, SCALES),
+        simulated,
+        Counter(found["label"]),
+        chosen["id"],
+    )
+    lineage = Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None
+    family_of = families(table["id"], lineage)
+    test = with_parents_and_children(chosen["id"], lineage)
+    split_of = split_by_family(family_of, test, settings.release.validation, settings.seed)
+    table = table.assign(
+        split=table["id"].map(split_of),
+        family=table["id"].map(family_of),
+        gripper=settings.release.gripper,
+    )
+    with atomic_output(out) as folder:
+        for split in SPLITS:
+            rows = table[table["split"] == split]
+            parquet.write(rows, RELEASED_OBJECTS, folder / "objects" / f"{split}.parquet")
+            mine = found[found["id"].isin(rows["id"])].assign(split=split)
+            for name, part in in_files(mine, split):
+                parquet.write(part, RELEASED_GRASPS, folder / "grasps" / name)
+            log.info("%s: %d objects, %d grasps", split, len(rows), len(mine))
+        named = with_files(chosen, chosen["object_label"])
+        parquet.write(named, RELEASED_EVALUATION_SET, folder / "evaluation_set.parquet")
+
+
+def _grasps(shards: list[Path], most: int) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The released grasps of all objects, sorted, and how often the grasps of each object held."""
+    found, summaries = [], []
+    for path in progress(shards, "reading grasps", len(shards)):
+        table = parquet.read(path, SIMULATED_GRASPS)
+        found.append(released_grasps(simulated_grasps(table, most)))
+        summaries.append(simulated_difficulty(table))
+    grasps = _joined(found, RELEASED_GRASPS.names).sort_values(["label", "grasp"])
+    return grasps.reset_index(drop=True), _joined(summaries, SIMULATED_OBJECTS.names)
+
+
+def _joined(frames: list[pd.DataFrame], columns: list[str]) -> pd.DataFrame:
+    filled = [frame for frame in frames if len(frame)]
+    return pd.concat(filled, ignore_index=True) if filled else pd.DataFrame(columns=columns)
+
+
+if __name__ == "__main__":
+    run_job(run)

@@ -1,0 +1,203 @@
+"""report: an overview of all results, in one HTML file."""
+
+import platform
+from contextlib import suppress
+from functools import partial
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+from PIL import Image
+
+from egad._util.files import write_text
+from egad._util.progress import phase, progress
+from egad._util.workers import Mapper, workers
+from egad.config import Settings
+from egad.config.stages import select
+from egad.exchange import read_mesh
+from egad.report.pictures import png_bytes, render
+from egad.report.scenes import scenes
+from egad.report.space_map import shown_objects
+from egad.sim import ClutterParameters, Pixels, picture_of, rounds_of
+from egad.sim.world import UnstableError
+from egad.tables import parquet
+from egad.tables.clutter import CLUTTER
+from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
+from egad.tables.evolution import HISTORY
+from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
+from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
+from egad.workflow.bundled import model_in, rows_by_id
+from egad.workflow.job import run_job
+from egad.workflow.report_page import DatasetReport, ReportData, build
+
+PACKAGES = [
+    "egad",
+    "snakemake",
+    "numpy",
+    "numba",
+    "trimesh",
+    "scikit-image",
+    "manifold3d",
+    "neat-python",
+    "embreex",
+    "pybullet",
+    "mujoco",
+    "pandas",
+    "pyarrow",
+]
+THUMBNAIL, PORTRAIT = 96, 192
+SHOWN = 4  # scenes of clutter of each kind
+
+
+def run(
+    settings: Settings,
+    results: Path,
+    out: Path,
+    jobs: int = 1,
+) -> None:
+    """Write the report: one HTML file that works offline.
+
+    Args:
+        settings: The whole configuration.
+        results: Folder of all results.
+        out: An overview of all results, in one file that works offline.
+        jobs: Processes; the result does not depend on it.
+    """
+    with workers(jobs) as mapper:
+        datasets = {
+            name: _dataset(settings, name, results / name, mapper) for name in settings.datasets
+        }
+    phase("drawing figures and putting the page together")
+    data = ReportData(
+        settings=settings,
+        comparison=parquet.read(results / "comparison.parquet", COMPARISON),
+        datasets=datasets,
+        versions=versions(),
+    )
+    write_text(out, build(data))
+
+
+def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> DatasetReport:
+    """What was made for a dataset; only targets are taken beyond their objects."""
+    objects = parquet.read(folder / "objects.parquet", OBJECTS)
+    evolved = settings.datasets[name].source == "evolved"
+    history = parquet.read(folder / "history.parquet", HISTORY) if evolved else None
+    rejected = _rejected(
+        folder, settings.targets.grippers if name in settings.targets.datasets else []
+    )
+    pictures = _pictures(folder / "meshes", shown_objects(objects), THUMBNAIL, mapper)
+    if name not in settings.targets.datasets:
+        return DatasetReport(objects, rejected, pictures, history=history)
+    evalset = parquet.read(folder / "eval49.parquet", EVAL49)
+    labels = evalset["object_label"].tolist()
+    portraits = _pictures(folder / "meshes", labels, PORTRAIT, mapper)
+    grippers = settings.targets.grippers
+    grasps = _each(grippers, folder / "grasps", "{}.parquet", GRASPS)
+    return DatasetReport(
+        objects,
+        rejected,
+        pictures,
+        history=history,
+        evalset=evalset,
+        evalset_pictures=dict(zip(evalset["label"], portraits.values(), strict=True)),
+        grasps=grasps,
+        scales=_each(grippers, folder / "rescaled", "{}/scales.parquet", SCALES),
+        size_effects=_each(grippers, folder / "size_effect", "{}.parquet", SIZE_EFFECT),
+        scenes=scenes(folder, grippers[0], evalset, grasps[grippers[0]]),
+        manifests=_each(grippers, folder / "print", "{}/manifest.parquet", MANIFEST),
+        trials={
+            (gripper, detector): parquet.read(
+                folder / "trials" / gripper / f"{detector}.parquet", TRIALS
+            )
+            for gripper in grippers
+            for detector in settings.targets.detectors
+        },
+        **_clutter(settings, folder),
+        agreement=_each(
+            grippers if settings.targets.agreement else [],
+            folder / "agreement",
+            "{}.parquet",
+            AGREEMENT,
+        ),
+    )
+
+
+def _clutter(settings: Settings, folder: Path) -> dict[str, Any]:
+    """Cleared tables by gripper and detector, and pictures of their scenes, if there are any."""
+    detectors = settings.targets.clutter
+    grippers = settings.targets.grippers if detectors else []
+    return {
+        "clutter": {
+            gripper: {
+                name: parquet.read(folder / "clutter" / gripper / f"{name}.parquet", CLUTTER)
+                for name in detectors
+            }
+            for gripper in grippers
+        },
+        "clutter_pictures": {
+            gripper: scene_pictures(
+                select(settings, ClutterParameters, gripper), folder / "bundle" / gripper
+            )
+            for gripper in grippers
+        },
+    }
+
+
+def scene_pictures(settings: ClutterParameters, bundle: Path) -> dict[str, list[bytes]]:
+    """PNGs of the scenes that the first rounds begin with, by kind; those that can be simulated."""
+    models = {name: model_in(bundle, row) for name, row in rows_by_id(bundle).items()}
+    found: dict[str, list[bytes]] = {}
+    for this in rounds_of(list(models), settings):
+        if this.number < SHOWN and this.noise == settings.clutter.noise[0]:
+            with suppress(UnstableError):
+                found.setdefault(this.scene, []).append(_png(picture_of(this, models, settings)))
+    return found
+
+
+def _png(picture: Pixels) -> bytes:
+    height, width = picture.shape[:2]
+    small = Image.fromarray(picture).resize((width // 2, height // 2))
+    return png_bytes(np.asarray(small.convert("RGBA")))
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of those `PACKAGES` that are installed."""
+    found = {"python": platform.python_version()}
+    for name in PACKAGES:
+        with suppress(PackageNotFoundError):  # of the physics engines, one may be missing
+            found[name] = version(name)
+    return found
+
+
+def _rejected(folder: Path, grippers: list[str]) -> pd.DataFrame:
+    """What was left out of a dataset, and of what was made of it for grippers."""
+    frames = [parquet.read(folder / "rejected.parquet", REJECTED)]
+    for gripper in grippers:
+        for path in (f"rescaled/{gripper}/rejected.parquet", f"grasps/{gripper}.rejected.parquet"):
+            left_out = parquet.read(folder / path, REJECTED)
+            frames.append(left_out.assign(stage=left_out["stage"] + f" {gripper}"))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _pictures(meshes: Path, labels: list[str], size: int, mapper: Mapper) -> dict[str, bytes]:
+    """A PNG of each object, by its label."""
+    drawn = mapper(partial(_picture, size=size), [meshes / f"{label}.obj" for label in labels])
+    return dict(zip(labels, progress(drawn, "drawing", len(labels)), strict=True))
+
+
+def _picture(path: Path, size: int) -> bytes:
+    return png_bytes(render(read_mesh(path, "m"), size))
+
+
+def _each(
+    grippers: list[str], folder: Path, pattern: str, schema: pa.Schema
+) -> dict[str, pd.DataFrame]:
+    """One table a gripper."""
+    return {gripper: parquet.read(folder / pattern.format(gripper), schema) for gripper in grippers}
+
+
+if __name__ == "__main__":
+    run_job(run)

@@ -1,0 +1,23 @@
+"""rescale: the objects of a dataset, scaled to a gripper."""
+
+from pathlib import Path
+
+from egad.config.stages import RescaleMeshes
+from egad.workflow.job import run_job
+from egad.workflow.rescale import rescale_files
+
+
+def run(settings: RescaleMeshes, meshes: Path, out: Path, jobs: int = 1) -> None:
+    """Scale the meshes of a dataset to a gripper.
+
+    Args:
+        settings: Gripper and rule.
+        meshes: Folder of the meshes, in metres.
+        out: Folder to write: the scaled meshes, `scales.parquet` and `rejected.parquet`.
+        jobs: Processes; the result does not depend on it.
+    """
+    rescale_files(settings, sorted(meshes.glob("*.obj")), "m", out, jobs=jobs)
+
+
+if __name__ == "__main__":
+    run_job(run)

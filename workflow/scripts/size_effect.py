@@ -1,0 +1,52 @@
+"""size-effect: grasp quality over size of an easy, a medium and a hard evaluation object."""
+
+import logging
+from pathlib import Path
+
+import pandas as pd
+
+from egad.measures import SizeEffectParameters
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49
+from egad.tables.grasping import SIZE_EFFECT
+from egad.workflow.job import run_job
+from egad.workflow.size_effect import curves
+
+log = logging.getLogger(__name__)
+
+
+def run(settings: SizeEffectParameters, evaluation: Path, meshes: Path, size_effect: Path) -> None:
+    """Compute grasp quality over size for an easy, a medium and a hard evaluation object.
+
+    Args:
+        settings: Settings of this stage.
+        evaluation: Evaluation set.
+        meshes: Folder of the meshes of the dataset, in metres.
+        size_effect: Grasp quality over size, of the easiest, the median and the hardest object.
+    """
+    shown = spread(parquet.read(evaluation, EVAL49))
+    files = {
+        name: meshes / f"{label}.obj"
+        for name, label in zip(shown["label"], shown["object_label"], strict=True)
+    }
+    table, reasons = curves(settings, files, "m", 1)
+    for name, reason in reasons.items():
+        log.warning("%s: %s", name, reason)
+    parquet.write(table, SIZE_EFFECT, size_effect)
+
+
+def spread(evalset: pd.DataFrame) -> pd.DataFrame:
+    """The easiest, the median and the hardest object of an evaluation set, in that order.
+
+    Args:
+        evalset: Columns of `tables.evaluation.EVAL49`. High difficulties are easy; ties are
+            sorted by label.
+    """
+    ordered = evalset.sort_values(["difficulty", "label"], ascending=[False, True])
+    last = len(ordered) - 1
+    chosen = dict.fromkeys([0, last // 2, last] if len(ordered) else [])
+    return ordered.iloc[list(chosen)].reset_index(drop=True)
+
+
+if __name__ == "__main__":
+    run_job(run)
