@@ -24,7 +24,7 @@ from egad.cli.common import (
     settings_in,
     with_option,
 )
-from egad.cli.measure import SIZE, measure_row, warn_of_measures, warn_of_units
+from egad.cli.measure import SIZE, measure_row, sizes, warn_of_measures
 from egad.config import Shape, Similarity
 from egad.config.stages import LocateMeshes, select
 from egad.errors import RejectedError, UserError
@@ -179,6 +179,7 @@ def locate_files(
     from egad.reeb import Neighborhood
     from egad.reeb import graph as reeb
     from egad.tables.objects import LOCATED, MEASURED
+    from egad.workflow.mesh_files import warn_of_units
 
     similarity = settings.similarity
     with workers(worker_count) as mapper:
@@ -189,7 +190,7 @@ def locate_files(
     hood = Neighborhood(similarity.weight, settings.space.neighbors)
     hood.add(reeb.unpack(graph) for graph in packed)  # indices are those of the rows
     rows = [_placed(item, hood, among.objects) for item in mine]
-    warn_of_units([item.row for item in mine], units)
+    warn_of_units(sizes(item.row for item in mine), units)
     warn_of_measures(pd.DataFrame([item.row for item in mine], columns=MEASURED.names))
     return pd.DataFrame(rows, columns=LOCATED.names), [
         _located(row, item, among) for row, item in zip(rows, mine, strict=True) if item.graph

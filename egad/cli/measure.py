@@ -96,12 +96,13 @@ def measure_files(
     import pandas as pd
 
     from egad.tables.objects import MEASURED
+    from egad.workflow.mesh_files import warn_of_units
 
     work = partial(_row, units=units, settings=settings, rule=rule)
     with workers(min(worker_count, len(files))) as mapper:
         rows = list(progress(mapper(work, files.items()), "measuring", len(files)))
     table = pd.DataFrame(rows, columns=MEASURED.names)
-    warn_of_units(rows, units)
+    warn_of_units(sizes(rows), units)
     warn_of_measures(table)
     return table
 
@@ -156,17 +157,9 @@ def measure_row(
     }
 
 
-def warn_of_units(rows: Iterable[Mapping[str, Any]], units: str | None) -> None:
-    """Warn if the size of meshes suggests that their unit is wrong.
-
-    Args:
-        rows: With `name`, and `SIZE` for those that could be read.
-        units: Unit that they were read with.
-    """
-    from egad.geometry import units_doubt
-
-    if doubt := units_doubt({row["name"]: row.get(SIZE, float("nan")) for row in rows}, units):
-        log.warning("%s", doubt)
+def sizes(rows: Iterable[Mapping[str, Any]]) -> dict[str, float]:
+    """The longest sides of meshes by their names, metres; NaN for those that cannot be read."""
+    return {row["name"]: row.get(SIZE, float("nan")) for row in rows}
 
 
 def warn_of_measures(table: "pd.DataFrame") -> None:

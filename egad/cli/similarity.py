@@ -1,6 +1,5 @@
 """Pairwise similarity of meshes."""
 
-import logging
 from collections.abc import Mapping
 from contextlib import suppress
 from functools import partial
@@ -32,8 +31,6 @@ if TYPE_CHECKING:
     import trimesh
 
     from egad.reeb.graph import ReebGraph
-
-log = logging.getLogger(__name__)
 
 
 def similarity(
@@ -78,16 +75,15 @@ def similarity_of_files(
     """
     import pandas as pd
 
-    from egad.geometry import units_doubt
     from egad.reeb import graph as reeb
     from egad.reeb import similarity_matrix
+    from egad.workflow.mesh_files import warn_of_units
 
     work = partial(_graph, units=units, settings=settings)
     with workers(min(worker_count, len(files))) as mapper:
         found = list(progress(mapper(work, files.values()), "Reeb graphs", len(files)))
     results = {name: result for name, (result, _) in zip(files, found, strict=True)}
-    if doubt := units_doubt({n: side for n, (_, side) in zip(files, found, strict=True)}, units):
-        log.warning("%s", doubt)
+    warn_of_units({name: side for name, (_, side) in zip(files, found, strict=True)}, units)
     reasons = {name: result for name, result in results.items() if isinstance(result, str)}
     graphs = {name: result for name, result in results.items() if isinstance(result, bytes)}
     names = pd.Index(list(files), name="name")
@@ -100,16 +96,10 @@ def similarity_of_files(
 
 def _graph(path: Path, units: str | None, settings: Similarity) -> tuple[bytes | str, float]:
     """The packed Reeb graph of a mesh, or the reason why there is none; and its longest side."""
-    from egad.exchange import read_mesh
     from egad.reeb import graph as reeb
+    from egad.workflow.mesh_files import use_mesh
 
-    longest = float("nan")
-    try:
-        mesh = read_mesh(path, units)
-        longest = float(mesh.extents.max())
-        return reeb.pack(graph_of(mesh, settings, path.stem)), longest
-    except RejectedError as reason:
-        return str(reason), longest
+    return use_mesh(path, units, lambda mesh: reeb.pack(graph_of(mesh, settings, path.stem)))
 
 
 def graph_of(mesh: "trimesh.Trimesh", settings: Similarity, name: str) -> "ReebGraph":

@@ -5,22 +5,20 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.config.stages import SimulationBundle
-from egad.errors import RejectedError
 from egad.evalset import SimulationObject, make_simulation_object
 from egad.evalset.bundle import page
-from egad.exchange import object_names, read_mesh, write_simulation_object, write_sums
-from egad.geometry import units_doubt
+from egad.exchange import object_names, write_simulation_object, write_sums
 from egad.tables import parquet
 from egad.tables.columns import inertia_columns
 from egad.tables.evaluation import BUNDLE, EVAL49
 from egad.tables.objects import REJECTED
+from egad.workflow.mesh_files import use_mesh, warn_of_units
 from egad.workflow.shards import rejection
 
 log = logging.getLogger(__name__)
@@ -84,8 +82,7 @@ def write_bundle(
             page(table, left_out, settings.material.density, settings.bundle), encoding="utf-8"
         )
         write_sums(folder)
-    if doubt := units_doubt(sides, units):
-        log.warning("%s", doubt)
+    warn_of_units(sides, units)
     log.info("%d objects, %d rejected", len(rows), len(left_out))
     return len(left_out)
 
@@ -94,14 +91,10 @@ def _made(
     item: Item, units: str | None, settings: SimulationBundle
 ) -> tuple[SimulationObject | str, float]:
     """An object ready for simulators, or the reason why there is none; and its longest side."""
-    longest = np.nan
-    try:
-        mesh = read_mesh(item.path, units)
-        longest = float(mesh.extents.max())
-        made = make_simulation_object(mesh, settings.material.density, settings.bundle, item.label)
-        return made, longest
-    except RejectedError as reason:
-        return str(reason), longest
+    density, wanted = settings.material.density, settings.bundle
+    return use_mesh(
+        item.path, units, lambda mesh: make_simulation_object(mesh, density, wanted, item.label)
+    )
 
 
 def _row(item: Item, made: SimulationObject, settings: SimulationBundle) -> dict[str, Any]:

@@ -12,13 +12,13 @@ from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.config.stages import RescaleMeshes
-from egad.errors import RejectedError
-from egad.exchange import object_names, read_mesh, write_obj, write_stl_mm
-from egad.geometry import rescale, units_doubt
+from egad.exchange import object_names, write_obj, write_stl_mm
+from egad.geometry import rescale
 from egad.grasps import graspable_fraction, graspable_widths
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
 from egad.tables.objects import REJECTED
+from egad.workflow.mesh_files import use_mesh, warn_of_units
 from egad.workflow.shards import rejection
 
 log = logging.getLogger(__name__)
@@ -66,8 +66,7 @@ def rescale_files(
                 scales.append({"label": name, **result})
         parquet.write(pd.DataFrame(scales), SCALES, folder / "scales.parquet")
         parquet.write(pd.DataFrame(left_out), REJECTED, folder / "rejected.parquet")
-    if doubt := units_doubt(sides, units):
-        log.warning("%s", doubt)
+    warn_of_units(sides, units)
     rule = settings.rescale.rule
     log.info("%d meshes scaled by rule %s, %d rejected", len(scales), rule, len(left_out))
     if scales:
@@ -88,15 +87,14 @@ def _scaled(
     named: tuple[str, Path], units: str | None, settings: RescaleMeshes, folder: Path, tail: str
 ) -> tuple[dict[str, Any] | str, float]:
     """Write a scaled mesh; its row, or the reason why there is none, and its longest side."""
-    (name, path), rule, longest = named, settings.rescale, np.nan
-    try:
-        mesh = read_mesh(path, units)
-        longest = float(mesh.extents.max())
-        scaled, row = rescale(mesh, rule.rule, settings.gripper.opening, rule.side_fraction)
-    except RejectedError as reason:
-        return str(reason), longest
+    (name, path), rule, opening = named, settings.rescale, settings.gripper.opening
+    result, longest = use_mesh(
+        path, units, lambda mesh: (mesh, *rescale(mesh, rule.rule, opening, rule.side_fraction))
+    )
+    if isinstance(result, str):
+        return result, longest
+    mesh, scaled, row = result
     widths, areas = graspable_widths(mesh)
-    opening = settings.gripper.opening
     file = folder / f"{name}{tail}"
     WRITERS[file.suffix](scaled, file)
     row |= {

@@ -1,25 +1,19 @@
 """Grasp quality over object size, of mesh files."""
 
-import logging
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.errors import RejectedError
-from egad.exchange import read_mesh
-from egad.geometry import units_doubt
 from egad.measures import SizeEffectParameters
 from egad.measures.size_effect import size_effect
 from egad.tables import parquet
 from egad.tables.grasping import SIZE_EFFECT
+from egad.workflow.mesh_files import use_mesh, warn_of_units
 from egad.workflow.repair import repaired_mesh
-
-log = logging.getLogger(__name__)
 
 
 def curves(
@@ -40,8 +34,7 @@ def curves(
     work = partial(_curve, units=units, settings=settings)
     with workers(max(1, min(worker_count, len(files)))) as mapper:
         done = list(progress(mapper(work, files.items()), "measuring", len(files)))
-    if doubt := units_doubt({n: side for n, (_, side) in zip(files, done, strict=True)}, units):
-        log.warning("%s", doubt)
+    warn_of_units({name: side for name, (_, side) in zip(files, done, strict=True)}, units)
     found = {name: item for name, (item, _) in zip(files, done, strict=True)}
     tables = [item for item in found.values() if not isinstance(item, str)]
     reasons = {name: item for name, item in found.items() if isinstance(item, str)}
@@ -52,10 +45,7 @@ def _curve(
     item: tuple[str, Path], units: str | None, settings: SizeEffectParameters
 ) -> tuple[pd.DataFrame | str, float]:
     """The rows of a mesh, or the reason why there are none; and its longest side."""
-    (name, path), longest = item, np.nan
-    try:
-        mesh = read_mesh(path, units)
-        longest = float(mesh.extents.max())
-        return size_effect(repaired_mesh(mesh, name), name, settings), longest
-    except RejectedError as reason:
-        return str(reason), longest
+    name, path = item
+    return use_mesh(
+        path, units, lambda mesh: size_effect(repaired_mesh(mesh, name), name, settings)
+    )

@@ -1,7 +1,6 @@
 """train: training of a grasp network on rendered images."""
 
 import json
-import logging
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -28,7 +27,6 @@ from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
 from egad.workflow.code_version import code_version
 
-log = logging.getLogger(__name__)
 WEIGHTS = "weights.safetensors"
 CHART, CARD = "history.svg", "README.md"
 TABLE, REACHED = "history.parquet", "score.parquet"

@@ -1,6 +1,5 @@
 """gallery: a static site with a map of the objects of a dataset and a page for each of them."""
 
-import logging
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import replace
@@ -40,8 +39,6 @@ from egad.tables.evolution import GENOME, LINEAGE
 from egad.tables.grasping import SCALES, SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
 from egad.workflow.job import run_job
-
-log = logging.getLogger(__name__)
 
 POINTS = [f"{name}_{axis}" for name in ("contact0", "contact1", "approach") for axis in "xyz"]
 VIEWED = ["id", "label", "quality", "robust_quality", "collision_free", *POINTS]

@@ -1,0 +1,49 @@
+"""Mesh files of users: what each gives, or why it gives nothing, and whether its unit is right."""
+
+import logging
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+import trimesh
+
+from egad.errors import RejectedError
+from egad.exchange import read_mesh
+from egad.geometry import units_doubt
+
+T = TypeVar("T")
+log = logging.getLogger(__name__)
+
+
+def use_mesh(
+    path: Path, units: str | None, use: Callable[[trimesh.Trimesh], T]
+) -> tuple[T | str, float]:
+    """What is made of a mesh file, or the reason why nothing is; and its longest side.
+
+    Args:
+        path: The file.
+        units: Unit of its coordinates; None: as the file says.
+        use: Makes something of the mesh, or raises `RejectedError`.
+
+    Returns:
+        The side is in metres, NaN if the file cannot be read.
+    """
+    longest = np.nan
+    try:
+        mesh = read_mesh(path, units)
+        longest = float(mesh.extents.max())
+        return use(mesh), longest
+    except RejectedError as reason:
+        return str(reason), longest
+
+
+def warn_of_units(sides: Mapping[str, float], units: str | None) -> None:
+    """Warn if the size of meshes suggests that their unit is wrong.
+
+    Args:
+        sides: Longest side of each mesh by its name, metres; NaN if it could not be read.
+        units: Unit that they were read with.
+    """
+    if doubt := units_doubt(sides, units):
+        log.warning("%s", doubt)
