@@ -44,5 +44,6 @@ def with_built_in(values: Mapping[str, Any]) -> dict[str, Any]:
 
     Those of the user come beside them; keys of an entry of the same name replace its keys.
     """
-    tables = {name: defaults()[name] for name in BUILT_IN if isinstance(values.get(name), Mapping)}
-    return {**values, **{name: merged(known, values[name]) for name, known in tables.items()}}
+    given = [name for name in BUILT_IN if isinstance(values.get(name), Mapping)]
+    known = defaults() if given else {}
+    return {**values, **{name: merged(known[name], values[name]) for name in given}}

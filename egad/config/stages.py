@@ -54,10 +54,6 @@ class ViewMesh(LabelParameters):
     rescale: Rescale
 
 
-class Compare(MeasureParameters):
-    """Datasets side by side, and the cells that the measures leave to objects."""
-
-
 class DifficultyOfGripper(MeasureParameters):
     """Measures of objects for one gripper."""
 
@@ -72,15 +68,8 @@ class PostprocessSolids(MeasureParameters):
     shape: Shape
 
 
-class Collect(StageSettings):
-    """Cells, labels and diversities of a whole dataset."""
-
-    space: Space
-    similarity: Similarity
-
-
-class Merge(StageSettings):
-    """What merging reads."""
+class CellsAndDiversities(StageSettings):
+    """The cells of objects, and how much their shapes differ."""
 
     space: Space
     similarity: Similarity
@@ -115,15 +104,8 @@ class PrintFiles(StageSettings):
     engraving: Engraving
 
 
-class ConvexParts(StageSettings):
-    """Convex parts of objects."""
-
-    material: Material
-    bundle: Bundle
-
-
 class SimulationBundle(StageSettings):
-    """Files for simulators."""
+    """Objects for simulators: their convex parts, mass and friction."""
 
     material: Material
     bundle: Bundle
@@ -202,13 +184,6 @@ class ReleaseCard(StageSettings):
     release: Release
     material: Material
     quality: Quality
-
-
-class ReleaseArchive(StageSettings):
-    """Mass and friction of the objects in an archive."""
-
-    material: Material
-    bundle: Bundle
 
 
 S = TypeVar("S", bound=ParameterGroup)

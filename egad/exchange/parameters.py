@@ -53,8 +53,8 @@ class Acronym(Parameters):
     )
 
 
-class EvaluationObjects(ParameterGroup):
-    """Objects of the simulation bundle, which has all that is written."""
+class GripperFormat(ParameterGroup):
+    """A format that depends on the gripper alone, beside what it reads."""
 
     gripper: Gripper
 
@@ -67,24 +67,12 @@ class AllObjects(ParameterGroup):
     bundle: Bundle
 
 
-class ImageLayouts(ParameterGroup):
-    """Rendered images laid out as other datasets."""
-
-    gripper: Gripper
-
-
 class AcronymFiles(ParameterGroup):
     """ACRONYM files."""
 
     gripper: Gripper
     quality: Quality
     acronym: Acronym
-
-
-class SimulatedGraspFiles(ParameterGroup):
-    """Grasps with simulated labels in the format of another program."""
-
-    gripper: Gripper
 
 
 class DexNetDatabase(ParameterGroup):

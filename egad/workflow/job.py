@@ -6,13 +6,15 @@ A script defines `run(settings, objects, meshes, grasps, jobs)`, say, and ends w
         run_job(run)
 
 Its rule then has `params: settings=...`, `input: objects=..., meshes=...` and `output: grasps=...`.
-Wildcards are arguments as well, unless a param has the same name, and `jobs` are the threads.
+Wildcards are arguments as well, unless a param has the same name, and `jobs` are the threads. A
+folder that is written is the param `out`, where the outputs are files in it.
 pydantic turns words into paths and numbers, and tables of settings into the classes that the
 function names.
 """
 
 import logging
 import os
+import sys
 from collections.abc import Callable, Iterator
 from inspect import signature
 from pathlib import Path
@@ -34,9 +36,9 @@ def run_job(function: Callable[..., object]) -> None:
     files and folders have it beside them. An error of the user is one sentence.
 
     Args:
-        function: Of a script, where Snakemake puts the object `snakemake`.
+        function: That of the script which runs, where Snakemake puts the object `snakemake`.
     """
-    job = function.__globals__["snakemake"]
+    job = vars(sys.modules["__main__"])["snakemake"]
     for log in job.log[:1]:
         _write_messages_to(Path(log))
     start_logging()

@@ -15,7 +15,7 @@ from egad.config.stages import select
 from egad.errors import UserError
 from egad.exchange.exports import graspgen
 from egad.exchange.graspgen import default_split, graspgen_hand, start_graspgen, write_graspgen
-from egad.exchange.parameters import SimulatedGraspFiles
+from egad.exchange.parameters import GripperFormat
 from egad.geometry.distance import nearest
 from egad.grippers import GRIPPERS
 from egad.tables import parquet
@@ -26,7 +26,7 @@ GRIPPER = "yumi"
 
 def export(settings, dataset, out, grasps=None):
     graspgen.run(
-        select(settings, SimulatedGraspFiles, GRIPPER),
+        select(settings, GripperFormat, GRIPPER),
         GRIPPER,
         dataset / "rescaled" / GRIPPER,
         grasps or dataset / "grasps" / f"{GRIPPER}.parquet",

@@ -8,7 +8,7 @@ from egad.config.stages import select
 from egad.errors import UserError
 from egad.exchange.exports import graspnet
 from egad.exchange.graspnet import needed_friction
-from egad.exchange.parameters import SimulatedGraspFiles
+from egad.exchange.parameters import GripperFormat
 from egad.grasps import Grasps
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
@@ -17,7 +17,7 @@ GRIPPER = "yumi"
 
 
 def export(settings, grasps, out):
-    graspnet.run(select(settings, SimulatedGraspFiles, GRIPPER), grasps, out)
+    graspnet.run(select(settings, GripperFormat, GRIPPER), grasps, out)
     return out
 
 

@@ -12,7 +12,7 @@ from egad.config.stages import select
 from egad.errors import UserError
 from egad.exchange.exports import isaac_grasp
 from egad.exchange.isaac_grasp import write_isaac_grasp
-from egad.exchange.parameters import SimulatedGraspFiles
+from egad.exchange.parameters import GripperFormat
 
 LABEL = "A00_0"
 
@@ -104,7 +104,7 @@ def test_an_object_of_which_nothing_is_known_has_no_grasps(rows, tmp_path):
 
 
 def test_a_gripper_of_boxes_is_refused(dataset, settings, tmp_path):
-    chosen = select(settings, SimulatedGraspFiles, "yumi")
+    chosen = select(settings, GripperFormat, "yumi")
     grasps = dataset / "grasps/yumi.parquet"
     with pytest.raises(UserError, match=r"'yumi' is made of boxes.*give its URDF or MJCF file"):
         isaac_grasp.run(chosen, "yumi", grasps, tmp_path / "out")
@@ -112,7 +112,7 @@ def test_a_gripper_of_boxes_is_refused(dataset, settings, tmp_path):
 
 
 def test_each_object_has_a_file(dataset, settings, tmp_path):
-    chosen = select(settings, SimulatedGraspFiles, "yumi")
+    chosen = select(settings, GripperFormat, "yumi")
     hand = Gripper.from_file(box_urdf(tmp_path / "hand.urdf"))
     chosen = chosen.model_copy(update={"gripper": hand})
     isaac_grasp.run(chosen, "mine", dataset / "grasps/yumi.parquet", tmp_path / "out")

@@ -8,7 +8,7 @@ import pytest
 from noted_stage import stage
 
 from egad.config import Settings
-from egad.config.stages import Collect, PostprocessSolids, select
+from egad.config.stages import CellsAndDiversities, PostprocessSolids, select
 from egad.map_elites.parameters import EvolutionParameters
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
@@ -31,7 +31,7 @@ def made(tmp_path, monkeypatch):
         settings = select(Settings(), PostprocessSolids)
         with stage("postprocess", settings, [folder / "archive.parquet"], shard=shard):
             table(path, f"shard {shard}")
-    with stage("collect", select(Settings(), Collect), shards, [folder / "meshes"]):
+    with stage("collect", select(Settings(), CellsAndDiversities), shards, [folder / "meshes"]):
         table(folder / "objects.parquet", "objects")
         (folder / "meshes/a.obj").write_text("a")
         (folder / "meshes/b.obj").write_text("b")

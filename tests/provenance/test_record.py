@@ -8,7 +8,7 @@ import pytest
 
 from egad import __version__
 from egad.config import Settings
-from egad.config.stages import Collect, select
+from egad.config.stages import CellsAndDiversities, select
 from egad.exchange.sums import checksum, read_sums, write_sums
 from egad.map_elites.parameters import EvolutionParameters
 from egad.provenance.record import recorded, settings_hash
@@ -71,7 +71,7 @@ def test_a_job_without_settings_has_no_hash_and_no_seed(tmp_path, settings):
 
 
 def test_settings_without_a_seed_have_none(tmp_path):
-    with recorded("collect", settings=select(Settings(), Collect)):
+    with recorded("collect", settings=select(Settings(), CellsAndDiversities)):
         noted = table(tmp_path / "rows.parquet")
     assert noted["settings"] is not None
     assert noted["seed"] is None

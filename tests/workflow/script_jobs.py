@@ -1,6 +1,7 @@
 """Functions of scripts, run as jobs of Snakemake but in the process of the tests."""
 
 import logging
+import sys
 from unittest.mock import patch
 
 from snakemake.iocontainers import (
@@ -37,7 +38,7 @@ def run_as_job(function, rule, **named):
     changed = [logging.getLogger(name) for name in ("egad", function.__module__)]
     levels = [logger.level for logger in changed]
     try:
-        with patch.dict(function.__globals__, snakemake=job_of(rule, **named)):
+        with patch.dict(vars(sys.modules["__main__"]), snakemake=job_of(rule, **named)):
             run_job(function)
     finally:
         for logger, level in zip(changed, levels, strict=True):

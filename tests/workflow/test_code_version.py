@@ -297,8 +297,8 @@ def test_a_rule_has_the_version_of_the_code_that_it_runs(rule):
     assert code == OTHERWISE.get(rule, f'code_of("{script_of(rule)}"),')
 
 
-# That of a format too, which is a module; that of a network without its chart and its card.
-OTHERWISE = {"export": "code_of_export,", "train_network": "code_of_modules("}
+# That of a format too, which is a module.
+OTHERWISE = {"export": "code_of_export,"}
 
 
 def test_every_script_is_run_by_a_rule():

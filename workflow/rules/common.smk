@@ -116,12 +116,7 @@ def code_of(script):
 
 def code_of_export(wildcards):
     """The same with that of the format in the file name."""
-    return f"{code_of('export')}-{code_of_modules(export_module(wildcards.format))}"
-
-
-def code_of_modules(*names):
-    """The same for modules, where what else a script uses changes no result."""
-    return "-".join(map(code_version, names))
+    return f"{code_of('export')}-{code_version(export_module(wildcards.format))}"
 
 
 def shard_of(count):

@@ -4,7 +4,7 @@ Inputs: results/D/objects.parquet of every dataset.
 Outputs: results/comparison.parquet, results/comparison.svg; the table is also printed.
 """
 
-from egad.config.stages import Compare
+from egad.measures import MeasureParameters
 
 
 localrules:
@@ -32,7 +32,7 @@ rule compare:
     resources:
         **needs(mb=1000, minutes=10),
     params:
-        settings=settings_of(Compare),
+        settings=settings_of(MeasureParameters),
         datasets=list(SETTINGS.datasets),
         code=code_of("compare"),
     message:

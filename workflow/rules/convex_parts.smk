@@ -6,7 +6,7 @@ Steps: shards of objects are decomposed, then the tables of the shards are joine
 the parts of a shard.
 """
 
-from egad.config.stages import ConvexParts
+from egad.config.stages import SimulationBundle
 
 
 rule convex_parts:
@@ -26,7 +26,7 @@ rule convex_parts:
     resources:
         **needs(mb=1500, minutes=60),
     params:
-        settings=settings_of(ConvexParts),
+        settings=settings_of(SimulationBundle),
         meshes=subpath(input.scales, parent=True),
         shard=shard_of(len(SHARDS)),
         code=code_of("convex_parts"),

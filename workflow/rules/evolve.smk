@@ -9,7 +9,7 @@ the archive of the last epoch, or the source archive of a dataset, is published.
 before extend a finished run.
 """
 
-from egad.config.stages import Merge
+from egad.config.stages import CellsAndDiversities
 from egad.map_elites import EvolutionParameters
 
 
@@ -83,7 +83,7 @@ rule merge:
     resources:
         **needs(mb=1000, mb_per_thread=100, minutes=10),
     params:
-        settings=settings_of(Merge),
+        settings=settings_of(CellsAndDiversities),
         code=code_of("merge"),
     message:
         "Merging the islands of epoch {wildcards.epoch}"

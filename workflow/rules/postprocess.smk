@@ -5,7 +5,7 @@ Outputs: results/D/objects.parquet, results/D/meshes/LABEL.obj (metres), results
 Steps: shards of objects are repaired and measured; then all get cells, labels and diversities.
 """
 
-from egad.config.stages import Collect, PostprocessSolids
+from egad.config.stages import CellsAndDiversities, PostprocessSolids
 
 
 rule postprocess:
@@ -58,7 +58,7 @@ rule collect:
     resources:
         **needs(mb=2000, mb_per_thread=1000, minutes=30),
     params:
-        settings=settings_of(Collect),
+        settings=settings_of(CellsAndDiversities),
         source=lambda wildcards: SETTINGS.datasets[wildcards.dataset].source,
         code=code_of("collect"),
     message:

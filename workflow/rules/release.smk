@@ -8,7 +8,7 @@ a dataset card and checksums.
 Steps: tables, meshes, pictures and archives; the gallery (gallery.smk); then what explains them.
 """
 
-from egad.config.stages import ReleaseArchive, ReleaseCard, ReleaseTables
+from egad.config.stages import SimulationBundle, ReleaseCard, ReleaseTables
 
 
 localrules:
@@ -116,7 +116,7 @@ rule release_archive:
     resources:
         **needs(mb=1500, minutes=60),
     params:
-        settings=settings_of(ReleaseArchive),
+        settings=settings_of(SimulationBundle),
         style="{format}",
         meshes=subpath(input.scales, parent=True),
         code=code_of("release_archive"),

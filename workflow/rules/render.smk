@@ -75,8 +75,6 @@ rule image_card:
         **needs(mb=1000, minutes=10),
     params:
         settings=settings_of(RenderParameters),
-        dataset="{dataset}",
-        gripper="{gripper}",
         images=subpath(output.out, parent=True),
         shards=len(IMAGE_SHARDS),
         code=code_of("image_card"),

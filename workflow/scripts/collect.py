@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.config.stages import Collect
+from egad.config.stages import CellsAndDiversities
 from egad.errors import UserError, most_common
 from egad.exchange import write_obj
 from egad.geometry import units_doubt
@@ -31,7 +31,7 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: Collect,
+    settings: CellsAndDiversities,
     source: str,
     solids: list[Path],
     rejects: list[Path],
@@ -95,7 +95,7 @@ def _warn(name: str, frame: pd.DataFrame, left_out: pd.DataFrame) -> None:
 
 
 def arrange(
-    frame: pd.DataFrame, settings: Collect, evolved: bool, threads: int = 1
+    frame: pd.DataFrame, settings: CellsAndDiversities, evolved: bool, threads: int = 1
 ) -> pd.DataFrame:
     """Add cells, diversities and labels; sort by label."""
     graphs = [reeb.unpack(data) for data in frame["graph"]]

@@ -6,9 +6,9 @@ from typing import Any
 import pandas as pd
 
 from egad._util.files import write_text
-from egad.config.stages import Compare
 from egad.measures import (
     Attainable,
+    MeasureParameters,
     Space,
     attainable_coverage,
     attainable_difficulty,
@@ -23,7 +23,7 @@ from egad.workflow.job import run_job
 
 
 def run(
-    settings: Compare,
+    settings: MeasureParameters,
     datasets: list[str],
     objects: list[Path],
     out: Path,

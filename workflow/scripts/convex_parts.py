@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from egad._util.progress import progress
-from egad.config.stages import ConvexParts
+from egad.config.stages import SimulationBundle
 from egad.errors import RejectedError
 from egad.evalset import make_simulation_object, part_rows
 from egad.exchange import read_mesh
@@ -20,7 +20,7 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: ConvexParts,
+    settings: SimulationBundle,
     objects: Path,
     meshes: Path,
     shard: tuple[int, int],

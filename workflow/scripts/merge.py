@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from egad._util.progress import phase
-from egad.config.stages import Merge
+from egad.config.stages import CellsAndDiversities
 from egad.map_elites import merge
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
@@ -11,7 +11,7 @@ from egad.workflow.job import run_job
 
 
 def run(
-    settings: Merge,
+    settings: CellsAndDiversities,
     islands: list[Path],
     archive: Path,
     jobs: int = 1,

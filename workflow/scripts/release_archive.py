@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 
 from egad._util.files import atomic_output
 from egad._util.progress import progress
-from egad.config.stages import ReleaseArchive
+from egad.config.stages import SimulationBundle
 from egad.exchange import (
     PHYSICS_WRITERS,
     check_installed,
@@ -21,7 +21,7 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: ReleaseArchive,
+    settings: SimulationBundle,
     style: str,
     meshes: Path,
     convex_parts: Path,
@@ -47,7 +47,7 @@ def run(
 
 
 def _written(
-    settings: ReleaseArchive, style: str, meshes: Path, convex_parts: Path, count: int
+    settings: SimulationBundle, style: str, meshes: Path, convex_parts: Path, count: int
 ) -> Iterator[Path]:
     """A folder with the files of each object, which is gone when the next one is asked for."""
     written = 0

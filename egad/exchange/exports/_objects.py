@@ -15,7 +15,7 @@ from egad.exchange import (
     read_mesh,
     read_simulation_object,
 )
-from egad.exchange.parameters import AllObjects, EvaluationObjects
+from egad.exchange.parameters import AllObjects, GripperFormat
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE
 
@@ -23,7 +23,7 @@ log = logging.getLogger(__name__)
 
 
 def run_evaluation_set(
-    settings: EvaluationObjects,
+    settings: GripperFormat,
     style: str,
     gripper: str,
     bundle: Path,

@@ -4,11 +4,11 @@ from pathlib import Path
 
 from egad.exchange import write_cornell
 from egad.exchange.exports._images import write_by_split
-from egad.exchange.parameters import ImageLayouts
+from egad.exchange.parameters import GripperFormat
 
 
 def run(
-    settings: ImageLayouts,
+    settings: GripperFormat,
     images: Path,
     out: Path,
 ) -> None:

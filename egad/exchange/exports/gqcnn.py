@@ -6,13 +6,13 @@ from pathlib import Path
 from egad._util.files import atomic_output, check_empty
 from egad.exchange import write_gqcnn
 from egad.exchange.exports._images import pictures
-from egad.exchange.parameters import ImageLayouts
+from egad.exchange.parameters import GripperFormat
 
 log = logging.getLogger(__name__)
 
 
 def run(
-    settings: ImageLayouts,
+    settings: GripperFormat,
     images: Path,
     out: Path,
 ) -> None:

@@ -13,13 +13,13 @@ from egad.exchange import (
     write_graspgen,
 )
 from egad.exchange.exports._simulated import check_simulated, simulated_by_object
-from egad.exchange.parameters import SimulatedGraspFiles
+from egad.exchange.parameters import GripperFormat
 
 log = logging.getLogger(__name__)
 
 
 def run(
-    settings: SimulatedGraspFiles,
+    settings: GripperFormat,
     gripper: str,
     meshes: Path,
     simulated_grasps: Path,

@@ -5,11 +5,11 @@ from pathlib import Path
 from egad._util.files import atomic_output, check_empty
 from egad.exchange import check_key, write_graspnet
 from egad.exchange.exports._simulated import check_simulated, simulated_by_object
-from egad.exchange.parameters import SimulatedGraspFiles
+from egad.exchange.parameters import GripperFormat
 
 
 def run(
-    settings: SimulatedGraspFiles,
+    settings: GripperFormat,
     simulated_grasps: Path,
     out: Path,
 ) -> None:

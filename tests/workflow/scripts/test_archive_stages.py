@@ -9,7 +9,7 @@ from postprocess import from_archive
 
 from egad.config import Settings
 from egad.config.archive_settings import provenance
-from egad.config.stages import Merge, PostprocessSolids, select
+from egad.config.stages import CellsAndDiversities, PostprocessSolids, select
 from egad.errors import UserError
 from egad.map_elites.parameters import EvolutionParameters
 from egad.tables import parquet
@@ -37,7 +37,7 @@ def test_objects_of_the_first_edition_are_read_and_its_difficulties_explained(tm
 
 def test_notes_travel_from_epoch_to_archive(archive, tmp_path):
     merged, published = tmp_path / "merged.parquet", tmp_path / "published.parquet"
-    merge.run(select(Settings(), Merge), [archive], merged)
+    merge.run(select(Settings(), CellsAndDiversities), [archive], merged)
     publish.run(merged, published)
     assert parquet.notes(published) == parquet.notes(archive) == provenance(settings())
 

@@ -4,7 +4,8 @@ import pandas as pd
 import pytest
 
 from egad.config import Settings
-from egad.config.stages import Compare, select
+from egad.config.stages import select
+from egad.measures import MeasureParameters
 from egad.tables import parquet
 from egad.tables.objects import COMPARISON, OBJECTS
 
@@ -25,7 +26,7 @@ def test_datasets_are_counted_drawn_and_told(tmp_path):
         parquet.write(objects(count), OBJECTS, paths[name])
     table, figure = tmp_path / "comparison.parquet", tmp_path / "comparison.svg"
     text = compare.run(
-        select(Settings(), Compare), list(paths), list(paths.values()), table, figure
+        select(Settings(), MeasureParameters), list(paths), list(paths.values()), table, figure
     )
     comparison = parquet.read(table, COMPARISON).set_index("dataset")
     assert comparison["objects"].to_dict() == {"few": 5, "more": 20}

@@ -7,14 +7,14 @@ import pytest
 import trimesh
 
 from egad.config import Settings
-from egad.config.stages import ConvexParts, select
+from egad.config.stages import SimulationBundle, select
 from egad.evalset import make_simulation_object, simulation_object
 from egad.exchange.meshes import write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS
 
-SETTINGS = select(Settings(), ConvexParts)
+SETTINGS = select(Settings(), SimulationBundle)
 BOX = trimesh.creation.box((0.04, 0.03, 0.02))
 CROSS = trimesh.boolean.union([BOX, trimesh.creation.box((0.02, 0.03, 0.06))], engine="manifold")
 OPEN = trimesh.Trimesh(BOX.vertices, BOX.faces[1:], process=False)

@@ -6,7 +6,7 @@ import trimesh
 from postprocess import from_folder, from_primitives, measure_objects, solid_row
 
 from egad.config import CustomMeasures, Settings
-from egad.config.stages import PostprocessSolids, select
+from egad.config.stages import CellsAndDiversities, PostprocessSolids, select
 from egad.errors import UserError
 from egad.tables import parquet
 from egad.tables.objects import REJECTED, SOLIDS
@@ -97,7 +97,7 @@ def test_a_dataset_without_an_object_stops_with_the_reasons(tmp_path):
     measure_objects(settings, sources, pd.Series(), solids, rejected)
     folder = tmp_path / "mine"
     written = (folder / "objects.parquet", folder / "rejected.parquet", folder / "meshes")
-    given = select(COARSE, collect.Collect)
+    given = select(COARSE, CellsAndDiversities)
     with pytest.raises(UserError) as stopped:
         collect.run(given, "meshes", [solids], [rejected], *written)
     assert str(stopped.value) == (

@@ -21,7 +21,7 @@ from partial_tables import fill_columns, write_rows
 from script_jobs import run_as_job
 
 from egad.config import Settings
-from egad.config.stages import ReleaseArchive, ReleaseCard, ReleaseTables, select
+from egad.config.stages import ReleaseCard, ReleaseTables, SimulationBundle, select
 from egad.errors import UserError
 from egad.evalset import Bundle, make_simulation_object, part_rows
 from egad.exchange.meshes import write_obj
@@ -127,7 +127,7 @@ def make(run, folder, grasps=("grasps-0.parquet", "grasps-1.parquet")):
         reads={"scales": run / "scales.parquet", "convex_parts": run / "convex_parts.parquet"},
         writes={"out": archive},
         params={
-            "settings": select(SETTINGS, ReleaseArchive).model_dump(mode="json"),
+            "settings": select(SETTINGS, SimulationBundle).model_dump(mode="json"),
             "style": "mjcf",
             "meshes": str(meshes),
         },
