@@ -17,7 +17,7 @@ from .errors import RejectedError as RejectedError
 from .errors import TableError as TableError
 from .errors import UserError as UserError
 from .evalset.parts import PartsWarning as PartsWarning
-from .exchange.grasps import load_grasps as load_grasps
+from .exchange.grasp_tables import load_grasps as load_grasps
 from .export import Exported as Exported
 from .export import export as export
 from .geometry.checks import DroppedBodiesWarning as DroppedBodiesWarning

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import pandas as pd
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from egad._util.arguments import check_array, check_number
+from egad._util.arrays import Floats
 from egad._util.display import facts_html
 from egad._util.files import as_path
 from egad._util.parameters import (
@@ -21,7 +21,6 @@ from egad._util.parameters import (
 from egad._util.progress import phase_if_slow
 from egad.errors import check_name
 from egad.evalset import Bundle, make_parts, measure_parts, warn_if_beyond
-from egad.exchange.hand_body import hand_body
 from egad.geometry import (
     DEVIATION,
     ENLARGED,
@@ -50,7 +49,7 @@ from egad.grasps import (
     label_grasps,
     label_parameters,
 )
-from egad.grippers import Gripper, as_gripper
+from egad.grippers import Gripper, as_gripper, hand_body
 from egad.io import read_mesh as read_any_mesh
 from egad.measures import (
     MAP_RULE,
@@ -71,7 +70,6 @@ from egad.reeb import Similarity
 from egad.reeb import graph as reeb
 from egad.reeb import similarity as matching
 
-Floats = NDArray[np.float64]
 MAP_GRIPPER = "yumi"  # the cells of the map are for it
 MEASURED_LARGER = (
     "the mesh is measured larger than it is, as EGAD does: {size}; rule='none' measures it as it is"

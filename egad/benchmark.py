@@ -28,10 +28,10 @@ from egad.detectors import (
 )
 from egad.errors import RejectedError, UserError, check_name
 from egad.evalset import Bundle
-from egad.exchange import check_ending
 from egad.geometry import Material
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper, as_gripper
+from egad.io import check_ending
 from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.perception import NOISES, SCENE_KINDS, NoiseName, SceneKind

@@ -1,7 +1,6 @@
 """Objects with sampled grasps in the formats of other programs, from Python.
 
-Formats of objects are those of `egad/exchange/formats.py`, which the command `egad export` has too.
-Its formats of grasps and images are in `egad/exchange/exports/`: they read results.
+The formats are those of `egad.exchange`, but for those that need the results of a run.
 """
 
 from collections.abc import Callable, Mapping
@@ -9,8 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-import pandas as pd
 import trimesh
 
 from egad._util.display import facts_html
@@ -21,25 +18,18 @@ from egad.api import dataset_grasps
 from egad.errors import RejectedError, check_name
 from egad.evalset import Bundle, make_simulation_object
 from egad.exchange import (
-    MESH_WRITERS,
-    PHYSICS_WRITERS,
-    Acronym,
-    Body,
-    Jaws,
-    check_articulated,
-    check_installed,
+    GRASPS,
+    OBJECTS,
+    SURFACES,
+    NamedGripper,
+    check_format,
     check_key,
-    graspgen_hand,
-    start_graspgen,
-    write_acronym,
-    write_graspgen,
-    write_graspnet,
-    write_isaac_grasp,
-    write_obj,
+    module_of,
 )
-from egad.geometry import Material, mass_properties
-from egad.grasps import FRICTION, LabelParameters, label_parameters
-from egad.grippers import Gripper, as_gripper, finger_span
+from egad.geometry import Material
+from egad.grasps import LabelParameters, label_parameters
+from egad.grippers import Gripper, as_gripper
+from egad.io import write_mesh
 from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.sim import (
@@ -52,11 +42,13 @@ from egad.sim import (
     simulate_labels,
 )
 
+FORMATS = (*(name for name in GRASPS if name != "dexnet"), *SURFACES, *OBJECTS)
+
 
 class _Job(NamedTuple):
-    """What is exported for: the name of the gripper, and how grasps are labelled and simulated."""
+    """What is exported for: the gripper, and how grasps are labelled and simulated."""
 
-    gripper: str
+    hand: NamedGripper
     labels: LabelParameters
     simulation: SimulatedLabelParameters
 
@@ -139,7 +131,7 @@ def export(
         UnitsWarning: The size of a mesh suggests another unit than the metre.
         PartsWarning: An object needs more convex parts than are allowed.
     """
-    write = _writer(check_name("format", format, FORMATS))
+    check_name("format", format, FORMATS)
     check_name("rule", rule, SCALE_RULES)
     check_engine(engine)
     hand = as_gripper(gripper)
@@ -150,7 +142,9 @@ def export(
         trials=Lifting(),
         simulated_label=SimulatedLabel(engine=engine, grasps=grasps),
     )
-    job = _Job(gripper if isinstance(gripper, str) else "gripper", labels, simulation)
+    named = NamedGripper(gripper if isinstance(gripper, str) else "gripper", hand)
+    check_format(format, named)
+    write = _writer(format, _Job(named, labels, simulation))
     items, left_out = named_meshes(objects), dict[str, str]()
     for item in items:
         check_key(item.label)
@@ -160,84 +154,30 @@ def export(
         folder.mkdir()
         for item in progress(items, "exporting", len(items)):
             try:
-                write(folder, item, scaled_solid(item, hand, rule), job)
+                write(folder, item, scaled_solid(item, hand, rule))
             except RejectedError as reason:
                 left_out[item.label] = str(reason)
     written = [item.label for item in items if item.label not in left_out]
     return Exported(target, written, left_out)
 
 
-def _acronym(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
-    file = f"meshes/{item.label}.obj"
-    mass = mass_properties(mesh, Material().density)
-    grasps = _simulated(item, mesh, job)
-    write_obj(mesh, folder / file)
-    body = Body(
-        file=file,
-        scale=1.0,
-        volume=mass.volume,
-        mass=mass.mass,
-        com=np.asarray(mass.com),
-        inertia=mass.inertia,
-        friction=FRICTION,
-    )
-    hand = job.labels.gripper
-    jaws = Jaws(job.gripper, hand.opening, finger_span(hand)[1])
-    write_acronym(
-        folder / f"{item.label}.h5", body, jaws, grasps, Acronym().min_robust_success_rate
-    )
-
-
-def _graspgen(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
-    hand = graspgen_hand(job.gripper, job.labels.gripper)
-    grasps = _simulated(item, mesh, job)
-    if not (folder / "objects").exists():
-        start_graspgen(folder, hand)
-    write_obj(mesh, folder / "objects" / f"{item.label}.obj")
-    write_graspgen(folder, hand, item.label, grasps)
-
-
-def _isaac_grasp(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
-    hand = job.labels.gripper
-    check_articulated(job.gripper, hand)
-    write_isaac_grasp(folder / f"{item.label}.yaml", item.label, hand, _simulated(item, mesh, job))
-    write_obj(mesh, folder / f"meshes/{item.label}.obj")
-
-
-def _graspnet(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> None:
-    grasps = _simulated(item, mesh, job)
-    write_graspnet(folder, item.label, grasps, job.labels.gripper.opening)
-    write_obj(mesh, folder / f"meshes/{item.label}.obj")
-
-
-def _simulated(item: NamedMesh, mesh: trimesh.Trimesh, job: _Job) -> pd.DataFrame:
-    """Sampled grasps of an object with simulated labels."""
-    labelled = dataset_grasps(mesh, item.id, job.labels)
-    model = build(mesh, Material().density, Bundle(), item.label)
-    return simulate_labels(model, labelled, job.simulation)
-
-
-def _writer(name: str) -> "Writer":
+def _writer(name: str, job: _Job) -> Callable[[Path, NamedMesh, trimesh.Trimesh], None]:
     """What writes an object in a format, alike for all formats."""
-    if name in GRASP_WRITERS:
-        return GRASP_WRITERS[name]
-    check_installed(name)
+    bundle, density = Bundle(), Material().density
 
-    def write(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh, _job: _Job) -> None:
-        if name in MESH_WRITERS:
-            MESH_WRITERS[name](folder, item.label, mesh)
-        else:
-            made = make_simulation_object(mesh, Material().density, Bundle(), item.label)
-            PHYSICS_WRITERS[name](folder, item.label, made, Bundle().friction)
+    def write_surface(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh) -> None:
+        write_mesh(mesh, folder / f"{item.label}.{name}")
 
-    return write
+    def write_object(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh) -> None:
+        made = make_simulation_object(mesh, density, bundle, item.label)
+        module_of(name).write(folder, item.label, made, bundle.friction)
 
+    def write_grasps(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh) -> None:
+        labelled = dataset_grasps(mesh, item.id, job.labels)
+        model = build(mesh, density, bundle, item.label)
+        grasps = simulate_labels(model, labelled, job.simulation)
+        module_of(name).write(folder, item.label, mesh, grasps, job.hand)
 
-Writer = Callable[[Path, NamedMesh, trimesh.Trimesh, _Job], None]
-GRASP_WRITERS: dict[str, Writer] = {
-    "acronym": _acronym,
-    "graspgen": _graspgen,
-    "graspnet": _graspnet,
-    "isaac_grasp": _isaac_grasp,
-}
-FORMATS = (*GRASP_WRITERS, *MESH_WRITERS, *PHYSICS_WRITERS)
+    if name in SURFACES:
+        return write_surface
+    return write_object if name in OBJECTS else write_grasps

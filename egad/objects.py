@@ -23,8 +23,8 @@ from egad.cppn import (
 )
 from egad.data import evaluation_set, released, released_ancestry, released_simulated
 from egad.errors import RejectedError, UserError, check_name
-from egad.exchange import read_mesh
 from egad.geometry.repair import repair
+from egad.io import read_mesh
 from egad.map_elites import Archive, Lineage
 from egad.measures import labels
 from egad.tables import parquet

@@ -35,12 +35,12 @@ from egad.outcomes import Outcome
 from egad.sim import (
     EngineName,
     TrialParameters,
+    TrialProtocol,
     build,
     check_engine,
     failed_attempts,
     run_attempts,
 )
-from egad.sim import Trials as Protocol
 from egad.stats import Comparison, Mean, by_object, compare, engine_names, mean_rate, results
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
@@ -162,7 +162,7 @@ def run_trials(
     check_name("rule", rule, SCALE_RULES)
     check_engine(engine)
     trials = from_arguments(
-        Protocol,
+        TrialProtocol,
         engine=engine,
         attempts=attempts,
         reset=reset,

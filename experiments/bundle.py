@@ -14,8 +14,8 @@ import trimesh
 from PIL import Image, ImageDraw
 
 from egad._util.files import atomic_output
-from egad.exchange import read_mesh
 from egad.geometry import TriangleScene
+from egad.io import read_mesh
 from egad.random import generator
 from egad.report.pictures import CAMERA, FILL, render
 from egad.tables import parquet

@@ -21,13 +21,13 @@ from egad._util.files import write_text
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.grippers import gripper
-from egad.measures import Space, coverage, default_measures, difficulty_cells
+from egad.measures import MeasureSpace, coverage, default_measures, difficulty_cells
 from egad.measures.difficulty import difficulty
 from egad.random import generator
 from egad.report.comparison import dataset_maps
 
 BUDGET, CERTAIN = 32_768, 0.999
-SPACE = Space(confidence=CERTAIN)
+SPACE = MeasureSpace(confidence=CERTAIN)
 
 
 def independent(mesh: trimesh.Trimesh, name: str) -> float:

@@ -15,7 +15,7 @@ from egad._util.markdown import table
 from egad.geometry import to_mesh
 from egad.measures import complexity_cells, fine_complexity, is_coarse
 from egad.measures.complexity import angular_deficits, complexity
-from egad.measures.parameters import BINS, Space
+from egad.measures.parameters import BINS, MeasureSpace
 
 Points = NDArray[np.float64]
 TURN = trimesh.transformations.euler_matrix(0.3, 0.5, 0.7)
@@ -82,7 +82,7 @@ def main() -> None:
     single = np.array(
         [complexity(with_points(mesh, mesh.vertices.astype(np.float32))) for mesh in released]
     )
-    moved = complexity_cells(now, Space()) != complexity_cells(before, Space())
+    moved = complexity_cells(now, MeasureSpace()) != complexity_cells(before, MeasureSpace())
     coarse = is_coarse(now, [fine_complexity(mesh) for mesh in released])
     print(f"\n{moved.sum()} of {len(now)} released objects change their cell")
     print(

@@ -13,7 +13,7 @@ import pandas as pd
 from PIL import Image
 
 from egad._util.files import atomic_output
-from egad.exchange import read_mesh
+from egad.io import read_mesh
 from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS

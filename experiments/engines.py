@@ -20,7 +20,7 @@ from typing_extensions import override
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.config import GRIPPERS, Trials
+from egad.config import GRIPPERS, TrialProtocol
 from egad.sim import ARMS, ENGINES, TrialRunner, open_world, read_attempt
 from egad.sim.pybullet_world import PyBulletWorld
 from egad.tables import parquet
@@ -58,7 +58,7 @@ def carried_out(rows: tuple[str, pd.DataFrame], results: Path, gripper: str) -> 
     model, arm = model_in(bundle, rows_by_id(bundle)[name]), ARMS["axis"](GRIPPERS[gripper])
     tried = [read_attempt(row) for row in parquet.records(table)]
     with open_world("pybullet", [model], arm.robot) as world:
-        runner = TrialRunner(world, arm, Trials())
+        runner = TrialRunner(world, arm, TrialProtocol())
         first = [runner.repeat(*each) for each in tried]
     rests = [attempt.rest for attempt in first]
     worlds = {engine: open_world(engine, [model], arm.robot) for engine in PAIR}
@@ -66,7 +66,7 @@ def carried_out(rows: tuple[str, pd.DataFrame], results: Path, gripper: str) -> 
     found = {}
     for engine, unopened in worlds.items():
         with unopened as world:
-            runner = TrialRunner(world, arm, Trials())
+            runner = TrialRunner(world, arm, TrialProtocol())
             found[engine] = [
                 runner.carry_out(rest, grasp).outcome if rest and grasp else None
                 for rest, (_, grasp) in zip(rests, tried, strict=True)

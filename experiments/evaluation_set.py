@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
+from egad._util.arrays import RgbImage
 from egad._util.files import atomic_output
 from egad.config import Engraving
 from egad.evalset import Patch, cut_text
-from egad.report.pictures import CAMERA, Pixels, png_bytes, render
+from egad.report.pictures import CAMERA, png_bytes, render
 
 DOCS = Path(__file__).parents[1] / "docs"
 THICK = 0.005  # metres
@@ -38,7 +39,7 @@ def labelled(text: str) -> trimesh.Trimesh:
     return trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False)
 
 
-def write(name: str, picture: Pixels) -> None:
+def write(name: str, picture: RgbImage) -> None:
     """Write a picture beside this file."""
     with atomic_output(DOCS / name) as temporary:
         temporary.write_bytes(png_bytes(picture))

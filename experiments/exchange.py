@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, Rectangle
 
 from egad.config import GRIPPERS
 from egad.exchange import graspgen_hand
-from egad.exchange.graspnet import DEPTH
+from egad.exchange.grasps.graspnet import DEPTH
 from egad.grasps import PANDA_REACH
 from egad.grippers import BoxBody, finger_span
 

@@ -32,6 +32,7 @@ from PIL import Image
 from scipy.spatial import ConvexHull
 
 import egad
+from egad._util.arrays import RgbImage
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.geometry import RayCaster
@@ -50,7 +51,7 @@ from egad.grippers import (
 )
 from egad.random import generator
 from egad.report.hand_shape import hand_shapes
-from egad.sim.film import Pixels, draw
+from egad.sim.film import draw
 from egad.trials import Trials
 
 COLORS = {0: (0.72, 0.74, 0.78), -1: (0.36, 0.56, 0.80), 1: (0.95, 0.62, 0.29)}
@@ -66,7 +67,7 @@ ENGINES = ("mujoco", "pybullet")
 FORCE = 40.0  # newtons, of hands that egad does not know by name
 
 
-def picture(model: GripperModel, opening: float) -> Pixels:
+def picture(model: GripperModel, opening: float) -> RgbImage:
     """A hand at an opening, pointing down."""
     bodies = []
     for link, shapes in zip(model.links, model.points(opening), strict=True):
@@ -236,7 +237,7 @@ def approaches(
 def draw_changes(given: list[str]) -> None:
     """Draw grasps whose labels differ into docs/grippers-labels.png."""
     ((_, boxes, file),) = pairs(given)
-    pictures: dict[str, list[Pixels]] = {}
+    pictures: dict[str, list[RgbImage]] = {}
     for target in egad.load("evaluation-set"):
         mesh, grasps, found = approaches(target, boxes, file)
         free = {key: each.free for key, each in found.items()}
@@ -264,7 +265,7 @@ def draw_changes(given: list[str]) -> None:
         figure.savefig(out, format="png", dpi=90, metadata={"Software": None})
 
 
-def at_grasp(mesh: trimesh.Trimesh, pose: NDArray[np.float64], gripper: Gripper) -> Pixels:
+def at_grasp(mesh: trimesh.Trimesh, pose: NDArray[np.float64], gripper: Gripper) -> RgbImage:
     """An object and the open hand at a grasp, in the frame of the hand."""
     hand = [(part, COLORS[SIDES[color]]) for part, color in hand_shapes(gripper, gripper.opening)]
     bodies = [(mesh.copy().apply_transform(np.linalg.inv(pose)), OBJECT), *hand]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from egad._util.files import atomic_output
-from egad.perception import SCENE_KINDS, Picture, read
+from egad.perception import SCENE_KINDS, RenderedImage, read
 
 DOCS = Path(__file__).parents[1] / "docs"
 COLUMNS, SCALE = 5, 2
@@ -42,7 +42,7 @@ def main(folder: str) -> None:
         sheet.quantize(128).save(out, "png", optimize=True)
 
 
-def drawn(picture: Picture) -> Image.Image:
+def drawn(picture: RenderedImage) -> Image.Image:
     """An image around its object, with grasps."""
     corner = _corner(picture.mask > 0)
     window = tuple(slice(low, low + SHOWN) for low in corner)
@@ -66,7 +66,7 @@ def drawn(picture: Picture) -> Image.Image:
     return image
 
 
-def _apart(picture: Picture, numbers: NDArray[np.int64], most: int = 3) -> list[int]:
+def _apart(picture: RenderedImage, numbers: NDArray[np.int64], most: int = 3) -> list[int]:
     """The best grasps whose angles differ by 30 degrees or more."""
     kept: list[int] = []
     for number in numbers.tolist():
@@ -82,7 +82,7 @@ def _corner(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
     return np.clip(middle - SHOWN // 2, 0, np.array(mask.shape) - SHOWN)
 
 
-def _shades(picture: Picture) -> NDArray[np.uint8]:
+def _shades(picture: RenderedImage) -> NDArray[np.uint8]:
     depth = np.nan_to_num(picture.depth, nan=np.inf)
     bright = np.clip(1 - (depth - depth[picture.mask > 0].min()) / DEEPEST, 0, 1)
     grey = np.where(picture.mask > 0, 70 + 185 * bright, 45 + 20 * bright).astype(np.uint8)

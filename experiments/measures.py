@@ -21,9 +21,9 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.config import Settings, Similarity
 from egad.config.stages import select
-from egad.exchange import mesh_files, read_mesh
 from egad.geometry.repair import repair
 from egad.grasps import ferrari_canny
+from egad.io import mesh_files, read_mesh
 from egad.measures import MeasureParameters
 from egad.measures.complexity import complexity
 from egad.measures.difficulty import rough_difficulty, spaced_difficulty

@@ -38,7 +38,7 @@ from egad.cppn import packed_surface
 from egad.map_elites import Archive, Elite, EvolutionParameters
 from egad.map_elites.evaluation import measure
 from egad.map_elites.island import Island
-from egad.measures import Space, rough_difficulty
+from egad.measures import MeasureSpace, rough_difficulty
 from egad.random import generator
 from egad.report.colors import line_color
 from egad.report.drawing import new_figure, show_percent
@@ -47,7 +47,7 @@ DOCS = Path(__file__).parents[1] / "docs"
 ROWS = DOCS / "noisy-search"
 METHODS = ("paper", "adaptive", "depth", "sequential")
 EVALUATIONS, STEP, SNAPSHOT, SHARE = 20_000, 100, 5_000, 0.25
-SPACE = Space()
+SPACE = MeasureSpace()
 
 
 def settings_of(method: str, seed: int) -> EvolutionParameters:

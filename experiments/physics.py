@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from egad.config import GRIPPERS, Bundle, Trials
+from egad.config import GRIPPERS, Bundle, TrialProtocol
 from egad.random import generator
 from egad.sim import (
     ARMS,
@@ -34,7 +34,7 @@ from egad.workflow.bundled import model_in, rows_by_id
 STANDING = np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # the thickness is that along x
 SIDE = 0.04
 SAME = 15.0  # degrees
-HEIGHT = Trials().drop_height
+HEIGHT = TrialProtocol().drop_height
 OBJECTS, DROPS = 13, 5
 Change = Callable[[PyBulletWorld], None]
 

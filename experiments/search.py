@@ -7,14 +7,14 @@ import numpy as np
 import pandas as pd
 
 from egad._util.files import write_text
-from egad.config import Space
+from egad.config import MeasureSpace
 from egad.report.evolution import coverage_curves, coverage_history
 from egad.tables import parquet
 from egad.tables.evolution import HISTORY
 
 DOCS = Path(__file__).parents[1] / "docs"
 DRAWN = 20_000  # evaluations: all of a long run would leave no room for the others
-ELITES = Space().elites_per_cell
+ELITES = MeasureSpace().elites_per_cell
 SHOWN = (2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000)
 
 

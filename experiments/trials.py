@@ -14,12 +14,13 @@ import numpy as np
 import pandas as pd
 from PIL import Image, ImageDraw
 
+from egad._util.arrays import RgbImage
 from egad._util.files import atomic_output
 from egad.cli.replay import repeat_attempt
 from egad.config import Settings
 from egad.config.stages import SimulatedTrials, select
 from egad.outcomes import EXECUTION, Outcome
-from egad.sim import ROBOT_COLOR, Pixels
+from egad.sim import ROBOT_COLOR
 from egad.stats import object_positions, trend, trial_grid
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
@@ -82,14 +83,14 @@ def draw(bundle: Path, gripper: str, trials: pd.DataFrame) -> None:
         sheet.quantize(64).save(out, "png", optimize=True)
 
 
-def chosen(frames: list[Pixels], count: int) -> list[int]:
+def chosen(frames: list[RgbImage], count: int) -> list[int]:
     """Numbers of frames at equal distances, from the first that shows the hand to the last."""
     shown = [number for number, frame in enumerate(frames) if shows_hand(frame)]
     found: list[int] = np.linspace(shown[0], shown[-1], count).astype(int).tolist()
     return found
 
 
-def shows_hand(frame: Pixels) -> bool:
+def shows_hand(frame: RgbImage) -> bool:
     """Whether there is much of the color of the robot, in whatever light."""
     color = frame / np.maximum(frame.max(axis=2, keepdims=True), 1)
     robot = np.array(ROBOT_COLOR) / max(ROBOT_COLOR)

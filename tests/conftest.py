@@ -1,4 +1,6 @@
+import builtins
 import os
+import sys
 
 # Tests run in a process a core: more threads would only wait for each other.
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -81,3 +83,17 @@ def pytest_ignore_collect(collection_path):
     checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0"
     is_test = collection_path.match("test_*.py")
     return True if checked and is_test and not reached_kernels(collection_path) else None
+
+
+@pytest.fixture
+def without_usd(monkeypatch):
+    """OpenUSD cannot be imported, as without its extra."""
+    found = builtins.__import__
+
+    def other(name, *more):
+        if name.partition(".")[0] == "pxr":
+            raise ModuleNotFoundError("No module named 'pxr'", name="pxr")
+        return found(name, *more)
+
+    monkeypatch.setattr(builtins, "__import__", other)
+    monkeypatch.delitem(sys.modules, "egad.exchange.objects.usd", raising=False)

@@ -9,8 +9,8 @@ import numpy as np
 import trimesh
 from hypothesis import strategies as st
 
-from egad.exchange.threemf import CORE
 from egad.io import ENDINGS
+from egad.io.threemf import CORE
 
 BALL = trimesh.creation.icosphere(subdivisions=1)
 MEGABYTE = 1 << 20

@@ -16,7 +16,7 @@ from egad.cppn.constraints import UNBOUND
 from egad.cppn.surface import packed_surface
 from egad.data import archive_path, released, released_ancestry, released_simulated
 from egad.map_elites.archive import Elite
-from egad.map_elites.evaluation import Solid, express, measure, refine
+from egad.map_elites.evaluation import GenomeVoxels, express, measure, refine
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.reeb import graph as reeb
@@ -104,7 +104,7 @@ def test_in_the_ancestry_parents_come_before_their_children(ancestry):
 
 def check_measures(rows):
     for row in rows:
-        first = measure(Solid(row["id"], row["voxels"]), EVOLVE)
+        first = measure(GenomeVoxels(row["id"], row["voxels"]), EVOLVE)
         # measured before the rounding of coordinates counted, which moves it by at most 0.0044
         assert first.complexity == pytest.approx(row["complexity"], abs=0.0045)
         kept = Elite(row["id"], {}, row["voxels"], first.complexity, 0.0, first.graph, (), 0)

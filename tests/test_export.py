@@ -1,6 +1,5 @@
 """Exports from Python: files read again by other libraries."""
 
-import importlib.util
 import json
 from typing import get_args
 from xml.etree import ElementTree
@@ -14,7 +13,7 @@ from described_hands import box_urdf
 
 import egad
 from egad.errors import UserError
-from egad.exchange import PhysicsFormat
+from egad.exchange import ObjectFormat
 from egad.geometry.parameters import Material
 
 BLOCK = trimesh.creation.box((0.2, 0.1, 0.15))
@@ -85,7 +84,7 @@ def test_simulation_files_have_the_mass_of_the_solid(tmp_path):
     assert sum(part.volume for part in parts) == pytest.approx(BLOCK.volume * FACTOR**3)
 
 
-@pytest.mark.parametrize("style", get_args(PhysicsFormat))
+@pytest.mark.parametrize("style", get_args(ObjectFormat))
 def test_formats_of_simulators_have_a_folder_for_each_object(tmp_path, style):
     if style == "usd":
         pytest.importorskip("pxr")
@@ -129,16 +128,18 @@ def test_a_wrong_name_is_told_before_anything_is_made(tmp_path):
         egad.export({"no_mesh": None, "a/b": BLOCK}, "obj", "panda", tmp_path / "out")
 
 
-def test_what_is_there_is_not_lost_and_mistakes_are_told(tmp_path, monkeypatch):
+@pytest.mark.usefixtures("without_usd")
+def test_a_missing_package_is_told_before_anything_is_made(tmp_path):
+    with pytest.raises(UserError, match=r"pip install 'egad\[usd\]'"):
+        egad.export({"block": BLOCK}, "usd", "panda", tmp_path / "out")
+
+
+def test_what_is_there_is_not_lost_and_mistakes_are_told(tmp_path):
     (tmp_path / "mine.txt").touch()
     with pytest.raises(UserError, match="is not empty, and its files would be lost; name a new"):
         egad.export({"block": BLOCK}, "obj", "panda", tmp_path)
     with pytest.raises(UserError, match="format 'arconym' is not known; did you mean acronym"):
         egad.export({"block": BLOCK}, "arconym", "panda", tmp_path / "out")
-    with monkeypatch.context() as patched:
-        patched.setattr(importlib.util, "find_spec", lambda _: None)
-        with pytest.raises(UserError, match=r"pip install 'egad\[usd\]'"):
-            egad.export({"block": BLOCK}, "usd", "panda", tmp_path / "out")
     with pytest.raises(UserError, match="there are no objects"):
         egad.export({}, "obj", "panda", tmp_path / "out")
     with pytest.raises(UserError, match="is a file; name a folder"):

@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+from collections import defaultdict
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,7 @@ LAYERS = [
         "map_elites",
         "perception",
     ),
-    *("evalset", "stats", "learning", "detectors", "sim", "exchange", "report"),
+    *("evalset", "stats", "learning", "detectors", "sim", "exchange", "release", "report"),
     *("objects", "named_meshes", "api", "trials", "benchmark", "export"),
     *("config", "provenance", "workflow", "cli"),
 ]
@@ -144,3 +145,12 @@ def offered(package):
     stub = PACKAGE / package / "__init__.pyi"
     nodes = ast.walk(ast.parse(stub.read_bytes())) if stub.exists() else ()
     return {node.name for node in nodes if isinstance(node, ast.alias)}
+
+
+def test_a_class_name_means_one_class():
+    modules = defaultdict(list)
+    for path in sorted(PACKAGE.rglob("*.py")):
+        for node in ast.parse(path.read_bytes()).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                modules[node.name].append(path.relative_to(PACKAGE).as_posix())
+    assert {name: where for name, where in modules.items() if len(where) > 1} == {}

@@ -5,11 +5,9 @@ from contextlib import suppress
 from typing import SupportsFloat
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.errors import UserError
-
-Floats = NDArray[np.float64]
 
 
 def check_number(name: str, given: object, *, above: float, most: float = math.inf) -> float:

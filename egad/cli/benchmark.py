@@ -80,7 +80,7 @@ def benchmark(
     """Let a grasp detector clear tables: success rates and shares of objects cleared."""
     from egad.cli.terminal_tables import cleared
     from egad.config.stages import ClearedTables, select
-    from egad.exchange import check_ending
+    from egad.io import check_ending
     from egad.provenance.record import recorded
     from egad.sim import check_engine
     from egad.stats import engine_names
@@ -160,7 +160,7 @@ def _detector(
 
 def _objects(text: str, units: str | None) -> tuple[list["NamedMesh"], list[Path]]:
     """The objects of a command line, and the files that they come from."""
-    from egad.exchange import object_names, read_mesh
+    from egad.io import object_names, read_mesh
     from egad.named_meshes import NamedMesh, named_meshes
     from egad.objects import EVALUATION_SET, load
     from egad.tables import parquet

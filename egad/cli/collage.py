@@ -7,7 +7,7 @@ from typing import Annotated
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.cli.common import CORES, Config, Dataset, Jobs, out_option, settings_in
-from egad.config import CustomMeasures, Space
+from egad.config import CustomMeasures, MeasureSpace
 
 SIZE = 96
 
@@ -19,7 +19,7 @@ def collage(
     jobs: Jobs = CORES,
 ) -> None:
     """Draw the objects of a dataset, arranged in the space, as one PNG picture."""
-    from egad.exchange import check_ending
+    from egad.io import check_ending
 
     check_ending(out, (".png",))
     settings = settings_in(config)
@@ -27,7 +27,7 @@ def collage(
 
 
 def draw_collage(
-    dataset: Path, out: Path, space: Space, axes: CustomMeasures, jobs: int = 1
+    dataset: Path, out: Path, space: MeasureSpace, axes: CustomMeasures, jobs: int = 1
 ) -> None:
     """Draw the most diverse object of every cell.
 
@@ -55,7 +55,7 @@ def draw_collage(
 
 
 def _picture(label: str, meshes: Path) -> bytes:
-    from egad.exchange import read_mesh
+    from egad.io import read_mesh
     from egad.report.pictures import png_bytes, render
 
     return png_bytes(render(read_mesh(meshes / f"{label}.obj", "m"), SIZE))

@@ -156,8 +156,7 @@ def files_in(paths: Sequence[Path], units: str | None) -> list[Path]:
     Raises:
         UserError: No unit is given, and one of the files does not state it.
     """
-    from egad.exchange import mesh_files
-    from egad.io import check_unit_known
+    from egad.io import check_unit_known, mesh_files
 
     files: dict[Path, Path] = {}
     for path in paths:

@@ -16,7 +16,7 @@ from egad.cli.common import (
 )
 from egad.config import GRIPPERS, Settings
 from egad.errors import UserError
-from egad.exchange.exports import (
+from egad.exchange import (
     ALL,
     EVALUATION_SET,
     OF_OBJECTS,
@@ -52,7 +52,8 @@ def export(
 ) -> None:
     """Export objects for simulators and browsers, labelled grasps, or rendered images."""
     from egad.config.stages import select
-    from egad.exchange import check_opening, grasp_table, write_sums
+    from egad.exchange import check_opening, grasp_table
+    from egad.io import write_sums
     from egad.provenance.record import recorded
 
     if dataset.is_file() or str(dataset) in (RELEASED, EVALUATION_SET):
@@ -126,7 +127,7 @@ def _write_dexnet(
 ) -> None:
     """Write a Dex-Net database; what the workflow does in shards is done at once."""
     from egad.config.stages import DexNetObjects, select
-    from egad.exchange.exports import dexnet
+    from egad.exchange.grasps import dexnet
     from egad.workflow.dexnet_objects import write_objects
 
     if out.is_dir():
@@ -135,7 +136,7 @@ def _write_dexnet(
         raise UserError(
             f"--out {out}: the name must end in .hdf5, otherwise Dex-Net does not open it"
         )
-    dexnet.check(dataset, gripper, grasps)
+    dexnet.check_names(dataset, gripper, grasps)
     part = out.with_name(f".{out.name}.objects")
     try:
         meshes = dataset / "rescaled" / gripper

@@ -124,7 +124,7 @@ def _write(
     row: dict[str, Any], make: "Callable[[dict[str, Any]], trimesh.Trimesh]", folder: Path
 ) -> str:
     """Write the mesh of an object; the reason if there is none."""
-    from egad.exchange import write_obj
+    from egad.io import write_obj
 
     try:
         mesh = make(row)

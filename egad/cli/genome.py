@@ -24,7 +24,7 @@ def genome(
     """Print the network that an object was grown from as expressions, and draw it."""
     from egad._util.files import write_text
     from egad.cppn import genome_text
-    from egad.exchange import check_ending
+    from egad.io import check_ending
     from egad.objects import load
     from egad.report.genome_drawing import genome_svg
 

@@ -35,8 +35,8 @@ def inspect(
     Prints the entry for a configuration. Writes NAME.html, or the page given by --out.
     """
     from egad._util.files import write_text
-    from egad.exchange import check_ending
     from egad.grippers import Gripper, model_of
+    from egad.io import check_ending
     from egad.report.hand import hand_entry, hand_facts, hand_page
 
     check_ending(out, (".html",))

@@ -16,7 +16,7 @@ def heatmap(
     from egad.config.archive_settings import check_provenance
     from egad.config.stages import LocateMeshes, select
     from egad.data import archive_path
-    from egad.exchange import check_ending
+    from egad.io import check_ending
     from egad.measures import MeasureParameters, attainable_difficulty
     from egad.report.axes import axis_pair
     from egad.report.comparison import dataset_maps

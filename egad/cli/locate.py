@@ -56,7 +56,7 @@ def locate(
     from egad._util.files import write_text
     from egad.cli.terminal_tables import located
     from egad.data import archive_path
-    from egad.exchange import check_ending, object_names, write_frame
+    from egad.io import check_ending, object_names, write_frame
     from egad.report.axes import axis_pair
     from egad.report.locations import page
     from egad.tables.objects import LOCATED
@@ -131,7 +131,7 @@ def reference(path: Path, settings: LocateMeshes) -> Reference:
 
 
 def _of_dataset(objects: "pd.DataFrame", meshes: Path) -> Reference:
-    from egad.exchange import read_mesh
+    from egad.io import read_mesh
 
     files = {label: meshes / f"{label}.obj" for label in objects["label"]}
     if missing := [file for file in files.values() if not file.is_file()]:
@@ -206,7 +206,7 @@ class _Mine(NamedTuple):
 
 
 def _mine(item: tuple[str, Path], units: str | None, settings: LocateMeshes) -> _Mine:
-    from egad.exchange import read_mesh
+    from egad.io import read_mesh
     from egad.reeb import graph as reeb
     from egad.report.pictures import png_bytes, render
 

@@ -55,7 +55,7 @@ def measure(
 ) -> None:
     """Measure complexity and difficulty of meshes, and print their cells."""
     from egad.cli.terminal_tables import measured
-    from egad.exchange import check_ending, object_names, write_frame
+    from egad.io import check_ending, object_names, write_frame
     from egad.report.axes import axis_pair
     from egad.tables.objects import MEASURED
 
@@ -110,7 +110,7 @@ def measure_files(
 def _row(
     item: tuple[str, Path], units: str | None, settings: MeasureMeshes, rule: str
 ) -> dict[str, Any]:
-    from egad.exchange import read_mesh
+    from egad.io import read_mesh
 
     name, path = item
     found: dict[str, Any] = {"name": name, "reason": ""}

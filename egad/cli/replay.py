@@ -21,8 +21,9 @@ from egad.errors import UserError, check_name
 from egad.perception import NoiseName, SceneKind
 
 if TYPE_CHECKING:
+    from egad._util.arrays import RgbImage
     from egad.config.stages import SimulatedTrials
-    from egad.sim import Attempt, ClutterParameters, Pixels
+    from egad.sim import Attempt, ClutterParameters
 
 RunGripper = Annotated[str | None, gripper_option(FIRST_TARGET, opening=False)]
 
@@ -45,7 +46,7 @@ def replay(
 ) -> None:
     """Repeat a simulated attempt exactly, and film it."""
     from egad.config.stages import SimulatedTrials, select
-    from egad.exchange import check_ending
+    from egad.io import check_ending
     from egad.sim import ENDINGS
 
     path = out or Path(f"{label}-{attempt}.gif")
@@ -81,7 +82,7 @@ def film(
 ) -> None:
     """Repeat a round of clearing a table exactly, and film it."""
     from egad.config.stages import select
-    from egad.exchange import check_ending
+    from egad.io import check_ending
     from egad.sim import ENDINGS, ClutterParameters
 
     path = out or Path(f"{scene}-{number}.gif")
@@ -135,7 +136,7 @@ def film_attempt(
 
 def repeat_attempt(
     settings: "SimulatedTrials", row: Mapping[str, Any], bundle: Path
-) -> "tuple[Attempt, list[Pixels]]":
+) -> "tuple[Attempt, list[RgbImage]]":
     """The outcome of a repeated attempt, and the frames of its film.
 
     Args:

@@ -35,8 +35,8 @@ def rescale(
 ) -> None:
     """Scale meshes to a gripper."""
     from egad.config.stages import RescaleMeshes, select
-    from egad.exchange import write_sums
     from egad.geometry import scale_suffix
+    from egad.io import write_sums
     from egad.provenance.record import recorded
     from egad.workflow.rescale import rescale_files
 

@@ -46,7 +46,7 @@ def similarity(
 ) -> None:
     """Compute pairwise similarities of meshes: 1 for equal shapes, 0 for nothing in common."""
     from egad.cli.terminal_tables import square
-    from egad.exchange import check_ending, object_names, write_matrix
+    from egad.io import check_ending, object_names, write_matrix
 
     check_ending(out)
     whole = with_option(settings_in(config), "--bases", "similarity.bases", bases)

@@ -39,7 +39,7 @@ def size_effect(
     from egad._util.files import write_text
     from egad.cli.terminal_tables import size_curves
     from egad.config.stages import select
-    from egad.exchange import check_ending, object_names, write_frame
+    from egad.io import check_ending, object_names, write_frame
     from egad.measures import SizeEffectParameters
     from egad.report.grasps import size_chart
     from egad.tables.grasping import SIZE_EFFECT

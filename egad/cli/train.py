@@ -30,7 +30,7 @@ def train(
     After an interruption, the same command resumes after the last epoch, with the same result.
     """
     from egad.config.stages import TrainNetwork, select
-    from egad.exchange import write_sums
+    from egad.io import write_sums
     from egad.provenance.record import recorded
     from egad.workflow.train import CARD, CHART, WEIGHTS
     from egad.workflow.train import train as train_network

@@ -37,7 +37,7 @@ def compare(
     Simulated results must be of the same evaluation set, scaled to the same gripper; cleared tables
     must begin with the same scenes.
     """
-    from egad.exchange import check_ending
+    from egad.io import check_ending
     from egad.stats import gather
     from egad.tables import parquet
 
@@ -69,7 +69,7 @@ def report(
     """Report the results of a real robot in the same way as simulated results."""
     import pandas as pd
 
-    from egad.exchange import check_ending, write_frame
+    from egad.io import check_ending, write_frame
     from egad.stats import read
     from egad.tables.evaluation import RESULTS
 
@@ -101,7 +101,7 @@ def template(
     """Write a CSV file to fill in at the robot: one row per attempt, `success` is 1 or 0."""
     from egad._util.files import atomic_output
     from egad.evalset import ATTEMPTS, labels_of
-    from egad.exchange import check_ending
+    from egad.io import check_ending
     from egad.stats import template as empty
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49

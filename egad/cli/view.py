@@ -27,7 +27,7 @@ from egad.config.stages import ViewMesh, select
 from egad.errors import RejectedError, UserError, check_name
 
 if TYPE_CHECKING:
-    from egad.report.viewer import Scene
+    from egad.report.viewer import GraspScene
 
 log = logging.getLogger(__name__)
 
@@ -49,8 +49,7 @@ def view(
 ) -> None:
     """Show an object in 3D with its labelled grasps, as an HTML page that works offline."""
     from egad._util.files import write_text
-    from egad.exchange import ENDINGS, check_ending
-    from egad.io import check_unit_known
+    from egad.io import ENDINGS, check_ending, check_unit_known
     from egad.report.viewer import page
 
     check_ending(out, (".html",))
@@ -74,7 +73,7 @@ def view(
     typer.echo(f"{shown.name}: {found}, at {shown.title}; see {out}")
 
 
-def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> "Scene":
+def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> "GraspScene":
     """An object of a dataset with its labelled grasps.
 
     Args:
@@ -113,7 +112,7 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> "Scen
 
 
 @phase_if_slow("sampling grasps")
-def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "Scene":
+def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "GraspScene":
     """A mesh, repaired and scaled to the gripper, with newly labelled grasps.
 
     Args:
@@ -124,13 +123,13 @@ def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "Scene":
     Raises:
         UserError: The file is not a mesh, or the mesh cannot be repaired.
     """
-    from egad.exchange import read_mesh
-    from egad.exchange.hand_body import hand_body
     from egad.geometry import ENLARGED, rescale, units_doubt
     from egad.grasps import label_grasps
+    from egad.grippers import hand_body
+    from egad.io import read_mesh
     from egad.measures import center_of_mass
     from egad.random import generator
-    from egad.report.viewer import Scene
+    from egad.report.viewer import GraspScene
     from egad.tables import parquet
     from egad.tables.grasping import GRASPS
     from egad.workflow.repair import repaired_mesh
@@ -150,9 +149,9 @@ def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "Scene":
     rng = generator(settings.seed, "grasps", path.stem)
     try:
         rows = label_grasps(mesh, center_of_mass(mesh), settings, rng, hand_body(settings.gripper))
-        return Scene(path.stem, title, mesh, rows)
+        return GraspScene(path.stem, title, mesh, rows)
     except RejectedError as reason:
-        return Scene(path.stem, title, mesh, parquet.empty(GRASPS), str(reason))
+        return GraspScene(path.stem, title, mesh, parquet.empty(GRASPS), str(reason))
 
 
 def _size(row: Mapping[Any, Any]) -> str:

@@ -7,7 +7,7 @@ Lengths are metres, masses kilograms, densities kg/m3, forces newtons, angles de
 
 from egad._util.parameters import Axis, Name, Parameters, Range, ScaleRule
 from egad.config.sections import (
-    Dataset,
+    DatasetSection,
     Postprocess,
     Release,
     Rescale,
@@ -24,23 +24,22 @@ from egad.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.grippers import GRIPPERS, Gripper
 from egad.learning import Training
 from egad.map_elites import Evolution
-from egad.measures import Complexity, CustomMeasures, Difficulty, SizeEffect, Space
+from egad.measures import Complexity, CustomMeasures, Difficulty, MeasureSpace, SizeEffect
 from egad.perception import CAMERAS, Camera, ImageNoise, Render
 from egad.reeb import Similarity
-from egad.sim import Agreement, Lifting, SimulatedLabel, Trials
+from egad.sim import LabelAgreement, Lifting, SimulatedLabel, TrialProtocol
 
 __all__ = [
     "CAMERAS",
     "DETECTORS",
     "GRIPPERS",
     "Acronym",
-    "Agreement",
     "Axis",
     "Bundle",
     "Camera",
     "Complexity",
     "CustomMeasures",
-    "Dataset",
+    "DatasetSection",
     "DetectorConfig",
     "DexNet",
     "Difficulty",
@@ -52,9 +51,11 @@ __all__ = [
     "Hole",
     "ImageNoise",
     "KeepSolid",
+    "LabelAgreement",
     "Lifting",
     "Limits",
     "Material",
+    "MeasureSpace",
     "Name",
     "Neat",
     "Parameters",
@@ -77,9 +78,8 @@ __all__ = [
     "Similarity",
     "SimulatedLabel",
     "SizeEffect",
-    "Space",
     "Symmetry",
     "Targets",
     "Training",
-    "Trials",
+    "TrialProtocol",
 ]

@@ -4,18 +4,13 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 
-from egad.config.sections import Dataset
+from egad.config.sections import DatasetSection
 from egad.config.settings import Settings
 from egad.detectors import fingerprint
 from egad.errors import TableError, UserError
-from egad.exchange import (
-    EVERY_FILE,
-    check_articulated,
-    check_installed,
-    mesh_files,
-)
+from egad.exchange import NamedGripper, check_format
 from egad.grippers import Gripper, files_of
-from egad.io import check_unit_known
+from egad.io import EVERY_FILE, check_unit_known, mesh_files
 from egad.measures import source_hash
 from egad.tables.evolution import GENOME
 from egad.tables.parquet import check_columns
@@ -58,8 +53,9 @@ def _checks(settings: Settings) -> Iterator[tuple[str, Callable[[], object]]]:
             yield "", partial(fingerprint, detector)
     for name in settings.targets.grippers:
         yield f"grippers.{name}", partial(_check_gripper, settings.grippers[name])
+        hand = NamedGripper(name, settings.grippers[name])
         for style in settings.targets.exports:
-            yield "targets.exports", partial(check_export, style, name, settings)
+            yield "targets.exports", partial(check_format, style, hand)
 
 
 def is_result(file: str) -> bool:
@@ -67,18 +63,7 @@ def is_result(file: str) -> bool:
     return file.startswith("results/")
 
 
-def check_export(style: str, gripper: str, settings: Settings) -> None:
-    """Check that a format can be written for a gripper.
-
-    Raises:
-        UserError: A package is not installed, or the gripper lacks what the format describes.
-    """
-    check_installed(style)
-    if style == "isaac_grasp":
-        check_articulated(gripper, settings.grippers[gripper])
-
-
-def _check_dataset(dataset: Dataset) -> None:
+def _check_dataset(dataset: DatasetSection) -> None:
     if dataset.folder is not None:
         folder = Path(dataset.folder)
         files = mesh_files(folder, dataset.pattern or EVERY_FILE)

@@ -13,8 +13,7 @@ from egad._util.parameters import (
     ScaleRule,
     UserPath,
 )
-from egad.exchange import PhysicsFormat
-from egad.exchange.exports import EVALUATION_SET, Format, ObjectSet
+from egad.exchange import EVALUATION_SET, Format, ObjectFormat, ObjectSet
 from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
 from egad.measures import MAX_CANDIDATES
 
@@ -71,7 +70,7 @@ class Rescale(Parameters):
 MOST_PRIMITIVES = 100_000  # their ids have five digits
 
 
-class Dataset(Parameters):
+class DatasetSection(Parameters):
     """A set of objects: evolved, from an archive, from mesh files, or random primitives."""
 
     source: Literal["evolved", "archive", "meshes", "primitives"] = Field(
@@ -184,7 +183,7 @@ class Release(Parameters):
         description="largest fraction of the objects outside the test split that are for "
         "validation; whole families are",
     )
-    archives: list[PhysicsFormat] = Field(
+    archives: list[ObjectFormat] = Field(
         ["urdf", "mjcf"],
         description="formats of the archives of objects for simulators; usd is installed with "
         "`pip install 'egad[usd]'`",

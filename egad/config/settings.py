@@ -4,7 +4,7 @@ from pydantic import Field
 
 from egad._util.parameters import Name, Parameters, Seed
 from egad.config.sections import (
-    Dataset,
+    DatasetSection,
     Postprocess,
     Release,
     Rescale,
@@ -20,10 +20,10 @@ from egad.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.grippers import GRIPPERS, Gripper
 from egad.learning import Training
 from egad.map_elites import Evolution
-from egad.measures import Complexity, CustomMeasures, Difficulty, SizeEffect, Space
+from egad.measures import Complexity, CustomMeasures, Difficulty, MeasureSpace, SizeEffect
 from egad.perception import CAMERAS, Camera, ImageNoise, Render
 from egad.reeb import Similarity
-from egad.sim import Agreement, Clutter, SimulatedLabel, Trials
+from egad.sim import Clutter, LabelAgreement, SimulatedLabel, TrialProtocol
 
 
 class Settings(Parameters):
@@ -33,8 +33,10 @@ class Settings(Parameters):
     shards: int = Field(
         4, ge=1, le=1024, description="jobs per dataset; does not change any result"
     )
-    datasets: dict[Name, Dataset] = Field(
-        {"egad": Dataset(source="evolved")}, min_length=1, description="all datasets, by name"
+    datasets: dict[Name, DatasetSection] = Field(
+        {"egad": DatasetSection(source="evolved")},
+        min_length=1,
+        description="all datasets, by name",
     )
     targets: Targets = Targets()
     schedule: Schedule = Schedule()
@@ -46,7 +48,7 @@ class Settings(Parameters):
     hole: Hole = Hole()
     symmetry: Symmetry = Symmetry()
     limits: Limits = Limits()
-    space: Space = Space()
+    space: MeasureSpace = MeasureSpace()
     measures: CustomMeasures = CustomMeasures()
     complexity: Complexity = Complexity()
     difficulty: Difficulty = Difficulty()
@@ -66,10 +68,10 @@ class Settings(Parameters):
     bundle: Bundle = Bundle()
     dexnet: DexNet = DexNet()
     acronym: Acronym = Acronym()
-    trials: Trials = Trials()
+    trials: TrialProtocol = TrialProtocol()
     clutter: Clutter = Clutter()
     simulated_label: SimulatedLabel = SimulatedLabel()
-    agreement: Agreement = Agreement()
+    agreement: LabelAgreement = LabelAgreement()
     training: Training = Training()
     render: Render = Render()
     image_noise: ImageNoise = ImageNoise()

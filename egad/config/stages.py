@@ -18,7 +18,7 @@ from egad.grasps import LabelParameters, Quality
 from egad.grippers import Gripper
 from egad.learning import Training
 from egad.map_elites import EvolutionParameters
-from egad.measures import MeasureParameters, Space
+from egad.measures import MeasureParameters, MeasureSpace
 from egad.perception import RenderParameters
 from egad.reeb import Similarity
 from egad.sim import (
@@ -39,7 +39,7 @@ class MeasureMeshes(MeasureParameters):
 
     postprocess: Postprocess
     material: Material
-    space: Space
+    space: MeasureSpace
 
 
 class LocateMeshes(MeasureMeshes):
@@ -71,7 +71,7 @@ class PostprocessSolids(MeasureParameters):
 class CellsAndDiversities(StageSettings):
     """The cells of objects, and how much their shapes differ."""
 
-    space: Space
+    space: MeasureSpace
     similarity: Similarity
 
 
@@ -79,7 +79,7 @@ class EvalSelection(StageSettings):
     """The evaluation set."""
 
     seed: int
-    space: Space
+    space: MeasureSpace
     similarity: Similarity
     select_eval: SelectEval
     gripper: Gripper

@@ -2,7 +2,7 @@ from .constraints import UNBOUND as UNBOUND
 from .constraints import Rules as Rules
 from .constraints import build_rules as build_rules
 from .expressions import INPUT_NAMES as INPUT_NAMES
-from .expressions import Node as Node
+from .expressions import ExpressionNode as ExpressionNode
 from .expressions import genome_text as genome_text
 from .expressions import used_nodes as used_nodes
 from .genome import Row as Row

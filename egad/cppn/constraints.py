@@ -8,6 +8,7 @@ import trimesh
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad._util.arrays import Floats
 from egad.cppn import voxels
 from egad.cppn.parameters import Limits, Region, Symmetry
 from egad.cppn.voxels import Solid
@@ -17,7 +18,6 @@ from egad.geometry import RayCaster
 Points = NDArray[np.float32]
 Voxels = NDArray[np.bool_]
 AXES = "xyz"
-Floats = NDArray[np.float64]
 EDGE = 1 + 1e-9  # a voxel whose middle lies on the edge belongs to the region
 Reader = Callable[[str], trimesh.Trimesh]
 

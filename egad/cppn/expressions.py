@@ -31,7 +31,7 @@ _THEN = "# Then hidden holes are filled, thin parts are removed, and the largest
 EXACT = 17  # digits that give back the same number
 
 
-class Node(NamedTuple):
+class ExpressionNode(NamedTuple):
     """A node that the output of a network depends on.
 
     Attributes:
@@ -47,7 +47,7 @@ class Node(NamedTuple):
     inputs: tuple[tuple[str, float], ...]
 
 
-def used_nodes(genome: Row) -> list[Node]:
+def used_nodes(genome: Row) -> list[ExpressionNode]:
     """The nodes that the output of a network depends on, in the order of evaluation."""
     place = {int(key): number for number, key in enumerate(genome["node_keys"])}
     names = {-1 - number: name for number, name in enumerate(INPUT_NAMES)}
@@ -57,7 +57,7 @@ def used_nodes(genome: Row) -> list[Node]:
         inputs = tuple((names[source], weight) for source, weight in links)
         bias = float(genome["node_biases"][place[key]])
         activation = str(genome["node_activations"][place[key]])
-        nodes.append(Node(names[key], activation, bias, inputs))
+        nodes.append(ExpressionNode(names[key], activation, bias, inputs))
     return nodes
 
 
@@ -122,7 +122,7 @@ def _number(value: float, digits: int) -> str:
     return repr(float(value)) if digits >= EXACT else f"{value:.{digits}g}"
 
 
-def _expression(node: Node, digits: int) -> str:
+def _expression(node: ExpressionNode, digits: int) -> str:
     """The value of a node, such as `sin(1.5*x - 0.2*h1 + 0.7)`."""
     terms = [(weight, f"*{name}") for name, weight in node.inputs]
     if node.bias or not terms:

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad._util.arrays import Floats
 from egad.detectors.base import LEAST_BITE, Grasp, bite_share, rank_grasps
 from egad.grasps import TABLE_CLEARANCE, roomy
 from egad.grippers import Gripper
@@ -18,8 +18,6 @@ from egad.perception import (
     restore,
     window_of,
 )
-
-Floats = NDArray[np.float64]
 
 MAX_EDGES = 400
 MAX_CANDIDATES = 400

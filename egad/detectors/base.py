@@ -5,12 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.grippers import Gripper
 from egad.outcomes import Outcome
-
-Floats = NDArray[np.float64]
 
 MOST_GRASPS = 50  # kept of the candidates of a detector
 LEAST_BITE = 0.005  # metres that the fingertips must reach below the surface that is seen

@@ -3,16 +3,12 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Flags, Floats, Ints
 from egad.detectors.poses import GraspPoses, best_poses
 from egad.grasps import TABLE_CLEARANCE, hand_poses, roomy
 from egad.grippers import Gripper, finger_span
 from egad.perception import PointCloud
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 MAX_POINTS = 800  # that can be contacts
 MAX_PAIRS = 1000  # that are rated
@@ -84,7 +80,7 @@ def antipodal_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generato
     return best_poses(GraspPoses(*(values[found.scores > 0] for values in found)))
 
 
-def _chosen(count: int, most: int, rng: np.random.Generator) -> Indices:
+def _chosen(count: int, most: int, rng: np.random.Generator) -> Ints:
     """Some of the numbers below `count`, ascending."""
     return np.sort(rng.permutation(count)[:most])
 

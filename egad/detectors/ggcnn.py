@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad._util.arrays import Floats, Ints
 from egad._util.extras import needed_for
 from egad.detectors.base import FULL_BITE, LEAST_BITE, WHERE, Grasp, bite_share, rank_grasps
 from egad.errors import UserError
@@ -34,8 +35,6 @@ GGCNN_WEIGHTS = (
     "dougsm/ggcnn, as files named "
     "ggcnn_epoch_23_cornell_statedict.pt (GG-CNN) and epoch_50_cornell_statedict.pt (GG-CNN2)"
 )
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Infer = Callable[[NDArray[np.float32]], NDArray[np.float32]]
 
 

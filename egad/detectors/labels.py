@@ -6,14 +6,12 @@ knows neither gravity nor the table, and there are grasps that were never labell
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.detectors.base import Grasp, rank_grasps
 from egad.grasps import LEAST_BITE, roomy
 from egad.grippers import Gripper, finger_span
 from egad.perception import View, heightmap_of, min_fingertip_height, restore
-
-Floats = NDArray[np.float64]
 
 TILT = np.radians(15)  # of the closing axis, which the hand holds level
 

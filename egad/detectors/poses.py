@@ -3,14 +3,12 @@
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.detectors.base import MOST_GRASPS, Grasp
 from egad.grasps import hand_poses
 from egad.grippers import Gripper, finger_span
 from egad.outcomes import Outcome
-
-Floats = NDArray[np.float64]
 
 RIGID = 1e-3  # largest entry of R^T R - 1; networks answer in single precision
 

@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Singles
 from egad._util.extras import needed_for
 from egad.detectors.base import WHERE
 from egad.detectors.poses import GraspPoses, best_poses
 from egad.errors import UserError
 from egad.grippers import Gripper, finger_span
 from egad.perception import Tsdf
-
-Singles = NDArray[np.float32]
 
 VGN_WEIGHTS = "the published ones are in the data of the project ethz-asl/vgn: vgn_conv.pth"
 # Open3D's uniform volume, which VGN was trained with, leaves out what is further from a surface.

@@ -7,13 +7,11 @@ import numpy as np
 import trimesh
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextPath
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from egad._util.arrays import Floats
 from egad.evalset.parameters import Engraving
 from egad.geometry import RayCaster, is_solid, spread, to_mesh, to_solid
-
-Floats = NDArray[np.float64]
 
 FONT = FontProperties(family="DejaVu Sans", weight="bold")  # matplotlib brings it along
 STEP = 0.5  # of the height of the letters: between the positions tried

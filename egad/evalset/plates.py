@@ -8,7 +8,7 @@ import trimesh
 
 from egad.evalset.filament import filament_mass
 from egad.evalset.parameters import PrintCheck, PrintExport
-from egad.evalset.print_poses import Pose, lie_down
+from egad.evalset.print_poses import PrintPose, lie_down
 from egad.evalset.printability import print_problems
 
 Labelled = Iterable[tuple[str, trimesh.Trimesh]]
@@ -29,7 +29,7 @@ class PrintItem:
         note: What to know before printing.
     """
 
-    pose: Pose
+    pose: PrintPose
     filament: float
     plate: int | None
     place: tuple[float, float] | None
@@ -71,7 +71,7 @@ def plan_prints(
 
 
 def _item(
-    pose: Pose,
+    pose: PrintPose,
     problems: list[str],
     place: tuple[int, float, float] | None,
     settings: PrintExport,
@@ -81,7 +81,7 @@ def _item(
     return PrintItem(pose, filament, plate, where, _note(pose, problems, plate, settings))
 
 
-def _note(pose: Pose, problems: list[str], plate: int | None, settings: PrintExport) -> str:
+def _note(pose: PrintPose, problems: list[str], plate: int | None, settings: PrintExport) -> str:
     """What to know before printing."""
     if problems:
         return f"not printable at this size: {', '.join(problems)}"

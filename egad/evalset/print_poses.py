@@ -4,20 +4,18 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.errors import RejectedError
 from egad.geometry import mass_properties, to_solid
 from egad.geometry.stable_poses import stable_poses
-
-Floats = NDArray[np.float64]
 
 LAYER = 0.0002  # metres
 LIKELY = 0.02  # poses that an object comes to rest in less often are too shaky to print in
 FOOTHOLD = 1e-6  # m2: slicers leave out a first layer much smaller than this
 
 
-class Pose(NamedTuple):
+class PrintPose(NamedTuple):
     """An object lying on the bed, in metres, the lowest corner of its box at the origin.
 
     Attributes:
@@ -33,7 +31,7 @@ class Pose(NamedTuple):
     contact: float
 
 
-def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -> Pose:
+def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -> PrintPose:
     """A copy in one of its resting poses.
 
     Args:
@@ -59,12 +57,12 @@ def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -
 
 def _pose(
     mesh: trimesh.Trimesh, rotation: Floats, probability: float, angle: float, along: int
-) -> Pose:
+) -> PrintPose:
     standing = np.asarray(mesh.vertices, dtype=np.float64) @ rotation.T
     turned = standing @ _align_with_bed(standing, along).T
     clean = trimesh.Trimesh(turned - turned.min(axis=0), mesh.faces, process=False)
     area = overhang_area(clean, np.eye(3), angle)
-    return Pose(clean, probability, area, first_layer_area(clean, np.eye(3)))
+    return PrintPose(clean, probability, area, first_layer_area(clean, np.eye(3)))
 
 
 def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float) -> float:

@@ -4,16 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csgraph
 from scipy.spatial import cKDTree
 
+from egad._util.arrays import Flags, Floats, Ints
 from egad.evalset.parameters import PrintCheck
 from egad.geometry import RayCaster, nearest, rims, spread
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int64]
 
 SPACING = 0.8  # of the diameter: longest side of the pieces that triangles are cut into
 SLACK = 0.95  # of the radius: a ball that touches one facet of a curve cuts into the next
@@ -71,7 +67,7 @@ def thinness(mesh: trimesh.Trimesh, diameter: float) -> Thinness:
 
 def _behind(
     mesh: trimesh.Trimesh, points: Floats, normals: Floats, skin: float
-) -> tuple[Floats, Bools]:
+) -> tuple[Floats, Flags]:
     """How deep the solid is behind its surface, and whether the other side is parallel there."""
     hits = RayCaster(mesh).first_hits(points - skin * normals, -normals)
     facing = -np.einsum("nk,nk->n", hits.normals, normals)
@@ -79,7 +75,7 @@ def _behind(
     return np.where(film, 0.0, hits.distances + skin), film | (facing >= PARALLEL)
 
 
-def _balls(mesh: trimesh.Trimesh, centers: Floats, radius: float) -> tuple[Floats, Bools]:
+def _balls(mesh: trimesh.Trimesh, centers: Floats, radius: float) -> tuple[Floats, Flags]:
     """Centers of balls that fit, and which of those given do.
 
     Where one does not, it is pushed away from the surface that it meets, to find the narrow room
@@ -93,7 +89,7 @@ def _balls(mesh: trimesh.Trimesh, centers: Floats, radius: float) -> tuple[Float
     return np.concatenate([centers[fits], others[_fits(mesh, others, radius)]]), fits
 
 
-def _fits(mesh: trimesh.Trimesh, centers: Floats, radius: float) -> Bools:
+def _fits(mesh: trimesh.Trimesh, centers: Floats, radius: float) -> Flags:
     return np.asarray(nearest(centers, mesh)[0] >= SLACK * radius)
 
 

@@ -12,13 +12,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad.evalset.parameters import SelectEval
-from egad.measures import Space, complexity_cells, difficulty_cells
+from egad.measures import MeasureSpace, complexity_cells, difficulty_cells
 from egad.tables.evaluation import EVAL49
 
 LABEL = re.compile(r"[A-Z][0-9]")
-Indices = NDArray[np.int64]
-Floats = NDArray[np.float64]
 Distances = NDArray[np.float64]
 Check = Callable[[int], list[str]]
 
@@ -39,8 +38,8 @@ def cell_of_label(label: str) -> tuple[int, int]:
 
 
 def candidates_by_cell(
-    objects: pd.DataFrame, settings: SelectEval, space: Space, left_out: Iterable[int] = ()
-) -> dict[int, Indices]:
+    objects: pd.DataFrame, settings: SelectEval, space: MeasureSpace, left_out: Iterable[int] = ()
+) -> dict[int, Ints]:
     """The row numbers of the objects in each coarse cell that has any, row by row.
 
     A cell without any borrows the object that lies nearest to it, at most `settings.borrow` cells
@@ -71,7 +70,7 @@ def candidates_by_cell(
     }
 
 
-def coarse_cells(objects: pd.DataFrame, settings: SelectEval, space: Space) -> Indices:
+def coarse_cells(objects: pd.DataFrame, settings: SelectEval, space: MeasureSpace) -> Ints:
     """The number of the cell that each object lies in, row by row, (n,)."""
     rows = difficulty_cells(objects["difficulty"], space, settings.rows)
     return rows * settings.columns + complexity_cells(
@@ -79,7 +78,7 @@ def coarse_cells(objects: pd.DataFrame, settings: SelectEval, space: Space) -> I
     )
 
 
-def _positions(objects: pd.DataFrame, settings: SelectEval, space: Space) -> Floats:
+def _positions(objects: pd.DataFrame, settings: SelectEval, space: MeasureSpace) -> Floats:
     """Row and column of each object, (n, 2), as numbers that grow through the cells."""
     easy, hard = space.difficulty_range[::-1]
     simple, complicated = space.complexity_range
@@ -109,8 +108,8 @@ class Selection(NamedTuple):
     """
 
     table: pd.DataFrame
-    chosen: Indices
-    candidates: list[Indices]
+    chosen: Ints
+    candidates: list[Ints]
     left_out: dict[int, list[str]]
 
 
@@ -118,7 +117,7 @@ def select(
     objects: pd.DataFrame,
     distances: Distances,
     settings: SelectEval,
-    space: Space,
+    space: MeasureSpace,
     rng: np.random.Generator,
     problems: Check | None = None,
 ) -> Selection:
@@ -156,19 +155,19 @@ def select(
 
 
 def _best_of_restarts(
-    candidates: Sequence[Indices], distances: Distances, restarts: int, rng: np.random.Generator
-) -> Indices:
+    candidates: Sequence[Ints], distances: Distances, restarts: int, rng: np.random.Generator
+) -> Ints:
     starts = (random_choice(candidates, rng) for _ in range(restarts))
     found = [improve(start, candidates, distances) for start in starts]
     return max(found, key=lambda chosen: total(chosen, distances))
 
 
-def random_choice(candidates: Sequence[Indices], rng: np.random.Generator) -> Indices:
+def random_choice(candidates: Sequence[Ints], rng: np.random.Generator) -> Ints:
     """One candidate of each cell, drawn uniformly."""
     return np.array([cell[rng.integers(len(cell))] for cell in candidates], dtype=np.int64)
 
 
-def improve(start: Indices, candidates: Sequence[Indices], distances: Distances) -> Indices:
+def improve(start: Ints, candidates: Sequence[Ints], distances: Distances) -> Ints:
     """Exchange one or two objects until no such exchange makes the sum of distances larger."""
     chosen = _exchange_singles(start, candidates, distances)
     while (better := _exchange_pair(chosen, candidates, distances)) is not None:
@@ -176,9 +175,7 @@ def improve(start: Indices, candidates: Sequence[Indices], distances: Distances)
     return chosen
 
 
-def _exchange_pair(
-    chosen: Indices, candidates: Sequence[Indices], distances: Distances
-) -> Indices | None:
+def _exchange_pair(chosen: Ints, candidates: Sequence[Ints], distances: Distances) -> Ints | None:
     """The set after the first exchange of two objects that makes it better; None: there is none.
 
     The pairs of an object of one cell with one of any later cell are looked at together.
@@ -208,9 +205,7 @@ def _exchange_pair(
     return None
 
 
-def _exchange_singles(
-    start: Indices, candidates: Sequence[Indices], distances: Distances
-) -> Indices:
+def _exchange_singles(start: Ints, candidates: Sequence[Ints], distances: Distances) -> Ints:
     chosen = start.copy()
     gains = distances[:, chosen].sum(axis=1)  # of every object to the whole set
     changed = True
@@ -227,18 +222,18 @@ def _exchange_singles(
     return chosen
 
 
-def total(chosen: Indices, distances: Distances) -> float:
+def total(chosen: Ints, distances: Distances) -> float:
     """Sum of the distances of all pairs of a set."""
     return float(distances[np.ix_(chosen, chosen)].sum() / 2)
 
 
-def mean_distance(chosen: Indices, distances: Distances) -> float:
+def mean_distance(chosen: Ints, distances: Distances) -> float:
     """Mean distance of all pairs of a set; NaN for fewer than two objects."""
     pairs = len(chosen) * (len(chosen) - 1) / 2
     return total(chosen, distances) / pairs if pairs else float("nan")
 
 
-def bound(candidates: Sequence[Indices], distances: Distances) -> float:
+def bound(candidates: Sequence[Ints], distances: Distances) -> float:
     """What the mean distance of no set can exceed.
 
     Each object of a set lies at most as far from the others as from the farthest of their cells.
@@ -255,7 +250,7 @@ def bound(candidates: Sequence[Indices], distances: Distances) -> float:
 
 
 def best_of_random(
-    candidates: Sequence[Indices],
+    candidates: Sequence[Ints],
     distances: Distances,
     rng: np.random.Generator,
     draws: int = 1000,
@@ -271,7 +266,7 @@ def empty_cells(chosen: pd.DataFrame, settings: SelectEval) -> list[str]:
     return [label for label in labels if label not in set(chosen["label"])]
 
 
-def _nearest(chosen: Indices, distances: Distances) -> NDArray[np.float64]:
+def _nearest(chosen: Ints, distances: Distances) -> NDArray[np.float64]:
     """Distance of each to the nearest other; NaN for a single one."""
     if len(chosen) < 2:
         return np.full(len(chosen), np.nan)
@@ -282,7 +277,7 @@ def _nearest(chosen: Indices, distances: Distances) -> NDArray[np.float64]:
 
 def _frame(
     chosen: pd.DataFrame,
-    cells: Indices,
+    cells: Ints,
     columns: int,
     borrowed: NDArray[np.bool_],
     nearest: NDArray[np.float64],

@@ -1,4 +1,4 @@
-"""Files that other programs read and write: one module per format, and meshes of any format."""
+"""Objects, grasps and images in the formats of other programs: see `registry.py`."""
 
 import lazy_loader
 

@@ -4,12 +4,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from egad.evalset import SimulationObject
-from egad.exchange.meshes import write_obj
+from egad.io import write_obj
 
 VISUAL, PARTS = "visual.obj", "parts"
 GREY = (0.72, 0.74, 0.78)  # sRGB
-GREY_LINEAR = (0.48, 0.51, 0.57)  # the same color in linear RGB
-ROUGHNESS = 0.7  # of a matt surface
 
 
 class MeshFiles(NamedTuple):

@@ -1,6 +1,6 @@
 """Settings of exports for other programs."""
 
-from typing import Literal, Self
+from typing import NamedTuple, Self
 
 from pydantic import Field, model_validator
 
@@ -10,10 +10,12 @@ from egad.geometry import Material
 from egad.grasps import Quality, Robust
 from egad.grippers import Gripper
 
-MeshFormat = Literal["glb", "obj", "stl"]  # formats of a surface
-PhysicsFormat = Literal[  # formats of objects with convex parts, mass and friction
-    "mjcf", "robosuite", "sdf", "simulation", "urdf", "usd", "vgn"
-]
+
+class NamedGripper(NamedTuple):
+    """A gripper, and what it is called."""
+
+    name: str
+    gripper: Gripper
 
 
 class DexNet(Parameters):

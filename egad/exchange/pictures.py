@@ -1,14 +1,33 @@
 """Picture files of image sets: depths as TIFF, masks as PNG."""
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from egad.perception import ImageGrasps
+from egad.perception import SPLITS, ImageGrasps, RenderedImage
 
 NOTHING = 0.0  # what readers of these sets take for a missing depth
+
+
+def write_by_split(
+    pictures: Iterable[RenderedImage], folder: Path, write: Callable[[RenderedImage, Path], bool]
+) -> int:
+    """Write a set of images, one folder per split.
+
+    Args:
+        pictures: The images.
+        folder: An empty folder.
+        write: Writes an image into the folder of its split; false if it has nothing to write.
+
+    Returns:
+        How many images were written.
+    """
+    for split in SPLITS:
+        (folder / split).mkdir()
+    return sum(write(picture, folder / picture.split) for picture in pictures)
 
 
 def write_depth(depth: NDArray[np.float32], path: Path) -> None:

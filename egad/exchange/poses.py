@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.errors import UserError
 from egad.evalset import SimulationObject
 from egad.geometry import StablePose
 
-Floats = NDArray[np.float64]
 POSES = "poses.json"
 ON_TABLE = 1e-6  # m: vertices at most this far from the table belong to the resting face
 

@@ -8,6 +8,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
 from egad._util.extras import check_installed
 from egad.errors import RejectedError
@@ -16,7 +17,6 @@ from egad.geometry.hulls import hull_mesh, hull_of
 
 TIME_LIMIT = 1800  # seconds; it takes minutes at most
 
-Floats = NDArray[np.float64]
 Task = tuple[Floats, NDArray[np.int64], float, int]
 
 

@@ -4,14 +4,12 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad.geometry.hulls import hull_of, least_volume
 from egad.geometry.manifold import Solid, arrays
 from egad.geometry.touchable import depths
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Plane = tuple[Floats, float]  # unit normal, distance from the origin
 
 FLUSH_PLANES = 4  # largest faces at the deepest point, whose planes are tried

@@ -6,10 +6,10 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad._util.extras import needed_for
 from egad.geometry.surface_samples import spread
 
-Floats = NDArray[np.float64]
 STEP = 0.02  # of the longest side: distance between the points that are looked at
 CELL = 0.5  # of that distance
 ROUNDING = 1e-9  # relative

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Flags
 from egad.geometry.hull_vertices import fewer_vertices, lower_planes
 from egad.geometry.hulls import Hull, hull_of
 from egad.geometry.touchable import (
@@ -19,9 +19,6 @@ from egad.geometry.touchable import (
     touchable_points,
     within_box,
 )
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 # Parts of the allowed deviation:
 DEPTH = 0.8  # of points in the end; those between them may lie a little deeper

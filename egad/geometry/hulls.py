@@ -12,12 +12,10 @@ from typing import NamedTuple
 import manifold3d
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
+from egad._util.arrays import Floats
 from egad.geometry.manifold import to_mesh
-
-Floats = NDArray[np.float64]
 
 TOUCHING = 1e-6  # of the longest side: boxes this close count as touching
 EQUAL = 1e-9  # relative difference of volumes that are the same

@@ -5,12 +5,10 @@ from typing import NamedTuple
 import manifold3d
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats
 from egad.geometry.manifold import Solid, to_mesh, union
-
-Floats = NDArray[np.float64]
 
 PIECES = (2, 5)  # of an object
 SIDES = (0.2, 1.0)  # of a piece, before the object is scaled

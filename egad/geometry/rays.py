@@ -8,11 +8,8 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
+from egad._util.arrays import Flags, Floats, Singles
 from egad._util.kernels import kernel
-
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Flags = NDArray[np.bool_]
 
 MISS = 1e30  # Embree gives 1e37 where a ray meets nothing
 GRAZING = 1e-4  # of the mesh's size: farther than this off, Embree's distance is the better one

@@ -5,34 +5,32 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints32
 from egad._util.kernels import kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 
 class Triangulation(NamedTuple):
     """A triangle mesh with its edges numbered. Any number of faces may meet at an edge."""
 
     vertices: Floats  # (n, 3)
-    faces: Ints  # (f, 3)
-    edges: Ints  # (e, 2)
-    face_edges: Ints  # (f, 3): edge k of a face joins its corners k and k + 1
+    faces: Ints32  # (f, 3)
+    edges: Ints32  # (e, 2)
+    face_edges: Ints32  # (f, 3): edge k of a face joins its corners k and k + 1
 
 
 class _Room(NamedTuple):
     """A triangulation with space for more, and which face corners lie at the start of an edge."""
 
     vertices: Floats
-    faces: Ints
-    edges: Ints
-    face_edges: Ints
+    faces: Ints32
+    edges: Ints32
+    face_edges: Ints32
     lengths: Floats  # squared
-    first: Ints  # of each edge: corner 3 * face + k of one of its faces
-    following: Ints  # of each corner: the next one of the same edge, or -1
+    first: Ints32  # of each edge: corner 3 * face + k of one of its faces
+    following: Ints32  # of each corner: the next one of the same edge, or -1
 
 
-def distinct_corners(faces: NDArray[np.int64]) -> Ints:
+def distinct_corners(faces: NDArray[np.int64]) -> Ints32:
     """The faces (f, 3) with three different vertices."""
     a, b, c = faces.T
     distinct = (a != b) & (b != c) & (c != a)
@@ -40,7 +38,7 @@ def distinct_corners(faces: NDArray[np.int64]) -> Ints:
 
 
 @kernel()
-def triangulation(vertices: Floats, faces: Ints) -> Triangulation:
+def triangulation(vertices: Floats, faces: Ints32) -> Triangulation:
     """Number the edges of a mesh by their lower vertex, then the higher one.
 
     Args:
@@ -65,7 +63,7 @@ def triangulation(vertices: Floats, faces: Ints) -> Triangulation:
 
 
 @kernel()
-def lexicographic(low: Ints, high: Ints, bound: int) -> NDArray[np.int64]:
+def lexicographic(low: Ints32, high: Ints32, bound: int) -> NDArray[np.int64]:
     """Indices that sort pairs of numbers below `bound`: a counting sort by each, stable."""
     order = np.arange(len(low))
     for keys in (high, low):
@@ -242,7 +240,7 @@ def _above(lengths: Floats, one: int, other: int) -> bool:
 
 
 @kernel()
-def _sink(heap: Ints, count: int, lengths: Floats, slot: int) -> None:
+def _sink(heap: Ints32, count: int, lengths: Floats, slot: int) -> None:
     item = heap[slot]
     while 2 * slot + 1 < count:
         child = 2 * slot + 1
@@ -256,7 +254,7 @@ def _sink(heap: Ints, count: int, lengths: Floats, slot: int) -> None:
 
 
 @kernel()
-def _rise(heap: Ints, lengths: Floats, slot: int) -> None:
+def _rise(heap: Ints32, lengths: Floats, slot: int) -> None:
     item = heap[slot]
     while slot > 0 and _above(lengths, item, heap[(slot - 1) // 2]):
         heap[slot] = heap[(slot - 1) // 2]

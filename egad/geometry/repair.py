@@ -5,11 +5,11 @@ from typing import NamedTuple, cast, get_args
 import manifold3d
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csgraph
 from scipy.spatial import cKDTree
 
 from egad._util.arguments import check_number
+from egad._util.arrays import Floats, Ints
 from egad._util.display import facts_html
 from egad.errors import RejectedError, check_name
 from egad.geometry.checks import check_surface
@@ -19,8 +19,6 @@ from egad.geometry.rays import RayCaster
 from egad.geometry.self_intersections import DEPTH, crossings, untangle
 from egad.geometry.shell import shell
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Loop = list[int]
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad._util.kernels import kernel
 from egad.geometry.refinement import Triangulation, distinct_corners, face_areas, triangulation
 
-Floats = NDArray[np.float64]
 LARGEST = 1e-4  # rounding that is looked for, over the square root of the area
 USUAL = 5e-6  # the same: of files in which planes are upright, so that rounding leaves them flat
 GAP = 10.0  # flat folds and real ones differ in height by at least this factor,

@@ -4,15 +4,14 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize
 from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats
 from egad.errors import RejectedError, check_name
 from egad.geometry.checks import check_mesh
-
-Floats = NDArray[np.float64]
 
 TURNS = 800  # orientations tried; they lie some 8 degrees apart, as the box has 24 of its own
 STARTS = 3  # the best of them that are turned further

@@ -3,12 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad._util.kernels import kernel
 from egad.errors import RejectedError
 from egad.geometry.manifold import Solid, arrays, box, is_solid, union
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 DEPTH = 1e-6  # of the longest side: shallower crossings are rounding
 MARGIN = 1e-3  # of the longest side: left around the triangles that cross
 CRUMB = 0.05  # of the longest side: smaller pieces that still cross become their hull

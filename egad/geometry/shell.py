@@ -4,18 +4,15 @@ from contextlib import suppress
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csgraph
 
+from egad._util.arrays import Floats, Ints
 from egad._util.extras import needed_for
 from egad.errors import RejectedError
 from egad.geometry.checks import check_surface
 from egad.geometry.distance import nearest
 from egad.geometry.manifold import Solid, to_solid
 from egad.geometry.self_intersections import untangle
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 CELLS = 4  # of the grid across a wall
 OFFSET = 0.37  # of a cell: so that flat surfaces rarely lie in a plane of nodes

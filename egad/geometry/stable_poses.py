@@ -4,16 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats, Ints
 from egad._util.display import facts_html
 from egad.errors import RejectedError
 from egad.geometry.checks import check_mesh
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class StablePose(NamedTuple):

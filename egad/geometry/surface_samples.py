@@ -4,11 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
+from egad._util.arrays import Floats, Ints
 
 TURN = 0.5  # radians between the normals at an edge, at most
 

@@ -7,12 +7,11 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad._util.kernels import kernel
 from egad.geometry.hulls import Hull, hull_of
 from egad.geometry.rays import RayCaster
 from egad.random import generator
-
-Floats = NDArray[np.float64]
 
 FINGER = 0.01  # metres, the thickness of a finger: 99.6 % of labelled contacts have as much space
 START = 1e-4  # metres before the surface: there the rays begin, which must not meet it

@@ -8,16 +8,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Flags, Floats, Ints
 from egad.geometry import RayCaster
 from egad.grasps.collision import blocked_turns
 from egad.grasps.sampler import ContactPairs
-from egad.grippers import Body, Part
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
+from egad.grippers import HandBody, Part
 
 
 class Approaches(NamedTuple):
@@ -34,14 +30,14 @@ class Approaches(NamedTuple):
     directions: Floats
     fits: Flags
     free: Flags
-    angles_fit: Indices
-    angles_collision_free: Indices
+    angles_fit: Ints
+    angles_collision_free: Ints
 
 
 def best_approaches(
     caster: RayCaster,
     grasps: ContactPairs,
-    body: Body,
+    body: HandBody,
     *,
     angles: int = 16,
     way: float = 0.1,
@@ -113,7 +109,7 @@ def swallowed(
     return result
 
 
-def _roomiest(blocked: Flags) -> Indices:
+def _roomiest(blocked: Flags) -> Ints:
     """Per row the first of the free angles that are farthest from any blocked one; else 0."""
     angles = blocked.shape[1]
     room = np.zeros(blocked.shape, dtype=int)

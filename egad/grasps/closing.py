@@ -1,16 +1,14 @@
 """The opening that a grasp needs for the fingers of a maker's model, which may move on arcs."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.geometry import RayCaster
 from egad.grasps.approach import swallowed
 from egad.grasps.collision import blocked_turns
 from egad.grasps.sampler import ContactPairs
 from egad.grippers import CLEARANCE, ModelBody
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 STRAIGHT = np.zeros(1)
 
 

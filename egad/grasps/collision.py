@@ -3,18 +3,14 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Flags, Floats, Ints
 from egad._util.kernels import kernel
 from egad.grippers import Gripper, Part
-
-Floats = NDArray[np.float64]
 
 TABLE_CLEARANCE = 0.003  # fingertips stay this far above whatever lies below them
 SIDE_CLEARANCE = 0.008  # free space that is wanted on each side of what is held
 LEAST_BITE = 0.003  # the fingertips reach at least this far below the contacts
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 
 def roomy(distance: Floats, gripper: Gripper) -> Floats:
@@ -88,7 +84,7 @@ def _block_turns(
     boxes: Floats,
     gaps: Floats,
     planes: Floats,
-    bounds: Indices,
+    bounds: Ints,
     origins: Floats,
     frames: Floats,
     cosines: Floats,

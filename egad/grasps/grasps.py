@@ -7,11 +7,11 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from egad._util.arguments import check_array
+from egad._util.arrays import Floats
 from egad._util.display import Picture, draw, facts_html
 from egad.errors import UserError
 from egad.grasps.poses import hand_poses
 
-Floats = NDArray[np.float64]
 POINTS = ("center", "contact0", "contact1")
 DIRECTIONS = ("axis", "approach", "normal0", "normal1")
 RIGID = 1e-6  # largest entry of R^T R - 1

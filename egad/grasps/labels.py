@@ -5,8 +5,8 @@ from dataclasses import asdict
 import numpy as np
 import pandas as pd
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad._util.parameters import from_arguments
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, check_solid
@@ -25,9 +25,7 @@ from egad.grasps.parameters import (
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
 from egad.grasps.sampler import ContactPairs, SamplingStatistics, sample_contacts
-from egad.grippers import Body, Gripper
-
-Floats = NDArray[np.float64]
+from egad.grippers import Gripper, HandBody
 
 
 def label_parameters(
@@ -60,7 +58,7 @@ def label_grasps(
     com: Floats,
     settings: LabelParameters,
     rng: np.random.Generator,
-    body: Body,
+    body: HandBody,
 ) -> pd.DataFrame:
     """Sample grasps of an object and rate them.
 
@@ -107,7 +105,7 @@ def rate_grasps(
     grasps: ContactPairs,
     settings: LabelParameters,
     rng: np.random.Generator,
-    body: Body,
+    body: HandBody,
 ) -> pd.DataFrame:
     """Rate grasps: arguments and result are those of `label_grasps`, with a caster of the mesh."""
     gripper, wanted = settings.gripper, settings.grasp_label

@@ -2,22 +2,21 @@
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad._util.kernels import kernel
 from egad.geometry import RayCaster, spread
 from egad.grasps.closing import needed_openings_of_model
 from egad.grasps.collision import apart, clipped, local, spheres
 from egad.grasps.sampler import ContactPairs
-from egad.grippers import Body, ModelBody, finger_span
+from egad.grippers import HandBody, ModelBody, finger_span
 
-Floats = NDArray[np.float64]
 SPACING = 0.05  # of the longest side of the mesh: between the points, at most
 SKIN = 1e-6  # of it: how far below the surface rays start
 
 
 def needed_openings(
-    caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: Body
+    caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: HandBody
 ) -> Floats:
     """The smallest opening at which both fingers stand beside the object at each of n grasps.
 

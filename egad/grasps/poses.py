@@ -5,11 +5,10 @@ from the frame of the hand to that of the object.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.grasps.sampler import approach_directions
 
-Floats = NDArray[np.float64]
 # From the origin of ACRONYM's hand, the flange of a Franka Panda, to its fingertips, metres.
 PANDA_REACH = 0.11217
 

@@ -8,10 +8,10 @@ model and its constants are those of Dex-Net 2.0 (Mahler et al., RSS 2017).
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from egad._util.arrays import Floats
 from egad._util.kernels import kernel
 from egad.grasps.wrench_hull import depths
 
-Floats = NDArray[np.float64]
 ROUNDING = 1e-9  # relative: bounds are larger by this
 
 

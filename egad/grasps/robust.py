@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats
 from egad.geometry import RayCaster
 from egad.grasps.parameters import Quality, Robust
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.sampler import ContactPairs
-
-Floats = NDArray[np.float64]
 
 
 def robust_ferrari_canny(

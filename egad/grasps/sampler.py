@@ -10,12 +10,11 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad._util.kernels import kernel
 from egad.geometry import RayCaster
 from egad.grasps.parameters import Sampling
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 TURN = 0.05 * 2 / np.pi  # metres that a radian of turn counts in the distance of two grasps
 CONTACT_TOLERANCE = 1e-6  # of the opening
 
@@ -53,7 +52,7 @@ class ContactPairs:
         """(n,) distances of the contacts, metres."""
         return np.asarray(np.linalg.norm(self.points[:, 1] - self.points[:, 0], axis=1))
 
-    def take(self, indices: Indices) -> "ContactPairs":
+    def take(self, indices: Ints) -> "ContactPairs":
         """Some of the grasps, in the order given."""
         return ContactPairs(self.points[indices], self.normals[indices], self.axes[indices])
 
@@ -172,7 +171,7 @@ def approach_directions(axes: Floats) -> Floats:
     return np.where(length > 1e-9, flat / np.maximum(length, 1e-9), [1.0, 0.0, 0.0])
 
 
-def _points(caster: RayCaster, count: int, rng: np.random.Generator) -> tuple[Floats, Indices]:
+def _points(caster: RayCaster, count: int, rng: np.random.Generator) -> tuple[Floats, Ints]:
     """Points uniform over the surface, and their faces."""
     areas = np.cumsum(caster.areas)
     faces = np.searchsorted(areas, rng.random(count) * areas[-1])
@@ -182,7 +181,7 @@ def _points(caster: RayCaster, count: int, rng: np.random.Generator) -> tuple[Fl
 
 
 @kernel()
-def _points_inside(triangles: Floats, faces: Indices, along: Floats) -> Floats:
+def _points_inside(triangles: Floats, faces: Ints, along: Floats) -> Floats:
     """Points at parts of two sides of triangles, back from the other half of a parallelogram."""
     points = np.empty((len(faces), 3))
     for i, face in enumerate(faces):
@@ -277,15 +276,15 @@ def _fingers_free(
     return free
 
 
-def _keep_apart(old: ContactPairs, new: ContactPairs, spacing: float) -> Indices:
+def _keep_apart(old: ContactPairs, new: ContactPairs, spacing: float) -> Ints:
     """Which new grasps, taken in order, are at least `spacing` from all that are kept."""
     both = join([old, new])
-    kept: Indices = _spread(both.centers, both.axes, len(old), spacing)
+    kept: Ints = _spread(both.centers, both.axes, len(old), spacing)
     return kept
 
 
 @kernel()
-def _spread(centers: Floats, axes: Floats, old: int, spacing: float) -> Indices:
+def _spread(centers: Floats, axes: Floats, old: int, spacing: float) -> Ints:
     kept = np.arange(len(centers))
     count = old
     for i in range(old, len(centers)):

@@ -1,12 +1,13 @@
 from .described import description_files as description_files
 from .described import model_of as model_of
 from .hand import CLEARANCE as CLEARANCE
-from .hand import Body as Body
 from .hand import BoxBody as BoxBody
+from .hand import HandBody as HandBody
 from .hand import ModelBody as ModelBody
 from .hand import Part as Part
 from .hand import body_of as body_of
 from .hand import finger_span as finger_span
+from .hand import hand_body as hand_body
 from .model import PALM_BODY as PALM_BODY
 from .model import SECOND_FINGER as SECOND_FINGER
 from .model import GripperModel as GripperModel

@@ -8,15 +8,14 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.errors import UserError
 from egad.grippers.shape_files import Packages, find_file, list_packages, read_shape
 from egad.grippers.tree import body_name
 from egad.grippers.urdf import read_urdf
 
 log = logging.getLogger(__name__)
-Floats = NDArray[np.float64]
 
 LEAST_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
 LARGEST_LINK = 1.0  # metres

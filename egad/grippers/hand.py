@@ -9,21 +9,21 @@ so the fingertips reach half a finger's width beyond the origin. The palm begins
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from functools import lru_cache
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 from typing_extensions import override
 
-from egad.errors import RejectedError
+from egad._util.arrays import Floats, Ints
+from egad.errors import RejectedError, UserError
 from egad.grippers.described import model_of
 from egad.grippers.model import PALM_BODY, GripperModel
 from egad.grippers.parameters import Gripper
+from egad.io import read_mesh
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 CLEARANCE = 1e-4  # metres between a contact as wide as the opening and the finger
 
 
@@ -51,12 +51,12 @@ class Pieces(NamedTuple):
         shifts: (m, 3) by which each is shifted, in the frame of the hand, metres.
     """
 
-    rows: Indices
+    rows: Ints
     parts: list[Part]
     shifts: Floats
 
 
-class Body(ABC):
+class HandBody(ABC):
     """The body of a hand at any opening.
 
     Attributes:
@@ -81,7 +81,7 @@ class Body(ABC):
         """
 
 
-class BoxBody(Body):
+class BoxBody(HandBody):
     """Two finger boxes, and a palm that is a box or a mesh."""
 
     def __init__(self, gripper: Gripper, palm: trimesh.Trimesh | None = None) -> None:
@@ -132,7 +132,7 @@ class BoxBody(Body):
         return np.zeros_like(openings)
 
 
-class ModelBody(Body):
+class ModelBody(HandBody):
     """The links of a maker's model. Openings are rounded up to those that it tabulates.
 
     Attributes:
@@ -176,7 +176,7 @@ class ModelBody(Body):
             if link.body != PALM_BODY or not fingers_only
         ]
 
-    def _levels(self, openings: Floats) -> Indices:
+    def _levels(self, openings: Floats) -> Ints:
         """Numbers of the smallest tabulated openings that are at least as wide, (n,)."""
         found = np.searchsorted(self.model.openings, openings - CLEARANCE)
         return np.minimum(found, len(self.model.openings) - 1)
@@ -215,3 +215,19 @@ def _hull(points: Floats, retreat: float) -> Part:
     except QhullError as error:
         raise RejectedError("one of its bodies is flat") from error
     return Part(np.stack([swept.min(axis=0), swept.max(axis=0)]), planes, corners.mean(axis=0))
+
+
+def hand_body(gripper: Gripper) -> HandBody:
+    """The body of a hand: boxes, with a mesh in the place of the palm, or a maker's model.
+
+    Raises:
+        UserError: A file cannot be used.
+    """
+    if gripper.file is not None or gripper.mesh is None:
+        return body_of(gripper)
+    try:
+        return BoxBody(gripper, read_mesh(Path(gripper.mesh), "m"))
+    except RejectedError as reason:
+        raise UserError(
+            f"the mesh {gripper.mesh} of a gripper cannot be used: {reason}"
+        ) from reason

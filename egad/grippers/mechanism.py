@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from egad._util.arrays import Floats
 from egad.errors import UserError
 from egad.grippers.tree import body_name, joint_name
-
-Floats = NDArray[np.float64]
 
 # Weights of what a linkage obeys, of its springs, and of staying where it was
 CLOSED, SPRINGS, STAYING = 1e3, 1e-2, 1e-5

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from egad._util.arrays import Floats
 
 PALM_BODY, FIRST_FINGER, SECOND_FINGER = 0, -1, 1  # what a link belongs to
 

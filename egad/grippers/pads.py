@@ -6,16 +6,14 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
+from egad._util.arrays import Floats
 from egad.errors import UserError
 from egad.grippers.description import shapes_of
 from egad.grippers.fingers import Sides
 from egad.grippers.mechanism import Mechanism, Placement
 from egad.grippers.tree import body_name, link_number
-
-Floats = NDArray[np.float64]
 
 FACING = np.cos(np.radians(25.0))  # how far a face of a pad may turn away from the other finger
 # metres that the foremost and the hindmost corner of a face of a pad may lie behind the link's

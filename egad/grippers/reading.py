@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
+from egad._util.arrays import Floats
 from egad.errors import UserError
 from egad.grippers.description import (
     compile_skeleton,
@@ -29,7 +29,6 @@ from egad.grippers.stroke import Stroke, find_stroke
 from egad.grippers.tree import find_palm, hand_bodies, joint_name, moving_joints, subtree
 
 log = logging.getLogger(__name__)
-Floats = NDArray[np.float64]
 
 SHORT = 5e-4  # metres or of a unit vector: shorter vectors have no direction
 UPRIGHT = 20.0  # degrees; an approach this near to an axis of the palm is meant to be that

@@ -3,13 +3,11 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.grippers.described import description_files, model_of
 from egad.grippers.model import GripperModel
 from egad.grippers.parameters import Gripper
-
-Floats = NDArray[np.float64]
 
 
 def files_of(gripper: Gripper) -> list[Path]:

@@ -9,14 +9,13 @@ from xml.etree import ElementTree
 import numpy as np
 import trimesh
 from collada.common import DaeError
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 from trimesh.units import unit_conversion
 
+from egad._util.arrays import Floats
 from egad.errors import RejectedError, UserError
 from egad.io import count_binary_faces, read_content
 
-Floats = NDArray[np.float64]
 Packages = Mapping[str, Sequence[Path]]  # folders by names
 
 PACKAGE = ("package://", "model://")

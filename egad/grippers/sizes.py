@@ -4,11 +4,9 @@ from typing import Any
 
 import manifold3d
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.grippers.model import PALM_BODY, SECOND_FINGER, GripperModel
-
-Floats = NDArray[np.float64]
 
 LEAST = 1e-3  # metres, of a box
 

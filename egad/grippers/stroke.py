@@ -4,16 +4,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from egad._util.arrays import Floats
 from egad.errors import UserError
 from egad.grippers.fingers import Sides
 from egad.grippers.mechanism import Mechanism
 from egad.grippers.pads import Pads, find_pads
 from egad.grippers.tree import body_name
-
-Floats = NDArray[np.float64]
 
 LEVELS = 65  # openings that are tabulated
 LEAST_OPENING, LARGEST_OPENING = 0.5e-3, 1.0  # metres

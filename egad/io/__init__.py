@@ -1,4 +1,4 @@
-"""Mesh files of other programs: one module a format, read by `read_mesh`."""
+"""Files: meshes of any format, folders of them, tables for people, checksums."""
 
 import lazy_loader
 

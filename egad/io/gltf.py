@@ -10,15 +10,13 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad._util.input_limits import MAX_FACES, MAX_VERTICES, check_at_most
 from egad.errors import RejectedError
 from egad.io.content import Content
 from egad.io.polygons import check_corners, fan_triangles, strip_triangles
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Json = dict[str, Any]
 
 # glTF is Y up. (x, y, z) of a mesh, which is Z up, is (x, z, -y) of the file.

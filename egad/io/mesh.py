@@ -1,4 +1,4 @@
-"""Mesh files of other programs: read with units and checked."""
+"""Mesh files: read with units and checked, and written in metres."""
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -11,12 +11,13 @@ from egad._util.limited import LimitError, limited
 from egad.errors import RejectedError, UserError
 from egad.geometry import check_surface
 from egad.io.content import Content
+from egad.io.glb import write_glb
 from egad.io.gltf import parse_glb
 from egad.io.obj import parse_obj
 from egad.io.off import parse_off
-from egad.io.plain_obj import parse_plain_obj
+from egad.io.plain_obj import parse_plain_obj, write_obj
 from egad.io.ply import parse_ply
-from egad.io.stl import count_binary_faces, parse_stl, stated_in_header
+from egad.io.stl import count_binary_faces, parse_stl, stated_in_header, write_stl_mm
 from egad.io.threemf import parse_3mf
 from egad.io.units import (
     ALLOWED,
@@ -36,6 +37,11 @@ PARSERS: dict[str, Callable[[bytes], Content]] = {
     ".stl": parse_stl,
 }
 ENDINGS = tuple(PARSERS)
+WRITERS: dict[str, Callable[[trimesh.Trimesh, Path], None]] = {
+    ".glb": write_glb,
+    ".obj": write_obj,
+    ".stl": write_stl_mm,
+}
 
 
 def read_mesh(path: Path, units: str | None) -> trimesh.Trimesh:
@@ -60,6 +66,16 @@ def read_mesh(path: Path, units: str | None) -> trimesh.Trimesh:
         mesh.merge_vertices()
     check_surface(mesh)  # of tiny triangles, nothing may be left
     return mesh
+
+
+def write_mesh(mesh: trimesh.Trimesh, path: Path) -> None:
+    """Write a mesh file; the same mesh gives the same bytes.
+
+    Args:
+        mesh: Metres.
+        path: A file with one of the endings of `WRITERS`; STL files are in millimetres and say so.
+    """
+    WRITERS[path.suffix.lower()](mesh, path)
 
 
 def read_content(path: Path) -> Content:

@@ -1,18 +1,26 @@
 """Wavefront OBJ files of nothing but triangles: what this program writes, and reads in no time."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
+import trimesh
 from numpy.typing import NDArray
 from pyarrow import csv
 
+from egad._util.arrays import Floats, Ints
+from egad._util.files import atomic_output
 from egad._util.input_limits import MAX_FACES, MAX_VERTICES, check_at_most
 from egad.io.polygons import check_corners
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+
+def write_obj(mesh: trimesh.Trimesh, path: Path) -> None:
+    """Write a Wavefront OBJ file in the unit of the mesh, with enough digits to read it back."""
+    text = obj_text(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+    with atomic_output(path) as temporary:
+        temporary.write_text(text, encoding="ascii")
 
 
 def obj_text(vertices: Floats, faces: Ints) -> str:

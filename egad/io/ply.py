@@ -5,8 +5,8 @@ import struct
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad._util.input_limits import MAX_VERTICES, check_at_most
 from egad.errors import RejectedError
 from egad.io.content import Content
@@ -22,8 +22,6 @@ from egad.io.text import (
 )
 from egad.io.units import stated_in_comments
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"}
 TYPES |= {"float": "f4", "double": "f8", "float32": "f4", "float64": "f8"}
@@ -54,7 +52,7 @@ class Element(NamedTuple):
         return any(each.length for each in self.properties)
 
 
-class Rows(NamedTuple):
+class ElementRows(NamedTuple):
     """The numbers of an element that are used.
 
     Attributes:
@@ -68,7 +66,7 @@ class Rows(NamedTuple):
     lengths: Ints
 
 
-NOTHING = Rows(np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64))
+NOTHING = ElementRows(np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64))
 
 
 def parse_ply(data: bytes) -> Content:
@@ -96,7 +94,7 @@ def parse_ply(data: bytes) -> Content:
     return Content(vertices, np.concatenate(parts), stated_in_comments(data[: end.start()]))
 
 
-def _strips(rows: Rows, count: int) -> list[Ints]:
+def _strips(rows: ElementRows, count: int) -> list[Ints]:
     """Triangles of strips, which -1 separates within a list."""
     lists = np.split(rows.items, np.cumsum(rows.lengths)[:-1])
     cuts = [np.split(each, np.flatnonzero(each == -1)) for each in lists]
@@ -169,7 +167,7 @@ def _cut_short(element: Element) -> RejectedError:
     )
 
 
-def _text_rows(data: bytes, elements: list[Element], _order: str) -> dict[str, Rows]:
+def _text_rows(data: bytes, elements: list[Element], _order: str) -> dict[str, ElementRows]:
     words, place, found = plain_text(data).split(), 0, {}
     for element in elements:
         if len(words) - place < element.size * len(element.properties):
@@ -185,7 +183,7 @@ def _text_rows(data: bytes, elements: list[Element], _order: str) -> dict[str, R
     return found
 
 
-def _points(words: list[bytes], element: Element) -> Rows:
+def _points(words: list[bytes], element: Element) -> ElementRows:
     """The coordinates of vertices of so many words each."""
     if element.name != "vertex":
         return NOTHING
@@ -209,7 +207,7 @@ def _column(words: list[bytes], element: Element, axis: str) -> Floats:
     return values
 
 
-def _text_lists(words: list[bytes], place: int, element: Element) -> tuple[Rows, int]:
+def _text_lists(words: list[bytes], place: int, element: Element) -> tuple[ElementRows, int]:
     """The rows of an element with lists, and where they end."""
     used, singles = _used(element), list[bytes]()
     items, lengths = list[bytes](), list[int]()
@@ -232,7 +230,7 @@ def _text_lists(words: list[bytes], place: int, element: Element) -> tuple[Rows,
     kept = element._replace(properties=[one for one in element.properties if not one.length])
     points = _points(singles, kept).points
     values = integers(items, f"an index of {element.name}")
-    return Rows(points, values, np.array(lengths, np.int64)), place
+    return ElementRows(points, values, np.array(lengths, np.int64)), place
 
 
 def _length(word: bytes, element: Element) -> int:
@@ -247,7 +245,7 @@ def _length(word: bytes, element: Element) -> int:
     return count
 
 
-def _binary_rows(data: bytes, elements: list[Element], order: str) -> dict[str, Rows]:
+def _binary_rows(data: bytes, elements: list[Element], order: str) -> dict[str, ElementRows]:
     place, found = 0, {}
     for element in elements:
         kind = _row_type(data, place, element, order)
@@ -291,7 +289,7 @@ def _is_uniform(rows: np.ndarray, element: Element) -> bool:
     return all((rows[name] == rows[name][:1]).all() for name in lengths)
 
 
-def _columns(rows: np.ndarray, element: Element) -> Rows:
+def _columns(rows: np.ndarray, element: Element) -> ElementRows:
     """What is used of rows that are all alike."""
     found, used = NOTHING, _used(element)
     names = [one.name for one in element.properties]
@@ -305,7 +303,7 @@ def _columns(rows: np.ndarray, element: Element) -> Rows:
     return found
 
 
-def _binary_lists(data: bytes, place: int, element: Element, order: str) -> tuple[Rows, int]:
+def _binary_lists(data: bytes, place: int, element: Element, order: str) -> tuple[ElementRows, int]:
     """The rows of an element with lists of different lengths, and where they end."""
     used, names = _used(element), [one.name for one in element.properties]
     axes = [names.index(axis) for axis in "xyz"] if element.name == "vertex" else []
@@ -333,4 +331,6 @@ def _binary_lists(data: bytes, place: int, element: Element, order: str) -> tupl
     if place > len(data):
         raise _cut_short(element)
     together = np.concatenate(items).astype(np.int64) if items else NOTHING.items
-    return Rows(np.array(points).reshape(-1, 3), together, np.array(lengths, np.int64)), place
+    return ElementRows(
+        np.array(points).reshape(-1, 3), together, np.array(lengths, np.int64)
+    ), place

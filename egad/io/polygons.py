@@ -3,13 +3,11 @@
 import manifold3d
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad._util.input_limits import MAX_FACES, check_at_most
 from egad.errors import RejectedError
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 ROUNDING = 1e-6  # of areas of polygons of size 1
 
 

@@ -4,8 +4,10 @@ import re
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
+from egad._util.files import atomic_output
 from egad._util.input_limits import MAX_FACES, check_at_most
 from egad.errors import RejectedError
 from egad.io.content import Content
@@ -97,3 +99,13 @@ def _parse_ascii(text: bytes) -> Content:
         raise RejectedError("a facet does not have 3 corners")
     numbers = words[np.minimum(corners[:, None] + [1, 2, 3], len(words) - 1)].ravel()
     return _separate(reals(numbers.tolist(), "a vertex").reshape(-1, 3), stated_in_header(text))
+
+
+def write_stl_mm(mesh: trimesh.Trimesh, path: Path) -> None:
+    """Write a binary STL file in millimetres, of a mesh in metres; its header says so."""
+    facets = np.zeros(len(mesh.faces), _FLOATS)
+    facets["normal"] = mesh.face_normals
+    facets["corners"] = mesh.triangles * 1000
+    header = b"egad, unit: millimetre".ljust(80)
+    with atomic_output(path) as temporary:
+        temporary.write_bytes(header + np.uint32(len(facets)).tobytes() + facets.tobytes())

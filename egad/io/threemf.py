@@ -11,8 +11,8 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad._util.input_limits import (
     MAX_FACES,
     MAX_UNPACKED_BYTES,
@@ -25,8 +25,6 @@ from egad.io.polygons import check_corners
 from egad.io.text import integers, reals
 from egad.io.units import PRESCRIBED, UNIT_OF
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 MICROSOFT = "http://schemas.microsoft.com/3dmanufacturing"
 CORE, PRODUCTION = f"{MICROSOFT}/core/2015/02", f"{MICROSOFT}/production/2015/06"
 TAG, PATH = f"{{{CORE}}}", f"{{{PRODUCTION}}}path"

@@ -1,4 +1,4 @@
-from .dataset import Dataset as Dataset
+from .dataset import ImageDataset as ImageDataset
 from .dataset import PositiveFilter as PositiveFilter
 from .dataset import positive as positive
 from .evaluation import OutlineScore as OutlineScore

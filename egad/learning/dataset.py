@@ -60,7 +60,7 @@ class PositiveFilter(NamedTuple):
         return ["collision_free", SIMULATED if self.simulated else "quality"]
 
 
-class Dataset:
+class ImageDataset:
     """All images of some folders, as one set.
 
     Attributes:
@@ -102,9 +102,9 @@ class Dataset:
         self._kept: OrderedDict[tuple[int, int], pd.DataFrame] = OrderedDict()
         self._lock = Lock()
 
-    def __reduce__(self) -> tuple[type["Dataset"], tuple[Sequence[Path], PositiveFilter]]:
+    def __reduce__(self) -> tuple[type["ImageDataset"], tuple[Sequence[Path], PositiveFilter]]:
         """A copy for another process looks through the shards anew."""
-        return Dataset, (self.folders, self.rule)
+        return ImageDataset, (self.folders, self.rule)
 
     def __str__(self) -> str:
         return ", ".join(map(str, self.folders))
@@ -232,7 +232,7 @@ class Stream:
 
     def __init__(
         self,
-        shards: Dataset,
+        shards: ImageDataset,
         length: int,
         zoom: tuple[float, float] = (0.5, 1.0),
         crop: int = SIZE,

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad.learning.dataset import Dataset, example
+from egad.learning.dataset import ImageDataset, example
 from egad.learning.targets import best, read_maps
 from egad.perception import Rectangles, agrees, half_turn
 from egad.stats import mean_rate
@@ -54,7 +54,7 @@ class OutlineScore(NamedTuple):
     n_images: int
 
 
-def outline_score(shards: Dataset, numbers: Iterable[int]) -> OutlineScore:
+def outline_score(shards: ImageDataset, numbers: Iterable[int]) -> OutlineScore:
     """The score of the outline in those of some images that show a single object.
 
     Args:

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad._util.arrays import Floats
 from egad._util.kernels import kernel
 from egad.learning.parameters import SIZE
 from egad.perception import Rectangles
-
-Floats = NDArray[np.float64]
 
 WIDEST = 150.0  # pixels; the width that the network calls 1
 SMOOTHING = 2.0  # pixels; of all four maps

@@ -24,7 +24,7 @@ from torch import nn
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.errors import UserError
-from egad.learning.dataset import Dataset, Stream
+from egad.learning.dataset import ImageDataset, Stream
 from egad.learning.evaluation import MAPS, ImageScore, map_losses, score, score_image
 from egad.learning.parameters import Training
 
@@ -96,7 +96,7 @@ class Checkpoint:
 
 def train(
     network: nn.Module,
-    shards: Dataset,
+    shards: ImageDataset,
     settings: Training,
     seed: int,
     jobs: int = 1,
@@ -150,7 +150,7 @@ def learning_rate(settings: Training, batch: range) -> float:
 
 def evaluate(
     network: nn.Module,
-    shards: Dataset,
+    shards: ImageDataset,
     numbers: Sequence[int] | NDArray[np.int64],
     workers: Executor,
 ) -> list[ImageScore]:
@@ -160,7 +160,7 @@ def evaluate(
 
 
 def evaluate_split(
-    network: nn.Module, shards: Dataset, most: int, jobs: int
+    network: nn.Module, shards: ImageDataset, most: int, jobs: int
 ) -> tuple[NDArray[np.int64], list[ImageScore]]:
     """At most `most` images of the split `test`, by their index, and a network's scores on them."""
     held = spread(shards.indices("test"), most)
@@ -186,7 +186,7 @@ class _Lesson:
 
     state: State
     stream: Stream
-    shards: Dataset
+    shards: ImageDataset
     settings: Training
     workers: Executor
     checkpoint: Checkpoint | None

@@ -6,13 +6,12 @@ the published weights.
 
 from collections.abc import Callable
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import nn
 from torch.nn import functional
 
-Singles = NDArray[np.float32]
+from egad._util.arrays import Singles
+
 Infer = Callable[[Singles], Singles]
 
 SIDE = 40  # voxels

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from egad._util.display import Picture, draw, facts_html
 from egad.cppn import Row
 from egad.errors import UserError
-from egad.measures import Cell, Space, cell_of, coverage_of
+from egad.measures import Cell, MeasureSpace, cell_of, coverage_of
 from egad.reeb import Neighborhood, Similarity
 from egad.reeb import graph as reeb
 from egad.tables import parquet
@@ -67,7 +67,7 @@ Refine = Callable[[list[Elite]], list[Elite | None]]
 class Archive:
     """Elites in the cells of the space; no two of them have the same voxels."""
 
-    def __init__(self, space: Space, similarity: Similarity, threads: int = 1) -> None:
+    def __init__(self, space: MeasureSpace, similarity: Similarity, threads: int = 1) -> None:
         """Start without elites.
 
         Args:
@@ -298,7 +298,7 @@ def elites_of(frame: pd.DataFrame) -> list[Elite]:
 
 
 def merge(
-    frames: Iterable[pd.DataFrame], space: Space, similarity: Similarity, threads: int = 1
+    frames: Iterable[pd.DataFrame], space: MeasureSpace, similarity: Similarity, threads: int = 1
 ) -> pd.DataFrame:
     """Insert the survivors of all islands into one archive.
 
@@ -316,7 +316,7 @@ def merge(
     return archive.to_frame()
 
 
-def ribs_frame(archive: pd.DataFrame, space: Space) -> pd.DataFrame:
+def ribs_frame(archive: pd.DataFrame, space: MeasureSpace) -> pd.DataFrame:
     """The elites with the columns of a pyribs `ArchiveDataFrame`, for its tools.
 
     Args:

@@ -15,7 +15,7 @@ from egad.reeb import graph as reeb
 
 
 @dataclass(frozen=True)
-class Solid:
+class GenomeVoxels:
     """The voxels that a genome stands for."""
 
     id: str
@@ -31,20 +31,20 @@ class Measured:
     graph: reeb.ReebGraph
 
 
-Evaluate = Callable[[Solid], Measured | str]
+Evaluate = Callable[[GenomeVoxels], Measured | str]
 
 
-def express(row: Row, settings: EvolutionParameters, rules: Rules) -> Solid | str:
+def express(row: Row, settings: EvolutionParameters, rules: Rules) -> GenomeVoxels | str:
     """The solid of a genome, or the reason why it is none that is allowed."""
     shape = settings.shape
     try:
         solid = grow(row, shape.resolution, shape.threshold, rules)
     except RejectedError as error:
         return str(error)
-    return Solid(voxels.identity(solid), voxels.pack(solid))
+    return GenomeVoxels(voxels.identity(solid), voxels.pack(solid))
 
 
-def measure(solid: Solid, settings: EvolutionParameters) -> Measured | str:
+def measure(solid: GenomeVoxels, settings: EvolutionParameters) -> Measured | str:
     """The measures of a solid, or the reason why it has none.
 
     The grasps are sampled with a generator named after the solid, so equal solids have equal

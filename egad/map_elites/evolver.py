@@ -16,15 +16,15 @@ from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry, 
 from egad.errors import RejectedError, UserError, most_common
 from egad.grippers import gripper
 from egad.map_elites.archive import Archive
-from egad.map_elites.evaluation import Measured, Solid
+from egad.map_elites.evaluation import GenomeVoxels, Measured
 from egad.map_elites.island import Candidate, Island
 from egad.map_elites.parameters import Evolution, EvolutionParameters
-from egad.measures import Difficulty, Space, default_measures
+from egad.measures import Difficulty, MeasureSpace, default_measures
 from egad.reeb import Similarity
 from egad.reeb import graph as reeb
 
 Measure = Callable[[trimesh.Trimesh], tuple[float, float]]
-SPACE, POPULATION = Space(), Evolution().population
+SPACE, POPULATION = MeasureSpace(), Evolution().population
 RANGES = SPACE.complexity_range, SPACE.difficulty_range
 
 
@@ -175,7 +175,7 @@ def _parameters(
     """
     first, second = _checked(ranges)
     space = from_arguments(
-        Space,
+        MeasureSpace,
         complexity_range=first,
         difficulty_range=second,
         cells=cells,
@@ -204,7 +204,9 @@ def _checked(ranges: tuple[Range, Range]) -> tuple[Range, Range]:
     return (a, b), (c, d)
 
 
-def _measure(solid: Solid, measures: Measure, settings: EvolutionParameters) -> Measured | str:
+def _measure(
+    solid: GenomeVoxels, measures: Measure, settings: EvolutionParameters
+) -> Measured | str:
     """The measures of a solid by a function of the user, or the reason why it has none."""
     mesh = packed_surface(solid.packed, settings.shape)
     try:

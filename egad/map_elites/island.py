@@ -18,7 +18,7 @@ from egad._util.workers import Mapper
 from egad.cppn import UNBOUND, Rules, Shape, packed_surface, voxels
 from egad.errors import UserError, most_common
 from egad.map_elites.archive import Archive, Elite, Refine
-from egad.map_elites.evaluation import Evaluate, Measured, Solid, express, measure, refine
+from egad.map_elites.evaluation import Evaluate, GenomeVoxels, Measured, express, measure, refine
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import Offspring, breed
 from egad.measures import coverage_of, filled_part
@@ -36,7 +36,7 @@ class Candidate:
     """A new shape that is to be measured."""
 
     offspring: Offspring
-    solid: Solid
+    solid: GenomeVoxels
     shape: Shape
 
     def __repr__(self) -> str:

@@ -10,7 +10,7 @@ from scipy.ndimage import convolve
 from egad.cppn import Row, child, neat_config, random_genome
 from egad.map_elites.archive import Elite
 from egad.map_elites.parameters import EvolutionParameters
-from egad.measures import Space, complexity_cells, difficulty_cells
+from egad.measures import MeasureSpace, complexity_cells, difficulty_cells
 from egad.random import entropy, generator
 
 LEAST = 0.25  # weight of a parent that has no empty place around it: it may still be drawn
@@ -85,7 +85,7 @@ def _draw(rng: np.random.Generator, count: int, chances: NDArray[np.float64] | N
     return int(np.searchsorted(chances, rng.random(), side="right"))
 
 
-def parent_odds(elites: Sequence[Elite], space: Space) -> NDArray[np.float64]:
+def parent_odds(elites: Sequence[Elite], space: MeasureSpace) -> NDArray[np.float64]:
     """The probability of each of n elites to be a parent, (n,), by the empty slots near it (ours).
 
     The weight of an elite is the number of empty slots in its cell and the eight cells around it,

@@ -34,8 +34,8 @@ from .parameters import Complexity as Complexity
 from .parameters import CustomMeasures as CustomMeasures
 from .parameters import Difficulty as Difficulty
 from .parameters import MeasureParameters as MeasureParameters
+from .parameters import MeasureSpace as MeasureSpace
 from .parameters import SizeEffect as SizeEffect
 from .parameters import SizeEffectParameters as SizeEffectParameters
-from .parameters import Space as Space
 from .parameters import default_measures as default_measures
 from .size_effect import summarize as summarize

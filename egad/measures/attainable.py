@@ -9,14 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.grasps import Quality, quality_bound
 from egad.measures.grid import cell_counts
-from egad.measures.parameters import MeasureParameters, Space
+from egad.measures.parameters import MeasureParameters, MeasureSpace
 from egad.measures.percentile import percentile
 
-Floats = NDArray[np.float64]
 LEANS, HEIGHTS = 500, 81  # steps of the model
 
 
@@ -70,7 +69,7 @@ def attainable_difficulty(settings: MeasureParameters) -> Attainable:
     return Attainable(best, highest, rows, float(edges[rows - 1]) if rows else math.inf)
 
 
-def attainable_coverage(objects: pd.DataFrame, space: Space, rows: int) -> float:
+def attainable_coverage(objects: pd.DataFrame, space: MeasureSpace, rows: int) -> float:
     """The fraction of the slots that is filled, without some of the easiest rows.
 
     Args:
@@ -93,7 +92,7 @@ def _qualities(height: float, leans: Floats, rules: Quality) -> Floats:
     return quality_bound(points, normals, axes, np.zeros(3), **contact)
 
 
-def _row_edges(space: Space) -> Floats:
+def _row_edges(space: MeasureSpace) -> Floats:
     """The lowest difficulty of each row, the easiest first, without the last, which has no end."""
     low, high = space.difficulty_range
     edges: Floats = high - (high - low) * np.arange(1, space.cells) / space.cells

@@ -8,12 +8,11 @@ import numpy as np
 import trimesh
 from numpy.typing import ArrayLike, NDArray
 
+from egad._util.arrays import Floats
 from egad._util.kernels import kernel
 from egad.geometry import check_mesh, distinct_corners, refine, triangulation
 from egad.geometry.rounding import rounding
 from egad.measures.parameters import BINS
-
-Floats = NDArray[np.float64]
 
 UNKNOWN_ROUNDING = 1e-3  # of a bin; away from flat vertices, where evolved objects have few values
 LONG_EDGE = 0.08  # over the square root of the area: as on 99 % of the released objects

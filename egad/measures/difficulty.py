@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from egad._util.arrays import Floats, Ints
 from egad._util.kernels import kernel
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, bounding_box, box_sides, check_mesh, scale_factor
@@ -35,8 +36,6 @@ from egad.measures.percentile import (
     percentile_std,
 )
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 
 
@@ -237,7 +236,7 @@ class _RatedGrasps:
             rules = quality.model_dump(exclude={"cone_faces"})
             self._sample.extend(quality_bound(*contacts, self._com, **rules))
 
-    def _qualities(self, indices: Indices, floor: float) -> Floats:
+    def _qualities(self, indices: Ints, floor: float) -> Floats:
         grasps = self._grasps.take(indices)
         contacts = grasps.points, grasps.normals, grasps.axes
         return ferrari_canny(

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from egad.measures.parameters import Space
+from egad.measures.parameters import MeasureSpace
 
 Cells = NDArray[np.int64]
 Cell = tuple[int, int]
@@ -23,18 +23,18 @@ def cells(values: ArrayLike, low: float, high: float, count: int) -> Cells:
     return np.clip(np.floor(scaled), 0, count - 1).astype(np.int64)
 
 
-def complexity_cells(complexity: ArrayLike, space: Space, count: int | None = None) -> Cells:
+def complexity_cells(complexity: ArrayLike, space: MeasureSpace, count: int | None = None) -> Cells:
     """Cells along complexity, 0 = simplest."""
     return cells(complexity, *space.complexity_range, count or space.cells)
 
 
-def difficulty_cells(difficulty: ArrayLike, space: Space, count: int | None = None) -> Cells:
+def difficulty_cells(difficulty: ArrayLike, space: MeasureSpace, count: int | None = None) -> Cells:
     """Cells along difficulty, 0 = easiest, that is, of the highest grasp quality."""
     count = count or space.cells
     return count - 1 - cells(difficulty, *space.difficulty_range, count)
 
 
-def difficulty_limits(difficulty: float, space: Space) -> tuple[float, float]:
+def difficulty_limits(difficulty: float, space: MeasureSpace) -> tuple[float, float]:
     """The least and the largest difficulty of a cell; infinite at the ends of the range."""
     (low, high), count = space.difficulty_range, space.cells
     cell = int(cells(difficulty, low, high, count))
@@ -42,7 +42,7 @@ def difficulty_limits(difficulty: float, space: Space) -> tuple[float, float]:
     return below if cell > 0 else -math.inf, above if cell < count - 1 else math.inf
 
 
-def cell_of(complexity: float, difficulty: float, space: Space) -> Cell:
+def cell_of(complexity: float, difficulty: float, space: MeasureSpace) -> Cell:
     """The cell of an object: (complexity, difficulty)."""
     return int(complexity_cells(complexity, space)), int(difficulty_cells(difficulty, space))
 
@@ -63,7 +63,7 @@ def labels(complexity_cell: Iterable[int], difficulty_cell: Iterable[int]) -> li
     return names
 
 
-def cell_counts(objects: pd.DataFrame, space: Space) -> Cells:
+def cell_counts(objects: pd.DataFrame, space: MeasureSpace) -> Cells:
     """How many objects each cell holds: (cells, cells), by difficulty, then complexity.
 
     Args:
@@ -75,12 +75,12 @@ def cell_counts(objects: pd.DataFrame, space: Space) -> Cells:
     return counts
 
 
-def coverage(objects: pd.DataFrame, space: Space) -> float:
+def coverage(objects: pd.DataFrame, space: MeasureSpace) -> float:
     """Archive coverage of a table of objects; see `coverage_of`."""
     return coverage_of(cell_counts(objects, space), space)
 
 
-def coverage_of(counts: Cells, space: Space) -> float:
+def coverage_of(counts: Cells, space: MeasureSpace) -> float:
     """The fraction of all slots that is filled; a cell has one slot for each elite it may keep.
 
     Args:
@@ -93,7 +93,7 @@ def coverage_of(counts: Cells, space: Space) -> float:
     return float(filled / (space.cells**2 * space.elites_per_cell))
 
 
-def filled_cells(objects: pd.DataFrame, space: Space) -> float:
+def filled_cells(objects: pd.DataFrame, space: MeasureSpace) -> float:
     """The part of all cells that hold at least one object of a table."""
     return filled_part(cell_counts(objects, space))
 

@@ -31,7 +31,7 @@ MAP_RULE: ScaleRule = "exact"  # at this size the objects of the map are measure
 BINS = 512  # of the histogram of angular deficits
 
 
-class Space(Parameters):
+class MeasureSpace(Parameters):
     """The two measures that span the space, and the archive of elites."""
 
     complexity_range: Range = Field(
@@ -156,7 +156,7 @@ class MeasureParameters(ParameterGroup):
     measures: CustomMeasures
     complexity: Annotated[Complexity, Archived(difficulty=False)]
     difficulty: Difficulty
-    space: Annotated[Space, Archived(difficulty=False)]
+    space: Annotated[MeasureSpace, Archived(difficulty=False)]
     similarity: Annotated[Similarity, Archived(difficulty=False)]
     sampling: Sampling
     quality: Quality
@@ -180,7 +180,7 @@ def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
         measures=CustomMeasures(),
         complexity=Complexity(),
         difficulty=Difficulty(),
-        space=Space(),
+        space=MeasureSpace(),
         similarity=Similarity(),
         sampling=Sampling(),
         quality=Quality(),

@@ -4,18 +4,17 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import betainc
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from egad._util.arrays import Floats, Ints
+
 TIGHTNESS = 0.95  # a value is often less than this part of its bound
 
 
 class BoundedSample:
     """Values of which upper bounds are known; the values themselves are computed on demand."""
 
-    def __init__(self, compute: Callable[[Indices, float], Floats]) -> None:
+    def __init__(self, compute: Callable[[Ints, float], Floats]) -> None:
         """Start without values.
 
         Args:

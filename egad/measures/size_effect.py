@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import trimesh
-from numpy.typing import NDArray
 
 from egad.geometry import RayCaster, box_sides
 from egad.grasps import ferrari_canny, sample_contacts
@@ -19,8 +18,6 @@ from egad.measures.parameters import SizeEffectParameters
 from egad.measures.percentile import percentile
 from egad.random import generator
 from egad.tables.grasping import SIZE_EFFECT
-
-Floats = NDArray[np.float64]
 
 
 def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters) -> pd.DataFrame:

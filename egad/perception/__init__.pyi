@@ -46,7 +46,7 @@ from .rectangles import ImageGrasps as ImageGrasps
 from .rectangles import Rectangles as Rectangles
 from .rectangles import agrees as agrees
 from .rectangles import half_turn as half_turn
-from .rendering import Picture as Picture
+from .rendering import RenderedImage as RenderedImage
 from .rendering import draw_width as draw_width
 from .rendering import first_good as first_good
 from .rendering import pictures as pictures

@@ -7,6 +7,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.arrays import Flags, Floats, Ints
 from egad.geometry import RayCaster
 from egad.grasps import (
     ContactPairs,
@@ -16,13 +17,10 @@ from egad.grasps import (
     sample_contacts,
     valid_contacts,
 )
-from egad.grippers import Body
+from egad.grippers import HandBody
 from egad.perception.parameters import RenderParameters
 from egad.perception.reachability import is_reachable
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.int64]
 UP = np.array([0.0, 0.0, 1.0])
 ROUGH = 64  # candidates from which the size of an object is drawn
 LONGEST = 0.2  # metres; diagonal of the bounding box of what lies beside others in an image
@@ -110,7 +108,7 @@ Simulate = Callable[[PlacedObject, ContactPairs, Floats], Sequence[bool | None]]
 
 def table_grasps(
     objects: Sequence[PlacedObject],
-    body: Body,
+    body: HandBody,
     settings: RenderParameters,
     rng: np.random.Generator,
     simulate: Simulate | None = None,
@@ -186,7 +184,7 @@ def _grasps_of(
     placed: PlacedObject,
     caster: RayCaster,
     scene: RayCaster,
-    body: Body,
+    body: HandBody,
     settings: RenderParameters,
     rng: np.random.Generator,
     simulate: Simulate | None,

@@ -8,11 +8,10 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.arrays import Flags, Floats
 from egad.geometry import TriangleScene
 
-Floats = NDArray[np.float64]
 Depth = NDArray[np.float32]
-Flags = NDArray[np.bool_]
 Window = tuple[slice, slice]
 
 LOOKING_DOWN = np.diag([1.0, -1.0, -1.0])

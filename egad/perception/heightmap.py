@@ -6,12 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad._util.arrays import Floats, Ints
 from egad.grasps import TABLE_CLEARANCE
 from egad.grippers import Gripper
 from egad.perception.camera import View, Window
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 PROBE = 0.004  # distance of the points at which the space for the hand is probed
 BLOCK = 1000  # palms that are probed at a time, with some 1000 points each

@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats
 from egad.errors import TableError
 from egad.perception.camera import Intrinsics, View
 from egad.perception.rectangles import ImageGrasps
-from egad.perception.rendering import ImagedObject, Picture
+from egad.perception.rendering import ImagedObject, RenderedImage
 from egad.tables.columns import POSE_PARTS
 from egad.tables.images import LISTS
 
 UNIT = 1e-4  # metres; of the depths in the files
 LEVEL = 6  # of compression
 PLAIN = ("image", "scene", "id", "label", "split", "draws")
-Floats = NDArray[np.float64]
 
 
 def coded(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
@@ -62,7 +62,7 @@ def pixels(row: Mapping[str, Any], name: str, mode: str) -> NDArray[np.integer]:
         raise TableError(f"its {name} cannot be read: {error}") from error
 
 
-def encoded(picture: Picture) -> dict[str, Any]:
+def encoded(picture: RenderedImage) -> dict[str, Any]:
     """The row of `tables.images.IMAGES` of a picture."""
     height, width = picture.depth.shape
     intrinsics = picture.view.intrinsics
@@ -85,7 +85,7 @@ def encoded(picture: Picture) -> dict[str, Any]:
     }
 
 
-def decoded(row: Mapping[str, Any]) -> Picture:
+def decoded(row: Mapping[str, Any]) -> RenderedImage:
     """The picture of a row of `tables.images.IMAGES`.
 
     Raises:
@@ -94,7 +94,7 @@ def decoded(row: Mapping[str, Any]) -> Picture:
     center = (float(row["center_u"]), float(row["center_v"]))
     intrinsics = Intrinsics(row["width"], row["height"], float(row["focal"]), center)
     placements = np.reshape(row["placements"], (-1, len(POSE_PARTS)))
-    return Picture(
+    return RenderedImage(
         **{name: row[name] for name in PLAIN},
         objects=tuple(
             ImagedObject(name, float(factor), int(pose), _matrix(placement))

@@ -15,7 +15,7 @@ import pandas as pd
 
 from egad.errors import UserError, check_name
 from egad.perception.image_rows import decoded
-from egad.perception.rendering import Picture
+from egad.perception.rendering import RenderedImage
 from egad.perception.splits import SPLITS
 from egad.tables import parquet
 from egad.tables.images import IMAGES
@@ -49,7 +49,7 @@ def _listed(names: list[str]) -> str:
     return few if len(names) <= 3 else f"{few} and {len(names) - 3} more"
 
 
-class Images(Sequence[Picture]):
+class Images(Sequence[RenderedImage]):
     """The images of a set, in the order of their numbers, decoded one by one.
 
     Attributes:
@@ -63,10 +63,10 @@ class Images(Sequence[Picture]):
         return len(self.table)
 
     @overload
-    def __getitem__(self, index: int) -> Picture: ...
+    def __getitem__(self, index: int) -> RenderedImage: ...
     @overload
     def __getitem__(self, index: slice) -> "Images": ...
-    def __getitem__(self, index: int | slice) -> "Picture | Images":
+    def __getitem__(self, index: int | slice) -> "RenderedImage | Images":
         if isinstance(index, slice):
             return Images(self.table.iloc[index])
         return decoded({str(name): value for name, value in self.table.iloc[index].items()})

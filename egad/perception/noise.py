@@ -4,12 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad._util.arrays import Flags, Floats
 from egad.perception.camera import View
 from egad.perception.parameters import ImageNoise, NoiseName
 
 Depth = NDArray[np.float32]
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 BASELINE = 0.05  # metres between the two imagers of a D435
 LEAST_DISPARITY = 1.0  # pixels; far beyond everything there is
 MATCHED = 7  # pixels; side of the windows that are matched (Keselman et al. 2017)

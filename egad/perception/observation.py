@@ -6,12 +6,10 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.perception.camera import DepthCamera, Intrinsics, View
 from egad.perception.tsdf import Tsdf, fuse
-
-Floats = NDArray[np.float64]
 
 BELOW = 0.05  # metres; the cube of a TSDF begins this far below the table
 TSDF_RESOLUTION, CLOUD_RESOLUTION = 40, 120  # voxels along a side

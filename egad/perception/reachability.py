@@ -5,8 +5,8 @@ Dex-Net (Mahler et al. 2017).
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Flags, Floats
 from egad.geometry import RayCaster
 from egad.grasps import (
     LEAST_BITE,
@@ -16,16 +16,14 @@ from egad.grasps import (
     roomy,
     swallowed,
 )
-from egad.grippers import Body, finger_span
+from egad.grippers import HandBody, finger_span
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 STRAIGHT = np.zeros(1)
 GAP = 1e-5  # metres; by how much nearer than the contact something else must be to be in the way
 
 
 def is_reachable(
-    scene: RayCaster, centers: Floats, axes: Floats, widths: Floats, body: Body, *, way: float
+    scene: RayCaster, centers: Floats, axes: Floats, widths: Floats, body: HandBody, *, way: float
 ) -> Flags:
     """Which of n grasps can be reached from above without touching anything else, (n,).
 
@@ -69,7 +67,7 @@ def _closes(
     return free
 
 
-def _lowest(body: Body, origins: Floats, frames: Floats, openings: Floats) -> Floats:
+def _lowest(body: HandBody, origins: Floats, frames: Floats, openings: Floats) -> Floats:
     """The height of the lowest corner of a hand's boxes, (n,)."""
     lowest = np.full(len(origins), np.inf)
     for rows, parts, shifts in body.pieces(openings):
@@ -83,7 +81,7 @@ def _lowest(body: Body, origins: Floats, frames: Floats, openings: Floats) -> Fl
 
 
 def _touching(
-    scene: RayCaster, body: Body, origins: Floats, frames: Floats, openings: Floats, way: float
+    scene: RayCaster, body: HandBody, origins: Floats, frames: Floats, openings: Floats, way: float
 ) -> Flags:
     """Whether a hand touches something at its place or on its way there, (n,)."""
     result = np.zeros((len(origins), 1), dtype=bool)

@@ -10,15 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.arrays import Flags, Floats, Ints
 from egad._util.kernels import kernel
 from egad.grasps import roomy
 from egad.grippers import Gripper
 from egad.perception.arrangement import TableGrasps
-from egad.perception.scenes import Scene
+from egad.perception.scenes import CameraScene
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.int64]
 Rectangles = NDArray[np.float64]
 LEAST_OVERLAP = 0.25
 MOST_TURN = np.pi / 6
@@ -62,7 +60,7 @@ class ImageGrasps(NamedTuple):
         return np.stack([middle - along, middle + along], axis=1)
 
 
-def project_grasps(scene: Scene, grasps: TableGrasps, gripper: Gripper) -> ImageGrasps:
+def project_grasps(scene: CameraScene, grasps: TableGrasps, gripper: Gripper) -> ImageGrasps:
     """Grasps in the image of a scene; those whose centers are beside it are left out.
 
     Args:

@@ -9,9 +9,10 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.geometry import RayCaster, StablePose, mass_properties
 from egad.geometry.stable_poses import stable_poses
-from egad.grippers import Body
+from egad.grippers import HandBody
 from egad.perception.arrangement import (
     PlacedObject,
     Simulate,
@@ -31,7 +32,6 @@ from egad.perception.scenes import sample_object_poses, sample_scene
 from egad.perception.splits import Share
 from egad.random import generator
 
-Floats = NDArray[np.float64]
 DRAWS = 10  # of pose and size, until there is a good grasp
 
 Arrangement = tuple[PlacedObject, ...]
@@ -56,7 +56,7 @@ class ImagedObject(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Picture:
+class RenderedImage:
     """A depth image of objects on a table, with their grasps.
 
     Attributes:
@@ -100,10 +100,10 @@ class Labelled(NamedTuple):
 def pictures(
     mesh: trimesh.Trimesh,
     share: Share,
-    body: Body,
+    body: HandBody,
     settings: RenderParameters,
     simulate: Simulate | None = None,
-) -> Iterator[Picture]:
+) -> Iterator[RenderedImage]:
     """All images of an object that lies alone, in the order of their numbers.
 
     What chance decides comes from the seed, the object, the pose and the number of the view there.
@@ -139,7 +139,7 @@ def pictures(
 
 def first_good(
     draw: Draw,
-    body: Body,
+    body: HandBody,
     settings: RenderParameters,
     key: Sequence[str | int],
     simulate: Simulate | None = None,
@@ -170,7 +170,7 @@ def first_good(
 
 def views_of(
     labelled: Labelled, share: Share, settings: RenderParameters, key: Sequence[str | int]
-) -> Iterator[Picture]:
+) -> Iterator[RenderedImage]:
     """Images of objects on a table, each from a camera of its own.
 
     Args:
@@ -191,7 +191,7 @@ def views_of(
             for eye, matrix in zip(eyes, matrices, strict=True)
         ]
         ideal = overlaid(each_alone)
-        yield Picture(
+        yield RenderedImage(
             image=share.first + view,
             scene=share.scene,
             id=share.id,

@@ -2,16 +2,14 @@
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.filters import apply_hysteresis_threshold
 from skimage.restoration import denoise_bilateral
 
+from egad._util.arrays import Flags, Floats
 from egad.grasps import TABLE_CLEARANCE
-from egad.perception.camera import Depth, Flags, View, Window, table_depth
+from egad.perception.camera import Depth, View, Window, table_depth
 from egad.perception.heightmap import window_of
-
-Floats = NDArray[np.float64]
 
 LEAST_NOISE = 1e-4  # metres; stored images are rounded to that
 QUARTILE = 0.6745  # of the normal distribution

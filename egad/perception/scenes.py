@@ -4,18 +4,15 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats, Ints
 from egad.geometry import StablePose
 from egad.perception.camera import LOOKING_DOWN, Intrinsics
 from egad.perception.parameters import Camera
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
-
-class Scene(NamedTuple):
+class CameraScene(NamedTuple):
     """How a table is turned, and where a camera is; the table is z = 0.
 
     Attributes:
@@ -45,7 +42,7 @@ def sample_object_poses(poses: Sequence[StablePose], count: int, rng: np.random.
     return np.asarray(np.minimum(np.searchsorted(ends, levels, side="right"), len(poses) - 1))
 
 
-def sample_scene(center: Floats, settings: Camera, rng: np.random.Generator) -> Scene:
+def sample_scene(center: Floats, settings: Camera, rng: np.random.Generator) -> CameraScene:
     """A table turned and shifted, and a camera that looks at the middle of the world.
 
     All is uniform within its range, as in Dex-Net (Mahler et al. 2017).
@@ -66,7 +63,7 @@ def sample_scene(center: Floats, settings: Camera, rng: np.random.Generator) -> 
         seen = np.linalg.inv(camera) @ matrix @ np.append(center, 1)
         u, v = 2 * middle - intrinsics.pixels(seen[None, :3])[0]
         intrinsics = intrinsics._replace(center=(float(u), float(v)))
-    return Scene(matrix, intrinsics, camera)
+    return CameraScene(matrix, intrinsics, camera)
 
 
 def _camera(settings: Camera, rng: np.random.Generator) -> Floats:

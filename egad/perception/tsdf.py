@@ -4,14 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from skimage.measure import marching_cubes
 
+from egad._util.arrays import Floats, Singles
 from egad._util.kernels import kernel
 from egad.perception.camera import View
-
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
 
 TRUNCATION = 4.0  # voxels
 

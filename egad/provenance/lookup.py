@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from egad.errors import UserError
-from egad.exchange import NAME, read_sums, sums_path
+from egad.io import SUMS, read_sums, sums_path
 from egad.tables import parquet
 from egad.tables.origin import ELSEWHERE
 
@@ -61,7 +61,7 @@ def origin_of(path: Path) -> Noted | None:
     if path.suffix == TABLE:
         values = parquet.origin_of(path)
     else:
-        files = [file for file in (sums_path(path), path.parent / NAME) if file.is_file()]
+        files = [file for file in (sums_path(path), path.parent / SUMS) if file.is_file()]
         values = read_sums(files[0])[1] if files else {}
     try:
         return Noted.model_validate({**values, "path": path}) if values else None

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from egad import __version__
-from egad.exchange import checksum
+from egad.io import checksum
 from egad.tables.origin import Origin, made_by
 
 

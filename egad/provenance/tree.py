@@ -7,11 +7,11 @@ from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
-from egad.exchange import checksum
+from egad.io import checksum
 from egad.provenance.lookup import Noted, is_near, origin_of
 
 
-class Node(NamedTuple):
+class FileNode(NamedTuple):
     """A file, what is noted of it, and what is wrong with it if anything is."""
 
     path: Path
@@ -19,7 +19,7 @@ class Node(NamedTuple):
     problem: str = ""
 
 
-Look = Callable[[Path, str], Node]
+Look = Callable[[Path, str], FileNode]
 
 
 def tree(path: Path) -> Iterator[str]:
@@ -32,14 +32,14 @@ def tree(path: Path) -> Iterator[str]:
         TableError: A table is damaged.
         UserError: What is noted of a file is.
     """
-    root = [Node(path, origin_of(path))]
+    root = [FileNode(path, origin_of(path))]
     folders = (Path.cwd(), path if path.is_dir() else path.parent)
     yield _line(root)
     look = partial(_node, folders=folders, digest_of=cache(checksum))
     yield from _below(root, "", set(), cache(look))
 
 
-def _below(nodes: list[Node], indent: str, told: set[Path], look: Look) -> Iterator[str]:
+def _below(nodes: list[FileNode], indent: str, told: set[Path], look: Look) -> Iterator[str]:
     groups = [list(alike) for _, alike in groupby(_inputs(nodes, look), _likeness)]
     for number, group in enumerate(groups, 1):
         last = number == len(groups)
@@ -50,7 +50,7 @@ def _below(nodes: list[Node], indent: str, told: set[Path], look: Look) -> Itera
             yield from _below(group, indent + ("   " if last else "│  "), told, look)
 
 
-def _inputs(nodes: list[Node], look: Look) -> list[Node]:
+def _inputs(nodes: list[FileNode], look: Look) -> list[FileNode]:
     """What files were made from, each once."""
     noted = [node.noted for node in nodes if node.noted]
     sources = dict.fromkeys(source for each in noted for source in each.sources())
@@ -59,18 +59,18 @@ def _inputs(nodes: list[Node], look: Look) -> list[Node]:
 
 def _node(
     path: Path, digest: str, folders: tuple[Path, ...], digest_of: Callable[[Path], str]
-) -> Node:
+) -> FileNode:
     was = f"its sha256 was {digest[:16]}..."
     if not os.path.exists(path):  # noqa: PTH110 (that of `Path` raises for what can be none)
-        return Node(path, None, f"missing; {was}")
+        return FileNode(path, None, f"missing; {was}")
     if not is_near(path, folders):
-        return Node(path, None, f"not checked: outside the working directory; {was}")
+        return FileNode(path, None, f"not checked: outside the working directory; {was}")
     if digest_of(path) != digest:
-        return Node(path, None, f"ALTERED since; {was}")
-    return Node(path, origin_of(path))
+        return FileNode(path, None, f"ALTERED since; {was}")
+    return FileNode(path, origin_of(path))
 
 
-def _likeness(node: Node) -> tuple[object, ...]:
+def _likeness(node: FileNode) -> tuple[object, ...]:
     """Equal for files that were made by the same from alike."""
     kind = (node.path.parent, node.path.stem.rstrip("0123456789"), node.path.suffix)
     if node.noted is None:
@@ -78,7 +78,7 @@ def _likeness(node: Node) -> tuple[object, ...]:
     return (*kind, *(getattr(node.noted, name) for name in ("stage", "code", "settings", "seed")))
 
 
-def _line(group: list[Node]) -> str:
+def _line(group: list[FileNode]) -> str:
     """Files that were made alike; characters that would move the cursor are not let through."""
     node = group[0]
     more = f" and {len(group) - 1} more" if len(group) > 1 else ""

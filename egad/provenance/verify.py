@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 from egad.errors import TableError, UserError
-from egad.exchange import ENDING, NAME, checksum, files_of, read_sums
+from egad.io import SUMS, SUMS_ENDING, checksum, files_of, read_sums
 from egad.provenance.lookup import TABLE, is_near, origin_of
 from egad.tables.seal import is_whole
 
@@ -46,8 +46,8 @@ def verify(folder: Path) -> Verdict:
     """
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder")
-    files = [*files_of(folder), *(path for path in [folder / NAME] if path.is_file())]
-    records = [path for path in files if path.name == NAME or path.suffix == ENDING]
+    files = [*files_of(folder), *(path for path in [folder / SUMS] if path.is_file())]
+    records = [path for path in files if path.name == SUMS or path.suffix == SUMS_ENDING]
     tables = [path for path in files if path.suffix == TABLE]
     digest = cache(checksum)
     found = [*_tables(tables), *_others(records, digest)]
@@ -91,7 +91,7 @@ def _others(records: Iterable[Path], digest: Callable[[Path], str]) -> Found:
         for path, value in sums.items():
             same = path.is_file() and digest(path) == value
             yield path, "" if same else "altered" if path.is_file() else "deleted"
-        for path in files_of(record.parent) if record.name == NAME else []:
+        for path in files_of(record.parent) if record.name == SUMS else []:
             if path not in sums:
                 yield path, "added: not among the files that were written here"
 
@@ -110,4 +110,4 @@ def _sources(paths: Iterable[Path]) -> list[tuple[Path, Path, str]]:
 
 def _made(record: Path) -> Path:
     """The file or folder that sums are about."""
-    return record.parent if record.name == NAME else record.with_suffix("")
+    return record.parent if record.name == SUMS else record.with_suffix("")

@@ -7,12 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints32
 from egad._util.kernels import kernel
 from egad.errors import UserError
 from egad.reeb.graph import ReebGraph
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 LONGEST_RUN = 5  # of nodes that one node may be matched to
 
@@ -22,18 +20,18 @@ class Nodes(NamedTuple):
 
     values: Floats  # (n, 2): weighted area and length
     around: Floats  # (n, 4): their sums over the neighbors below, and above
-    rows: Ints  # (n, 5): where in `links` a node's children begin, those in the upper half of its
+    rows: Ints32  # (n, 5): where in `links` a node's children begin, those in the upper half of its
     # range begin, and all of them end; where its neighbors begin and end
-    links: Ints
+    links: Ints32
 
 
-class Space(NamedTuple):
+class MatchingMemory(NamedTuple):
     """Memory of a matching, to be used again for the next one.
 
     All integers share one array, as every array of its own would slow each call down.
     """
 
-    ints: Ints  # (_ROWS, 2 n): a row for each purpose below
+    ints: Ints32  # (_ROWS, 2 n): a row for each purpose below
 
 
 STATE = 0  # numbers of matches, of their nodes and of visits; what to add to nodes of either graph
@@ -50,19 +48,19 @@ _ROWS = 13
 
 
 @kernel()
-def space(starts: Ints) -> Space:
+def space(starts: Ints32) -> MatchingMemory:
     """Memory to match any two of the graphs that start at these nodes, the end of all included."""
     largest = 0
     for i in range(len(starts) - 1):
         largest = max(largest, starts[i + 1] - starts[i])
-    return Space(np.zeros((_ROWS, max(2 * largest, LONGEST_RUN)), np.int32))
+    return MatchingMemory(np.zeros((_ROWS, max(2 * largest, LONGEST_RUN)), np.int32))
 
 
 class Trees(NamedTuple):
     """The arrays of a forest of t graphs."""
 
     nodes: Nodes
-    starts: Ints  # (t + 1,): first node of each graph
+    starts: Ints32  # (t + 1,): first node of each graph
     keys: NDArray[np.uint64]  # (t,): equal for equal graphs only
     levels: int
     profiles: Floats  # (t, p): weighted area, then length, of each range of each level
@@ -150,7 +148,7 @@ def _key(graph: ReebGraph) -> np.uint64:
     return np.uint64(int.from_bytes(digest.digest(), "little"))
 
 
-def _rows(graph: ReebGraph) -> Ints:
+def _rows(graph: ReebGraph) -> Ints32:
     """`Nodes.rows` of a graph alone, with its neighbors after its children."""
     lower = graph.ranges[graph.children] % 2 == 0
     before = np.concatenate(([0], np.cumsum(lower)))
@@ -171,7 +169,7 @@ def _profile(graph: ReebGraph, values: Floats) -> Floats:
 
 
 @kernel()
-def _around(starts: Ints, neighbors: Ints, values: Floats) -> Floats:
+def _around(starts: Ints32, neighbors: Ints32, values: Floats) -> Floats:
     """Sums of values over the neighbors of each node in the range below, and above."""
     result = np.zeros((len(values), 4))
     for node in range(len(values)):

@@ -10,13 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints, Ints32
 from egad._util.kernels import kernel
 from egad.geometry import Triangulation
 from egad.reeb.sweeps import order_of, weighted_distances
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Integers = NDArray[np.int64]
 
 _WIDTH = 0.25  # of a bucket, in mean edge lengths: measured to be the fastest
 _ABSENT = -(1 << 30)  # in `preceding`: in no bucket
@@ -32,9 +29,9 @@ class EdgeGraph(NamedTuple):
     neighbors: NDArray[np.uint32]  # (2 e,)
     lengths: Floats  # (2 e,)
     scale: float  # buckets a unit of length
-    first: Ints  # (power of 2,): the first vertex in each bucket, or -1
-    following: Ints  # (n,): the next vertex of the same bucket, or -1
-    preceding: Ints  # (n,): the one before, or -1 - bucket
+    first: Ints32  # (power of 2,): the first vertex in each bucket, or -1
+    following: Ints32  # (n,): the next vertex of the same bucket, or -1
+    preceding: Ints32  # (n,): the one before, or -1 - bucket
 
 
 @kernel()
@@ -82,7 +79,7 @@ def _lengths(mesh: Triangulation) -> Floats:
 
 
 @kernel()
-def _shortcuts(mesh: Triangulation, lengths: Floats) -> tuple[Ints, Floats]:
+def _shortcuts(mesh: Triangulation, lengths: Floats) -> tuple[Ints32, Floats]:
     """Straight lines across an edge, between the far corners of its two faces laid flat."""
     count = len(mesh.edges)
     far, faces = np.empty((count, 2), np.int32), np.zeros(count, np.int32)
@@ -172,7 +169,7 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
 
 @kernel()
 def even_integral(
-    graph: EdgeGraph, vertices: Floats, faces: Ints, areas: Floats, count: int
+    graph: EdgeGraph, vertices: Floats, faces: Ints32, areas: Floats, count: int
 ) -> Floats:
     """The integral from farthest-point bases, each of which stands for the vertices nearest to it.
 
@@ -199,7 +196,7 @@ def even_integral(
 
 
 @kernel()
-def _farthest(graph: EdgeGraph, base: int, count: int) -> tuple[Integers, Integers, Integers]:
+def _farthest(graph: EdgeGraph, base: int, count: int) -> tuple[Ints, Ints, Ints]:
     """Farthest-point bases, the owner of each vertex, and the vertices from the first base on.
 
     The owner is the first of the nearest bases.
@@ -219,7 +216,7 @@ def _farthest(graph: EdgeGraph, base: int, count: int) -> tuple[Integers, Intege
 
 
 @kernel()
-def _shares(faces: Ints, areas: Floats, count: int) -> Floats:
+def _shares(faces: Ints32, areas: Floats, count: int) -> Floats:
     """Area of the surface that belongs to each vertex: a third of each of its faces."""
     share = np.zeros(count)
     for face, area in enumerate(areas):
@@ -238,7 +235,7 @@ def _farthest_from_center(vertices: Floats, share: Floats) -> int:
 
 
 @kernel()
-def _claim(nearest: Floats, before: Floats, owner: Integers, number: int) -> int:
+def _claim(nearest: Floats, before: Floats, owner: Ints, number: int) -> int:
     """Give vertices that are nearer than before to a base; returns the one farthest from all."""
     farthest = 0
     for vertex, distance in enumerate(nearest):
@@ -250,7 +247,7 @@ def _claim(nearest: Floats, before: Floats, owner: Integers, number: int) -> int
 
 
 @kernel()
-def scan_integral(graph: EdgeGraph, faces: Ints, areas: Floats, radius: float) -> Floats:
+def scan_integral(graph: EdgeGraph, faces: Ints32, areas: Floats, radius: float) -> Floats:
     """The integral from the bases of the program that the published values come from.
 
     Vertices are walked in their order: one that is not covered yet becomes a base and covers all
@@ -279,7 +276,7 @@ def scan_integral(graph: EdgeGraph, faces: Ints, areas: Floats, radius: float) -
 
 
 @kernel()
-def _patch(faces: Ints, areas: Floats, owner: Integers, base: int) -> float:
+def _patch(faces: Ints32, areas: Floats, owner: Ints, base: int) -> float:
     """Area of the faces that have a vertex of a base."""
     total = 0.0
     for face, area in enumerate(areas):

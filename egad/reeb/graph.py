@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints32
 from egad._util.kernels import kernel
 from egad.errors import RejectedError, UserError
 from egad.geometry import (
@@ -26,8 +26,6 @@ from egad.reeb.geodesics import edge_graph, even_integral, scan_integral
 from egad.reeb.parameters import Similarity
 from egad.reeb.ranges import Parts, cut, distinct, labels, outer_shell, unite
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 _HEADER = struct.Struct("<4sHHII")  # magic, version, ranges, nodes, links
 _CHECKSUM = struct.Struct("<I")
 _MAGIC, _VERSION = b"REEB", 1
@@ -36,7 +34,7 @@ _MAGIC, _VERSION = b"REEB", 1
 @kernel()
 def levels(
     parts: Parts, count: int
-) -> tuple[Ints, Ints, Floats, Floats, Ints, Ints, Ints, Ints, Ints]:
+) -> tuple[Ints32, Ints32, Floats, Floats, Ints32, Ints32, Ints32, Ints32, Ints32]:
     """Build `count` levels, each of half as many ranges as the one before.
 
     A coarser node is a connected union of finer ones, with the sums of their areas and lengths.
@@ -84,7 +82,7 @@ def levels(
 
 
 @kernel()
-def _coarser(parts: Parts) -> tuple[Parts, Ints]:
+def _coarser(parts: Parts) -> tuple[Parts, Ints32]:
     """The next level, and which of its nodes each part belongs to."""
     roots = np.arange(len(parts.ranges)).astype(np.int32)
     within = np.empty(len(parts.links), np.bool_)
@@ -104,7 +102,7 @@ def _coarser(parts: Parts) -> tuple[Parts, Ints]:
 
 
 @kernel()
-def _rows(owners: Ints, items: Ints, count: int) -> tuple[Ints, Ints]:
+def _rows(owners: Ints32, items: Ints32, count: int) -> tuple[Ints32, Ints32]:
     """Items by their owners, in compressed rows; within a row they keep their order."""
     starts = np.zeros(count + 1, np.int32)
     for owner in owners:
@@ -127,15 +125,15 @@ class ReebGraph:
     to 1 over all nodes, and to the same over each level.
     """
 
-    level_starts: Ints  # (levels + 1,): first node of each level
-    ranges: Ints  # (n,)
+    level_starts: Ints32  # (levels + 1,): first node of each level
+    ranges: Ints32  # (n,)
     areas: Floats  # (n,)
     lengths: Floats  # (n,): of the interval of the function that a part spans
-    parents: Ints  # (n,): node of the next coarser level; -1 at the coarsest
-    child_starts: Ints  # (n + 1,): children of node i are children[child_starts[i]:...[i + 1]]
-    children: Ints
-    neighbor_starts: Ints  # (n + 1,): likewise
-    neighbors: Ints  # parts of the same level that a node touches; the lower range first
+    parents: Ints32  # (n,): node of the next coarser level; -1 at the coarsest
+    child_starts: Ints32  # (n + 1,): children of node i are children[child_starts[i]:...[i + 1]]
+    children: Ints32
+    neighbor_starts: Ints32  # (n + 1,): likewise
+    neighbors: Ints32  # parts of the same level that a node touches; the lower range first
 
 
 def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:

@@ -12,8 +12,8 @@ arrays would take longer than the matching.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad._util.kernels import kernel
 from egad.reeb.forest import (
     ADDED,
@@ -29,12 +29,10 @@ from egad.reeb.forest import (
     SEEN,
     SIDE,
     STATE,
+    MatchingMemory,
     Nodes,
-    Space,
 )
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 Pair = tuple[float, float]  # area and length
 
 NEIGHBOR_WEIGHT = 0.1
@@ -48,7 +46,7 @@ def match(
     roots: tuple[int, int],
     most: Floats,
     least: float,
-    space: Space,
+    space: MatchingMemory,
 ) -> tuple[float, bool]:
     """Similarity of two graphs, level by level, as long as it can still reach a least value.
 
@@ -89,7 +87,7 @@ def match(
 
 
 @kernel(inline="always")
-def _bout(nodes: Nodes, space: Space, i: int, half: int) -> float:
+def _bout(nodes: Nodes, space: MatchingMemory, i: int, half: int) -> float:
     """Match the children of a match in one half of the range; returns what they share."""
     middle = space.ints[SECOND, i]
     first = _children(nodes, space, 0, space.ints[FIRST, i], middle, half)
@@ -103,7 +101,9 @@ def _bout(nodes: Nodes, space: Space, i: int, half: int) -> float:
 
 
 @kernel(inline="always")
-def _children(nodes: Nodes, space: Space, side: int, start: int, end: int, half: int) -> int:
+def _children(
+    nodes: Nodes, space: MatchingMemory, side: int, start: int, end: int, half: int
+) -> int:
     """List the children of some nodes in one half of the range; returns their number."""
     count = 0
     for i in range(start, end):
@@ -118,7 +118,7 @@ def _children(nodes: Nodes, space: Space, side: int, start: int, end: int, half:
 
 
 @kernel(inline="always")
-def _match(nodes: Nodes, space: Space, side: int, node: int, count: int) -> float:
+def _match(nodes: Nodes, space: MatchingMemory, side: int, node: int, count: int) -> float:
     """Match a node of a side to the chosen ones of the other; returns what they share."""
     area = length = 0.0
     end = space.ints[STATE, 1]
@@ -146,7 +146,7 @@ def _match(nodes: Nodes, space: Space, side: int, node: int, count: int) -> floa
 
 
 @kernel(inline="always")
-def _contest(nodes: Nodes, space: Space, first: int, second: int) -> float:
+def _contest(nodes: Nodes, space: MatchingMemory, first: int, second: int) -> float:
     """Match the nodes of two sides, the largest first; returns what they share."""
     for side, count in ((0, first), (1, second)):
         for i in range(count):
@@ -169,7 +169,7 @@ def _contest(nodes: Nodes, space: Space, first: int, second: int) -> float:
 
 
 @kernel(inline="always")
-def _sort(nodes: Nodes, space: Space, first: int, second: int) -> None:
+def _sort(nodes: Nodes, space: MatchingMemory, first: int, second: int) -> None:
     for i in range(first + second):
         item = i if i < first else first - 1 - i
         size = _size(nodes, space, item)
@@ -181,14 +181,14 @@ def _sort(nodes: Nodes, space: Space, first: int, second: int) -> None:
 
 
 @kernel(inline="always")
-def _size(nodes: Nodes, space: Space, item: int) -> float:
+def _size(nodes: Nodes, space: MatchingMemory, item: int) -> float:
     node = space.ints[SIDE, item] if item >= 0 else space.ints[SIDE + 1, -1 - item]
     size: float = nodes.values[node, 0] + nodes.values[node, 1]
     return size
 
 
 @kernel(inline="always")
-def _choose(nodes: Nodes, space: Space, node: int, side: int, count: int) -> int:
+def _choose(nodes: Nodes, space: MatchingMemory, node: int, side: int, count: int) -> int:
     """Find the partners on the other side that cost least; returns how many there are."""
     least, chosen, free = np.inf, 0, 0
     for i in range(count):
@@ -211,7 +211,7 @@ def _choose(nodes: Nodes, space: Space, node: int, side: int, count: int) -> int
 
 @kernel(inline="always")
 def _choose_run(
-    nodes: Nodes, space: Space, node: int, side: int, count: int, least: float, chosen: int
+    nodes: Nodes, space: MatchingMemory, node: int, side: int, count: int, least: float, chosen: int
 ) -> int:
     """Like `_choose`, for runs: free nodes that are consecutive at one common neighbor."""
     left, visit = MOST_RUNS, _tick(space)
@@ -239,14 +239,14 @@ def _choose_run(
 
 
 @kernel(inline="always")
-def _tick(space: Space) -> int:
+def _tick(space: MatchingMemory) -> int:
     space.ints[STATE, 2] += 1
     visit: int = space.ints[STATE, 2]
     return visit
 
 
 @kernel(inline="always")
-def _line(nodes: Nodes, space: Space, neighbor: int, other: int, side: int) -> int:
+def _line(nodes: Nodes, space: MatchingMemory, neighbor: int, other: int, side: int) -> int:
     """List the free nodes that a neighbor has in the range of another; returns their number."""
     length = 0
     for j in range(nodes.rows[neighbor, 3], nodes.rows[neighbor, 4]):
@@ -260,7 +260,7 @@ def _line(nodes: Nodes, space: Space, neighbor: int, other: int, side: int) -> i
 
 @kernel(inline="always")
 def _best_end(
-    nodes: Nodes, space: Space, node: int, side: int, start: int, end: int
+    nodes: Nodes, space: MatchingMemory, node: int, side: int, start: int, end: int
 ) -> tuple[float, int]:
     """The least cost of matching a node to line[start:e], and that e; start + 2 <= e <= end."""
     visit = _tick(space)

@@ -14,15 +14,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad._util.kernels import kernel
-from egad.reeb.forest import Forest, Space, Trees, space
+from egad.reeb.forest import Forest, MatchingMemory, Trees, space
 from egad.reeb.graph import ReebGraph
 from egad.reeb.similarity import SLACK, bound, compare
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
-Watch = Callable[[list[Integers]], Iterable[Integers]]
+Watch = Callable[[list[Ints]], Iterable[Ints]]
 
 _UNKNOWN, _BOUND, _COMPARED, _EXACT = 0, 1, 2, 3  # compared: a bound that is worth keeping
 
@@ -127,7 +126,7 @@ class Neighborhood:
             _tell(table, np.array([one]))
         return float(self._distances[one, other]) if one != other else 0.0
 
-    def nearest(self, index: int) -> tuple[Integers, Floats]:
+    def nearest(self, index: int) -> tuple[Ints, Floats]:
         """The nearest other shapes and their distances, ascending; equally near ones by index.
 
         Raises:
@@ -138,7 +137,7 @@ class Neighborhood:
         near = self._near[index][self._near[index] >= 0]
         return near, self._distances[index, near]
 
-    def nearest_to(self, graph: ReebGraph) -> tuple[Integers, Floats]:
+    def nearest_to(self, graph: ReebGraph) -> tuple[Ints, Floats]:
         """The nearest shapes to one that is not among them, as `nearest`."""
         (index,) = self.add([graph])
         near, distances = self.nearest(index)
@@ -171,7 +170,7 @@ class Neighborhood:
         rows = np.array([i for i in dict.fromkeys(indices) if not self._valid[i]], dtype=np.int64)
         table, others = self._table, np.flatnonzero(self._trees >= 0)
 
-        def search(chunk: Integers) -> None:
+        def search(chunk: Ints) -> None:
             self._near[chunk] = _nearest_to_each(table, chunk, others, self._near.shape[1])
 
         count = self._threads if len(rows) > CHUNK else 1
@@ -214,7 +213,7 @@ class Neighborhood:
         self._trees[indices] = np.arange(len(indices))
 
 
-def _cut(rows: Integers, length: int) -> list[Integers]:
+def _cut(rows: Ints, length: int) -> list[Ints]:
     """Pieces of at most some length."""
     return [rows[start : start + length] for start in range(0, len(rows), length)]
 
@@ -223,13 +222,13 @@ class _Table(NamedTuple):
     """What is known of the distances between m indices."""
 
     trees: Trees
-    numbers: Integers  # (m,): of the graphs in the forest
+    numbers: Ints  # (m,): of the graphs in the forest
     distances: Floats  # (m, m): or lower bounds
     known: Bytes  # (m, m)
 
 
 @kernel(nogil=True)
-def _nearest_to_each(table: _Table, rows: Integers, others: Integers, count: int) -> Integers:
+def _nearest_to_each(table: _Table, rows: Ints, others: Ints, count: int) -> Ints:
     """The nearest of other indices to each of n, except itself: (n, count), padded with -1.
 
     Writes to these rows of the table alone; see `_tell`.
@@ -243,7 +242,7 @@ def _nearest_to_each(table: _Table, rows: Integers, others: Integers, count: int
 
 
 @kernel()
-def _nearest(table: _Table, index: int, others: Integers, count: int, memory: Space) -> Integers:
+def _nearest(table: _Table, index: int, others: Ints, count: int, memory: MatchingMemory) -> Ints:
     """The nearest of some other indices; those that cannot be near are not compared."""
     near, found = np.empty(min(count, len(others)), np.int64), 0
     if len(near) == 0:
@@ -274,7 +273,7 @@ def _estimate(table: _Table, one: int, other: int) -> None:
 
 
 @kernel()
-def _measure(table: _Table, one: int, other: int, limit: float, memory: Space) -> bool:
+def _measure(table: _Table, one: int, other: int, limit: float, memory: MatchingMemory) -> bool:
     """Keep the distance for the one and say True, or a better bound if it exceeds a limit."""
     numbers = table.numbers[one], table.numbers[other]
     similarity, exact = compare(table.trees, *numbers, 1 - limit - SLACK, memory)
@@ -284,7 +283,7 @@ def _measure(table: _Table, one: int, other: int, limit: float, memory: Space) -
 
 
 @kernel()
-def _tell(table: _Table, rows: Integers) -> None:
+def _tell(table: _Table, rows: Ints) -> None:
     """Keep what was compared for some indices for the other ones too."""
     distances, known = table.distances, table.known
     for one in rows:
@@ -297,7 +296,7 @@ def _tell(table: _Table, rows: Integers) -> None:
 
 
 @kernel()
-def _insert(near: Integers, found: int, distances: Floats, other: int) -> int:
+def _insert(near: Ints, found: int, distances: Floats, other: int) -> int:
     """Insert an index by (distance, index) if it is among the nearest; returns their number."""
     slot = min(found, len(near))
     while slot > 0 and (distances[other], other) < (distances[near[slot - 1]], near[slot - 1]):

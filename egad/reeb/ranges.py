@@ -3,30 +3,28 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints32
 from egad._util.kernels import kernel
 from egad.errors import RejectedError
 from egad.geometry import Triangulation, lexicographic
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 _SPECK = 1e-6  # of the volume of a body: what is smaller inside it is a cavity, however wound
 
 
 class Parts(NamedTuple):
     """Connected parts of a surface within one range each, and which of them touch."""
 
-    ranges: Ints  # (n,)
+    ranges: Ints32  # (n,)
     areas: Floats  # (n,)
     lengths: Floats  # (n,): how much of its range a part spans, in ranges
-    links: Ints  # (l, 2): a part and one in the next higher range, sorted
+    links: Ints32  # (l, 2): a part and one in the next higher range, sorted
 
 
 class _Crossings(NamedTuple):
-    low: Ints  # (e,): lowest range that an edge passes through
-    high: Ints  # (e,): highest one
-    first: Ints  # (e + 1,): number of the crossing of an edge with its lowest range
+    low: Ints32  # (e,): lowest range that an edge passes through
+    high: Ints32  # (e,): highest one
+    first: Ints32  # (e + 1,): number of the crossing of an edge with its lowest range
 
 
 @kernel()
@@ -77,7 +75,7 @@ def _crossings(mesh: Triangulation, values: Floats) -> _Crossings:
 
 @kernel()
 def _join_at_vertices(
-    mesh: Triangulation, values: Floats, crossings: _Crossings, roots: Ints
+    mesh: Triangulation, values: Floats, crossings: _Crossings, roots: Ints32
 ) -> None:
     """Join the crossings that meet at a vertex, so that parts that touch there only are one."""
     met = np.full(len(values), -1, np.int32)
@@ -91,7 +89,7 @@ def _join_at_vertices(
 
 
 @kernel()
-def _join_face(edges: Ints, crossings: _Crossings, roots: Ints) -> int:
+def _join_face(edges: Ints32, crossings: _Crossings, roots: Ints32) -> int:
     """Join the crossings of a face in each range; returns its edge that passes through them all."""
     low, high, first = crossings
     carrier: int = edges[0]
@@ -106,14 +104,14 @@ def _join_face(edges: Ints, crossings: _Crossings, roots: Ints) -> int:
 
 
 @kernel()
-def unite(roots: Ints, one: int, other: int) -> None:
+def unite(roots: Ints32, one: int, other: int) -> None:
     """Join two sets of a forest in which every item points towards the lowest of its set."""
     one, other = _root(roots, one), _root(roots, other)
     roots[max(one, other)] = min(one, other)
 
 
 @kernel()
-def _root(roots: Ints, item: int) -> int:
+def _root(roots: Ints32, item: int) -> int:
     while roots[item] != item:
         roots[item] = roots[roots[item]]
         item = roots[item]
@@ -121,7 +119,7 @@ def _root(roots: Ints, item: int) -> int:
 
 
 @kernel()
-def labels(roots: Ints) -> tuple[Ints, int]:
+def labels(roots: Ints32) -> tuple[Ints32, int]:
     """Number the sets of a forest by their lowest items; also how many there are."""
     result, count = np.empty_like(roots), 0
     for item, above in enumerate(roots):
@@ -134,7 +132,7 @@ def labels(roots: Ints) -> tuple[Ints, int]:
 
 
 @kernel()
-def _ascending(values: Floats, face: Ints) -> tuple[float, float, float]:
+def _ascending(values: Floats, face: Ints32) -> tuple[float, float, float]:
     a, b, c = values[face[0]], values[face[1]], values[face[2]]
     return min(a, b, c), max(min(a, b), min(max(a, b), c)), max(a, b, c)
 
@@ -150,7 +148,7 @@ def _fraction(level: float, a: float, b: float, c: float) -> float:
 
 
 @kernel()
-def _links(crossings: _Crossings, part: Ints, count: int) -> Ints:
+def _links(crossings: _Crossings, part: Ints32, count: int) -> Ints32:
     steps = crossings.first[-1] - len(crossings.low)
     low, high = np.empty(steps, np.int32), np.empty(steps, np.int32)
     filled = 0
@@ -162,7 +160,7 @@ def _links(crossings: _Crossings, part: Ints, count: int) -> Ints:
 
 
 @kernel()
-def distinct(low: Ints, high: Ints, bound: int) -> Ints:
+def distinct(low: Ints32, high: Ints32, bound: int) -> Ints32:
     """The distinct ones of some pairs of numbers below `bound`, (n, 2), sorted."""
     result, count = np.empty((len(low), 2), np.int32), 0
     for i in lexicographic(low, high, bound):
@@ -172,7 +170,7 @@ def distinct(low: Ints, high: Ints, bound: int) -> Ints:
     return result[:count].copy()
 
 
-def outer_shell(vertices: Floats, faces: Ints) -> Ints:
+def outer_shell(vertices: Floats, faces: Ints32) -> Ints32:
     """The faces of a body without the walls of its cavities, which nothing can see or touch.
 
     A cavity is a shell within the box of the largest one that is wound the other way.
@@ -200,12 +198,12 @@ def outer_shell(vertices: Floats, faces: Ints) -> Ints:
     inside = ((corners >= low) & (corners <= high)).all(axis=(1, 2))
     if not (own | (hollow[shells] & inside)).all():
         raise RejectedError("the mesh is not one connected piece")
-    outer: Ints = faces[own]
+    outer: Ints32 = faces[own]
     return outer
 
 
 @kernel()
-def _shells(faces: Ints, count: int) -> Ints:
+def _shells(faces: Ints32, count: int) -> Ints32:
     """Number of the connected piece that each face belongs to."""
     roots = np.arange(count).astype(np.int32)
     for a, b, c in faces:

@@ -8,15 +8,12 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad._util.kernels import kernel
-from egad.reeb.forest import Forest, Space, Trees, space
+from egad.reeb.forest import Forest, MatchingMemory, Trees, space
 from egad.reeb.graph import ReebGraph
 from egad.reeb.matching import match
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 SLACK = 1e-12  # rounding errors of a bound and of a similarity stay below this
 
@@ -65,14 +62,14 @@ def similarity_matrix(
     return result
 
 
-def similarities(forest: Forest, pairs: Integers) -> Floats:
+def similarities(forest: Forest, pairs: Ints) -> Floats:
     """Similarities of (m, 2) pairs of graphs of a forest, (m,)."""
     result: Floats = _similarities(forest.trees, pairs)
     return result
 
 
 @kernel(nogil=True)
-def _similarities(trees: Trees, pairs: Integers) -> Floats:
+def _similarities(trees: Trees, pairs: Ints) -> Floats:
     result = np.empty(len(pairs))
     if len(pairs) > 0:
         memory = space(trees.starts)
@@ -82,7 +79,9 @@ def _similarities(trees: Trees, pairs: Integers) -> Floats:
 
 
 @kernel()
-def compare(trees: Trees, one: int, other: int, least: float, memory: Space) -> tuple[float, bool]:
+def compare(
+    trees: Trees, one: int, other: int, least: float, memory: MatchingMemory
+) -> tuple[float, bool]:
     """Similarity of two graphs of a forest and True; the graph with the smaller key goes first.
 
     If it must be less than `least`, this may return an upper bound and False, which is quicker.

@@ -13,26 +13,24 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.arrays import Flags, Floats, Ints
 from egad._util.kernels import kernel
 from egad.reeb.lanes import LANES, lower
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Indices = NDArray[np.uint32]
-Flags = NDArray[np.bool_]
 
 
-class Rows(NamedTuple):
+class VertexEdges(NamedTuple):
     """Edges at each vertex: first those to the vertices before it, then those to later ones."""
 
-    starts: Integers  # (n + 1,)
-    middles: Integers  # (n,): first of the edges to later vertices
+    starts: Ints  # (n + 1,)
+    middles: Ints  # (n,): first of the edges to later vertices
     neighbors: Indices  # (2 e,)
     lengths: Floats  # (2 e,)
 
 
 @kernel()
-def order_of(distances: Floats) -> Integers:
+def order_of(distances: Floats) -> Ints:
     """Vertices in about the order of their distances, (n,): those out of reach are the last.
 
     Distances are cut into as many steps as there are vertices; a step is not sorted.
@@ -59,8 +57,8 @@ def weighted_distances(
     starts: Indices,
     neighbors: Indices,
     lengths: Floats,
-    order: Integers,
-    sources: Integers,
+    order: Ints,
+    sources: Ints,
     weights: Floats,
 ) -> Floats:
     """Sum of weighted distances of each vertex to all sources, one added after the other.
@@ -92,8 +90,8 @@ def weighted_distances(
 
 @kernel()
 def renumber(
-    starts: Indices, neighbors: Indices, lengths: Floats, order: Integers, rank: Integers
-) -> Rows:
+    starts: Indices, neighbors: Indices, lengths: Floats, order: Ints, rank: Ints
+) -> VertexEdges:
     """Edges row by row, with the vertices renumbered.
 
     Args:
@@ -103,7 +101,7 @@ def renumber(
         order: (n,): vertices in their new order.
         rank: (n,): new number of each vertex.
     """
-    result = Rows(
+    result = VertexEdges(
         np.zeros(len(order) + 1, np.int64),
         np.empty(len(order), np.int64),
         np.empty_like(neighbors),
@@ -124,7 +122,7 @@ def renumber(
 
 
 @kernel()
-def sweep(rows: Rows, sources: Integers) -> Floats:
+def sweep(rows: VertexEdges, sources: Ints) -> Floats:
     """Distances of all vertices to each source.
 
     On the way forward, only the vertices before one can have changed since the way back, where
@@ -163,7 +161,7 @@ def sweep(rows: Rows, sources: Integers) -> Floats:
 
 
 @kernel(inline="always")
-def _mark(rows: Rows, vertex: int, ahead: Flags, back: Flags) -> None:
+def _mark(rows: VertexEdges, vertex: int, ahead: Flags, back: Flags) -> None:
     """Have the neighbors of a vertex visited: later ones on the way forward, others back."""
     for edge in range(rows.starts[vertex], rows.middles[vertex]):
         back[rows.neighbors[edge]] = True

@@ -26,7 +26,7 @@ NOT_TRIED = ("collided", "failed", "crashed")
 
 
 @dataclass(frozen=True)
-class Agreement:
+class LabelledSuccess:
     """Labelled grasps and their success in simulation.
 
     Attributes:
@@ -66,7 +66,7 @@ class Agreement:
 
 
 def section(
-    datasets: Mapping[str, Mapping[str, Agreement]],
+    datasets: Mapping[str, Mapping[str, LabelledSuccess]],
     *,
     lift_height: float,
     hold_time: float,
@@ -86,7 +86,7 @@ def section(
     return section_of("agreement.html.j2", "Labels", datasets=datasets, named=named, **values)
 
 
-def agreement(table: pd.DataFrame, rows: int) -> Agreement:
+def agreement(table: pd.DataFrame, rows: int) -> LabelledSuccess:
     """Work out what there is to show.
 
     Grasps that the hand could not reach, because a convex part of the object sticks out or the
@@ -100,7 +100,7 @@ def agreement(table: pd.DataFrame, rows: int) -> Agreement:
     row = np.array([cell_of_label(label)[0] for label in tried["label"]], dtype=np.int64)
     groups = [*(tried[row == each] for each in range(rows)), tried]
     objects = table.drop_duplicates("label")
-    return Agreement(
+    return LabelledSuccess(
         engine=engine_names(table),
         rates=[rate(each) for each in groups],
         outcomes=outcome_counts(table),

@@ -11,7 +11,7 @@ COMPARATIVES = {"simple": "simpler", "easy": "easier", "low": "lower", "high": "
 
 
 @dataclass(frozen=True)
-class Axis:
+class MeasureAxis:
     """An axis of the space in words.
 
     Attributes:
@@ -62,12 +62,14 @@ class Axis:
 class AxisPair(NamedTuple):
     """The axes of a map."""
 
-    across: Axis
-    upwards: Axis
+    across: MeasureAxis
+    upwards: MeasureAxis
 
 
-COMPLEXITY = Axis("shape complexity", "complexity", "simple", "complex", "complexity", " bit")
-DIFFICULTY = Axis("grasp difficulty", "difficulty", "easy", "hard", "quality", " 1e-3", 1000)
+COMPLEXITY = MeasureAxis(
+    "shape complexity", "complexity", "simple", "complex", "complexity", " bit"
+)
+DIFFICULTY = MeasureAxis("grasp difficulty", "difficulty", "easy", "hard", "quality", " 1e-3", 1000)
 USUAL = AxisPair(COMPLEXITY, DIFFICULTY)
 
 
@@ -84,6 +86,6 @@ def named_axes(across: str | None, upwards: str | None) -> AxisPair:
         upwards: Name of the second measure; None or empty: difficulty.
     """
     return AxisPair(
-        Axis(across, across, "low", "high", across) if across else COMPLEXITY,
-        Axis(upwards, upwards, "high", "low", upwards) if upwards else DIFFICULTY,
+        MeasureAxis(across, across, "low", "high", across) if across else COMPLEXITY,
+        MeasureAxis(upwards, upwards, "high", "low", upwards) if upwards else DIFFICULTY,
     )

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from egad.measures import Attainable, Space, coverage
+from egad.measures import Attainable, MeasureSpace, coverage
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import COLOR_MAP, FAINT, LINES, SOFT
 from egad.report.drawing import new_figure, show_percent, svg_uri
@@ -46,7 +46,7 @@ PUBLISHED = pd.DataFrame(
 def section(
     comparison: pd.DataFrame,
     datasets: Mapping[str, pd.DataFrame],
-    space: Space,
+    space: MeasureSpace,
     axes: AxisPair,
     limit: Attainable,
 ) -> Section:
@@ -136,7 +136,7 @@ def _comparison_row(left: Axes, right: Axes, y: float, row: Mapping[Any, Any], o
 
 def dataset_maps(
     datasets: Mapping[str, pd.DataFrame],
-    space: Space,
+    space: MeasureSpace,
     names: AxisPair = USUAL,
     unattainable: int = 0,
 ) -> str:

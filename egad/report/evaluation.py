@@ -18,7 +18,7 @@ from egad.report.colors import INK, SOFT
 from egad.report.drawing import STYLE, data_uri
 from egad.report.page import Section, section_of
 from egad.report.pictures import render
-from egad.report.viewer import Scene, viewer_data
+from egad.report.viewer import GraspScene, viewer_data
 
 PAGE = (8.27, 11.69)  # A4, inches
 PIXELS = 220
@@ -53,7 +53,7 @@ def evaluation_view(
     rows: int,
     columns: int,
     pictures: Mapping[str, bytes],
-    scenes: Sequence[Scene] = (),
+    scenes: Sequence[GraspScene] = (),
     gripper: Gripper | None = None,
 ) -> EvaluationView:
     """What there is to show of an evaluation set.

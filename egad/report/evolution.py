@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from egad.measures import Attainable, Space, coverage, difficulty_cells
+from egad.measures import Attainable, MeasureSpace, coverage, difficulty_cells
 from egad.report.axes import AxisPair
 from egad.report.colors import line_color
 from egad.report.drawing import data_uri, new_figure, show_percent, svg_uri
@@ -54,7 +54,7 @@ class EvolutionView:
 
 
 def evolution_view(
-    objects: pd.DataFrame, history: pd.DataFrame | None, space: Space
+    objects: pd.DataFrame, history: pd.DataFrame | None, space: MeasureSpace
 ) -> EvolutionView | None:
     """What there is to show of an archive.
 
@@ -75,7 +75,7 @@ def evolution_view(
 
 def section(
     views: Mapping[str, EvolutionView],
-    space: Space,
+    space: MeasureSpace,
     axes: AxisPair,
     limit: Attainable,
     *,
@@ -99,7 +99,7 @@ def section(
     return section_of("evolution.html.j2", "Evolution", views=views, **values)
 
 
-def re_evaluation(objects: pd.DataFrame, space: Space) -> ReEvaluation | None:
+def re_evaluation(objects: pd.DataFrame, space: MeasureSpace) -> ReEvaluation | None:
     """How the objects of an archive moved when their difficulty was measured again.
 
     Args:
@@ -178,7 +178,7 @@ def _finish(axes: Axes, title: str, *, share: bool) -> None:
     axes.grid(axis="y")
 
 
-def coverage_animation(history: pd.DataFrame, space: Space) -> bytes:
+def coverage_animation(history: pd.DataFrame, space: MeasureSpace) -> bytes:
     """The archive during evolution; darker cells hold more elites.
 
     Args:
@@ -202,7 +202,7 @@ def coverage_animation(history: pd.DataFrame, space: Space) -> bytes:
     return buffer.getvalue()
 
 
-def _frame(cells: bytes, offspring: int, space: Space) -> Image.Image:
+def _frame(cells: bytes, offspring: int, space: MeasureSpace) -> Image.Image:
     counts = np.frombuffer(cells, np.uint8).reshape(space.cells, space.cells)[::-1]
     pixels = np.kron(_colors(counts, space), np.ones((UNIT, UNIT, 1))).astype(np.uint8)
     image = Image.new("RGB", (pixels.shape[1], pixels.shape[0] + 2 * UNIT), GROUND)
@@ -212,7 +212,7 @@ def _frame(cells: bytes, offspring: int, space: Space) -> Image.Image:
     return image.quantize(32)
 
 
-def _colors(counts: NDArray[np.uint8], space: Space) -> NDArray[np.float64]:
+def _colors(counts: NDArray[np.uint8], space: MeasureSpace) -> NDArray[np.float64]:
     share = np.minimum(counts / space.elites_per_cell, 1)[..., None]
     full = np.where(share > 0, 0.15 + 0.85 * share, 0)
     return np.asarray(EMPTY + full * (FULL - EMPTY))

@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import NamedTuple
 
-from egad.cppn import INPUT_NAMES, Node, Row, used_nodes
+from egad.cppn import INPUT_NAMES, ExpressionNode, Row, used_nodes
 from egad.report.colors import FONTS, INK, LINES, SOFT
 from egad.report.page import render_template
 
@@ -67,7 +67,7 @@ def genome_svg(genome: Row) -> str:
     )
 
 
-def _depths(nodes: dict[str, Node]) -> dict[str, int]:
+def _depths(nodes: dict[str, ExpressionNode]) -> dict[str, int]:
     """Layer of each input and node: one to the right of everything that enters it."""
     depths: dict[str, int] = dict.fromkeys(INPUT_NAMES, 0)
     for node in nodes.values():
@@ -75,7 +75,7 @@ def _depths(nodes: dict[str, Node]) -> dict[str, int]:
     return depths
 
 
-def _edges(nodes: dict[str, Node]) -> list[_Edge]:
+def _edges(nodes: dict[str, ExpressionNode]) -> list[_Edge]:
     """All connections; one that skips layers passes through a point of its own in each of them."""
     depths = _depths(nodes)
     edges = []
@@ -88,7 +88,7 @@ def _edges(nodes: dict[str, Node]) -> list[_Edge]:
     return edges
 
 
-def _layers(nodes: dict[str, Node], edges: list[_Edge]) -> list[list[str]]:
+def _layers(nodes: dict[str, ExpressionNode], edges: list[_Edge]) -> list[list[str]]:
     """Nodes and points of each layer, from the top: below what enters them, on average."""
     entering: dict[str, list[str]] = {name: [] for name in nodes}
     used = set()
@@ -141,6 +141,6 @@ def _path(places: list[Place]) -> str:
     return path
 
 
-def _summary(nodes: dict[str, Node], edges: list[_Edge]) -> str:
+def _summary(nodes: dict[str, ExpressionNode], edges: list[_Edge]) -> str:
     hidden = len(nodes) - 1
     return f"Network with {hidden} hidden nodes and {len(edges)} connections"

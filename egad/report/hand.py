@@ -3,16 +3,15 @@
 import numpy as np
 import trimesh
 import yaml
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from egad._util.arrays import Floats
 from egad.grippers import Gripper, GripperModel
 from egad.report.hand_shape import LINK_COLORS, link_shapes, painted
 from egad.report.page import render_template
-from egad.report.viewer import Scene, viewer_data
+from egad.report.viewer import GraspScene, viewer_data
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
-
-Floats = NDArray[np.float64]
 
 PAD_COLOR, APPROACH_COLOR = 3, 4  # numbers of the colors in scene3d.js
 PAD_THICKNESS = 4e-4  # metres, of what shows a pad
@@ -82,7 +81,7 @@ def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
     )
 
 
-def hand_scene(model: GripperModel, word: str, opening: float) -> Scene:
+def hand_scene(model: GripperModel, word: str, opening: float) -> GraspScene:
     """A hand at an opening for the viewer, with its pads and its approach, which points down.
 
     Args:
@@ -95,7 +94,7 @@ def hand_scene(model: GripperModel, word: str, opening: float) -> Scene:
     mesh, paint = painted([*link_shapes(model, opening), *pads, (_arrow(reach), APPROACH_COLOR)])
     mesh.apply_transform(trimesh.transformations.rotation_matrix(np.pi, (1, 0, 0)))
     title = f"{1000 * opening:.1f} mm between the pads"
-    return Scene(word, title, mesh, empty(GRASPS), paint=paint)
+    return GraspScene(word, title, mesh, empty(GRASPS), paint=paint)
 
 
 def _pads(model: GripperModel, opening: float, reach: float) -> list[trimesh.Trimesh]:

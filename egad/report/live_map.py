@@ -19,7 +19,7 @@ from typing import Any
 from egad._util.progress import duration, rate_text
 from egad.cppn import unpack
 from egad.map_elites import Archive, Elite
-from egad.measures import Space, cell_name, complexity_cells, difficulty_cells
+from egad.measures import MeasureSpace, cell_name, complexity_cells, difficulty_cells
 from egad.report.axes import USUAL, AxisPair, named_axes
 from egad.report.drawing import data_uri
 from egad.report.page import render_template
@@ -64,7 +64,7 @@ class LiveMap:
         self,
         page: Path,
         epoch: EpochOfIsland,
-        space: Space,
+        space: MeasureSpace,
         resolution: int,
         axes: AxisPair = USUAL,
     ) -> None:
@@ -125,7 +125,9 @@ class LiveMap:
         return filled_cells(elites, self._space, picture)
 
 
-def filled_cells(elites: Sequence[Elite], space: Space, picture: Callable[[Elite], str]) -> Cells:
+def filled_cells(
+    elites: Sequence[Elite], space: MeasureSpace, picture: Callable[[Elite], str]
+) -> Cells:
     """How many elites each cell holds, and the picture of the oldest, by name of the cell.
 
     Args:
@@ -177,7 +179,7 @@ def _objects(count: int) -> str:
     return "1 object" if count == 1 else f"{count} objects"
 
 
-def map_values(cells: Cells, space: Space, axes: AxisPair) -> dict[str, Any]:
+def map_values(cells: Cells, space: MeasureSpace, axes: AxisPair) -> dict[str, Any]:
     """What the template of the map reads beside the size of a cell and a caption."""
     size = range(space.cells)
     (start, end), (hard, easy) = space.complexity_range, space.difficulty_range
@@ -229,7 +231,7 @@ def read_states(folder: Path, own: State, islands: int | None = None) -> list[St
     return sorted(found, key=lambda state: int(state["island"]))
 
 
-def page_of(states: Sequence[State], space: Space, axes: AxisPair = USUAL) -> str:
+def page_of(states: Sequence[State], space: MeasureSpace, axes: AxisPair = USUAL) -> str:
     """The page.
 
     Args:

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from egad.measures import Space, cell_name
+from egad.measures import MeasureSpace, cell_name
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import INK
 from egad.report.drawing import data_uri, new_figure, svg_uri
@@ -55,7 +55,7 @@ def page(
     objects: pd.DataFrame,
     located: Sequence[Located],
     reasons: Mapping[str, str],
-    space: Space,
+    space: MeasureSpace,
     axes: AxisPair = USUAL,
 ) -> str:
     """Show objects in the space of a dataset.
@@ -97,7 +97,10 @@ def _view(item: Located) -> dict[str, Any]:
 
 
 def location_map(
-    objects: pd.DataFrame, marks: Sequence[tuple[int, int]], space: Space, names: AxisPair = USUAL
+    objects: pd.DataFrame,
+    marks: Sequence[tuple[int, int]],
+    space: MeasureSpace,
+    names: AxisPair = USUAL,
 ) -> str:
     """The filled cells of a dataset, with numbered marks on them.
 

@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy import ndimage
 
+from egad._util.arrays import RgbImage, Singles
 from egad._util.parameters import check_count
 from egad.geometry import TriangleScene, check_mesh
-
-Floats = NDArray[np.float32]
-Pixels = NDArray[np.uint8]
 
 SUBSAMPLES = 2
 SKY_RAYS = 8
@@ -28,13 +26,13 @@ DARK = np.array([30, 34, 44], dtype=np.float32)
 LIGHT = np.array([253, 251, 246], dtype=np.float32)
 
 
-def _unit(vectors: NDArray[np.floating]) -> Floats:
+def _unit(vectors: NDArray[np.floating]) -> Singles:
     lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    scaled: Floats = (vectors / np.maximum(lengths, 1e-12)).astype(np.float32)
+    scaled: Singles = (vectors / np.maximum(lengths, 1e-12)).astype(np.float32)
     return scaled
 
 
-def _camera(towards_viewer: tuple[float, float, float]) -> Floats:
+def _camera(towards_viewer: tuple[float, float, float]) -> Singles:
     """Rows: right, up and towards the viewer."""
     back = _unit(np.array(towards_viewer, dtype=np.float32))
     right = _unit(np.cross(np.array([0, 0, 1], dtype=np.float32), back))
@@ -49,11 +47,11 @@ class _Hits(NamedTuple):
     """What the rays meet, in camera coordinates."""
 
     rays: NDArray[np.int64]
-    points: Floats
-    normals: Floats
+    points: Singles
+    normals: Singles
 
 
-def render(mesh: trimesh.Trimesh, size: int = 96) -> Pixels:
+def render(mesh: trimesh.Trimesh, size: int = 96) -> RgbImage:
     """Draw a mesh on a transparent ground, seen from in front and above.
 
     Orthographic rays, two by two a pixel. A key light from the upper left, an open sky (ambient
@@ -81,7 +79,7 @@ def render(mesh: trimesh.Trimesh, size: int = 96) -> Pixels:
     return _average(hits.rays, _shade(scene, hits, side), size)
 
 
-def png_bytes(picture: Pixels) -> bytes:
+def png_bytes(picture: RgbImage) -> bytes:
     """Compress a picture to a small PNG with a palette.
 
     Colors are rounded to 5 bits and alpha to 6 levels, which is not visible at this size. A
@@ -106,7 +104,7 @@ def png_bytes(picture: Pixels) -> bytes:
     return _encode(image, optimize=True, transparency=colors[:, 3].tobytes())
 
 
-def voxel_png(picture: Pixels) -> bytes:
+def voxel_png(picture: RgbImage) -> bytes:
     """A PNG file of grey and alpha, as from `voxel_picture`."""
     return _encode(Image.fromarray(picture, "LA"))
 
@@ -117,16 +115,16 @@ def _encode(image: Image.Image, **options: Any) -> bytes:  # noqa: ANN401 (as Pi
     return buffer.getvalue()
 
 
-def _to_view(vertices: NDArray[np.float64]) -> Floats:
+def _to_view(vertices: NDArray[np.float64]) -> Singles:
     """Camera coordinates, centered, the wider of width and height between -FILL and FILL."""
     seen = vertices @ CAMERA.T
     low, high = seen.min(axis=0), seen.max(axis=0)
     reach = max((high - low)[:2].max() / 2, np.finfo(np.float64).tiny)
-    centered: Floats = ((seen - (low + high) / 2) * (FILL / reach)).astype(np.float32)
+    centered: Singles = ((seen - (low + high) / 2) * (FILL / reach)).astype(np.float32)
     return centered
 
 
-def _cast(scene: TriangleScene, vertices: Floats, faces: NDArray[np.int32], side: int) -> _Hits:
+def _cast(scene: TriangleScene, vertices: Singles, faces: NDArray[np.int32], side: int) -> _Hits:
     """First hit of every ray of a grid of `side` x `side`, top row first."""
     centers = ((np.arange(side, dtype=np.float32) + 0.5) / side) * 2 - 1
     x, y = np.meshgrid(centers, -centers)
@@ -147,7 +145,7 @@ def _cast(scene: TriangleScene, vertices: Floats, faces: NDArray[np.int32], side
     return _Hits(rays, points + flat * np.float32(2e-3), smooth)
 
 
-def _corner_normals(vertices: Floats, faces: NDArray[np.int32]) -> Floats:
+def _corner_normals(vertices: Singles, faces: NDArray[np.int32]) -> Singles:
     """Normals at the corners of each face (n, 3, 3): smooth, but flat at creases.
 
     Faces weigh by their angle at a vertex, so that the corners of a box are creases.
@@ -164,18 +162,18 @@ def _corner_normals(vertices: Floats, faces: NDArray[np.int32]) -> Floats:
     return np.where(creased[..., None], flat[:, None], smooth).astype(np.float32)
 
 
-def _shade(scene: TriangleScene, hits: _Hits, side: int) -> Floats:
+def _shade(scene: TriangleScene, hits: _Hits, side: int) -> Singles:
     """Brightness of each hit, 0 to 1."""
     openness = _blur_within(_sky_visibility(scene, hits, side), hits.rays, side)
     lambert = np.clip(hits.normals @ KEY_LIGHT, 0, 1)
     sky = 0.5 + 0.5 * hits.normals @ CAMERA[:, 2]
     bright = openness * (0.20 + 0.22 * sky) + 0.66 * lambert * (0.4 + 0.6 * openness)
     silhouette = np.clip(hits.normals[:, 2] / 0.45, 0, 1)
-    toned: Floats = np.clip(bright * (0.45 + 0.55 * silhouette), 0, 1) ** np.float32(0.9)
+    toned: Singles = np.clip(bright * (0.45 + 0.55 * silhouette), 0, 1) ** np.float32(0.9)
     return toned
 
 
-def _sky_visibility(scene: TriangleScene, hits: _Hits, side: int) -> Floats:
+def _sky_visibility(scene: TriangleScene, hits: _Hits, side: int) -> Singles:
     """Cosine-weighted part of the sky that each hit sees.
 
     Pixels share one fixed set of directions, spread over their subsamples, so there is no noise.
@@ -193,7 +191,7 @@ def _sky_visibility(scene: TriangleScene, hits: _Hits, side: int) -> Floats:
     return (seen / np.maximum(weight, 1e-6)).astype(np.float32)
 
 
-def _blur_within(values: Floats, rays: NDArray[np.int64], side: int) -> Floats:
+def _blur_within(values: Singles, rays: NDArray[np.int64], side: int) -> Singles:
     """Blur values within the silhouette: few rays leave edges where one of them is blocked."""
     weighted = np.zeros((2, side * side), dtype=np.float32)
     weighted[0, rays], weighted[1, rays] = values, 1
@@ -202,7 +200,7 @@ def _blur_within(values: Floats, rays: NDArray[np.int64], side: int) -> Floats:
     return (blurred / np.maximum(weight, 1e-6)).ravel()[rays].astype(np.float32)
 
 
-def _sky() -> Floats:
+def _sky() -> Singles:
     """Directions spread evenly over the half of the sphere that faces the viewer."""
     place = np.arange(SKY_RAYS) + 0.5
     height = 1 - place / SKY_RAYS
@@ -211,7 +209,7 @@ def _sky() -> Floats:
     return np.stack(around, axis=1).astype(np.float32)
 
 
-def _average(rays: NDArray[np.int64], bright: Floats, size: int) -> Pixels:
+def _average(rays: NDArray[np.int64], bright: Singles, size: int) -> RgbImage:
     """Colors of the subsamples, averaged over each pixel."""
     side = size * SUBSAMPLES
     samples = np.zeros((side * side, 4), dtype=np.float32)
@@ -224,7 +222,7 @@ def _average(rays: NDArray[np.int64], bright: Floats, size: int) -> Pixels:
     return np.round(np.concatenate([color, alpha], axis=2)).astype(np.uint8)
 
 
-def voxel_picture(voxels: NDArray[np.bool_], size: int) -> Pixels:
+def voxel_picture(voxels: NDArray[np.bool_], size: int) -> RgbImage:
     """Draw a solid seen from in front and above, in the light of `render` (ours).
 
     The voxels of its surface are painted as squares, the farthest first, each in the brightness
@@ -277,12 +275,12 @@ def _normals(solid: NDArray[np.bool_], surface: NDArray[np.int64]) -> NDArray[np
     return np.asarray(normals @ CAMERA.T)
 
 
-def _average_voxels(canvas: NDArray[np.float32], size: int) -> Pixels:
+def _average_voxels(canvas: NDArray[np.float32], size: int) -> RgbImage:
     """One pixel for each block of subsamples; only what is painted counts for its grey."""
     split = canvas.reshape(size, SUBSAMPLES, size, SUBSAMPLES).swapaxes(1, 2)
     blocks = split.reshape(size, size, SUBSAMPLES**2)
     painted = np.count_nonzero(blocks, axis=2)
     grey = blocks.sum(axis=2) / np.maximum(painted, 1)
     alpha = painted / SUBSAMPLES**2
-    pixels: Pixels = np.rint(255 * np.stack([grey, alpha], axis=2)).astype(np.uint8)
+    pixels: RgbImage = np.rint(255 * np.stack([grey, alpha], axis=2)).astype(np.uint8)
     return pixels

@@ -5,14 +5,16 @@ from pathlib import Path
 import pandas as pd
 import pyarrow as pa
 
-from egad.exchange import read_mesh
-from egad.report.viewer import Scene
+from egad.io import read_mesh
+from egad.report.viewer import GraspScene
 from egad.tables import parquet
 from egad.tables.columns import ID, LABEL
 from egad.tables.objects import REJECTED
 
 
-def scenes(folder: Path, gripper: str, evalset: pd.DataFrame, grasps: pd.DataFrame) -> list[Scene]:
+def scenes(
+    folder: Path, gripper: str, evalset: pd.DataFrame, grasps: pd.DataFrame
+) -> list[GraspScene]:
     """The objects of an evaluation set.
 
     Args:
@@ -34,7 +36,7 @@ def scenes(folder: Path, gripper: str, evalset: pd.DataFrame, grasps: pd.DataFra
 
 def scene(
     folder: Path, gripper: str, label: str, grasps: pd.DataFrame, name: str | None = None
-) -> Scene:
+) -> GraspScene:
     """One object of a dataset, by its label; `name` is shown instead of the label if given.
 
     If there are no grasps, the note gives the reason.
@@ -42,7 +44,7 @@ def scene(
     mesh = read_mesh(folder / "rescaled" / gripper / f"{label}.obj", "m")
     own = grasps[grasps["label"] == label]
     note = "" if len(own) else _reason(folder, gripper, label)
-    return Scene(name or label, label if name else "", mesh, own, note)
+    return GraspScene(name or label, label if name else "", mesh, own, note)
 
 
 def _reason(folder: Path, gripper: str, label: str) -> str:

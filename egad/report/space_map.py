@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 from PIL import Image, ImageDraw, ImageFont
 
-from egad.measures import Attainable, Space, cell_name
-from egad.report.axes import USUAL, Axis, AxisPair
+from egad.measures import Attainable, MeasureSpace, cell_name
+from egad.report.axes import USUAL, AxisPair, MeasureAxis
 from egad.report.colors import scale_color
 from egad.report.drawing import data_uri
 from egad.report.page import Section, section_of
@@ -68,7 +68,7 @@ class SpaceMap:
 
 
 def section(
-    maps: Mapping[str, SpaceMap], space: Space, axes: AxisPair, limit: Attainable
+    maps: Mapping[str, SpaceMap], space: MeasureSpace, axes: AxisPair, limit: Attainable
 ) -> Section:
     """The maps of all datasets.
 
@@ -84,7 +84,7 @@ def section(
     return section_of("map.html.j2", "Map", maps=maps, hatched=hatched, legend=legend, **values)
 
 
-def legend_of(limit: Attainable, axis: Axis) -> str:
+def legend_of(limit: Attainable, axis: MeasureAxis) -> str:
     """What the hatched rows of a map are, in words; empty if there are none.
 
     Args:
@@ -119,7 +119,9 @@ def _by_diversity(objects: pd.DataFrame) -> pd.DataFrame:
     return objects.sort_values(["diversity", "label"], ascending=[False, True])
 
 
-def space_map(objects: pd.DataFrame, pictures: Mapping[str, bytes], space: Space) -> SpaceMap:
+def space_map(
+    objects: pd.DataFrame, pictures: Mapping[str, bytes], space: MeasureSpace
+) -> SpaceMap:
     """Lay out the objects of a dataset over the space.
 
     A cell has the color of the mean diversity of its objects and the picture of the most
@@ -191,7 +193,7 @@ def _round(value: float, digits: int) -> float | None:
 def collage(
     objects: pd.DataFrame,
     pictures: Mapping[str, bytes],
-    space: Space,
+    space: MeasureSpace,
     unit: int = 48,
     axes: AxisPair = USUAL,
 ) -> bytes:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from egad.measures import Space, coverage, filled_cells
+from egad.measures import MeasureSpace, coverage, filled_cells
 from egad.report.axes import AxisPair
 from egad.report.evolution import re_evaluation
 from egad.report.page import Section, section_of
@@ -47,7 +47,11 @@ class DatasetSummary:
 
 
 def summarize(
-    kind: str, objects: pd.DataFrame, space: Space, selected: int, results: Mapping[str, Results]
+    kind: str,
+    objects: pd.DataFrame,
+    space: MeasureSpace,
+    selected: int,
+    results: Mapping[str, Results],
 ) -> DatasetSummary:
     """The numbers of a dataset.
 
@@ -76,7 +80,7 @@ def summarize(
 
 
 def section(
-    datasets: Mapping[str, DatasetSummary], space: Space, axes: AxisPair, capacity: int
+    datasets: Mapping[str, DatasetSummary], space: MeasureSpace, axes: AxisPair, capacity: int
 ) -> Section:
     """The summary of a run.
 

@@ -37,7 +37,7 @@ TOP = 0.98  # quantile of the quality that has the last color
 
 
 @dataclass(frozen=True)
-class Scene:
+class GraspScene:
     """An object with its grasps.
 
     Attributes:
@@ -59,7 +59,7 @@ class Scene:
     paint: NDArray[np.uint8] | None = None
 
 
-def viewer_data(scenes: Sequence[Scene], gripper: Gripper) -> dict[str, Any]:
+def viewer_data(scenes: Sequence[GraspScene], gripper: Gripper) -> dict[str, Any]:
     """What the script of the viewer reads, ready for JSON.
 
     Args:
@@ -77,7 +77,7 @@ def viewer_data(scenes: Sequence[Scene], gripper: Gripper) -> dict[str, Any]:
     }
 
 
-def pack(scene: Scene) -> dict[str, Any]:
+def pack(scene: GraspScene) -> dict[str, Any]:
     """One object for the viewer.
 
     Returns:
@@ -135,7 +135,7 @@ def label_codes(grasps: pd.DataFrame) -> NDArray[np.uint8]:
     return codes.astype(np.uint8)
 
 
-def page(scene: Scene, name: str | None, gripper: Gripper) -> str:
+def page(scene: GraspScene, name: str | None, gripper: Gripper) -> str:
     """An HTML page with one object that needs no other file, and the hand at its best grasp.
 
     Args:
@@ -146,7 +146,7 @@ def page(scene: Scene, name: str | None, gripper: Gripper) -> str:
     scenes = [scene]
     if (held := best_grasp(scene.mesh, scene.grasps, gripper)) is not None:
         mesh, paint = held
-        scenes.append(Scene("hand at best grasp", "", mesh, empty(GRASPS), paint=paint))
+        scenes.append(GraspScene("hand at best grasp", "", mesh, empty(GRASPS), paint=paint))
     data = viewer_data(scenes, gripper)
     return render_template("view.html.j2", scene=scene, name=name, gripper=gripper, viewer=data)
 
@@ -173,7 +173,7 @@ def _zigzag(rows: NDArray[np.integer]) -> NDArray[np.uint8]:
     return np.ascontiguousarray(folded.reshape(-1, 1).view(np.uint8).T)
 
 
-def _top(scenes: Sequence[Scene], key: str) -> float:
+def _top(scenes: Sequence[GraspScene], key: str) -> float:
     values = np.concatenate([scene.grasps[key].to_numpy(dtype=float) for scene in scenes])
     top = float(np.quantile(values, TOP)) if len(values) else 0.0
     return top if top > 0 else 1e-3
@@ -238,7 +238,7 @@ def view(
     name = gripper if isinstance(gripper, str | None) else ""
     hand = as_gripper("panda" if gripper is None else gripper)  # any, if nothing is drawn of it
     rows = empty(GRASPS) if grasps is None else grasps.to_frame()
-    return MeshView(page(Scene(title or "mesh", "", mesh, rows), name, hand))
+    return MeshView(page(GraspScene(title or "mesh", "", mesh, rows), name, hand))
 
 
 def _check_contacts(mesh: trimesh.Trimesh, grasps: Grasps | None) -> None:

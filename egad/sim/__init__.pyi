@@ -12,7 +12,6 @@ from .clutter import timed as timed
 from .film import ENDINGS as ENDINGS
 from .film import ROBOT_COLOR as ROBOT_COLOR
 from .film import Film as Film
-from .film import Pixels as Pixels
 from .film import write_film as write_film
 from .gripper import Hand as Hand
 from .image_scenes import model_at_size as model_at_size
@@ -26,16 +25,16 @@ from .model import Model as Model
 from .model import build as build
 from .model import model_of as model_of
 from .parameters import ENGINES as ENGINES
-from .parameters import Agreement as Agreement
 from .parameters import Clutter as Clutter
 from .parameters import ClutterParameters as ClutterParameters
 from .parameters import EngineName as EngineName
+from .parameters import LabelAgreement as LabelAgreement
 from .parameters import LabelTrialParameters as LabelTrialParameters
 from .parameters import Lifting as Lifting
 from .parameters import SimulatedLabel as SimulatedLabel
 from .parameters import SimulatedLabelParameters as SimulatedLabelParameters
 from .parameters import TrialParameters as TrialParameters
-from .parameters import Trials as Trials
+from .parameters import TrialProtocol as TrialProtocol
 from .parameters import check_engine as check_engine
 from .rounds import Round as Round
 from .rounds import failed_round as failed_round

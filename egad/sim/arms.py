@@ -4,16 +4,14 @@ from abc import ABC, abstractmethod
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
+from egad._util.arrays import Floats
 from egad.grippers import Gripper
 from egad.sim.robot import Robot
 from egad.sim.robots import on_axis, on_panda
 from egad.sim.world import Pose
-
-Floats = NDArray[np.float64]
 
 UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
 PANDA_BASE = np.array([-0.5, 0.0, 0.0])  # so that the middle of the table is in front of it
@@ -77,7 +75,7 @@ class Arm(ABC):
         """Of the fingertips above the table, metres."""
 
 
-class Axis(Arm):
+class TurningAxis(Arm):
     """A vertical axis above the place, which can turn; nothing bends."""
 
     unstoppable = True
@@ -168,4 +166,4 @@ def _damped(jacobian: Floats, error: Floats) -> Floats:
     return step * min(1.0, LONGEST_STEP / max(float(np.abs(step).max()), LONGEST_STEP))
 
 
-ARMS: dict[str, type[Axis] | type[Panda]] = {"axis": Axis, "panda": Panda}
+ARMS: dict[str, type[TurningAxis] | type[Panda]] = {"axis": TurningAxis, "panda": Panda}

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.detectors import Detector, Failure, PoseGrasp, choose, seen_by, try_to_plan
 from egad.grippers import Gripper
 from egad.outcomes import Outcome
@@ -26,13 +26,12 @@ from egad.perception import (
 from egad.random import generator
 from egad.sim.free_hand import execute_pose
 from egad.sim.parameters import Clutter
-from egad.sim.scenes import WORKSPACE, Placed, make_scene, put, settle_from
+from egad.sim.scenes import WORKSPACE, RestingObject, make_scene, put, settle_from
 from egad.sim.world import UnstableError, World
 
-Floats = NDArray[np.float64]
 Generator = np.random.Generator
 Proposal: TypeAlias = PoseGrasp | Outcome | Failure
-Propose = Callable[[Observation, Sequence[Placed], Generator], Proposal]
+Propose = Callable[[Observation, Sequence[RestingObject], Generator], Proposal]
 
 CAMERA_DISTANCE = 2 * WORKSPACE
 CAMERA_TILT = np.radians(30)
@@ -57,7 +56,7 @@ class ClutterAttempt:
     """
 
     outcome: Outcome
-    present: tuple[Placed, ...]
+    present: tuple[RestingObject, ...]
     grasp: PoseGrasp | None = None
     held: int | None = None
     stopped: float = 0.0
@@ -109,7 +108,7 @@ class ClutterRunner:
             if attempt.outcome in (Outcome.NO_GRASP, Outcome.FAILED):
                 return
 
-    def begin(self, kind: SceneKind, seed: int) -> list[Placed]:
+    def begin(self, kind: SceneKind, seed: int) -> list[RestingObject]:
         """Put the objects on the table.
 
         Raises:
@@ -132,7 +131,9 @@ class ClutterRunner:
             attempt, present = self.carry_out(grasp, present)
             yield attempt
 
-    def observe(self, present: Sequence[Placed], noise: NoiseName, rng: Generator) -> Observation:
+    def observe(
+        self, present: Sequence[RestingObject], noise: NoiseName, rng: Generator
+    ) -> Observation:
         """What the cameras see of objects at rest."""
         rendered = [self._rendered[each.number] for each in present]
         matrices = [each.pose.matrix for each in present]
@@ -144,8 +145,8 @@ class ClutterRunner:
         return Observation(seen(OVERHEAD, camera_above(OVERHEAD_HEIGHT)), views, WORKSPACE)
 
     def carry_out(
-        self, grasp: Proposal, present: Sequence[Placed]
-    ) -> tuple[ClutterAttempt, list[Placed]]:
+        self, grasp: Proposal, present: Sequence[RestingObject]
+    ) -> tuple[ClutterAttempt, list[RestingObject]]:
         """Try a grasp, if there is one; what came of it, and what is left when all lies still.
 
         If the simulation goes wrong while things settle, nothing is left to go on with.
@@ -160,7 +161,7 @@ class ClutterRunner:
         attempt = ClutterAttempt(result.outcome, tuple(present), grasp, result.held, result.stopped)
         try:
             numbers = [each.number for each in present if each.number != result.held]
-            moved = [Placed(number, self.world.pose(number)) for number in numbers]
+            moved = [RestingObject(number, self.world.pose(number)) for number in numbers]
             return attempt, settle_from(self.world, moved)
         except UnstableError:
             return attempt, []
@@ -169,7 +170,7 @@ class ClutterRunner:
 def proposed_by(detect: Detector, gripper: Gripper) -> Propose:
     """A detector that sees what it wants of the scene, and whose best grasp is tried."""
 
-    def propose(observation: Observation, _: Sequence[Placed], rng: Generator) -> Proposal:
+    def propose(observation: Observation, _: Sequence[RestingObject], rng: Generator) -> Proposal:
         return try_to_plan(
             lambda: choose(detect(seen_by(detect, observation), gripper, rng), gripper)
         )
@@ -180,7 +181,7 @@ def proposed_by(detect: Detector, gripper: Gripper) -> Propose:
 def timed(propose: Propose, seconds: list[float]) -> Propose:
     """The same, but it notes how long each answer took, from the depth images to the grasp."""
 
-    def ask(observation: Observation, present: Sequence[Placed], rng: Generator) -> Proposal:
+    def ask(observation: Observation, present: Sequence[RestingObject], rng: Generator) -> Proposal:
         begin = time.perf_counter()
         grasp = propose(observation, present, rng)
         seconds.append(time.perf_counter() - begin)

@@ -4,16 +4,14 @@ from contextlib import nullcontext
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.detectors import Grasp
 from egad.outcomes import Outcome
 from egad.sim.arms import Arm, HandPose, UnreachableError
 from egad.sim.gripper import HEAVIEST, Hand
 from egad.sim.parameters import Lifting
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
-
-Floats = NDArray[np.float64]
 
 START_ABOVE = 0.02  # fingertips start this far above the object
 DESCENT_SPEED = 0.25  # mean, m/s

@@ -5,17 +5,14 @@ from pathlib import Path
 import imageio.v3 as imageio
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats, RgbImage
 from egad._util.files import atomic_output
 from egad.errors import UserError
 from egad.geometry import TriangleScene
 from egad.sim.robot import shape_mesh
 from egad.sim.world import TIME_STEP, World
-
-Floats = NDArray[np.float64]
-Pixels = NDArray[np.uint8]
 
 ENDINGS = (".gif", ".mp4")
 STEPS = 12  # of the simulation, from one frame to the next: 20 a second
@@ -48,7 +45,7 @@ class Film:
         Args:
             world: The world.
         """
-        self.frames: list[Pixels] = []
+        self.frames: list[RgbImage] = []
         self._world, self._steps = world, 0
         self._looking_at = np.array([0.0, 0.0, LOWEST[2]])
         self._objects = [trimesh.util.concatenate(list(model.parts)) for model in world.models]
@@ -60,7 +57,7 @@ class Film:
             self.frames.append(self.frame())
         self._steps += 1
 
-    def frame(self) -> Pixels:
+    def frame(self) -> RgbImage:
         """What it looks like now."""
         world = self._world
         camera = FOLLOWED if len(self._objects) == 1 else WHOLE
@@ -84,7 +81,7 @@ def draw(
     bodies: list[tuple[trimesh.Trimesh, tuple[float, float, float]]],
     looking_at: Floats,
     camera: tuple[float, float, float] = FOLLOWED,
-) -> Pixels:
+) -> RgbImage:
     """A picture of colored meshes with one light and its shadows, (height, width, 3).
 
     Args:
@@ -133,7 +130,7 @@ def _table() -> trimesh.Trimesh:
     return trimesh.Trimesh(corners, [(0, 1, 2), (0, 2, 3)], process=False)
 
 
-def write_film(frames: list[Pixels], path: Path) -> None:
+def write_film(frames: list[RgbImage], path: Path) -> None:
     """Write a film in real time.
 
     Args:

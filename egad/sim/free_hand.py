@@ -3,15 +3,13 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats
 from egad.grippers import finger_span
 from egad.outcomes import Outcome
 from egad.sim.gripper import COLLISION_FORCE, Fingers, minimum_jerk
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
-
-Floats = NDArray[np.float64]
 
 # As in VGN's repository (Breyer et al. 2020), unless it says "ours".
 STANDOFF = 0.05  # metres before the grasp, where the approach begins

@@ -3,12 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.sim.arms import Arm, HandPose
 from egad.sim.world import TIME_STEP, World
-
-Floats = NDArray[np.float64]
 
 CLOSING_TIME = 1.0
 STALLED_SPEED = 0.0005

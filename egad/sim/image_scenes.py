@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.geometry import mass_properties
 from egad.grasps import ContactPairs
 from egad.perception import SceneKind
@@ -16,8 +16,6 @@ from egad.sim.scenes import BOX, make_scene
 from egad.sim.simulated_labels import simulate_grasps
 from egad.sim.world import UnstableError, open_world
 from egad.tables.columns import vector_names
-
-Floats = NDArray[np.float64]
 
 
 def model_at_size(

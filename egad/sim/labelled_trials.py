@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from egad.detectors import Grasp
@@ -26,8 +25,6 @@ from egad.sim.world import Pose, open_world
 from egad.tables import parquet
 from egad.tables.columns import vector_names
 from egad.tables.evaluation import AGREEMENT
-
-Floats = NDArray[np.float64]
 
 CLEAR = 0.1  # metres of air below the object at least
 RATINGS = ("quality", "robust_quality", "robust_success_rate")

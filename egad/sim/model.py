@@ -5,12 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.evalset import Bundle, make_simulation_object
 from egad.geometry import MassProperties
-
-Floats = NDArray[np.float64]
 
 # kg; PyBullet's solver does not converge for lighter bodies in a strong hand: see docs/trials.md
 MIN_MASS = 0.05

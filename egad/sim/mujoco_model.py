@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.sim.model import Model
-from egad.sim.robot import LEFT, RIGHT, Hull, Link, Robot, to_urdf
+from egad.sim.robot import LEFT, RIGHT, HullShape, Link, Robot, to_urdf
 from egad.sim.world import (
     CLOSING_SPEED,
     OBJECT_FRICTION,
@@ -16,8 +15,6 @@ from egad.sim.world import (
     TIME_STEP,
     wall_boxes,
 )
-
-Floats = NDArray[np.float64]
 
 SUBSTEPS = 2  # of a time step
 # Contacts are soft: the stiffest that the step allows, and close to rigid.
@@ -164,7 +161,7 @@ def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
 def _add_hulls(spec: mujoco.MjSpec, body: mujoco.MjsBody, link: Link) -> None:
     """The shapes of a link that are no boxes."""
     for number, shape in enumerate(link.shapes):
-        if isinstance(shape, Hull):
+        if isinstance(shape, HullShape):
             name = f"{link.name}-{number}"
             spec.add_mesh(
                 name=name,

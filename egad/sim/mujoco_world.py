@@ -7,9 +7,9 @@ from typing import Self
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
+from egad._util.arrays import Floats
 from egad.sim.model import Model
 from egad.sim.mujoco_model import (
     CLOSE,
@@ -27,7 +27,6 @@ from egad.sim.robot import LEFT, RIGHT, Robot
 from egad.sim.world import CLOSING_SPEED, DOWN, Forces, Pose, UnstableError, World
 
 log = logging.getLogger(__name__)
-Floats = NDArray[np.float64]
 
 # Owners of shapes; objects have the numbers from FIRST_OBJECT on
 TABLE, LEFT_FINGER, RIGHT_FINGER, OTHERS, WALLS, FIRST_OBJECT = range(6)

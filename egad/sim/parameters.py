@@ -53,7 +53,7 @@ class Lifting(Parameters):
     )
 
 
-class Trials(Lifting):
+class TrialProtocol(Lifting):
     """Simulated grasping trials."""
 
     attempts: int = Field(10, ge=1, description="attempts per object")
@@ -126,7 +126,7 @@ class Clutter(Parameters):
         return self
 
 
-class Agreement(Parameters):
+class LabelAgreement(Parameters):
     """Labelled grasps executed in simulation, to validate their quality."""
 
     grasps: int = Field(
@@ -159,7 +159,7 @@ class TrialParameters(ParameterGroup):
 
     seed: Seed
     gripper: Gripper
-    trials: Trials
+    trials: TrialProtocol
 
 
 class LabelTrialParameters(ParameterGroup):
@@ -169,7 +169,7 @@ class LabelTrialParameters(ParameterGroup):
     gripper: Gripper
     quality: Quality
     trials: Lifting
-    agreement: Agreement
+    agreement: LabelAgreement
 
 
 class ClutterParameters(ParameterGroup):

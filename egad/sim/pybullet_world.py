@@ -9,9 +9,9 @@ from typing import Any, Self
 
 import numpy as np
 import pybullet
-from numpy.typing import NDArray
 from typing_extensions import override
 
+from egad._util.arrays import Floats
 from egad.sim.model import Model
 from egad.sim.robot import LEFT, RIGHT, Box, Robot, hull_files, to_urdf
 from egad.sim.world import (
@@ -26,8 +26,6 @@ from egad.sim.world import (
     World,
     wall_boxes,
 )
-
-Floats = NDArray[np.float64]
 
 # Enough for light, thin objects in a strong hand; figures are in docs/trials.md.
 SOLVER_ITERATIONS = 150

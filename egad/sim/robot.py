@@ -10,14 +10,13 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 from scipy.spatial.transform import Rotation
 from trimesh.exchange.obj import export_obj
 
+from egad._util.arrays import Floats
 from egad.grippers import Gripper
 
-Floats = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Motion = Callable[[float], Floats]
 
@@ -39,7 +38,7 @@ class Box:
 
 
 @dataclass(frozen=True, eq=False)
-class Hull:
+class HullShape:
     """The convex hull of points.
 
     Attributes:
@@ -55,7 +54,7 @@ class Link:
 
     name: str
     mass: float = 0.0
-    shapes: tuple[Box | Hull, ...] = ()
+    shapes: tuple[Box | HullShape, ...] = ()
 
     @property
     def box(self) -> Box:
@@ -236,9 +235,9 @@ def _motion(joint: Joint) -> Motion:
     return lambda value: fixed + math.sin(value) * first + (1 - math.cos(value)) * second
 
 
-def shape_mesh(shape: Box | Hull) -> trimesh.Trimesh:
+def shape_mesh(shape: Box | HullShape) -> trimesh.Trimesh:
     """A shape in the frame of its link, metres."""
-    if isinstance(shape, Hull):
+    if isinstance(shape, HullShape):
         hull: trimesh.Trimesh = trimesh.convex.convex_hull(shape.points)
         return hull
     mesh: trimesh.Trimesh = trimesh.creation.box(shape.size)
@@ -256,8 +255,8 @@ def hull_files(robot: Robot, margin: float = 0.0) -> dict[str, str]:
     files = {}
     for link in robot.links:
         for number, shape in enumerate(link.shapes):
-            if isinstance(shape, Hull):
-                hull = Hull(_shrunk(shape.points, margin))
+            if isinstance(shape, HullShape):
+                hull = HullShape(_shrunk(shape.points, margin))
                 files[_hull_file(link, number)] = str(export_obj(shape_mesh(hull)))
     return files
 
@@ -294,8 +293,8 @@ def _write_link(root: Element, link: Link, hulls: bool) -> None:
             SubElement(part, "mesh", filename=_hull_file(link, number))
 
 
-def _corners(shape: Box | Hull) -> Floats:
-    if isinstance(shape, Hull):
+def _corners(shape: Box | HullShape) -> Floats:
+    if isinstance(shape, HullShape):
         return shape.points
     half = np.array(shape.size) / 2
     return np.array([shape.center - half, shape.center + half])

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats
 from egad.grippers import (
     PALM_BODY,
     SECOND_FINGER,
@@ -15,9 +15,19 @@ from egad.grippers import (
     finger_span,
     model_of,
 )
-from egad.sim.robot import LEFT, PALM, RIGHT, TIP, Box, Follower, Hull, Joint, Link, Robot, Vector
-
-Floats = NDArray[np.float64]
+from egad.sim.robot import (
+    LEFT,
+    PALM,
+    RIGHT,
+    TIP,
+    Box,
+    Follower,
+    HullShape,
+    Joint,
+    Link,
+    Robot,
+    Vector,
+)
 
 PALM_MASS = 0.6
 FINGER_MASS = 0.1
@@ -170,7 +180,7 @@ def _model_hand(gripper: Gripper) -> _Hand:
     back = min((float(points[:, 2].min()) for points in fixed), default=tip - gripper.finger_length)
     raised = np.array([0.0, 0.0, -back])
     mass = sum(link.mass for link in model.links if link.body == PALM_BODY)
-    palm = Link(PALM, max(mass, LEAST_MASS), tuple(Hull(points + raised) for points in fixed))
+    palm = Link(PALM, max(mass, LEAST_MASS), tuple(HullShape(points + raised) for points in fixed))
     links, joints, sides = [palm], [], {}
     for name, way in ((LEFT, 1.0), (RIGHT, -1.0)):
         limits = (float(model.openings[0]) / 2, gripper.opening / 2)
@@ -181,7 +191,7 @@ def _model_hand(gripper: Gripper) -> _Hand:
         if link.body == PALM_BODY:
             continue
         side = LEFT if link.body == SECOND_FINGER else RIGHT
-        shapes = tuple(Hull(points - _anchor(link)) for points in link.shapes)
+        shapes = tuple(HullShape(points - _anchor(link)) for points in link.shapes)
         links.append(Link(OWN + link.name, max(link.mass, LEAST_MASS), shapes))
         joint = _model_joint(model, link, raised)
         joints.append(joint)

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import RgbImage
 from egad._util.progress import phase_if_slow
 from egad.detectors import PoseGrasp
 from egad.errors import UserError
@@ -15,7 +16,7 @@ from egad.outcomes import Outcome
 from egad.perception import NoiseName, SceneKind
 from egad.random import entropy, generator
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose
-from egad.sim.film import Film, Pixels
+from egad.sim.film import Film
 from egad.sim.model import Model
 from egad.sim.parameters import ClutterParameters
 from egad.sim.robots import free_hand
@@ -148,7 +149,7 @@ def film_round(
     number: int,
     models: Models,
     settings: ClutterParameters,
-) -> list[Pixels]:
+) -> list[RgbImage]:
     """The frames of a round that is repeated without its detector.
 
     Args:
@@ -178,7 +179,7 @@ def film_round(
     return films[0].frames
 
 
-def picture_of(this: Round, models: Models, settings: ClutterParameters) -> Pixels:
+def picture_of(this: Round, models: Models, settings: ClutterParameters) -> RgbImage:
     """What a round begins with, (height, width, 3).
 
     Raises:

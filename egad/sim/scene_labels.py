@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad.detectors import PoseGrasp
 from egad.grasps import blocked_turns, hand_poses, vectors
 from egad.grippers import Gripper, body_of
@@ -13,9 +14,7 @@ from egad.outcomes import Outcome
 from egad.perception import Observation
 from egad.sim.free_hand import STANDOFF
 from egad.sim.model import Model
-from egad.sim.scenes import WORKSPACE, Placed
-
-Floats = NDArray[np.float64]
+from egad.sim.scenes import WORKSPACE, RestingObject
 
 TURNS = 2 * np.pi * np.arange(16) / 16  # about the closing axis, from the labelled approach
 CHUNK = 32  # grasps that are tested at once
@@ -46,7 +45,7 @@ class SceneLabels:
         self._hand = self._body.parts(STANDOFF)
 
     def __call__(
-        self, observation: Observation, present: Sequence[Placed], rng: np.random.Generator
+        self, observation: Observation, present: Sequence[RestingObject], rng: np.random.Generator
     ) -> PoseGrasp | Outcome:
         """The grasp of the highest robust quality to which the open hand has a straight way.
 
@@ -72,7 +71,7 @@ class SceneLabels:
                 return PoseGrasp(pose, opening, float(quality[numbers[number]]))
         return Outcome.NO_GRASP
 
-    def _candidates(self, present: Sequence[Placed]) -> tuple[Floats, Floats, Floats]:
+    def _candidates(self, present: Sequence[RestingObject]) -> tuple[Floats, Floats, Floats]:
         """All grasps: poses of the hand in the world, (n, 4, 4), widths and robust qualities."""
         poses, widths, quality = [np.empty((0, 4, 4))], [np.empty(0)], [np.empty(0)]
         for number, pose in present:
@@ -87,7 +86,7 @@ class SceneLabels:
             quality.append(table["robust_quality"].to_numpy(np.float64))
         return np.concatenate(poses), np.concatenate(widths), np.concatenate(quality)
 
-    def _triangles(self, placed: Placed) -> Floats:
+    def _triangles(self, placed: RestingObject) -> Floats:
         matrix = placed.pose.matrix
         triangles: Floats = self._models[placed.number].mesh.triangles @ matrix[:3, :3].T
         return triangles + matrix[:3, 3]

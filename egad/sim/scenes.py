@@ -5,15 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats
 from egad.perception import SceneKind
 from egad.sim.model import Model
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
-
-Floats = NDArray[np.float64]
 
 # As in VGN's repository (Breyer et al. 2020), unless it says "ours".
 WORKSPACE = 0.3  # metres, side of the cube; what leaves it is removed
@@ -29,14 +27,14 @@ REST_SPEED = 0.01  # m/s and rad/s
 REST_TIME = 0.1  # ours: seconds that all objects must be slower than that
 
 
-class Placed(NamedTuple):
+class RestingObject(NamedTuple):
     """An object in a scene: its number in the world, and where it lies."""
 
     number: int
     pose: Pose
 
 
-def make_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[Placed]:
+def make_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[RestingObject]:
     """Put the objects of a world on the table, one after the other, until they lie still.
 
     single, pile: dropped in random orientations, a pile into a box that is then removed. packed:
@@ -60,7 +58,7 @@ def make_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[
     raise UnstableError("no object stays in the workspace")
 
 
-def _try_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[Placed]:
+def _try_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[RestingObject]:
     """The objects that stay in the workspace, perhaps none."""
     world.reset()
     if kind == "packed":
@@ -76,7 +74,7 @@ def _try_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[
     return settle_all(world, present)
 
 
-def settle_all(world: World, present: Sequence[int]) -> list[Placed]:
+def settle_all(world: World, present: Sequence[int]) -> list[RestingObject]:
     """Let objects come to rest, and take away those that are outside the workspace then."""
     left = list(present)
     while True:
@@ -85,17 +83,17 @@ def settle_all(world: World, present: Sequence[int]) -> list[Placed]:
         for number in set(left) - set(inside):
             world.park(number)
         if inside == left:
-            return [Placed(number, world.pose(number)) for number in left]
+            return [RestingObject(number, world.pose(number)) for number in left]
         left = inside
 
 
-def settle_from(world: World, objects: Sequence[Placed]) -> list[Placed]:
+def settle_from(world: World, objects: Sequence[RestingObject]) -> list[RestingObject]:
     """Let objects come to rest from where they are now, with nothing else in the world."""
     put(world, objects)
     return settle_all(world, [each.number for each in objects])
 
 
-def put(world: World, objects: Sequence[Placed]) -> None:
+def put(world: World, objects: Sequence[RestingObject]) -> None:
     """Put objects somewhere at rest, and nothing else."""
     world.reset()
     world.remove_walls()

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from egad.grippers import Gripper
 from egad.outcomes import SIMULATION_FAILURES, Outcome
-from egad.sim.arms import Arm, Axis, HandPose
+from egad.sim.arms import Arm, HandPose, TurningAxis
 from egad.sim.execution import lift_and_hold
 from egad.sim.gripper import COLLISION_FORCE, Hand
 from egad.sim.labelled_trials import floating_pose
@@ -24,8 +24,6 @@ from egad.sim.parameters import Lifting, SimulatedLabelParameters
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World, open_world
 from egad.tables import parquet
 from egad.tables.grasping import MOTIONS
-
-Floats = NDArray[np.float64]
 
 # The hand moves by at most 26 mm and speeds up by 11 m/s2, a little more than gravity does; it
 # turns by at most 25 degrees, 6 cm off its axis as fast. ACRONYM gives no numbers.
@@ -87,7 +85,7 @@ def simulate_grasps(
         settings: Gripper, friction of the labels, engine, lift.
     """
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
-    arm = Axis(gripper)
+    arm = TurningAxis(gripper)
     with open_world(settings.simulated_label.engine, [model], arm.robot) as world:
         return [
             simulate_grasp(

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats
 from egad.detectors import (
     Detector,
     Failure,
@@ -30,11 +30,10 @@ from egad.perception import (
 )
 from egad.sim.arms import Arm
 from egad.sim.execution import execute
-from egad.sim.parameters import Trials
+from egad.sim.parameters import TrialProtocol
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 
 log = logging.getLogger(__name__)
-Floats = NDArray[np.float64]
 
 SETTLING_TIME = 4.0  # seconds, at most
 REST_SPEED = 0.003  # m/s
@@ -149,7 +148,7 @@ class Ready(NamedTuple):
 class TrialRunner:
     """A table with an object, a camera and a hand, to try grasps on."""
 
-    def __init__(self, world: World, arm: Arm, trials: Trials) -> None:
+    def __init__(self, world: World, arm: Arm, trials: TrialProtocol) -> None:
         """Set up.
 
         Args:

@@ -6,14 +6,12 @@ from contextlib import contextmanager
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats
 from egad.sim.model import Model
 from egad.sim.parameters import EngineName, check_engine
 from egad.sim.robot import Box, Robot
-
-Floats = NDArray[np.float64]
 
 GRAVITY = 9.81
 DOWN = (0.0, 0.0, -GRAVITY)

@@ -5,14 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.stats.paired import NothingInCommonError, sign_flip
 from egad.stats.rates import Interval, Mean, Rate, bootstrap, mean_of
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 SCENE = ["round", "seed", "objects", "factors", "n_objects"]  # what a round begins with
 UNTRIED = (Outcome.NO_GRASP, *SIMULATION_FAILURES)
@@ -165,13 +162,13 @@ def _compared(scene: str, noise: str, rounds: pd.DataFrame) -> ClearingCompariso
         rounds, "success_x", "success_y", "tried_x", "tried_y", "n_objects"
     )
 
-    def success(drawn: Integers) -> Floats:
+    def success(drawn: Ints) -> Floats:
         with np.errstate(invalid="ignore"):  # rounds without attempts may be drawn alone
             first = one[drawn].sum(axis=1) / tried[drawn].sum(axis=1)
             second = other[drawn].sum(axis=1) / other_tried[drawn].sum(axis=1)
         return np.asarray(first - second)
 
-    def cleared(drawn: Integers) -> Floats:
+    def cleared(drawn: Ints) -> Floats:
         with np.errstate(invalid="ignore"):
             return np.asarray((one - other)[drawn].sum(axis=1) / present[drawn].sum(axis=1))
 
@@ -188,5 +185,5 @@ def _compared(scene: str, noise: str, rounds: pd.DataFrame) -> ClearingCompariso
     )
 
 
-def _counts(rounds: pd.DataFrame, *names: str) -> list[Integers]:
+def _counts(rounds: pd.DataFrame, *names: str) -> list[Ints]:
     return [rounds[name].to_numpy(dtype=np.int64) for name in names]

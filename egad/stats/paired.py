@@ -7,11 +7,10 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
+from egad._util.arrays import Ints
 from egad._util.display import facts_html
 from egad.errors import UserError
 from egad.stats.rates import Interval, bootstrap, by_object
-
-Integers = NDArray[np.int64]
 
 
 class NothingInCommonError(UserError):
@@ -132,7 +131,7 @@ def _check_objects(pairs: pd.DataFrame) -> None:
         )
 
 
-def sign_flip(gains: Integers) -> float:
+def sign_flip(gains: Ints) -> float:
     """Exact two-sided permutation test that differences have no sign they prefer.
 
     If neither detector is better, each object could as well have favoured the other one by as

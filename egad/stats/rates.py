@@ -8,12 +8,11 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest, norm, rankdata, t
 
+from egad._util.arrays import Floats, Ints
 from egad._util.display import facts_html
 from egad.evalset import cell_of_label
 from egad.random import generator
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Interval = tuple[float, float]
 DRAWS = 10_000
 
@@ -158,7 +157,7 @@ def mean_rate(trials: pd.DataFrame) -> Mean:
     return mean_of(objects["successes"].to_numpy(), objects["attempts"].to_numpy())
 
 
-def mean_of(successes: Integers, attempts: Integers) -> Mean:
+def mean_of(successes: Ints, attempts: Ints) -> Mean:
     """The success rate over groups of attempts, with an interval of 95 % for other such groups.
 
     The interval is that of `mean_rate`.

@@ -9,10 +9,9 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
+from egad._util.arrays import Flags, Floats
 from egad.stats.rates import Interval, Rate, bootstrap
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 Names = NDArray[np.str_]
 Areas = Callable[[NDArray[np.int64]], Floats]
 
@@ -39,7 +38,7 @@ class Area:
     within: float = np.nan
 
 
-def roc_area(rating: Floats, success: Bools) -> float:
+def roc_area(rating: Floats, success: Flags) -> float:
     """Area under the ROC curve: how often a success was rated higher than a failure.
 
     Args:
@@ -59,7 +58,7 @@ def roc_area(rating: Floats, success: Bools) -> float:
     return float(higher / (good * bad))
 
 
-def area(rating: Floats, success: Bools, objects: Names) -> Area:
+def area(rating: Floats, success: Flags, objects: Names) -> Area:
     """Area under the ROC curve of the grasps of several objects, with its interval.
 
     Grasps of an object resemble each other, so it is the objects that are drawn (`bootstrap`); one
@@ -74,7 +73,7 @@ def area(rating: Floats, success: Bools, objects: Names) -> Area:
     return Area(roc_area(rating, success), _interval(areas, success, objects), within)
 
 
-def gain(rating: Floats, other: Floats, success: Bools, objects: Names) -> Area:
+def gain(rating: Floats, other: Floats, success: Flags, objects: Names) -> Area:
     """By how much one rating tells more than another, in the area under the ROC curve.
 
     Args:
@@ -93,13 +92,13 @@ def gain(rating: Floats, other: Floats, success: Bools, objects: Names) -> Area:
     return Area(value, interval, within - others)
 
 
-def _interval(areas: Areas, success: Bools, objects: Names) -> Interval:
+def _interval(areas: Areas, success: Flags, objects: Names) -> Interval:
     """The interval of an area over draws of objects, if enough of them are known."""
     fewest = min(len(np.unique(objects[each])) for each in (success, ~success))
     return bootstrap(areas, len(np.unique(objects))) if fewest >= FEWEST else (np.nan, np.nan)
 
 
-def _areas(rating: Floats, success: Bools, objects: Names) -> tuple[Areas, float]:
+def _areas(rating: Floats, success: Flags, objects: Names) -> tuple[Areas, float]:
     """From draws of objects to areas; and the area of pairs of one object."""
     names, owner = np.unique(objects, return_inverse=True)
     count = len(names)

@@ -13,7 +13,8 @@ from egad._util.workers import workers
 from egad.config.stages import SimulationBundle
 from egad.evalset import SimulationObject, make_simulation_object
 from egad.evalset.bundle import page
-from egad.exchange import object_names, write_simulation_object, write_sums
+from egad.exchange import write_simulation_object
+from egad.io import object_names, write_sums
 from egad.tables import parquet
 from egad.tables.columns import inertia_columns
 from egad.tables.evaluation import BUNDLE, EVAL49

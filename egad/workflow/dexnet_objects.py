@@ -5,21 +5,20 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad._util.progress import progress
 from egad.config.stages import DexNetObjects
 from egad.errors import RejectedError
-from egad.exchange import MEASURES, Solid, add_object, check_key, read_mesh, writing
+from egad.exchange import MEASURES, DexnetObject, add_object, check_key, writing
 from egad.geometry import StablePose, distance_field, mass_properties
 from egad.geometry.stable_poses import stable_poses
+from egad.io import read_mesh
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 from egad.workflow.shards import rows_in_shard
 
-Floats = NDArray[np.float64]
 log = logging.getLogger(__name__)
 
 
@@ -54,11 +53,11 @@ def write_objects(
                 add_object(group, key, solid)
 
 
-def _solid(settings: DexNetObjects, row: Mapping[str, Any], path: Path) -> Solid:
+def _solid(settings: DexNetObjects, row: Mapping[str, Any], path: Path) -> DexnetObject:
     mesh = read_mesh(path, "m")
     mass = mass_properties(mesh, settings.material.density)
     wanted = settings.dexnet
-    return Solid(
+    return DexnetObject(
         mesh=mesh,
         mass=mass.mass,
         field=distance_field(mesh, wanted.field_size, wanted.field_padding),

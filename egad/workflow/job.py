@@ -23,7 +23,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 from pydantic import validate_call
 
 from egad._util.program import readable_errors, start_logging
-from egad.exchange import write_sums
+from egad.io import write_sums
 from egad.provenance.record import recorded
 
 FOLDERS = ("meshes", "bundle")  # params that are read: an input names a table in them

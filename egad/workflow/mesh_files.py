@@ -9,8 +9,8 @@ import numpy as np
 import trimesh
 
 from egad.errors import RejectedError
-from egad.exchange import read_mesh
 from egad.geometry import units_doubt
+from egad.io import read_mesh
 
 T = TypeVar("T")
 log = logging.getLogger(__name__)

@@ -8,7 +8,7 @@ from typing import Any
 
 from egad._util.parameters import Parameters
 from egad.config.input_files import is_result
-from egad.exchange import checksum
+from egad.io import checksum
 
 
 def plain(part: Parameters) -> dict[str, Any]:

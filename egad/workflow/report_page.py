@@ -24,7 +24,7 @@ from egad.report import (
 )
 from egad.report.axes import AxisPair, axis_pair
 from egad.report.page import Section, report_page, section_of
-from egad.report.viewer import Scene
+from egad.report.viewer import GraspScene
 from egad.workflow.config_tables import entry_tables, parameter_tables
 
 KINDS = {"evolved": "evolved", "primitives": "random"}
@@ -67,7 +67,7 @@ class DatasetReport:
     clutter: Mapping[str, ByDetector] = field(default_factory=dict)
     clutter_pictures: Mapping[str, Mapping[str, Sequence[bytes]]] = field(default_factory=dict)
     agreement: ByGripper = field(default_factory=dict)
-    scenes: Sequence[Scene] = ()
+    scenes: Sequence[GraspScene] = ()
     history: pd.DataFrame | None = None
 
 

@@ -12,9 +12,9 @@ from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.config.stages import RescaleMeshes
-from egad.exchange import object_names, write_obj, write_stl_mm
 from egad.geometry import rescale
 from egad.grasps import graspable_fraction, graspable_widths
+from egad.io import object_names, write_mesh
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
 from egad.tables.objects import REJECTED
@@ -23,7 +23,6 @@ from egad.workflow.shards import rejection
 
 log = logging.getLogger(__name__)
 BOTH = ("before", "after")
-WRITERS = {".obj": write_obj, ".stl": write_stl_mm}
 
 
 def rescale_files(
@@ -96,7 +95,7 @@ def _scaled(
     mesh, scaled, row = result
     widths, areas = graspable_widths(mesh)
     file = folder / f"{name}{tail}"
-    WRITERS[file.suffix](scaled, file)
+    write_mesh(scaled, file)
     row |= {
         "graspable_fraction_before": graspable_fraction(widths, areas, opening),
         "graspable_fraction_after": graspable_fraction(row["factor"] * widths, areas, opening),

@@ -15,7 +15,7 @@ from egad.config.stages import ClearedTables, SimulatedLabels, SimulatedTrials
 from egad.detectors import IN_SCENES, Detector, Labels, check_views_will_do, opened
 from egad.errors import RejectedError, UserError
 from egad.evalset import simulation_object
-from egad.exchange import read_mesh
+from egad.io import read_mesh
 from egad.outcomes import Outcome
 from egad.sim import (
     LabelTrialParameters,

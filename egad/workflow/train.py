@@ -10,9 +10,9 @@ from egad._util.extras import needed_for
 from egad._util.files import write_text
 from egad.config.stages import TrainNetwork
 from egad.errors import UserError
-from egad.exchange import checksum
+from egad.io import checksum
 from egad.learning import (
-    Dataset,
+    ImageDataset,
     PositiveFilter,
     Score,
     TrainedNetwork,
@@ -82,7 +82,7 @@ def train(
     return score
 
 
-def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> Dataset:
+def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> ImageDataset:
     """The training images.
 
     Raises:
@@ -92,7 +92,7 @@ def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> Dataset:
     """
     plan = settings.training
     by_simulation = plan.positive == "simulated"
-    shards = Dataset(images, PositiveFilter(plan.quality, plan.breadth, by_simulation))
+    shards = ImageDataset(images, PositiveFilter(plan.quality, plan.breadth, by_simulation))
     for split in ("validation", "test"):
         shards.indices(split)
     if not shards.index.loc[shards.indices("train"), "positive"].any():

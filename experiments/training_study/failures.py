@@ -12,19 +12,19 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 sys.path.append(str(Path(__file__).parents[1]))
 from study import read_study
 from trials import HEIGHT, TEXT, WIDTH, chosen  # type: ignore[import-not-found]
 
+from egad._util.arrays import RgbImage
 from egad._util.files import atomic_output
 from egad.cli.replay import repeat_attempt
 from egad.config.stages import SimulatedTrials, select
 from egad.detectors import Grasp
 from egad.perception import DepthCamera, Intrinsics, camera_above
-from egad.sim import Model, Pose, Trials
+from egad.sim import Model, Pose, TrialProtocol
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 from egad.workflow.bundled import model_in, rows_by_id
@@ -34,7 +34,6 @@ FRAMES = 5
 SHARE = 0.01  # of all failures, for an outcome to be shown
 CROP = 270, 300  # pixels of the depth image that are shown
 HIGHEST = 0.05  # metres; objects less high are not white
-Pixels = NDArray[np.uint8]
 
 
 def main(results: Path, noise: str, name: str) -> None:
@@ -42,7 +41,7 @@ def main(results: Path, noise: str, name: str) -> None:
     study = read_study(Path(__file__).with_name("study.yaml"))
     hand = study.gripper
     trials = select(study.settings, SimulatedTrials, hand)
-    rows: list[tuple[str, list[Pixels]]] = []
+    rows: list[tuple[str, list[RgbImage]]] = []
     networks = [each.name for each in study.plan.networks if each.training_set == name]
     for test in study.plan.tests:
         folder = results / "trials" / test / noise
@@ -62,7 +61,7 @@ def main(results: Path, noise: str, name: str) -> None:
         sheet.quantize(256).save(out, "png", optimize=True)
 
 
-def pictures(trials: SimulatedTrials, attempt: dict[str, Any], bundle: Path) -> list[Pixels]:
+def pictures(trials: SimulatedTrials, attempt: dict[str, Any], bundle: Path) -> list[RgbImage]:
     """The depth image of an attempt and frames of its film."""
     again, frames = repeat_attempt(trials, attempt, bundle)
     found = [frames[number] for number in chosen(frames, FRAMES)]
@@ -85,7 +84,7 @@ def typical(trials: pd.DataFrame) -> pd.DataFrame:
     return found
 
 
-def depth_picture(model: Model, rest: Pose, grasp: Grasp, trials: Trials) -> Pixels:
+def depth_picture(model: Model, rest: Pose, grasp: Grasp, trials: TrialProtocol) -> RgbImage:
     """The middle of the depth image, higher parts brighter, with the line of the grasp."""
     camera = Intrinsics.spanning(*trials.image, trials.field_of_view)
     pose = camera_above(trials.camera_height)

@@ -15,7 +15,7 @@ from torch import nn
 
 from egad._util.markdown import table
 from egad.config import Training
-from egad.learning import Dataset, PositiveFilter, networks
+from egad.learning import ImageDataset, PositiveFilter, networks
 from egad.learning.targets import prepare_input
 from egad.perception import fill_missing
 
@@ -26,7 +26,7 @@ SEEDS = 5
 def main(images: Path) -> None:
     """Print the table."""
     plan = Training()
-    dataset = Dataset([images], PositiveFilter(plan.quality, plan.breadth))
+    dataset = ImageDataset([images], PositiveFilter(plan.quality, plan.breadth))
     numbers = dataset.indices("train")[:IMAGES]
     depths = np.stack([dataset.image(number)[0] for number in numbers])
     spreads = [1000 * float(np.nanstd(depth)) for depth in depths]

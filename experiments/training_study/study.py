@@ -16,7 +16,7 @@ from pydantic import ConfigDict, Field, GetCoreSchemaHandler, ValidationError, m
 from typing_extensions import TypedDict
 
 from egad._util.parameters import Name, Parameters, UserPath
-from egad.config import DetectorConfig, ImageNoise, Render, Settings, Training, Trials
+from egad.config import DetectorConfig, ImageNoise, Render, Settings, Training, TrialProtocol
 from egad.config.check import check
 from egad.config.files import read_values
 from egad.config.references import unknown_names
@@ -209,7 +209,7 @@ class PageSettings(StageSettings):
 
     plan: Plan  # with the training sets that are compared, and those that they show images of
     training: Training
-    trials: Trials
+    trials: TrialProtocol
 
 
 def read_study(path: Path) -> Study:

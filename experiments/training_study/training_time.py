@@ -11,7 +11,7 @@ from time import process_time
 import torch
 
 from egad.config import Training
-from egad.learning import Dataset, PositiveFilter, networks
+from egad.learning import ImageDataset, PositiveFilter, networks
 from egad.learning.dataset import Stream
 from egad.learning.evaluation import map_losses
 
@@ -24,7 +24,7 @@ def main(images: Path) -> None:
     """Print the median times to prepare an example and to compute its gradient, ms, by crop."""
     torch.set_num_threads(1)
     plan = Training()
-    shards = Dataset([images], PositiveFilter(plan.quality, plan.breadth))
+    shards = ImageDataset([images], PositiveFilter(plan.quality, plan.breadth))
     print("| crop | prepare | gradient | gradient, 4 at a time |")
     print("| --- " * 4 + "|")
     for crop in CROPS:

@@ -24,7 +24,7 @@ from egad.grasps.parameters import LabelParameters
 from egad.grasps.quality import ferrari_canny, wrenches
 from egad.grippers import BoxBody
 from egad.map_elites.archive import Archive
-from egad.map_elites.evaluation import Solid, express, measure
+from egad.map_elites.evaluation import GenomeVoxels, express, measure
 from egad.map_elites.island import evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import breed
@@ -68,7 +68,7 @@ def offspring(elites):
 @pytest.fixture(scope="module")
 def solids(offspring):
     found = [express(each.genome, EVOLVE, UNBOUND) for each in offspring]
-    return list({solid.id: solid for solid in found if isinstance(solid, Solid)}.values())
+    return list({solid.id: solid for solid in found if isinstance(solid, GenomeVoxels)}.values())
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def graphs(elites):
     for step in range(30):
         for child in breed(elites, EVOLVE, 2, 0, step):
             solid = express(child.genome, EVOLVE, UNBOUND)
-            if isinstance(solid, Solid) and solid.id not in found:
+            if isinstance(solid, GenomeVoxels) and solid.id not in found:
                 mesh = packed_surface(solid.packed, EVOLVE.shape)
                 found[solid.id] = reeb.extract(mesh, SETTINGS.similarity)
     return list(found.values())

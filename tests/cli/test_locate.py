@@ -7,12 +7,12 @@ from scipy.stats import percentileofscore
 
 from egad.cli.export_meshes import write_meshes
 from egad.cli.locate import locate_files, reference
-from egad.config import Settings, Space
+from egad.config import MeasureSpace, Settings
 from egad.config.archive_settings import provenance
 from egad.config.stages import LocateMeshes, select
 from egad.errors import UserError
-from egad.exchange.meshes import read_mesh, write_obj
 from egad.geometry.repair import repair
+from egad.io import read_mesh, write_obj
 from egad.map_elites import Archive, EvolutionParameters
 from egad.map_elites.island import evolve
 from egad.reeb import graph as reeb
@@ -155,7 +155,7 @@ def test_a_dataset_without_its_meshes_is_refused(among, tmp_path):
 def test_marks_stand_at_their_cells():
     """Complexity goes to the right, difficulty up; in SVG, y goes down."""
     none = pd.DataFrame({"complexity_cell": [], "difficulty_cell": []}, dtype=int)
-    drawn = location_map(none, [(0, 0), (9, 0), (0, 9)], Space(cells=10))
+    drawn = location_map(none, [(0, 0), (9, 0), (0, 9)], MeasureSpace(cells=10))
     (x0, y0), (x1, y1), (x2, y2) = _marks(drawn)
     assert x1 > x0 + 100
     assert y1 == y0

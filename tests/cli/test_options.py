@@ -16,7 +16,7 @@ from typer.models import OptionInfo
 from egad import __version__
 from egad.cli import gripper, trials
 from egad.cli.commands import app
-from egad.exchange import read_mesh
+from egad.io import read_mesh
 from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS

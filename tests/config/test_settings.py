@@ -4,9 +4,9 @@ import pytest
 from pydantic import BaseModel, ValidationError
 
 from egad._util.parameters import ParameterGroup
-from egad.config import Dataset, Gripper, Parameters, Settings
+from egad.config import DatasetSection, Gripper, Parameters, Settings
 from egad.config.stages import RescaleMeshes, StageSettings, select
-from egad.exchange.exports import formats, settings_class
+from egad.exchange import FORMATS, settings_class
 from egad.map_elites.parameters import EvolutionParameters
 
 
@@ -85,7 +85,7 @@ def test_the_grippers_of_the_literature_are_there():
 
 def test_every_section_is_read_by_some_stage():
     """A setting that no stage gets would change nothing, in silence."""
-    models = [*stage_models(ParameterGroup), *map(settings_class, formats())]
+    models = [*stage_models(ParameterGroup), *map(settings_class, FORMATS)]
     ours = [model for model in models if model.__module__.startswith("egad.")]
     read = {name for model in ours for name in model.model_fields}
     of_the_workflow = {"shards", "datasets", "targets", "schedule"}
@@ -117,7 +117,7 @@ def test_what_a_stage_gets_is_what_the_configuration_says():
 
 
 def test_models_are_closed():
-    for model in (Dataset, Gripper, Settings, EvolutionParameters):
+    for model in (DatasetSection, Gripper, Settings, EvolutionParameters):
         assert issubclass(model, BaseModel)
         assert model.model_config["extra"] == "forbid"
     assert StageSettings.model_config["frozen"]

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.config import GRIPPERS, Bundle, ImageNoise, Trials
+from egad.config import GRIPPERS, Bundle, ImageNoise, TrialProtocol
 from egad.detectors.labels import Labels
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.perception.noise import add_sensor_noise
@@ -128,6 +128,6 @@ def test_a_bench_tells_where_the_object_is():
     ]
     arm = ARMS["axis"](HAND)
     with open_world("mujoco", [build(BOX, 400.0, BUNDLE)], arm.robot) as world:
-        bench = TrialRunner(world, arm, Trials())
+        bench = TrialRunner(world, arm, TrialProtocol())
         outcomes = [bench.attempt(labelled(rows), seed).outcome for seed in range(6)]
     assert outcomes.count("success") >= 5

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config import SelectEval, Space
+from egad.config import MeasureSpace, SelectEval
 from egad.evalset.selection import (
     LABEL,
     best_of_random,
@@ -25,7 +25,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.objects import OBJECTS
 
-SPACE = Space()
+SPACE = MeasureSpace()
 GRID = SelectEval(rows=2, columns=2, restarts=8)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from egad.config import PrintCheck, PrintExport
 from egad.evalset.plates import pack, plan_prints
-from egad.exchange.threemf import Placed, write_3mf
+from egad.io.plates import PlacedMesh, write_3mf
 
 SLICER = shutil.which("prusa-slicer")
 pytestmark = [
@@ -40,7 +40,8 @@ def write_plates(meshes, places, folder):
     for plate in sorted({place[0] for place in places.values()}):
         on_it = {label: place[1:] for label, place in places.items() if place[0] == plate}
         placed = {
-            label: Placed(meshes[label], np.array([*where, 0])) for label, where in on_it.items()
+            label: PlacedMesh(meshes[label], np.array([*where, 0]))
+            for label, where in on_it.items()
         }
         plates[plate] = folder / f"plate-{plate}.3mf"
         write_3mf(placed, plates[plate], {"Title": f"Plate {plate}"})

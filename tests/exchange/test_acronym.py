@@ -8,9 +8,9 @@ import trimesh
 
 from egad.config.stages import select
 from egad.errors import UserError
-from egad.exchange.acronym import QUALITIES, is_ours
-from egad.exchange.exports import acronym
-from egad.exchange.grasps import load_grasps
+from egad.exchange.grasp_tables import load_grasps
+from egad.exchange.grasps import acronym
+from egad.exchange.grasps.acronym import QUALITIES, is_ours
 from egad.exchange.parameters import AcronymFiles
 from egad.geometry.mass import mass_properties
 from egad.grasps.grasps import vectors
@@ -162,7 +162,7 @@ def test_a_write_that_fails_leaves_the_files_from_before(dataset, settings, tmp_
             28, "file write failed: errno = 28, error message = 'No space left on device'"
         )
 
-    monkeypatch.setattr("egad.exchange.acronym.add_array", full)
+    monkeypatch.setattr("egad.exchange.grasps.acronym.add_array", full)
     with pytest.raises(UserError, match=r"A00_0\.h5 cannot be written: No space left on device"):
         export(settings, dataset, out)
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before

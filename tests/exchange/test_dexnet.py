@@ -13,11 +13,11 @@ from autolab_core import RigidTransform
 
 from egad.config.stages import DexNetObjects, select
 from egad.errors import RejectedError, TableError, UserError
-from egad.exchange.dexnet import add_dataset, add_grasps
-from egad.exchange.exports import dexnet
+from egad.exchange.dexnet_database import add_dataset, add_grasps
+from egad.exchange.grasps import dexnet
 from egad.exchange.hdf5 import writing
-from egad.exchange.meshes import read_mesh
 from egad.exchange.parameters import DexNetDatabase
+from egad.io import read_mesh
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 from egad.workflow.dexnet_objects import write_objects

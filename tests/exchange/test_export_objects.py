@@ -9,8 +9,7 @@ import trimesh
 from commands import egad
 
 from egad.config.stages import SimulationBundle, select
-from egad.exchange import read_mesh
-from egad.exchange.meshes import write_obj
+from egad.io import read_mesh, write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS

@@ -1,20 +1,20 @@
 """All formats of objects together."""
 
-import importlib.util
-from typing import get_args
-
 import pytest
 
+from egad.config import GRIPPERS
 from egad.errors import UserError
-from egad.exchange import MeshFormat, PhysicsFormat
-from egad.exchange.formats import MESH_WRITERS, PHYSICS_WRITERS, check_installed
+from egad.exchange import OBJECTS, SURFACES, NamedGripper, check_format, module_of
+from egad.io import WRITERS, write_mesh
+
+HAND = NamedGripper("panda", GRIPPERS["panda"])
 
 
 def write(name, folder, made):
-    if name in MESH_WRITERS:
-        MESH_WRITERS[name](folder, "ell", made.mesh)
+    if name in SURFACES:
+        write_mesh(made.mesh, folder / f"ell.{name}")
     else:
-        PHYSICS_WRITERS[name](folder, "ell", made, 0.4)
+        module_of(name).write(folder, "ell", made, 0.4)
 
 
 def contents(folder):
@@ -25,12 +25,11 @@ def contents(folder):
     }
 
 
-def test_every_name_has_a_writer():
-    assert set(get_args(MeshFormat)) == set(MESH_WRITERS)
-    assert set(get_args(PhysicsFormat)) == set(PHYSICS_WRITERS)
+def test_surfaces_are_the_mesh_files_that_can_be_written():
+    assert {f".{name}" for name in SURFACES} == set(WRITERS)
 
 
-@pytest.mark.parametrize("name", [*MESH_WRITERS, *PHYSICS_WRITERS])
+@pytest.mark.parametrize("name", [*SURFACES, *OBJECTS])
 def test_the_same_object_gives_the_same_bytes(tmp_path, made, name):
     if name == "usd":
         pytest.importorskip("pxr")
@@ -41,8 +40,8 @@ def test_the_same_object_gives_the_same_bytes(tmp_path, made, name):
     assert contents(tmp_path / "a")
 
 
-def test_a_missing_package_is_named(monkeypatch):
-    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
+@pytest.mark.usefixtures("without_usd")
+def test_a_missing_package_is_named():
     with pytest.raises(UserError, match=r"usd needs OpenUSD: pip install 'egad\[usd\]'"):
-        check_installed("usd")
-    check_installed("sdf")
+        check_format("usd", HAND)
+    check_format("sdf", HAND)

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.exchange.glb import write_glb
 from egad.io import read_mesh
+from egad.io.glb import write_glb
 
 
 @pytest.fixture(scope="module")
 def file(made, tmp_path_factory):
     folder = tmp_path_factory.mktemp("glb")
-    write_glb(folder, "ell", made.mesh)
+    write_glb(made.mesh, folder / "ell.glb")
     return folder / "ell.glb"
 
 

@@ -5,7 +5,7 @@ from autolab_core import RigidTransform
 
 import egad
 from egad.errors import TableError, UserError
-from egad.exchange.grasps import by_object, check_opening
+from egad.exchange.grasp_tables import by_object, check_opening
 from egad.grasps.grasps import vectors
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS

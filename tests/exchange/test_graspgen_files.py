@@ -13,8 +13,13 @@ from described_hands import box_urdf
 from egad import Gripper
 from egad.config.stages import select
 from egad.errors import UserError
-from egad.exchange.exports import graspgen
-from egad.exchange.graspgen import default_split, graspgen_hand, start_graspgen, write_graspgen
+from egad.exchange.grasps import graspgen
+from egad.exchange.grasps.graspgen import (
+    default_split,
+    graspgen_hand,
+    start_graspgen,
+    write_graspgen,
+)
 from egad.exchange.parameters import GripperFormat
 from egad.geometry.distance import nearest
 from egad.grippers import GRIPPERS

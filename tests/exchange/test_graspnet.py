@@ -6,8 +6,8 @@ import pytest
 
 from egad.config.stages import select
 from egad.errors import UserError
-from egad.exchange.exports import graspnet
-from egad.exchange.graspnet import needed_friction
+from egad.exchange.grasps import graspnet
+from egad.exchange.grasps.graspnet import needed_friction
 from egad.exchange.parameters import GripperFormat
 from egad.grasps import Grasps
 from egad.tables import parquet

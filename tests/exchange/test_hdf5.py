@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from egad.errors import UserError
-from egad.exchange.folders import objects_in
 from egad.exchange.hdf5 import (
     DamagedError,
     add_array,
@@ -17,6 +16,7 @@ from egad.exchange.hdf5 import (
     sound_keys,
     writing,
 )
+from egad.io.folders import objects_in
 
 
 def test_arrays_come_back_as_they_were(tmp_path):
@@ -102,7 +102,7 @@ FILL = """
 import sys, resource, numpy as np
 from pathlib import Path
 from egad.errors import UserError
-from egad.exchange.dexnet import add_dataset, add_grasps
+from egad.exchange.dexnet_database import add_dataset, add_grasps
 from egad.exchange.hdf5 import writing
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, resource.RLIM_INFINITY))
 try:

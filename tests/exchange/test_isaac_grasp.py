@@ -10,8 +10,9 @@ from scipy.spatial.transform import Rotation
 from egad import Gripper
 from egad.config.stages import select
 from egad.errors import UserError
-from egad.exchange.exports import isaac_grasp
-from egad.exchange.isaac_grasp import write_isaac_grasp
+from egad.exchange import write_format
+from egad.exchange.grasps import isaac_grasp
+from egad.exchange.grasps.isaac_grasp import write_isaac_grasp
 from egad.exchange.parameters import GripperFormat
 
 LABEL = "A00_0"
@@ -105,9 +106,9 @@ def test_an_object_of_which_nothing_is_known_has_no_grasps(rows, tmp_path):
 
 def test_a_gripper_of_boxes_is_refused(dataset, settings, tmp_path):
     chosen = select(settings, GripperFormat, "yumi")
-    grasps = dataset / "grasps/yumi.parquet"
+    reads = {"simulated_grasps": dataset / "grasps/yumi.parquet"}
     with pytest.raises(UserError, match=r"'yumi' is made of boxes.*give its URDF or MJCF file"):
-        isaac_grasp.run(chosen, "yumi", grasps, tmp_path / "out")
+        write_format("isaac_grasp", "all", chosen, "yumi", reads, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
@@ -115,7 +116,7 @@ def test_each_object_has_a_file(dataset, settings, tmp_path):
     chosen = select(settings, GripperFormat, "yumi")
     hand = Gripper.from_file(box_urdf(tmp_path / "hand.urdf"))
     chosen = chosen.model_copy(update={"gripper": hand})
-    isaac_grasp.run(chosen, "mine", dataset / "grasps/yumi.parquet", tmp_path / "out")
+    isaac_grasp.run(chosen, dataset / "grasps/yumi.parquet", tmp_path / "out")
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
         "A00_0.yaml",
         "B01_0.yaml",

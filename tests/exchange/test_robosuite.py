@@ -6,13 +6,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from egad.exchange.robosuite import write_robosuite
+from egad.exchange.objects import robosuite
 
 
 @pytest.fixture(scope="module")
 def file(made, tmp_path_factory):
     folder = tmp_path_factory.mktemp("robosuite")
-    write_robosuite(folder, "ell", made, 0.4)
+    robosuite.write(folder, "ell", made, 0.4)
     return folder / "ell/ell.xml"
 
 

@@ -5,13 +5,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from egad.exchange.sdf import write_sdf
+from egad.exchange.objects import sdf
 
 
 @pytest.fixture(scope="module")
 def folder(made, tmp_path_factory):
     out = tmp_path_factory.mktemp("sdf")
-    write_sdf(out, "ell", made, 0.4)
+    sdf.write(out, "ell", made, 0.4)
     return out / "ell"
 
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.exchange.urdf import write_urdf, write_vgn
+from egad.exchange.objects import urdf, vgn
 from egad.exchange.xml_text import DRAKE
 
 
 def test_each_part_says_its_friction_and_that_it_is_convex(tmp_path, made):
-    write_urdf(tmp_path, "ell", made, 0.4)
+    urdf.write(tmp_path, "ell", made, 0.4)
     robot = ElementTree.parse(tmp_path / "ell/ell.urdf").getroot()  # noqa: S314
     parts = robot.findall("link/collision")
     assert len(parts) == len(made.parts)
@@ -25,7 +25,7 @@ def test_each_part_says_its_friction_and_that_it_is_convex(tmp_path, made):
 def test_vgn_gets_the_files_of_all_objects_in_one_folder(tmp_path, made, monkeypatch):
     pybullet = pytest.importorskip("pybullet")
     for name in ("a", "b"):
-        write_vgn(tmp_path, name, made, 0.4)
+        vgn.write(tmp_path, name, made, 0.4)
     monkeypatch.chdir(tmp_path.parent)
     engine = pybullet.connect(pybullet.DIRECT)
     try:
@@ -39,7 +39,7 @@ def test_vgn_gets_the_files_of_all_objects_in_one_folder(tmp_path, made, monkeyp
 
 
 def test_mesh_files_are_those_of_the_object(tmp_path, made):
-    write_urdf(tmp_path, "ell", made, 0.4)
+    urdf.write(tmp_path, "ell", made, 0.4)
     visual = trimesh.load_mesh(tmp_path / "ell/visual.obj")
     assert visual.volume == pytest.approx(made.mesh.volume)
     robot = ElementTree.parse(tmp_path / "ell/ell.urdf").getroot()  # noqa: S314

@@ -8,13 +8,13 @@ pxr = pytest.importorskip("pxr")
 from pxr import Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation  # noqa: E402 (an extra)
 from scipy.spatial.transform import Rotation  # noqa: E402
 
-from egad.exchange.usd import principal_axes, write_usd  # noqa: E402
+from egad.exchange.objects import usd  # noqa: E402
 
 
 @pytest.fixture(scope="module")
 def file(made, tmp_path_factory):
     folder = tmp_path_factory.mktemp("usd")
-    write_usd(folder, "ell-1.x", made, 0.4)
+    usd.write(folder, "ell-1.x", made, 0.4)
     return str(folder / "ell-1.x/ell-1.x.usd")
 
 
@@ -42,7 +42,7 @@ def test_units_and_the_default_prim_are_set(stage):
 
 
 def test_an_object_may_be_called_like_the_meshes(made, tmp_path):
-    write_usd(tmp_path, "Meshes", made, 0.4)
+    usd.write(tmp_path, "Meshes", made, 0.4)
     stage = Usd.Stage.Open(str(tmp_path / "Meshes/Meshes.usd"))
     assert not stage.GetDefaultPrim().IsAbstract()
     bodies, _ = UsdPhysics.LoadUsdPhysicsFromRange(stage, ["/"])[UsdPhysics.ObjectType.RigidBody]
@@ -108,7 +108,7 @@ def test_copies_share_their_meshes(file):
 def test_principal_axes_give_the_tensor_back(seed):
     matrix = np.random.default_rng(seed).normal(size=(3, 3))
     tensor = matrix @ matrix.T
-    values, (w, x, y, z) = principal_axes(tensor)
+    values, (w, x, y, z) = usd.principal_axes(tensor)
     axes = Rotation.from_quat([x, y, z, w]).as_matrix()
     np.testing.assert_allclose(axes @ np.diag(values) @ axes.T, tensor, atol=1e-12)
     assert w >= 0

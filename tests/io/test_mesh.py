@@ -5,8 +5,7 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError, UserError
-from egad.exchange.meshes import write_obj, write_stl_mm
-from egad.io import METRES, read_mesh
+from egad.io import METRES, read_mesh, write_obj, write_stl_mm
 
 BALL = trimesh.creation.icosphere(subdivisions=2, radius=0.05)
 

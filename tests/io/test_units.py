@@ -6,9 +6,8 @@ import trimesh
 
 import egad
 from egad.errors import RejectedError, UserError
-from egad.exchange import write_glb, write_stl_mm
-from egad.exchange.threemf import Placed, write_3mf
-from egad.io import check_unit_known, read_content
+from egad.io import check_unit_known, read_content, write_glb, write_stl_mm
+from egad.io.plates import PlacedMesh, write_3mf
 from egad.io.units import METRES, metres_per_unit, stated_in
 
 BOX = trimesh.creation.box((0.06, 0.04, 0.03))
@@ -114,8 +113,8 @@ def read_quietly(path, units=None):
 
 def test_what_egad_writes_needs_no_unit(tmp_path):
     write_stl_mm(BOX, tmp_path / "box.stl")
-    write_glb(tmp_path, "box", BOX)
-    write_3mf({"box": Placed(BOX, BOX.bounds[1])}, tmp_path / "box.3mf", {})
+    write_glb(BOX, tmp_path / "box.glb")
+    write_3mf({"box": PlacedMesh(BOX, BOX.bounds[1])}, tmp_path / "box.3mf", {})
     for ending in ("stl", "glb", "3mf"):
         mesh = read_quietly(str(tmp_path / f"box.{ending}"))
         assert mesh.extents == pytest.approx(BOX.extents, rel=1e-6)

@@ -7,7 +7,7 @@ import pytest
 
 from egad.errors import TableError, UserError
 from egad.learning.augmentation import Change, Crop
-from egad.learning.dataset import Dataset, PositiveFilter, Stream, example, order, positive
+from egad.learning.dataset import ImageDataset, PositiveFilter, Stream, example, order, positive
 
 RULE = PositiveFilter(0.002, 0.02)
 
@@ -28,7 +28,7 @@ def changed(pictures):
 
 
 def test_every_image_is_found_with_its_counts(images, pictures):
-    index = Dataset([images], RULE).index
+    index = ImageDataset([images], RULE).index
     assert index["image"].tolist() == [row["image"] for row in pictures]
     assert index["grasps"].tolist() == [len(row["u"]) for row in pictures]
     # One that collides and one that would slip are in every image; a third shows no other.
@@ -38,12 +38,12 @@ def test_every_image_is_found_with_its_counts(images, pictures):
 
 @pytest.mark.parametrize("split", ["train", "validation", "test"])
 def test_a_split_has_its_images_and_no_others(images, pictures, split):
-    found = Dataset([images], RULE).indices(split)
+    found = ImageDataset([images], RULE).indices(split)
     assert found.tolist() == [n for n, row in enumerate(pictures) if row["split"] == split]
 
 
 def test_depths_and_grasps_come_back(images, pictures):
-    shards = Dataset([images], RULE)
+    shards = ImageDataset([images], RULE)
     for number in (59, 1, 31):
         depth, grasps = shards.image(number)
         row = pictures[number]
@@ -62,7 +62,7 @@ def test_the_best_grasp_is_the_last_one(write, changed, tmp_path):
     rows = changed(
         quality=quality, collision_free=np.ones(count, bool), u=np.arange(count, dtype=np.float32)
     )
-    _, grasps = Dataset([write(tmp_path, rows)], RULE).image(0)
+    _, grasps = ImageDataset([write(tmp_path, rows)], RULE).image(0)
     assert grasps[:, 0].tolist() == list(range(count))[::-1]
 
 
@@ -75,11 +75,11 @@ def test_by_simulation_a_positive_grasp_is_free_and_succeeded(write, changed, tm
     rows = [{"simulated_success": [None] * len(row["u"]), **row} for row in changed(**values)]
     quality = np.linspace(0.009, 0, count).astype(np.float32)
     rows[0] |= {"quality": quality, "u": np.arange(count, dtype=np.float32)}
-    shards = Dataset([write(tmp_path, rows, 1)], PositiveFilter(1.0, 0.02, simulated=True))
+    shards = ImageDataset([write(tmp_path, rows, 1)], PositiveFilter(1.0, 0.02, simulated=True))
     assert shards.index["positive"].tolist() == [count - 3, 0, 0, 0]
     assert shards.image(0)[1][:, 0].tolist() == [*range(count - 1, 3, -1), 0]
     assert len(shards.image(1)[1]) == 0
-    by_quality = Dataset([tmp_path], PositiveFilter(0.0, 0.02))
+    by_quality = ImageDataset([tmp_path], PositiveFilter(0.0, 0.02))
     assert by_quality.index["positive"][0] == count - 2
 
 
@@ -101,7 +101,7 @@ def test_several_folders_are_one_set(write, pictures, tmp_path):
     parts = [
         write(tmp_path / name, rows) for name, rows in zip("ab", halves(pictures), strict=True)
     ]
-    shards, first, second = (Dataset(each, RULE) for each in (parts, parts[:1], parts[1:]))
+    shards, first, second = (ImageDataset(each, RULE) for each in (parts, parts[:1], parts[1:]))
     assert shards.index["id"].tolist() == [*first.index["id"], *second.index["id"]]
     count = len(first.index)
     for number in (0, count - 1, count, 59):
@@ -124,26 +124,26 @@ def test_a_damaged_image_of_several_folders_is_named_with_its_folder(write, pict
     first, second = halves(pictures)
     parts = [write(tmp_path / "a", first), write(tmp_path / "b", [{**second[0], "depth": b""}], 1)]
     with pytest.raises(TableError, match=r"/b: image 0: its depth cannot be read"):
-        Dataset(parts, RULE).image(len(first))
+        ImageDataset(parts, RULE).image(len(first))
 
 
 def test_an_object_in_two_splits_is_a_mistake(write, pictures, tmp_path):
     rows = [{**row, "split": "test"} for row in pictures[:3]]
     parts = [write(tmp_path / "a", pictures), write(tmp_path / "b", rows, 1)]
     with pytest.raises(UserError, match=r"/a, .*/b: the object id0 is in more than one split"):
-        Dataset(parts, RULE)
+        ImageDataset(parts, RULE)
 
 
 def test_an_object_of_a_scene_in_another_split_is_a_mistake(write, pictures, tmp_path):
     scene = {**pictures[-1], "id": "pile-0", "objects": ["id19", "id0"], "split": "test"}
     parts = [write(tmp_path / "a", pictures), write(tmp_path / "b", [scene], 1)]
     with pytest.raises(UserError, match="the object id"):
-        Dataset(parts, RULE)
+        ImageDataset(parts, RULE)
 
 
 def test_few_images_are_kept_in_memory(images, monkeypatch):
     monkeypatch.setattr("egad.learning.dataset.WINDOW", 16)
-    shards = Dataset([images], RULE)
+    shards = ImageDataset([images], RULE)
     expected = [shards.image(number)[1] for number in range(60)]
     assert sum(map(len, shards._kept.values())) <= 32
     for number in range(60):
@@ -151,18 +151,18 @@ def test_few_images_are_kept_in_memory(images, monkeypatch):
 
 
 def test_a_copy_for_another_process_gives_the_same(images):
-    shards = Dataset([images], RULE)
+    shards = ImageDataset([images], RULE)
     copy = pickle.loads(pickle.dumps(shards))  # noqa: S301 (our own)
     np.testing.assert_array_equal(copy.image(7)[0], shards.image(7)[0])
 
 
 def test_a_folder_without_images_or_with_a_gap_is_a_mistake(write, pictures, tmp_path):
     with pytest.raises(UserError, match="no images found"):
-        Dataset([tmp_path], RULE)
+        ImageDataset([tmp_path], RULE)
     write(tmp_path, pictures[:6], shards=3)
     (tmp_path / "images-1.parquet").unlink()
     with pytest.raises(UserError, match=r"incomplete, images-1\.parquet of 3 shards missing"):
-        Dataset([tmp_path], RULE)
+        ImageDataset([tmp_path], RULE)
 
 
 def test_a_shard_that_is_cut_short_or_lacks_a_column_is_a_mistake(write, pictures, tmp_path):
@@ -170,18 +170,18 @@ def test_a_shard_that_is_cut_short_or_lacks_a_column_is_a_mistake(write, picture
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
     with pytest.raises(TableError, match="not a readable Parquet file"):
-        Dataset([tmp_path], RULE)
+        ImageDataset([tmp_path], RULE)
     write(tmp_path, [{k: v for k, v in row.items() if k != "angle"} for row in pictures[:6]], 1)
     with pytest.raises(TableError, match="columns are missing: angle"):
-        Dataset([tmp_path], RULE)
+        ImageDataset([tmp_path], RULE)
 
 
 def test_an_unknown_split_and_an_empty_one_are_mistakes(write, changed, tmp_path):
-    shards = Dataset([write(tmp_path / "one", changed())], RULE)
+    shards = ImageDataset([write(tmp_path / "one", changed())], RULE)
     with pytest.raises(UserError, match="no image in the split test"):
         shards.indices("test")
     with pytest.raises(UserError, match="split 'holdout' is none of train, validation, test"):
-        Dataset([write(tmp_path / "two", changed(split="holdout"))], RULE)
+        ImageDataset([write(tmp_path / "two", changed(split="holdout"))], RULE)
 
 
 @pytest.mark.parametrize(
@@ -193,7 +193,7 @@ def test_an_unknown_split_and_an_empty_one_are_mistakes(write, changed, tmp_path
     ],
 )
 def test_a_damaged_image_is_named(write, changed, tmp_path, values, words):
-    shards = Dataset([write(tmp_path, changed(**values))], RULE)
+    shards = ImageDataset([write(tmp_path, changed(**values))], RULE)
     shards.image(1)
     with pytest.raises(TableError, match=words):
         shards.image(0)
@@ -205,7 +205,7 @@ def test_a_damaged_image_is_named(write, changed, tmp_path, values, words):
 def test_numbers_that_are_no_pixels_are_refused(write, pictures, tmp_path, name, value):
     row = {**pictures[1], name: np.full(len(pictures[1]["u"]), value, np.float32)}
     with pytest.raises(TableError, match="numbers that are not pixels"):
-        Dataset([write(tmp_path, [row], 1)], RULE).image(0)
+        ImageDataset([write(tmp_path, [row], 1)], RULE).image(0)
 
 
 def test_a_damaged_png_is_refused_whatever_is_wrong_with_it(write, pictures, tmp_path):
@@ -217,7 +217,7 @@ def test_a_damaged_png_is_refused_whatever_is_wrong_with_it(write, pictures, tmp
         data = bytearray(whole)
         data[place] ^= 0x41
         broken.append(bytes(data))
-    shards = Dataset(
+    shards = ImageDataset(
         [write(tmp_path, [{**pictures[1], "depth": data} for data in broken], 1)], RULE
     )
     for number in range(len(broken)):
@@ -227,7 +227,7 @@ def test_a_damaged_png_is_refused_whatever_is_wrong_with_it(write, pictures, tmp
 
 @pytest.fixture(scope="module")
 def shards(images):
-    return Dataset([images], RULE)
+    return ImageDataset([images], RULE)
 
 
 def test_a_pass_shows_each_training_image_once(shards):

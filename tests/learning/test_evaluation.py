@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from egad.learning.dataset import Dataset, PositiveFilter
+from egad.learning.dataset import ImageDataset, PositiveFilter
 from egad.learning.evaluation import narrow_side_grasp, outline_score
 from egad.perception.rectangles import agrees
 
@@ -21,7 +21,7 @@ def test_a_bar_is_grasped_across_its_middle(angle):
 
 def test_images_are_counted_in_which_it_is_right(images):
     """By looking at each image; those without a positive grasp never count."""
-    shards = Dataset([images], PositiveFilter(0.002, 0.02))
+    shards = ImageDataset([images], PositiveFilter(0.002, 0.02))
     numbers = range(len(shards.index))
     expected = 0
     for number in numbers:

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.learning.dataset import Dataset, PositiveFilter
+from egad.learning.dataset import ImageDataset, PositiveFilter
 from egad.learning.evaluation import ImageScore, OutlineScore, Score, total_score
 from egad.learning.model_card import TrainedNetwork, card, counts
 from egad.report.training import training_chart
@@ -19,7 +19,7 @@ def history():
 
 def test_counts_are_of_objects_images_negatives_and_grasps(images, pictures):
     found = {
-        row[0]: row[1:] for row in counts(Dataset([images], PositiveFilter(0.002, 0.02)).index)
+        row[0]: row[1:] for row in counts(ImageDataset([images], PositiveFilter(0.002, 0.02)).index)
     }
     for split, (objects, shown, empty, grasps, positive) in found.items():
         rows = [row for row in pictures if row["split"] == split]
@@ -44,7 +44,7 @@ def test_a_scene_is_not_an_object():
 
 
 def test_the_card_tells_the_score_and_the_losses_of_the_last_epoch(images, history):
-    index = Dataset([images], PositiveFilter(0.002, 0.02)).index
+    index = ImageDataset([images], PositiveFilter(0.002, 0.02)).index
     score = Score(n_correct=30, n_images=40, objects=7, interval=(0.6, 0.85), loss=0.0234)
     settings = {"positive": "quality", "quality": 0.002}
     trained = TrainedNetwork(

@@ -9,7 +9,7 @@ import pytest
 from egad.config import Training
 from egad.errors import UserError
 from egad.learning import evaluation as scoring
-from egad.learning.dataset import Dataset, PositiveFilter, example
+from egad.learning.dataset import ImageDataset, PositiveFilter, example
 from egad.tables.training import HISTORY
 
 torch = pytest.importorskip("torch")
@@ -21,7 +21,7 @@ SHORT = Training(network="ggcnn", images=10, epoch=4, batch=3, validation=2, cro
 
 @pytest.fixture(scope="module")
 def shards(images):
-    return Dataset([images], PositiveFilter(0.002, 0.02))
+    return ImageDataset([images], PositiveFilter(0.002, 0.02))
 
 
 class InterruptionError(Exception):

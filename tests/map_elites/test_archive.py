@@ -5,7 +5,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config import Similarity, Space
+from egad.config import MeasureSpace, Similarity
 from egad.map_elites.archive import Archive, Elite, elites_of, merge, ribs_frame
 from egad.measures.grid import complexity_cells, difficulty_cells
 from egad.reeb import graph as reeb
@@ -14,7 +14,7 @@ from egad.tables import parquet
 from egad.tables.evolution import EPOCH, GENOME
 
 SIMILARITY = Similarity(vertices=200, ranges=16, base_count=10)
-SPACE = Space(cells=2, elites_per_cell=2, neighbors=3)
+SPACE = MeasureSpace(cells=2, elites_per_cell=2, neighbors=3)
 GENOME = {name: [] for name in GENOME.names}
 
 
@@ -210,7 +210,7 @@ def test_merging_keeps_the_survivors_of_all_islands_by_the_rule(elites):
 
 def test_indices_are_those_of_a_grid_over_the_measures():
     """The twin: pyribs' grid over two ranges, by searching the edges."""
-    space = Space(cells=5)
+    space = MeasureSpace(cells=5)
     rng = np.random.default_rng(0)
     complexity, difficulty = rng.uniform(1, 5, 50), rng.uniform(0.0005, 0.004, 50)
     archive = pd.DataFrame(

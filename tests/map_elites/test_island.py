@@ -10,7 +10,7 @@ from egad.config.stages import select
 from egad.errors import UserError
 from egad.map_elites.ancestry import ancestors
 from egad.map_elites.archive import Archive, elites_of, merge
-from egad.map_elites.evaluation import Solid, measure, refine
+from egad.map_elites.evaluation import GenomeVoxels, measure, refine
 from egad.map_elites.island import Island, evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import LEAST, breed, parent_odds
@@ -122,7 +122,7 @@ def test_without_elites_offspring_are_random():
 
 def test_a_solid_has_the_same_measures_whoever_bred_it(island):
     for each in island[0].elites[:3]:
-        again = measure(Solid(each.id, each.voxels), SETTINGS)
+        again = measure(GenomeVoxels(each.id, each.voxels), SETTINGS)
         assert again.complexity == each.complexity
         assert refine(replace(each, difficulty=again.difficulty), SETTINGS) == each
 
@@ -133,7 +133,7 @@ def test_the_paper_measures_once():
     done = evolve(archive, settings, 0, 0)
     assert done.history["refined"].tolist() == [0, 0]
     for each in archive.elites[:3]:
-        again = measure(Solid(each.id, each.voxels), settings)
+        again = measure(GenomeVoxels(each.id, each.voxels), settings)
         assert again.difficulty == each.difficulty
         assert np.isnan([each.difficulty_std, each.cell_confidence]).all()
 
@@ -147,7 +147,7 @@ def test_what_the_archive_would_keep_is_refined_by_other_grasps(island):
     for each in archive.elites:
         assert each.difficulty_std > 0
         assert 0 < each.cell_confidence <= 1
-        assert measure(Solid(each.id, each.voxels), SETTINGS).difficulty != each.difficulty
+        assert measure(GenomeVoxels(each.id, each.voxels), SETTINGS).difficulty != each.difficulty
 
 
 def test_the_lineage_holds_all_that_the_archive_took_in(island):

@@ -12,7 +12,7 @@ from egad.grasps import ferrari_canny
 from egad.measures import (
     Attainable,
     MeasureParameters,
-    Space,
+    MeasureSpace,
     attainable_coverage,
     attainable_difficulty,
     coverage,
@@ -109,7 +109,7 @@ def test_other_measures_have_no_limit(sections):
 
 
 def test_coverage_of_attainable_rows_leaves_out_the_others_and_what_lies_there():
-    space = Space(cells=5, elites_per_cell=2)
+    space = MeasureSpace(cells=5, elites_per_cell=2)
     cells = [(0, 0), (0, 1), (0, 1), (0, 1), (3, 4)]  # of column and row
     table = pd.DataFrame(cells, columns=["complexity_cell", "difficulty_cell"])
     assert attainable_coverage(table, space, 0) == coverage(table, space)

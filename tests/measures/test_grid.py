@@ -2,10 +2,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config import Space
+from egad.config import MeasureSpace
 from egad.measures import grid as space
 
-SPACE = Space()
+SPACE = MeasureSpace()
 
 
 def test_cells_clip_and_count_from_simple_and_easy():

@@ -10,7 +10,7 @@ from scipy.stats import spearmanr
 from egad.cli.measure import measure_files
 from egad.config import Settings
 from egad.config.stages import MeasureMeshes, select
-from egad.exchange.folders import mesh_files
+from egad.io.folders import mesh_files
 
 FOLDER = os.environ.get("EGAD_PUBLISHED")
 pytestmark = [

@@ -8,7 +8,7 @@ from egad.config import CAMERAS
 from egad.grasps.collision import roomy
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.perception.rectangles import half_turn, project_grasps
-from egad.perception.scenes import Scene, sample_scene
+from egad.perception.scenes import CameraScene, sample_scene
 
 CAMERA = Intrinsics(300, 300, 417.0, (149.5, 149.5))
 
@@ -24,14 +24,14 @@ def test_angles_are_anticlockwise_from_the_right(degrees, hand, one):
     """Seen from above x is right and y is up in the image."""
     angle = np.radians(degrees)
     axis = (np.cos(angle), np.sin(angle), 0)
-    scene = Scene(np.eye(4), CAMERA, camera_above(0.6))
+    scene = CameraScene(np.eye(4), CAMERA, camera_above(0.6))
     found = project_grasps(scene, one(axis), hand.gripper)
     assert found.angle[0] == pytest.approx(angle, abs=1e-9)
 
 
 def test_center_opening_and_depth(hand, one):
     place = trimesh.transformations.translation_matrix((0.06, 0.03, 0.1))
-    scene = Scene(place, CAMERA, camera_above(0.6))
+    scene = CameraScene(place, CAMERA, camera_above(0.6))
     found = project_grasps(scene, one((1.0, 0, 0)), hand.gripper)
     assert found.quality.tolist() == [0.2]
     assert found.depth_center[0] == pytest.approx(0.5)
@@ -43,7 +43,7 @@ def test_center_opening_and_depth(hand, one):
 def test_what_is_beside_the_image_is_left_out(hand, one):
     for x, count in ((0.21, 1), (0.22, 0)):
         place = trimesh.transformations.translation_matrix((x, 0, 0))
-        scene = Scene(place, CAMERA, camera_above(0.6))
+        scene = CameraScene(place, CAMERA, camera_above(0.6))
         found = project_grasps(scene, one((0, 1.0, 0)), hand.gripper)
         assert len(found.u) == len(found.collision_free) == count
 

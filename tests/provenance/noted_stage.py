@@ -2,7 +2,7 @@
 
 from contextlib import contextmanager
 
-from egad.exchange.sums import write_sums
+from egad.io.sums import write_sums
 from egad.provenance.record import recorded
 
 

@@ -5,7 +5,7 @@ import pytest
 from noted_stage import stage
 
 from egad.errors import UserError
-from egad.exchange.sums import NAME, write_sums
+from egad.io.sums import SUMS, write_sums
 from egad.provenance.verify import verify
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
@@ -61,8 +61,8 @@ def test_deleted_and_added_meshes_are_named(made):
 
 
 def test_damaged_sums_are_named(made):
-    (made / f"meshes/{NAME}").write_text("nonsense")
-    assert problems(made)[f"meshes/{NAME}"].startswith("altered")
+    (made / f"meshes/{SUMS}").write_text("nonsense")
+    assert problems(made)[f"meshes/{SUMS}"].startswith("altered")
 
 
 def test_parts_may_be_deleted_and_files_of_others_lie_beside(made):
@@ -96,9 +96,9 @@ def test_what_a_stranger_names_is_not_read(stranger):
 )
 @pytest.mark.usefixtures("soon")
 def test_sums_are_about_their_folder(made, name):
-    with (made / f"meshes/{NAME}").open("a") as file:
+    with (made / f"meshes/{SUMS}").open("a") as file:
         file.write(f"00  {name}\n")
-    assert problems(made)[f"meshes/{NAME}"] == "altered: not a checksum file"
+    assert problems(made)[f"meshes/{SUMS}"] == "altered: not a checksum file"
 
 
 def test_inputs_in_the_working_directory_are_compared(made, tmp_path):

@@ -6,10 +6,10 @@ import pytest
 import trimesh
 from partial_tables import fill_columns
 
-from egad.config import Dataset, Settings
+from egad.config import DatasetSection, Settings
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.report.pictures import png_bytes, render
-from egad.report.viewer import Scene
+from egad.report.viewer import GraspScene
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
@@ -24,8 +24,8 @@ def settings() -> Settings:
     return Settings(
         seed=11,
         datasets={
-            "egad": Dataset(source="evolved"),
-            "mine": Dataset(source="meshes", folder="parts", units="mm"),
+            "egad": DatasetSection(source="evolved"),
+            "mine": DatasetSection(source="meshes", folder="parts", units="mm"),
         },
     )
 
@@ -187,7 +187,7 @@ def report(
         scales={"egad_75mm": fill_columns(SCALES, scales)},
         size_effects={"egad_75mm": size_effect},
         scenes=[
-            Scene(name, label, trimesh.creation.box([0.03, 0.04, 0.05]), grasps.head(10))
+            GraspScene(name, label, trimesh.creation.box([0.03, 0.04, 0.05]), grasps.head(10))
             for name, label in zip(evalset["label"], evalset["object_label"], strict=True)
         ],
         manifests={"egad_75mm": fill_columns(MANIFEST, manifest)},

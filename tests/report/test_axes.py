@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from egad.cli.terminal_tables import measured
-from egad.config import CustomMeasures, Space
+from egad.config import CustomMeasures, MeasureSpace
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.report.axes import USUAL, axis_pair
 from egad.report.locations import location_map
@@ -35,7 +35,7 @@ def test_an_own_measure_gives_its_name_and_the_other_axis_stays():
 @pytest.fixture(params=[10, 26])
 def own_report(report, request):
     """The report of a run with measures and cells of one's own."""
-    space = Space(cells=request.param, complexity_range=(-2, 9), difficulty_range=(0, 0.01))
+    space = MeasureSpace(cells=request.param, complexity_range=(-2, 9), difficulty_range=(0, 0.01))
     settings = report.settings.model_copy(update={"measures": OWN, "space": space})
 
     def placed(data):
@@ -62,7 +62,7 @@ def test_the_report_names_own_axes_and_has_all_cells(own_report):
 
 def test_pictures_show_the_names(objects, pictures, trials):
     own = axis_pair(OWN)
-    space = Space(cells=26)
+    space = MeasureSpace(cells=26)
     assert collage(objects, pictures, space) != collage(objects, pictures, space, axes=own)
     assert location_map(objects, [], space) != location_map(objects, [], space, own)
     grid = trial_grid(trials, 7, 7)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from svg_text import SVG, texts
 
-from egad.config import Space
+from egad.config import MeasureSpace
 from egad.report.comparison import PUBLISHED, comparison_chart, comparison_text, dataset_maps
 
 
@@ -21,7 +21,7 @@ def colors(svg: str) -> list[list[str]]:
 
 
 def test_every_dataset_is_named_and_counted(objects):
-    shown = texts(dataset_maps({"egad": objects, "mine": objects.head(10)}, Space()))
+    shown = texts(dataset_maps({"egad": objects, "mine": objects.head(10)}, MeasureSpace()))
     assert {"egad", "mine", "complexity: simple → complex", "difficulty: easy → hard"} <= set(shown)
     assert "10 objects, coverage 0.4 %" in shown
     assert "objects in a cell" in shown
@@ -30,7 +30,7 @@ def test_every_dataset_is_named_and_counted(objects):
 def test_a_square_for_every_filled_cell_in_the_color_of_its_count(objects):
     cells = objects.groupby(["complexity_cell", "difficulty_cell"]).size()
     assert cells.max() == 5
-    (alone,) = colors(dataset_maps({"egad": objects}, Space()))
+    (alone,) = colors(dataset_maps({"egad": objects}, MeasureSpace()))
     assert len(alone) == len(cells)
     color_of = dict(zip(cells, alone, strict=True))
     assert [color_of[count] for count in cells] == alone
@@ -39,27 +39,27 @@ def test_a_square_for_every_filled_cell_in_the_color_of_its_count(objects):
 
 def test_the_color_scale_is_the_same_for_all(objects):
     crowded, sparse = objects.tail(5), objects.head(3)
-    first, second = colors(dataset_maps({"a": crowded, "b": sparse}, Space()))
+    first, second = colors(dataset_maps({"a": crowded, "b": sparse}, MeasureSpace()))
     assert set(first) == {"#fde725"}  # the end of viridis
     assert set(second) == {"#440154"}  # its start, for one object a cell
 
 
 @pytest.mark.parametrize("count", [1, 2, 4, 7])
 def test_any_number_of_datasets_has_a_map_each(objects, count):
-    svg = dataset_maps({f"set{k}": objects for k in range(count)}, Space())
+    svg = dataset_maps({f"set{k}": objects for k in range(count)}, MeasureSpace())
     assert len(colors(svg)) == count
     assert {f"set{k}" for k in range(count)} <= set(texts(svg))
 
 
 def test_an_empty_dataset_has_an_empty_map(objects):
-    svg = dataset_maps({"none": objects.head(0)}, Space())
+    svg = dataset_maps({"none": objects.head(0)}, MeasureSpace())
     assert colors(svg) in ([], [[]])
     assert "0 objects, coverage 0.0 %" in texts(svg)
 
 
 def test_hard_objects_are_above_and_complex_ones_to_the_right(objects):
     corner = objects.head(2).assign(complexity_cell=[0, 24], difficulty_cell=[0, 24])
-    root = ElementTree.fromstring(dataset_maps({"a": corner}, Space()))  # noqa: S314
+    root = ElementTree.fromstring(dataset_maps({"a": corner}, MeasureSpace()))  # noqa: S314
     group = next(g for g in root.iter(f"{SVG}g") if g.get("id", "").startswith("PatchCollection"))
     starts = [re.match(r"M ([\d.]+) ([\d.]+)", path.get("d")) for path in group.iter(f"{SVG}path")]
     (left, low), (right, high) = [(float(m[1]), float(m[2])) for m in starts]
@@ -68,8 +68,8 @@ def test_hard_objects_are_above_and_complex_ones_to_the_right(objects):
 
 
 def test_the_same_objects_give_the_same_bytes_and_no_date(objects):
-    svg = dataset_maps({"egad": objects}, Space())
-    assert svg == dataset_maps({"egad": objects.copy()}, Space())
+    svg = dataset_maps({"egad": objects}, MeasureSpace())
+    assert svg == dataset_maps({"egad": objects.copy()}, MeasureSpace())
     assert "date" not in svg.lower()
 
 
@@ -80,7 +80,8 @@ def test_the_chart_marks_what_is_published(report):
 
 @pytest.mark.parametrize("rows", [0, 2])
 def test_rows_in_which_no_object_is_expected_are_hatched(objects, rows):
-    root = ElementTree.fromstring(dataset_maps({"egad": objects}, Space(), unattainable=rows))  # noqa: S314
+    svg = dataset_maps({"egad": objects}, MeasureSpace(), unattainable=rows)
+    root = ElementTree.fromstring(svg)  # noqa: S314
     assert len(list(root.iter(f"{SVG}pattern"))) == bool(rows)
 
 

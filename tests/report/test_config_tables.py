@@ -1,16 +1,16 @@
-from egad.config import Settings, Trials
+from egad.config import Settings, TrialProtocol
 from egad.workflow.config_tables import entry_tables, parameter_tables
 
 
 def test_only_changed_values_show_their_default():
-    settings = Settings(trials=Trials(attempts=3))
+    settings = Settings(trials=TrialProtocol(attempts=3))
     shown = {
         (table.name, item.name): item
         for table in parameter_tables(settings)
         for item in table.parameters
     }
     assert shown["trials", "attempts"].value == "3"
-    assert shown["trials", "attempts"].default == str(Trials().attempts)
+    assert shown["trials", "attempts"].default == str(TrialProtocol().attempts)
     assert [item.name for item in shown.values() if item.default] == ["attempts"]
 
 

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from egad.config import Space
+from egad.config import MeasureSpace
 from egad.report.evolution import (
     coverage_animation,
     coverage_curves,
@@ -14,7 +14,7 @@ from egad.report.evolution import (
 )
 from egad.tables.evolution import HISTORY
 
-SPACE = Space(cells=5, elites_per_cell=2)
+SPACE = MeasureSpace(cells=5, elites_per_cell=2)
 
 
 def step(epoch, island, number, elites):
@@ -73,7 +73,7 @@ def test_the_film_ends_with_the_last_map(history):
 
 def test_re_evaluation_counts_moves_and_coverage():
     """Four objects selected for one cell; two lie beside it, on either side, one farther off."""
-    space = Space(cells=7, difficulty_range=(0, 0.007), elites_per_cell=4)
+    space = MeasureSpace(cells=7, difficulty_range=(0, 0.007), elites_per_cell=4)
     objects = pd.DataFrame(
         {
             "archive_difficulty": [0.0055] * 4 + [np.nan],

@@ -230,7 +230,7 @@ def test_names_from_tables_are_escaped(data, objects):
     script = data_script("objects/" + HOSTILE, {"id": HOSTILE + "\u2028'\\"})
     assert script.isascii()
     assert read(script) == ("objects/" + HOSTILE, {"id": HOSTILE + "\u2028'\\"})
-    links = [details.Link(HOSTILE, "x.md")]
+    links = [details.Download(HOSTILE, "x.md")]
     html = gallery_page(HOSTILE, GalleryData(objects, HOSTILE, grasps=data.grasps), USUAL, links)
     assert "<script>alert" not in html
     assert file_link("meshes", "a#b?c%.glb") == "meshes/a%23b%3Fc%25.glb"

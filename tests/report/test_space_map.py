@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
-from egad.config import Space
+from egad.config import MeasureSpace
 from egad.report.space_map import GROUND, collage, shown_objects, space_map
 
 
@@ -15,8 +15,8 @@ def square(tone: int) -> bytes:
 
 
 def drawn(objects: pd.DataFrame, pictures: dict[str, bytes]) -> np.ndarray:
-    content = collage(objects, pictures, Space(cells=5), unit=20)
-    assert content == collage(objects, pictures, Space(cells=5), unit=20)
+    content = collage(objects, pictures, MeasureSpace(cells=5), unit=20)
+    assert content == collage(objects, pictures, MeasureSpace(cells=5), unit=20)
     return np.asarray(Image.open(io.BytesIO(content)))
 
 
@@ -56,4 +56,4 @@ def test_the_map_needs_pictures_of_the_objects_that_it_shows_only(objects, pictu
     shown = shown_objects(objects)
     assert len(shown) < len(objects)
     few = {label: pictures[label] for label in shown}
-    assert space_map(objects, few, Space()) == space_map(objects, pictures, Space())
+    assert space_map(objects, few, MeasureSpace()) == space_map(objects, pictures, MeasureSpace())

@@ -16,7 +16,7 @@ from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.grippers import BoxBody
 from egad.report import viewer
-from egad.report.viewer import Scene
+from egad.report.viewer import GraspScene
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 
@@ -62,7 +62,7 @@ def grasps() -> pd.DataFrame:
 
 @pytest.fixture(scope="module")
 def html(grasps) -> str:
-    return viewer.page(Scene("ring", "", MESH, grasps), "yumi", GRIPPERS["yumi"])
+    return viewer.page(GraspScene("ring", "", MESH, grasps), "yumi", GRIPPERS["yumi"])
 
 
 def vectors(frame, name):
@@ -70,7 +70,7 @@ def vectors(frame, name):
 
 
 def test_what_is_packed_can_be_unpacked(grasps):
-    item = viewer.pack(Scene("ring", "of a torus", MESH, grasps, "a note"))
+    item = viewer.pack(GraspScene("ring", "of a torus", MESH, grasps, "a note"))
     assert (item["name"], item["title"], item["note"]) == ("ring", "of a torus", "a note")
     parts = unpack(item)
     half = 0.5 * item["step"] + 1e-12
@@ -88,21 +88,23 @@ def test_what_is_packed_can_be_unpacked(grasps):
 def test_an_object_of_the_usual_size_takes_few_bytes(grasps):
     ball = trimesh.creation.icosphere(subdivisions=4, radius=0.03)
     assert len(ball.faces) == 5120
-    item = viewer.pack(Scene("ball", "", ball, pd.concat([grasps] * 5)))
+    item = viewer.pack(GraspScene("ball", "", ball, pd.concat([grasps] * 5)))
     assert len(item["data"]) < 40_000  # plain they would be 100 kB
 
 
 def test_a_mesh_without_grasps_can_be_packed():
-    item = viewer.pack(Scene("ring", "", MESH, parquet.empty(GRASPS), "no grasp"))
+    item = viewer.pack(GraspScene("ring", "", MESH, parquet.empty(GRASPS), "no grasp"))
     assert item["counts"] == [len(MESH.vertices), len(MESH.faces), 0]
     np.testing.assert_array_equal(unpack(item)["faces"], MESH.faces)
-    data = viewer.viewer_data([Scene("ring", "", MESH, parquet.empty(GRASPS))], GRIPPERS["yumi"])
+    data = viewer.viewer_data(
+        [GraspScene("ring", "", MESH, parquet.empty(GRASPS))], GRIPPERS["yumi"]
+    )
     assert all(top > 0 for _, _, top in data["metrics"])
 
 
 def test_colors_mean_the_same_for_all_objects(grasps):
     poor = grasps.assign(quality=grasps["quality"] / 10)
-    scenes = [Scene("good", "", MESH, grasps), Scene("poor", "", MESH, poor)]
+    scenes = [GraspScene("good", "", MESH, grasps), GraspScene("poor", "", MESH, poor)]
     data = viewer.viewer_data(scenes, GRIPPERS["yumi"])
     tops = {key: top for key, _, top in data["metrics"]}
     both = pd.concat([grasps, poor])["quality"]
@@ -113,7 +115,7 @@ def test_colors_mean_the_same_for_all_objects(grasps):
 @pytest.mark.parametrize("name", GRIPPERS)
 def test_the_jaws_reach_back_to_the_palm_mesh_the_gripper(name):
     gripper = GRIPPERS[name]
-    data = viewer.viewer_data([Scene("ring", "", MESH, parquet.empty(GRASPS))], gripper)
+    data = viewer.viewer_data([GraspScene("ring", "", MESH, parquet.empty(GRASPS))], gripper)
     assert data["finger"] == pytest.approx(-BoxBody(gripper).parts()[2].box[1, 2])
 
 
@@ -135,12 +137,14 @@ def test_the_page_has_what_the_script_asks_for(html):
 
 def test_names_from_files_are_escaped(grasps):
     name = "</script><script>alert(1)</script>"
-    html = viewer.page(Scene(name, name, MESH, grasps, name), "yumi", GRIPPERS["yumi"])
+    html = viewer.page(GraspScene(name, name, MESH, grasps, name), "yumi", GRIPPERS["yumi"])
     assert "<script>alert" not in html
 
 
 def test_the_same_object_gives_the_same_bytes(html, grasps):
-    assert viewer.page(Scene("ring", "", MESH, grasps.copy()), "yumi", GRIPPERS["yumi"]) == html
+    assert (
+        viewer.page(GraspScene("ring", "", MESH, grasps.copy()), "yumi", GRIPPERS["yumi"]) == html
+    )
 
 
 def test_grasps_of_another_size_are_not_shown():

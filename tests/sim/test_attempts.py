@@ -6,7 +6,7 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, start
 
-from egad.config import GRIPPERS, Bundle, Gripper, Trials
+from egad.config import GRIPPERS, Bundle, Gripper, TrialProtocol
 from egad.detectors.base import Grasp
 from egad.detectors.poses import Detector
 from egad.detectors.registry import QUICK
@@ -26,7 +26,7 @@ ROUND = Bundle(deviation=1e-5, max_vertices=1000)  # one part with all vertices
 SETTINGS = TrialParameters(
     seed=1,
     gripper=GRIPPERS["egad_75mm"],
-    trials=Trials(attempts=6, engine="mujoco"),
+    trials=TrialProtocol(attempts=6, engine="mujoco"),
 )
 BALL = build(trimesh.creation.icosphere(3, 0.025), 400.0, ROUND)
 CUBE, CYLINDER = (

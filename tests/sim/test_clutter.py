@@ -17,7 +17,7 @@ from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose, proposed_by
 from egad.sim.model import build
 from egad.sim.parameters import Clutter, EngineName
 from egad.sim.robots import free_hand
-from egad.sim.scenes import Placed
+from egad.sim.scenes import RestingObject
 from egad.sim.world import open_world
 
 BALL = build(trimesh.creation.icosphere(2, 0.02), 600.0, Bundle())
@@ -31,10 +31,10 @@ def from_above(center: np.ndarray, axis: np.ndarray) -> PoseGrasp:
     return PoseGrasp(pose, 0.055, 1.0)
 
 
-def knowing(_: Observation, present: Sequence[Placed], __: Generator) -> PoseGrasp:
+def knowing(_: Observation, present: Sequence[RestingObject], __: Generator) -> PoseGrasp:
     """The block that is furthest from others, across its narrowest level side."""
 
-    def clearance(each: Placed) -> float:
+    def clearance(each: RestingObject) -> float:
         away = [np.linalg.norm(each.pose.position - other.pose.position) for other in present]
         return float(sorted(away)[min(1, len(away) - 1)])
 
@@ -56,7 +56,7 @@ def in_turn(*proposals: Propose) -> Propose:
     left = iter(proposals)
 
     def propose(
-        observation: Observation, present: Sequence[Placed], rng: Generator
+        observation: Observation, present: Sequence[RestingObject], rng: Generator
     ) -> PoseGrasp | Outcome:
         return next(left)(observation, present, rng)
 
@@ -143,7 +143,7 @@ def test_a_round_is_repeated_bit_by_bit(engine: EngineName) -> None:
 def test_noise_changes_what_is_seen_but_not_the_scene() -> None:
     seen = {}
 
-    def look(observation: Observation, present: Sequence[Placed], _: Generator) -> Outcome:
+    def look(observation: Observation, present: Sequence[RestingObject], _: Generator) -> Outcome:
         seen[noise] = observation.views[0].depth, present[0].pose.position
         return Outcome.NO_GRASP
 

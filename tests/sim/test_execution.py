@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from worlds import EACH_ARM, EACH_ENGINE, HAND, start
 
-from egad.config import Bundle, Trials
+from egad.config import Bundle, TrialProtocol
 from egad.detectors.base import Grasp
 from egad.detectors.registry import QUICK
 from egad.sim.arms import ARMS
@@ -96,7 +96,7 @@ def held_up(
         world.watch = watch
         world.place(Pose(np.array([0.0, 0.0, SIDE / 2]), UPRIGHT))
         grasp = Grasp((0.0, shift, 0.02), 0.0, 0.065, 0.01, 1.0)
-        return execute(world, ARMS[arm](gripper), Trials(lift_height=lift), grasp)
+        return execute(world, ARMS[arm](gripper), TrialProtocol(lift_height=lift), grasp)
 
 
 def in_full(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -127,7 +127,7 @@ def test_what_is_held_firmly_is_not_simulated_to_the_end(
     early = sum(steps)
     in_full(monkeypatch)
     assert held_up(*case).outcome == "success"
-    assert sum(steps) - 2 * early > spared * Trials().hold_time / TIME_STEP
+    assert sum(steps) - 2 * early > spared * TrialProtocol().hold_time / TIME_STEP
 
 
 @EACH_ENGINE
@@ -177,7 +177,7 @@ def test_grasps_near_an_edge_end_as_if_simulated_in_full(
 def attempts(engine: EngineName, model: Model, count: int) -> list[Attempt]:
     gripper = HAND.model_copy(update={"force": 8.0})
     with start(engine, model, gripper) as world:
-        bench = TrialRunner(world, ARMS["axis"](gripper), Trials())
+        bench = TrialRunner(world, ARMS["axis"](gripper), TrialProtocol())
         return [bench.attempt(QUICK["random"], seed) for seed in range(count)]
 
 

@@ -17,7 +17,7 @@ from egad.perception import Observation
 from egad.sim.free_hand import STANDOFF
 from egad.sim.model import Model, build
 from egad.sim.scene_labels import SceneLabels
-from egad.sim.scenes import Placed
+from egad.sim.scenes import RestingObject
 from egad.sim.world import Pose
 
 MESH = trimesh.creation.box((0.03, 0.05, 0.08))
@@ -26,20 +26,20 @@ WANTED = label_parameters(HAND, 100, 0)
 GRASPS = dataset_grasps(MESH, "box", WANTED)
 
 
-def placed(number: int, x: float, y: float, z: float, turn: Rotation) -> Placed:
+def placed(number: int, x: float, y: float, z: float, turn: Rotation) -> RestingObject:
     quaternion = (turn * Rotation.from_matrix(MODEL.to_principal[:3, :3].T)).as_quat()
-    return Placed(number, Pose(np.array([x, y, z]), quaternion))
+    return RestingObject(number, Pose(np.array([x, y, z]), quaternion))
 
 
 def propose(
-    present: list[Placed], models: list[Model], tables: list[pd.DataFrame]
+    present: list[RestingObject], models: list[Model], tables: list[pd.DataFrame]
 ) -> PoseGrasp | Outcome:
     labels = SceneLabels(tables, models, HAND)
     nothing = Observation(None, (), 0.3)  # type: ignore[arg-type]
     return labels(nothing, present, np.random.default_rng(0))
 
 
-def touched(pose: np.ndarray, present: list[Placed], models: list[Model]) -> bool:
+def touched(pose: np.ndarray, present: list[RestingObject], models: list[Model]) -> bool:
     """Whether points of the scene lie in the hand, anywhere on its way."""
     clouds = [np.random.default_rng(0).uniform([-0.3, -0.3, 0], [0.3, 0.3, 0], (40000, 3))]
     for number, where in present:
@@ -87,7 +87,7 @@ def test_without_a_free_grasp_there_is_none() -> None:
     mesh = trimesh.creation.box((0.12, 0.12, 0.02))
     plate, grasps = build(mesh, 600.0, Bundle()), dataset_grasps(mesh, "plate", WANTED)
     flat = Rotation.from_matrix(plate.to_principal[:3, :3].T).as_quat()
-    in_the_air, lying = ([Placed(0, Pose(np.array([0, 0, z]), flat))] for z in (0.3, 0.01))
+    in_the_air, lying = ([RestingObject(0, Pose(np.array([0, 0, z]), flat))] for z in (0.3, 0.01))
     assert isinstance(propose(in_the_air, [plate], [grasps]), PoseGrasp)
     assert propose(lying, [plate], [grasps]) == Outcome.NO_GRASP
     blocked = GRASPS.assign(collision_free=False)

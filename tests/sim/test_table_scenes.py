@@ -12,7 +12,7 @@ from egad.random import generator
 from egad.sim import scenes
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
-from egad.sim.scenes import BOX, WORKSPACE, Placed, make_scene, put, settle_from
+from egad.sim.scenes import BOX, WORKSPACE, RestingObject, make_scene, put, settle_from
 from egad.sim.world import UnstableError, World, open_world
 
 BLOCK = build(trimesh.creation.box((0.03, 0.04, 0.08)), 600.0, Bundle())
@@ -22,7 +22,7 @@ BALL = build(trimesh.creation.icosphere(3, 0.02), 600.0, Bundle())
 MODELS = [BLOCK, CAN, BLOCK, CAN, BLOCK]
 
 
-def same(first: list[Placed], second: list[Placed]) -> bool:
+def same(first: list[RestingObject], second: list[RestingObject]) -> bool:
     numbers = [each.number for each in first] == [each.number for each in second]
     return numbers and all(
         np.array_equal(one.pose.position, other.pose.position)

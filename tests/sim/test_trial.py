@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, HAND, start
 
-from egad.config import Bundle, Gripper, Trials
+from egad.config import Bundle, Gripper, TrialProtocol
 from egad.detectors.base import Grasp
 from egad.detectors.poses import Detector
 from egad.detectors.subprocess import DetectorTimeoutError
@@ -44,13 +44,13 @@ def outcome(
 ) -> Attempt:
     hand = HAND.model_copy(update=gripper)
     with start(engine, build(mesh, density, BUNDLE), hand) as world:
-        return TrialRunner(world, ARMS["axis"](hand), Trials()).attempt(detect, 5)
+        return TrialRunner(world, ARMS["axis"](hand), TrialProtocol()).attempt(detect, 5)
 
 
 def test_the_drop_does_not_depend_on_the_detector() -> None:
     places = []
     with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
-        bench = TrialRunner(world, AXIS, Trials())
+        bench = TrialRunner(world, AXIS, TrialProtocol())
 
         def thirsty(view: View, _gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
             rng.random(len(places) * 10)
@@ -71,7 +71,7 @@ def test_a_noisy_camera_has_holes_and_an_ideal_one_has_none() -> None:
 
     with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
         for noise in (0.0, 0.1, 0.1):
-            TrialRunner(world, AXIS, Trials(depth_noise=noise)).attempt(watch, 3)
+            TrialRunner(world, AXIS, TrialProtocol(depth_noise=noise)).attempt(watch, 3)
     ideal, first, second = (view.depth for view in views)
     assert np.isfinite(ideal).all()
     assert 20 < np.isnan(first).sum() < 1000
@@ -160,7 +160,7 @@ def test_how_an_attempt_begins(
     last = Pose.of([*end, *upright]) if end else None
     before = Attempt(Outcome(outcome), InitialPose("dropped", rest), rest, None, 0.0, last)
     with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
-        trials = Trials()
+        trials = TrialProtocol()
         bench = TrialRunner(world, AXIS, trials)
         after = bench.attempt(always((0, 0, -0.03)), 3, before)
     assert after.start is not None
@@ -176,7 +176,7 @@ def test_how_an_attempt_begins(
 
 def held_up(world: World) -> Execution:
     world.place(Pose.of([0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 1.0]))
-    return execute(world, AXIS, Trials(), Grasp((0.0, 0.0, 0.02), 0.0, 0.07, 0.01, 1.0))
+    return execute(world, AXIS, TrialProtocol(), Grasp((0.0, 0.0, 0.02), 0.0, 0.07, 0.01, 1.0))
 
 
 @EACH_ENGINE
@@ -211,7 +211,7 @@ def test_an_object_that_explodes_has_failed_and_the_next_attempt_begins_anew(
             world.place(world.pose(), velocity)
 
     with start(engine, build(CUBE, 400.0, BUNDLE)) as world:
-        bench = TrialRunner(world, AXIS, Trials(drop_height=0.05))
+        bench = TrialRunner(world, AXIS, TrialProtocol(drop_height=0.05))
         world.watch = explode
         first = bench.attempt(always((0, 0, -0.03)), 3)
         world.watch = None

@@ -19,9 +19,9 @@ from egad.cli import main
 from egad.config import Settings
 from egad.config.stages import SimulationBundle, select
 from egad.errors import UserError
-from egad.exchange.meshes import read_mesh, write_obj
 from egad.geometry.checks import OPEN
 from egad.geometry.mass import mass_properties
+from egad.io import read_mesh, write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49
 from egad.tables.objects import REJECTED

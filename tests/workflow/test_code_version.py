@@ -11,7 +11,7 @@ import rescale
 import trimesh
 from rule_texts import COPIES, OWN, TEXT, script_of
 
-from egad.config import Dataset, Postprocess, Settings
+from egad.config import DatasetSection, Postprocess, Settings
 from egad.config.stages import PostprocessSolids, RescaleMeshes, select
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
@@ -339,7 +339,7 @@ def test_what_runs_in_a_stage_is_what_was_found_in_its_source(tmp_path):
     assert len(parquet.read(tmp_path / "scaled/scales.parquet", SCALES)) == 1
     measured = select(whole, PostprocessSolids)
     tables = (tmp_path / "solids.parquet", tmp_path / "rejected.parquet")
-    dataset = Dataset(source="primitives", objects=1)
+    dataset = DatasetSection(source="primitives", objects=1)
     _check_calls(postprocess.run, measured, dataset, (0, 1), *tables)
     assert len(parquet.read(tables[0], SOLIDS)) == 1
 

@@ -29,7 +29,7 @@ ADDED = {
     "egad/measures/compactness.py",
     "egad/measures/parameters.py",
     "egad/tables/objects.py",
-    "egad/exchange/exports/plain.py",
+    "egad/exchange/grasps/plain.py",
     "egad/workflow/results_page.py",
     "workflow/scripts/weigh.py",
     "workflow/Snakefile",

@@ -16,8 +16,8 @@ from script_jobs import job_of, run_as_job
 from egad.config import Settings
 from egad.config.stages import EvalSelection, select
 from egad.errors import UserError
-from egad.exchange import checksum
-from egad.exchange.sums import read_sums
+from egad.io import checksum
+from egad.io.sums import read_sums
 from egad.provenance.record import settings_hash
 from egad.tables import parquet
 from egad.tables.objects import REJECTED

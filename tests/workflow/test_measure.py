@@ -8,7 +8,7 @@ from egad.cli.measure import incomparable, measure_files
 from egad.config import Settings
 from egad.config.stages import MeasureMeshes, PostprocessSolids, select
 from egad.cppn.surface import surface
-from egad.exchange.meshes import read_mesh, write_obj
+from egad.io import read_mesh, write_obj
 from egad.tables.objects import MEASURED
 
 DEFAULTS = Settings()

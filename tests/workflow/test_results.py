@@ -21,7 +21,7 @@ from rule_texts import ROOT, script_of
 from egad import __version__
 from egad.config import Settings
 from egad.data import evaluation_set
-from egad.exchange.sums import read_sums
+from egad.io.sums import read_sums
 from egad.provenance.lookup import origin_of
 from egad.provenance.verify import verify
 from egad.tables import parquet

@@ -12,13 +12,16 @@ from snakemake.exceptions import WorkflowError
 
 from egad.workflow.code_version import code_version
 from egad.config.check import check, check_engines
-from egad.config.input_files import check_export, check_input_files, is_result
+from egad.config.input_files import check_input_files, is_result
 from egad.config.schema import schema
 from egad.config.stages import select
-from egad.exchange.exports import (
-    export_module,
-    formats,
+from egad.exchange import (
+    FORMATS,
+    NamedGripper,
+    check_format,
     last_files,
+    module_name,
+    module_of,
     settings_class,
     sources,
 )
@@ -26,8 +29,8 @@ from egad.data import released, released_ancestry
 from egad.workflow.display import start_display
 from egad.workflow.params import contents, plain
 from egad.errors import UserError
-from egad.exchange import check_installed, missing_files
 from egad.grippers import files_of
+from egad.io import missing_files
 from egad._util.kernel_cache import compile_kernels
 from egad._util.progress import MARKS
 from egad.measures import source_hash
@@ -116,7 +119,7 @@ def code_of(script):
 
 def code_of_export(wildcards):
     """The same with that of the format in the file name."""
-    return f"{code_of('export')}-{code_version(export_module(wildcards.format))}"
+    return f"{code_of('export')}-{code_version(module_name(wildcards.format))}"
 
 
 def shard_of(count):
@@ -127,7 +130,8 @@ def shard_of(count):
 def exported_from(wildcards):
     """The inputs of the format in the file name; for a folder, the file that is written last."""
     try:
-        check_export(wildcards.format, wildcards.gripper, SETTINGS)
+        hand = NamedGripper(wildcards.gripper, SETTINGS.grippers[wildcards.gripper])
+        check_format(wildcards.format, hand)
     except UserError as error:
         raise WorkflowError(f"targets.exports: {error}")
     files = last_files(wildcards.format, wildcards.gripper, SETTINGS.targets.export_objects)

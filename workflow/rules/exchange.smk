@@ -77,7 +77,7 @@ rule export:
     benchmark:
         "benchmarks/{dataset}/export/{gripper}-{format}.tsv"
     wildcard_constraints:
-        format="|".join(name for name in formats() if name != "dexnet"),
+        format="|".join(name for name in FORMATS if name != "dexnet"),
     conda:
         ENVIRONMENT
     threads: 1

@@ -28,7 +28,7 @@ def archives_of_release(wildcards):
     """The archives for simulators, if what writes them is installed."""
     try:
         for name in SETTINGS.release.archives:
-            check_installed(name)
+            module_of(name)
     except UserError as error:
         raise WorkflowError(f"release.archives: {error}")
     return expand("results/release/archives/{format}.zip", format=SETTINGS.release.archives)

@@ -6,7 +6,7 @@ import os
 from functools import cache
 from pathlib import Path
 
-from egad.exchange import EVERY_FILE, objects_in
+from egad.io import EVERY_FILE, objects_in
 from egad.workflow.shards import by_shard
 
 

@@ -16,8 +16,8 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.config.stages import CellsAndDiversities
 from egad.errors import UserError, most_common
-from egad.exchange import write_obj
 from egad.geometry import units_doubt
+from egad.io import write_obj
 from egad.measures import complexity_cells, difficulty_cells, labels
 from egad.reeb import diversities
 from egad.reeb import graph as reeb

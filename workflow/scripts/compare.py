@@ -9,7 +9,7 @@ from egad._util.files import write_text
 from egad.measures import (
     Attainable,
     MeasureParameters,
-    Space,
+    MeasureSpace,
     attainable_coverage,
     attainable_difficulty,
     coverage,
@@ -51,7 +51,9 @@ def run(
     return comparison_text(comparison)
 
 
-def _row(name: str, objects: pd.DataFrame, space: Space, limit: Attainable) -> dict[str, Any]:
+def _row(
+    name: str, objects: pd.DataFrame, space: MeasureSpace, limit: Attainable
+) -> dict[str, Any]:
     diversity = objects["diversity"]
     return {
         "dataset": name,

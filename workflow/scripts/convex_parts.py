@@ -9,7 +9,7 @@ from egad._util.progress import progress
 from egad.config.stages import SimulationBundle
 from egad.errors import RejectedError
 from egad.evalset import make_simulation_object, part_rows
-from egad.exchange import read_mesh
+from egad.io import read_mesh
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS

@@ -9,7 +9,7 @@ from egad._util.progress import phase
 from egad.config.stages import DataSheets
 from egad.evalset import ATTEMPTS, ForGripper, empty_cells
 from egad.evalset.datasheet import page
-from egad.exchange import read_mesh
+from egad.io import read_mesh
 from egad.report.evaluation import contact_sheet
 from egad.stats import template
 from egad.tables import parquet

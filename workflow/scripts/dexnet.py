@@ -1,6 +1,6 @@
 """dexnet: the Dex-Net database of a dataset, with the labelled grasps of a gripper."""
 
-from egad.exchange.exports.dexnet import run
+from egad.exchange.grasps.dexnet import run
 from egad.workflow.job import run_job
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.config.stages import DifficultyOfGripper
 from egad.errors import RejectedError
-from egad.exchange import read_mesh
+from egad.io import read_mesh
 from egad.measures import measure_repeatably
 from egad.tables import parquet
 from egad.tables.objects import DIFFICULTIES, OBJECTS

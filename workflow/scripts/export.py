@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from egad.exchange.exports import ObjectSet, settings_class, sources, write_format
+from egad.exchange import ObjectSet, settings_class, sources, write_format
 from egad.workflow.job import run_job
 
 

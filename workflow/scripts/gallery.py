@@ -11,26 +11,28 @@ import pandas as pd
 import pyarrow as pa
 import trimesh
 
+from egad._util.arrays import RgbImage
 from egad._util.files import atomic_output, write_text
 from egad._util.progress import progress
 from egad._util.workers import Mapper, workers
 from egad.config.stages import Gallery
 from egad.cppn import Row, Rules, genome_text, packed_surface
 from egad.errors import RejectedError
-from egad.exchange import is_simulated, read_mesh
+from egad.exchange import is_simulated
 from egad.geometry.repair import repair
+from egad.io import read_mesh
 from egad.map_elites import Lineage, rules_of
 from egad.map_elites.evaluation import express
 from egad.measures import attainable_difficulty
 from egad.report.axes import AxisPair, axis_pair
 from egad.report.gallery.dataset import GalleryData
-from egad.report.gallery.details import GenomeText, Link, ObjectPage, ancestor_data, object_data
+from egad.report.gallery.details import Download, GenomeText, ObjectPage, ancestor_data, object_data
 from egad.report.gallery.files import ANCESTORS, INDEX, PAGES, SHEETS, data_script, file_link
 from egad.report.gallery.index import index_data
 from egad.report.gallery.page import gallery_page
 from egad.report.gallery.sheets import TILE, Place, ancestor_sheets, cell_ranks, sheet
 from egad.report.genome_drawing import genome_svg
-from egad.report.pictures import Pixels, render
+from egad.report.pictures import render
 from egad.report.space_map import legend_of
 from egad.tables import parquet
 from egad.tables.columns import ID, LABEL
@@ -64,7 +66,7 @@ class Made(NamedTuple):
     """A page as a script, and the picture for a sheet; None if there is no shape."""
 
     script: str
-    picture: Pixels | None
+    picture: RgbImage | None
 
 
 def run(
@@ -165,17 +167,17 @@ def _genomes(archive: Path | None) -> pd.DataFrame:
     return parquet.read(archive, schema) if archive else parquet.empty(schema)
 
 
-def _links(pieces: list[Path]) -> tuple[list[Link], dict[str, list[Link]]]:
+def _links(pieces: list[Path]) -> tuple[list[Download], dict[str, list[Download]]]:
     """Links to files of the release: of the whole dataset, and of each object by its label."""
-    own: dict[str, list[Link]] = defaultdict(list)
-    whole = [Link("Dataset card", "README.md")] if pieces else []
+    own: dict[str, list[Download]] = defaultdict(list)
+    whole = [Download("Dataset card", "README.md")] if pieces else []
     for piece in pieces:
         if piece.suffix == ".zip":
-            whole.append(Link(piece.name, file_link(piece.parent.name, piece.name)))
+            whole.append(Download(piece.name, file_link(piece.parent.name, piece.name)))
         for path in sorted(piece.glob("*.glb")):
-            own[path.stem].append(Link("Mesh (GLB)", file_link(piece.name, path.name)))
+            own[path.stem].append(Download("Mesh (GLB)", file_link(piece.name, path.name)))
         for path in sorted(piece.glob("grasps/*.parquet")):
-            link = Link(f"Grasps, in {path.name}", file_link(piece.name, "grasps", path.name))
+            link = Download(f"Grasps, in {path.name}", file_link(piece.name, "grasps", path.name))
             for label in parquet.read(path, pa.schema([LABEL]))["label"].unique():
                 own[label].append(link)
     return whole, own
@@ -191,7 +193,7 @@ def _write_objects(
     """Write the pages of the objects, and the sheets of their pictures."""
     cells = settings.space.cells
     rows = pd.DataFrame([item.page.row for item in items], columns=OBJECTS.names)
-    sheets: dict[int, dict[Place, Pixels]] = defaultdict(dict)
+    sheets: dict[int, dict[Place, RgbImage]] = defaultdict(dict)
     made = progress(
         mapper(partial(_object, settings=settings, axes=axes), items), "objects", len(items)
     )
@@ -224,7 +226,7 @@ def _write_ancestors(
     rows = parquet.records(data.ancestors)
     items = [Ancestor(i, row, data.relatives(row["id"])) for i, row in enumerate(rows)]
     work = partial(_ancestor, settings=settings, rules=rules_of(settings), axes=axes)
-    pictures: dict[int, Pixels] = {}
+    pictures: dict[int, RgbImage] = {}
     made = progress(mapper(work, items), "ancestors", len(items))
     for number, (script, picture) in enumerate(made):
         _write(folder / ANCESTORS, str(number), script)

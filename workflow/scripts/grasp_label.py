@@ -7,10 +7,10 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad.errors import RejectedError
-from egad.exchange import read_mesh
-from egad.exchange.hand_body import hand_body
 from egad.geometry import RayCaster
 from egad.grasps import LabelParameters, rate_grasps, sample_for_labels, statistics_row
+from egad.grippers import hand_body
+from egad.io import read_mesh
 from egad.measures import center_of_mass
 from egad.random import generator
 from egad.tables import parquet

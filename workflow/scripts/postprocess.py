@@ -11,7 +11,7 @@ import pandas as pd
 import trimesh
 
 from egad._util.progress import progress
-from egad.config import Dataset
+from egad.config import DatasetSection
 from egad.config.archive_settings import (
     MEASURING,
     archive_notes,
@@ -21,8 +21,8 @@ from egad.config.archive_settings import (
 from egad.config.stages import PostprocessSolids
 from egad.cppn import packed_surface
 from egad.errors import RejectedError
-from egad.exchange import EVERY_FILE, objects_in, read_mesh
 from egad.geometry import joined_primitives
+from egad.io import EVERY_FILE, objects_in, read_mesh
 from egad.measures import measure_repeatably
 from egad.random import generator
 from egad.reeb import graph as reeb
@@ -44,7 +44,7 @@ Sources = dict[str, Callable[[], trimesh.Trimesh]]
 
 def run(
     settings: PostprocessSolids,
-    dataset: Dataset,
+    dataset: DatasetSection,
     shard: tuple[int, int],
     solids: Path,
     rejected: Path,

@@ -16,8 +16,8 @@ from egad.config import PrintExport
 from egad.config.stages import PrintFiles
 from egad.errors import RejectedError
 from egad.evalset import PrintItem, engrave, plan_prints, print_problems, print_settings
-from egad.exchange import Placed, read_mesh, write_3mf, write_stl_mm
 from egad.geometry import scale_suffix
+from egad.io import PlacedMesh, read_mesh, write_3mf, write_stl_mm
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import SCALES
@@ -136,7 +136,7 @@ def _write_plate(
     settings: PrintFiles,
 ) -> None:
     placed = {
-        label: Placed(item.pose.mesh, np.array([*item.place, 0.0]))
+        label: PlacedMesh(item.pose.mesh, np.array([*item.place, 0.0]))
         for label, item in items.items()
         if item.plate == plate and item.place is not None
     }

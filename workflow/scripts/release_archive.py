@@ -8,13 +8,8 @@ from tempfile import TemporaryDirectory
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.config.stages import SimulationBundle
-from egad.exchange import (
-    PHYSICS_WRITERS,
-    check_installed,
-    mesh_files,
-    read_convex_objects,
-    write_zip,
-)
+from egad.exchange import WriteObject, module_of, read_convex_objects
+from egad.io import mesh_files, write_zip
 from egad.workflow.job import run_job
 
 log = logging.getLogger(__name__)
@@ -40,21 +35,21 @@ def run(
     Raises:
         UserError: The format needs a package that is not installed.
     """
-    check_installed(style)
+    write = module_of(style).write
     count = len(mesh_files(meshes, "*.obj"))
     with atomic_output(out, keep=False) as path:
-        write_zip(path, _written(settings, style, meshes, convex_parts, count))
+        write_zip(path, _written(settings, write, meshes, convex_parts, count))
 
 
 def _written(
-    settings: SimulationBundle, style: str, meshes: Path, convex_parts: Path, count: int
+    settings: SimulationBundle, write: WriteObject, meshes: Path, convex_parts: Path, count: int
 ) -> Iterator[Path]:
     """A folder with the files of each object, which is gone when the next one is asked for."""
     written = 0
     found = read_convex_objects(convex_parts, meshes, settings.material.density)
     for label, made in progress(found, "writing objects", count):
         with TemporaryDirectory() as folder:
-            PHYSICS_WRITERS[style](Path(folder), label, made, settings.bundle.friction)
+            write(Path(folder), label, made, settings.bundle.friction)
             yield Path(folder)
         written += 1
     log.info("%d of %d objects", written, count)

@@ -13,7 +13,9 @@ from egad.config import Release
 from egad.config.stages import ReleaseCard
 from egad.detectors import SHIPPED_WEIGHTS
 from egad.errors import UserError
-from egad.exchange import (
+from egad.perception import SPLITS
+from egad.provenance.graph import provenance_graph
+from egad.release import (
     ABSTRACT,
     CREATOR,
     LICENSE_URL,
@@ -28,8 +30,6 @@ from egad.exchange import (
     croissant_json,
     licence_text,
 )
-from egad.perception import SPLITS
-from egad.provenance.graph import provenance_graph
 from egad.tables import parquet
 from egad.tables.release import RELEASED_OBJECTS
 from egad.workflow.job import run_job

@@ -7,7 +7,7 @@ from pathlib import Path
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.exchange import read_mesh, write_glb
+from egad.io import read_mesh, write_glb
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 from egad.workflow.job import run_job
@@ -36,7 +36,7 @@ def run(
 
 
 def _write(meshes: Path, folder: Path, label: str) -> None:
-    write_glb(folder, label, read_mesh(meshes / f"{label}.obj", "m"))
+    write_glb(read_mesh(meshes / f"{label}.obj", "m"), folder / f"{label}.glb")
 
 
 if __name__ == "__main__":

@@ -15,14 +15,13 @@ from egad._util.progress import progress
 from egad.config.stages import RenderImages
 from egad.errors import RejectedError, UserError
 from egad.evalset import read_parts
-from egad.exchange import read_mesh
-from egad.exchange.hand_body import hand_body
 from egad.geometry import RayCaster, mass_properties
 from egad.grasps import ContactPairs
-from egad.grippers import Body
+from egad.grippers import HandBody, hand_body
+from egad.io import read_mesh
 from egad.perception import (
-    Picture,
     PlacedObject,
+    RenderedImage,
     RenderParameters,
     Share,
     draw_width,
@@ -166,7 +165,7 @@ class Studio:
                 f"{opening:g} m"
             )
         self.settings = settings
-        self._body: Body = hand_body(settings.gripper)
+        self._body: HandBody = hand_body(settings.gripper)
         self._ids = dict(zip(objects["label"], objects["id"], strict=True))
         self._labels = dict(zip(objects["id"], objects["label"], strict=True))
         self._meshes = meshes
@@ -174,7 +173,7 @@ class Studio:
         self._parts = dict(iter(table.groupby("label"))) if len(table) else {}
         self._known = lru_cache(KEPT)(self._read)
 
-    def pictures(self, share: Share) -> Iterator[Picture]:
+    def pictures(self, share: Share) -> Iterator[RenderedImage]:
         """The images of an object, or of a scene of several.
 
         Raises:

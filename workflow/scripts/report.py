@@ -12,16 +12,17 @@ import pandas as pd
 import pyarrow as pa
 from PIL import Image
 
+from egad._util.arrays import RgbImage
 from egad._util.files import write_text
 from egad._util.progress import phase, progress
 from egad._util.workers import Mapper, workers
 from egad.config import Settings
 from egad.config.stages import select
-from egad.exchange import read_mesh
+from egad.io import read_mesh
 from egad.report.pictures import png_bytes, render
 from egad.report.scenes import scenes
 from egad.report.space_map import shown_objects
-from egad.sim import ClutterParameters, Pixels, picture_of, rounds_of
+from egad.sim import ClutterParameters, picture_of, rounds_of
 from egad.sim.world import UnstableError
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
@@ -157,7 +158,7 @@ def scene_pictures(settings: ClutterParameters, bundle: Path) -> dict[str, list[
     return found
 
 
-def _png(picture: Pixels) -> bytes:
+def _png(picture: RgbImage) -> bytes:
     height, width = picture.shape[:2]
     small = Image.fromarray(picture).resize((width // 2, height // 2))
     return png_bytes(np.asarray(small.convert("RGBA")))

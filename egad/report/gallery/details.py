@@ -11,7 +11,7 @@ import trimesh
 from egad.map_elites import Lineage
 from egad.report.axes import AxisPair
 from egad.report.gallery.files import rounded
-from egad.report.viewer import LABELS, Scene, label_codes, pack
+from egad.report.viewer import LABELS, GraspScene, label_codes, pack
 from egad.stats import rate, wilson
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
@@ -24,7 +24,7 @@ Relative = str | list[Any]
 
 
 @dataclass(frozen=True)
-class Link:
+class Download:
     """A file to download.
 
     Attributes:
@@ -107,7 +107,7 @@ class ObjectPage:
     relatives: Mapping[str, Any] | None = None
     genome: Row | None = None
     trials: Mapping[str, pd.DataFrame] = field(default_factory=dict)
-    links: Sequence[Link] = ()
+    links: Sequence[Download] = ()
 
 
 def object_data(
@@ -129,7 +129,7 @@ def object_data(
     grasps = page.grasps if page.grasps is not None else empty(GRASPS)
     counts = None if page.grasps is None else _label_counts(grasps)
     simulated = _simulated(counts) if counts else []
-    scene = Scene(str(page.row["label"]), "", mesh, grasps.head(SHOWN))
+    scene = GraspScene(str(page.row["label"]), "", mesh, grasps.head(SHOWN))
     return {
         "id": page.row["id"],
         "facts": [*_measures(page.row, axes), *simulated, *_solid_facts(page.row, page.factor)],
@@ -167,7 +167,7 @@ def ancestor_data(
     return {
         "id": str(row["id"]),
         "facts": [*_measures(row, axes), *_facts(grown)],
-        "scene": mesh and pack(Scene(str(row["id"]), "", mesh, empty(GRASPS))),
+        "scene": mesh and pack(GraspScene(str(row["id"]), "", mesh, empty(GRASPS))),
         "labels": None,
         "note": "" if mesh else "Its shape cannot be made again from its genome.",
         "relatives": relatives,

@@ -7,8 +7,8 @@ from typing import Any
 import pandas as pd
 
 from egad.grippers import Gripper, finger_span
-from egad.measures import Space
-from egad.report.axes import Axis, AxisPair
+from egad.measures import MeasureSpace
+from egad.report.axes import AxisPair, MeasureAxis
 from egad.report.gallery.files import FOLDER, SHEETS, file_link, rounded
 from egad.report.gallery.sheets import cell_ranks
 
@@ -30,7 +30,7 @@ class Membership:
 
 def index_data(
     objects: pd.DataFrame,
-    space: Space,
+    space: MeasureSpace,
     axes: AxisPair,
     member: Membership,
     gripper: Gripper | None = None,
@@ -93,7 +93,7 @@ def _measures(axes: AxisPair, simulated: bool) -> list[dict[str, Any]]:
     return [*found, _entry("diversity", "diversity", "", 1, 3)]
 
 
-def _measure(key: str, axis: Axis) -> dict[str, Any]:
+def _measure(key: str, axis: MeasureAxis) -> dict[str, Any]:
     return _entry(key, axis.value, axis.printed_unit, axis.factor, 2)
 
 

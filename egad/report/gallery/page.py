@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from egad.report.axes import AxisPair
 from egad.report.gallery.dataset import GalleryData
-from egad.report.gallery.details import Link
+from egad.report.gallery.details import Download
 from egad.report.gallery.files import FOLDER
 from egad.report.gallery.sheets import COLUMNS, PER_SHEET
 from egad.report.page import render_template
@@ -12,7 +12,7 @@ from egad.report.viewer import LABELS
 
 
 def gallery_page(
-    title: str, data: GalleryData, axes: AxisPair, links: Sequence[Link], legend: str = ""
+    title: str, data: GalleryData, axes: AxisPair, links: Sequence[Download], legend: str = ""
 ) -> str:
     """The HTML page that shows the data in the folder beside it.
 

@@ -8,7 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from PIL import Image
 
-from egad.report.pictures import Pixels
+from egad._util.arrays import RgbImage
 
 TILE = 64  # pixels along each side of a picture
 COLUMNS = 16  # pictures in a row of a sheet of ancestors
@@ -34,7 +34,7 @@ def cell_ranks(objects: pd.DataFrame) -> NDArray[np.int64]:
     return np.asarray(ranks.loc[objects.index], dtype=np.int64)
 
 
-def sheet(pictures: Mapping[Place, Pixels], columns: int, rows: int) -> bytes:
+def sheet(pictures: Mapping[Place, RgbImage], columns: int, rows: int) -> bytes:
     """Put pictures on a sheet.
 
     Args:
@@ -54,7 +54,7 @@ def sheet(pictures: Mapping[Place, Pixels], columns: int, rows: int) -> bytes:
     return buffer.getvalue()
 
 
-def ancestor_sheets(pictures: Mapping[int, Pixels], count: int) -> Iterator[bytes]:
+def ancestor_sheets(pictures: Mapping[int, RgbImage], count: int) -> Iterator[bytes]:
     """The sheets of the ancestors, by their numbers: from the left and then downwards.
 
     Args:

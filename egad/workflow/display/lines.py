@@ -13,7 +13,7 @@ TICK = 0.5
 MOST = 10  # jobs that have lines; more are counted
 
 
-class View(Protocol):
+class JobView(Protocol):
     """What shows the jobs.
 
     Attributes:

@@ -14,7 +14,7 @@ from typing import Any, TextIO
 
 from egad._util.progress import duration, parse_marked
 from egad.workflow.display.jobs import Job, Jobs, last_lines
-from egad.workflow.display.lines import Lines, View, clock
+from egad.workflow.display.lines import JobView, Lines, clock
 
 LOGGER = logging.getLogger("snakemake.logging")
 SNAKEMAKE_HANDLER = "DefaultStreamHandler"
@@ -152,7 +152,7 @@ def _is_kept(record: logging.LogRecord) -> bool:
     return not (event in REPLACED or explained or record.msg == SELECTING)
 
 
-def _view(jobs: Jobs, stream: TextIO) -> View:
+def _view(jobs: Jobs, stream: TextIO) -> JobView:
     """Bars on a terminal that can move its cursor, else lines."""
     if not stream.isatty() or os.environ.get("TERM") == "dumb":
         return Lines(jobs, stream)

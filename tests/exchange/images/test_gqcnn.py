@@ -8,17 +8,23 @@ import pytest
 from autolab_core import TensorDataset
 from scipy.spatial.transform import Rotation
 
+from egad.config import GRIPPERS
 from egad.errors import UserError
-from egad.exchange import gqcnn
-from egad.exchange.gqcnn import write_gqcnn
+from egad.exchange.images import gqcnn
 
+GRIPPER = GRIPPERS["panda"]
 STEPS = np.meshgrid(*2 * [3 * (np.arange(32) - 15.5)])  # from the center, pixels of the image
+
+
+def write_set(pictures, folder):
+    folder.mkdir()
+    return gqcnn.write(pictures, GRIPPER, folder)
 
 
 def test_gqcnn(sets, contacts, check_rectangle, tmp_path):
     """Read by what GQ-CNN's trainer reads with."""
     chosen = sets["dexnet"]
-    rows = write_gqcnn(chosen, tmp_path / "set")
+    rows = write_set(chosen, tmp_path / "set")
     dataset = TensorDataset.open(str(tmp_path / "set"))
     assert dataset.num_datapoints == rows == sum(len(p.grasps.u) for p in chosen)
     by_image = {p.image: p for p in chosen}
@@ -84,7 +90,7 @@ def check_cut(row, picture):
 @pytest.mark.parametrize("size", [1, 2, 5])
 def test_files_continue_each_other(sets, tmp_path, monkeypatch, size):
     monkeypatch.setattr(gqcnn, "FILE", size)
-    rows = write_gqcnn(sets["dexnet"], tmp_path / "set")
+    rows = write_set(sets["dexnet"], tmp_path / "set")
     dataset = TensorDataset.open(str(tmp_path / "set"))
     assert (dataset.num_tensors, dataset.num_datapoints) == (-(-rows // size), rows)
     images = [p.image for p in sets["dexnet"] for _ in p.grasps.u]
@@ -92,7 +98,7 @@ def test_files_continue_each_other(sets, tmp_path, monkeypatch, size):
 
 
 def test_missing_depths_are_filled(sets, tmp_path):
-    write_gqcnn(sets["noisy"], tmp_path / "set")
+    write_set(sets["noisy"], tmp_path / "set")
     dataset = TensorDataset.open(str(tmp_path / "set"))
     for index in range(dataset.num_datapoints):
         assert dataset[index]["depth_ims_tf_table"].min() > 0.4
@@ -101,4 +107,4 @@ def test_missing_depths_are_filled(sets, tmp_path):
 def test_tensors_need_a_grasp(sets, tmp_path):
     none = [replace(each, grasps=each.grasps.chosen(np.arange(0))) for each in sets["d435"]]
     with pytest.raises(UserError, match="no reachable grasps"):
-        write_gqcnn(none, tmp_path / "set")
+        write_set(none, tmp_path / "set")

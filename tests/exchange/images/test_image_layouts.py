@@ -13,8 +13,8 @@ from PIL import Image
 
 from egad.config import CAMERAS, GRIPPERS
 from egad.errors import UserError
-from egad.exchange.cornell import write_cornell
-from egad.exchange.jacquard import write_jacquard
+from egad.exchange.images.cornell import write_image as write_cornell
+from egad.exchange.images.jacquard import write_image as write_jacquard
 
 GRIPPER = GRIPPERS["egad_75mm"]
 
@@ -34,7 +34,7 @@ def read_jacquard(folder):
 def test_jacquard(sets, contacts, check_rectangle, camera, tmp_path):
     known = {f"{p.image}_{p.label}_grasps.txt": p for p in sets[camera]}
     for picture in sets[camera]:
-        assert write_jacquard(picture, GRIPPER, tmp_path)
+        assert write_jacquard(picture, tmp_path, GRIPPER)
     scale, seen = 1024 / 300, 0
     for name, depth, mask, grasps in read_jacquard(tmp_path):
         picture = known.pop(name)
@@ -71,7 +71,7 @@ def corners_in(path):
 @pytest.mark.parametrize("camera", CAMERAS)
 def test_cornell(sets, contacts, check_rectangle, camera, tmp_path):
     known = {f"pcd{p.image:04d}cpos.txt": p for p in sets[camera]}
-    written = [write_cornell(picture, GRIPPER, tmp_path) for picture in sets[camera]]
+    written = [write_cornell(picture, tmp_path, GRIPPER) for picture in sets[camera]]
     assert written == [bool(p.grasps.collision_free.any()) for p in sets[camera]]
     found = list(read_cornell(tmp_path))
     assert len(found) == sum(written) > 2
@@ -98,12 +98,12 @@ def test_cornell(sets, contacts, check_rectangle, camera, tmp_path):
 
 
 def test_missing_depths_are_zeros_for_jacquard_and_filled_for_cornell(sets, tmp_path):
-    for write in (write_jacquard, write_cornell):
-        for picture in sets["noisy"]:
-            write(picture, GRIPPER, tmp_path / write.__name__)
-    for _, depth, _, _ in read_jacquard(tmp_path / "write_jacquard"):
+    for picture in sets["noisy"]:
+        write_jacquard(picture, tmp_path / "jacquard", GRIPPER)
+        write_cornell(picture, tmp_path / "cornell", GRIPPER)
+    for _, depth, _, _ in read_jacquard(tmp_path / "jacquard"):
         assert (depth == 0).mean() == pytest.approx(0.02, rel=0.05)
-    for _, depth, _ in read_cornell(tmp_path / "write_cornell"):
+    for _, depth, _ in read_cornell(tmp_path / "cornell"):
         assert np.isfinite(depth).all()
 
 
@@ -112,6 +112,6 @@ def test_images_that_do_not_fit_are_refused(sets, tmp_path):
     view = replace(picture.view, depth=np.ones((400, 800), np.float32))
     picture = replace(picture, view=view)
     with pytest.raises(UserError, match="square, these have 800 x 400"):
-        write_jacquard(picture, GRIPPER, tmp_path)
+        write_jacquard(picture, tmp_path, GRIPPER)
     with pytest.raises(UserError, match="these have 800 x 400"):
-        write_cornell(picture, GRIPPER, tmp_path)
+        write_cornell(picture, tmp_path, GRIPPER)

@@ -9,8 +9,8 @@ from script_jobs import run_as_job
 
 from egad.config import Settings
 from egad.config.stages import SimulationBundle, select
-from egad.exchange.meshes import write_obj
 from egad.grasps.parameters import LabelParameters
+from egad.io import write_obj
 from egad.sim.parameters import LabelTrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49

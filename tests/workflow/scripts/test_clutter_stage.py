@@ -17,7 +17,7 @@ from egad.cli.replay import film_clearing
 from egad.config import Settings
 from egad.config.stages import ClearedTables, SimulationBundle, select
 from egad.errors import UserError
-from egad.exchange.meshes import write_obj
+from egad.io import write_obj
 from egad.sim import ClutterParameters, proposed_by, run_round
 from egad.sim.rounds import rounds_of
 from egad.tables import parquet

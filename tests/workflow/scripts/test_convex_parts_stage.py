@@ -9,7 +9,7 @@ import trimesh
 from egad.config import Settings
 from egad.config.stages import SimulationBundle, select
 from egad.evalset import make_simulation_object, simulation_object
-from egad.exchange.meshes import write_obj
+from egad.io import write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS

@@ -10,7 +10,7 @@ from partial_tables import write_rows
 from egad.config import Settings
 from egad.config.stages import DataSheets, select
 from egad.errors import UserError
-from egad.exchange.meshes import write_stl_mm
+from egad.io import write_stl_mm
 from egad.stats.records import read
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import GRASPS

@@ -14,7 +14,7 @@ import pytest
 import trimesh
 
 import egad
-from egad.config import Settings, Space
+from egad.config import MeasureSpace, Settings
 from egad.config.stages import Gallery, select
 from egad.data import released
 from egad.report.viewer import STEPS
@@ -24,7 +24,7 @@ from egad.tables.evolution import ARCHIVE, LINEAGE
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS
 
-SETTINGS = select(Settings(space=Space(cells=5)), Gallery, "egad_75mm")
+SETTINGS = select(Settings(space=MeasureSpace(cells=5)), Gallery, "egad_75mm")
 HOSTILE = "a#b?c%41 & <b>'\"é"
 
 

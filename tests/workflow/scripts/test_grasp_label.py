@@ -12,10 +12,10 @@ from egad.api import dataset_grasps
 from egad.config import GraspLabel, Gripper, Settings
 from egad.config.stages import RescaleMeshes, select
 from egad.errors import UserError
-from egad.exchange.hand_body import hand_body
-from egad.exchange.meshes import write_obj
 from egad.grasps.labels import label_parameters
 from egad.grasps.parameters import LabelParameters
+from egad.grippers import hand_body
+from egad.io import write_obj
 from egad.named_meshes import named_meshes, scaled_solid
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS

@@ -7,7 +7,7 @@ import trimesh
 
 from egad.config import Settings
 from egad.config.stages import PrintFiles, select
-from egad.exchange.meshes import read_mesh, write_obj
+from egad.io import read_mesh, write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import GRASPS, SCALES

@@ -24,7 +24,7 @@ from egad.config import Settings
 from egad.config.stages import ReleaseCard, ReleaseTables, SimulationBundle, select
 from egad.errors import UserError
 from egad.evalset import Bundle, make_simulation_object, part_rows
-from egad.exchange.meshes import write_obj
+from egad.io import write_obj
 from egad.provenance.verify import verify
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49

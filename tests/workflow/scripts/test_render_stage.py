@@ -11,8 +11,7 @@ from script_jobs import run_as_job
 from egad.config import Settings
 from egad.config.stages import RenderImages, select
 from egad.errors import UserError
-from egad.exchange import read_mesh
-from egad.exchange.meshes import write_obj
+from egad.io import read_mesh, write_obj
 from egad.perception.image_shards import read
 from egad.perception.parameters import RenderParameters
 from egad.tables import parquet

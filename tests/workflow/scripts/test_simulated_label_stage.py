@@ -12,7 +12,7 @@ from egad.config import Settings
 from egad.config.stages import SimulatedLabels, select
 from egad.errors import UserError
 from egad.evalset import Bundle, make_simulation_object, part_rows
-from egad.exchange.meshes import write_obj
+from egad.io import write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS, SIMULATED_GRASPS

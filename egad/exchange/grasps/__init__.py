@@ -1,0 +1,1 @@
+"""Formats of grasps: one module a format."""

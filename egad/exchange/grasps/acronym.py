@@ -1,0 +1,239 @@
+"""ACRONYM files: one HDF5 file per object, with the grasps of a gripper."""
+
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad._util.arrays import Floats
+from egad._util.files import atomic_output, check_not_file
+from egad.errors import UserError
+from egad.exchange.hdf5 import add_array, add_group, check_key, writing
+from egad.exchange.parameters import Acronym, AcronymFiles, NamedGripper
+from egad.exchange.simulated import check_simulated, simulated_by_object
+from egad.geometry import Material, mass_properties
+from egad.grasps import FRICTION, Grasps, held_when_shaken, panda_poses, with_outcome
+from egad.grippers import finger_span
+from egad.io import SUMS, write_obj
+from egad.tables import parquet
+from egad.tables.columns import inertia_tensor
+from egad.tables.grasping import MOTIONS, SCALES
+from egad.tables.objects import OBJECTS
+
+log = logging.getLogger(__name__)
+QUALITIES = (
+    "quality",
+    "robust_quality",
+    "robust_quality_std",
+    "robust_success_rate",
+    "fits",
+    "collision_free",
+    "needed_opening",
+)
+OWN = "grasps/qualities/egad"
+FLEX_MOTIONS = {
+    f"object_motion_during_{phase}_{theirs}": f"simulated_{phase}_{ours}"
+    for phase in ("closing", "shaking")
+    for theirs, ours in (("linear", "shift"), ("angular", "turn"))
+}
+COLUMNS = [
+    *(f"{name}_{part}" for name in ("center", "axis", "approach") for part in "xyz"),
+    "width",
+    *QUALITIES,
+    "simulated_outcome",
+    "simulated_success",
+    *MOTIONS,
+]
+
+
+@dataclass(frozen=True)
+class AcronymObject:
+    """The object of a file, scaled: metres, kilograms, in the frame of its mesh.
+
+    Attributes:
+        file: The unscaled mesh, relative to the root of the meshes.
+        scale: Factor to scale it by.
+        volume: m3.
+        mass: kg.
+        com: (3,) center of mass.
+        inertia: (3, 3) about the center of mass.
+        friction: Coulomb coefficient that the grasps were rated with.
+    """
+
+    file: str
+    scale: float
+    volume: float
+    mass: float
+    com: Floats
+    inertia: Floats
+    friction: float
+
+
+@dataclass(frozen=True)
+class Jaws:
+    """The hand of a file.
+
+    Attributes:
+        name: Of the gripper.
+        opening: Widest, metres.
+        fingertip: How far the fingers reach beyond the contacts, metres.
+    """
+
+    name: str
+    opening: float
+    fingertip: float
+
+
+def write_acronym(
+    path: Path, body: AcronymObject, jaws: Jaws, grasps: pd.DataFrame, least: float
+) -> None:
+    """Write the file of an object.
+
+    ACRONYM's label `flex/object_in_gripper` is 1 if both fingers still held the object after it was
+    shaken in simulation, and 0 for the others and for grasps at which the open hand collides. Its
+    motions are not a number where it did not come to that. Grasps of which nothing is known, for
+    only some of an object were simulated, are left out. Our own `egad/success` is a label without
+    simulation, and says in its attribute what it means.
+
+    Args:
+        path: A name that ends in `.h5`.
+        body: The object.
+        jaws: The hand.
+        grasps: One row per grasp, with `COLUMNS`.
+        least: Part of the disturbed copies that must hold the object for `egad/success`.
+    """
+    with writing(path) as file:
+        for name, value in (vars(body) | {"density": body.mass / body.volume}).items():
+            add_group(file, "object")[name] = value
+        hand = add_group(file, "gripper")
+        hand["type"] = jaws.name
+        hand["configuration"] = np.full(2, jaws.opening / 2)
+        _add_grasps(file, jaws, grasps, least)
+
+
+def jaws_of(hand: NamedGripper) -> Jaws:
+    """What a file says of a gripper."""
+    return Jaws(hand.name, hand.gripper.opening, finger_span(hand.gripper)[1])
+
+
+def write(
+    folder: Path, label: str, mesh: trimesh.Trimesh, grasps: pd.DataFrame, hand: NamedGripper
+) -> None:
+    """Write `LABEL.h5`, and `meshes/LABEL.obj`: see `egad.exchange.registry`."""
+    mass = mass_properties(mesh, Material().density)
+    body = AcronymObject(
+        file=f"meshes/{label}.obj",
+        scale=1.0,
+        volume=mass.volume,
+        mass=mass.mass,
+        com=np.asarray(mass.com),
+        inertia=mass.inertia,
+        friction=FRICTION,
+    )
+    write_obj(mesh, folder / body.file)
+    least = Acronym().min_robust_success_rate
+    write_acronym(folder / f"{label}.h5", body, jaws_of(hand), grasps, least)
+
+
+def is_ours(path: Path) -> bool:
+    """Whether a file is one that `write_acronym` wrote, or the sums of them."""
+    if path.name == SUMS:
+        return True
+    if path.suffix != ".h5" or not path.is_file():
+        return False
+    try:
+        with h5py.File(path, "r") as file:
+            return OWN in file
+    except OSError:
+        return False
+
+
+def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, least: float) -> None:
+    group = add_group(file, "grasps")
+    grasps = with_outcome(grasps)
+    add_array(group, "transforms", panda_poses(Grasps(grasps).poses, jaws.fingertip))
+    add_array(group, "widths", grasps["width"])
+    own = add_group(group, "qualities/egad")
+    for name in QUALITIES:
+        values = grasps[name].to_numpy()
+        add_array(own, name, values.astype(np.int64) if values.dtype == bool else values)
+    success = grasps["collision_free"] & (grasps["robust_success_rate"] >= least)
+    add_array(own, "success", success.to_numpy(dtype=np.int64))
+    own["success"].attrs["meaning"] = (
+        "not simulated: 1 if the open hand touches nothing at the grasp nor on its straight way "
+        "in, at the best of the approach angles tried, and at least "
+        f"{least} of the disturbed copies hold"
+    )
+    flex = add_group(group, "qualities/flex")
+    add_array(flex, "object_in_gripper", held_when_shaken(grasps).astype(np.int64))
+    for name, motion in FLEX_MOTIONS.items():
+        add_array(flex, name, grasps[motion].to_numpy(dtype=np.float64))
+
+
+def run(
+    settings: AcronymFiles,
+    gripper: str,
+    objects: Path,
+    scales: Path,
+    simulated_grasps: Path,
+    out: Path,
+) -> None:
+    """Write a file for each object that has grasps.
+
+    Args:
+        settings: Settings of this format.
+        gripper: Name of the gripper.
+        objects: Table with the columns of `tables.objects.OBJECTS`.
+        scales: Table with the columns of `tables.grasping.SCALES`.
+        simulated_grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by
+            label.
+        out: The labelled grasps for gripper G as ACRONYM files; the root of their meshes is `D`.
+            Made if `targets.exports` contains `acronym`. See `docs/exchange.md`.
+
+    Raises:
+        UserError: A name is not allowed, tables do not match, the grasps have no simulated labels,
+            or the folder has other files.
+    """
+    check_not_file(out)
+    if foreign := [path.name for path in sorted(out.glob("*")) if not is_ours(path)]:
+        raise UserError(
+            f"--out {out}: {foreign[0]} is no earlier export and would be lost; "
+            "name a folder of its own"
+        )
+    check_key(gripper, "gripper")
+    check_simulated(simulated_grasps)
+    table = parquet.read(objects, OBJECTS)
+    factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()
+    known = {row["label"]: row for row in parquet.records(table) if row["label"] in factors}
+    jaws = jaws_of(NamedGripper(gripper, settings.gripper))
+    written = 0
+    with atomic_output(out, keep=False) as folder:
+        folder.mkdir()
+        for label, found in simulated_by_object(simulated_grasps):
+            if label not in known:
+                raise UserError(
+                    f"{simulated_grasps}: object {label!r} is not in {objects} and {scales}"
+                )
+            body = scaled_body(known[label], factors[label], settings.quality.friction)
+            path = folder / f"{check_key(label)}.h5"
+            write_acronym(path, body, jaws, found, settings.acronym.min_robust_success_rate)
+            written += 1
+    log.info("%d objects", written)
+
+
+def scaled_body(row: dict[str, Any], factor: float, friction: float) -> AcronymObject:
+    """The object of a row of `tables.objects.OBJECTS`, scaled about the origin of its mesh."""
+    return AcronymObject(
+        file=f"meshes/{row['label']}.obj",
+        scale=factor,
+        volume=row["volume"] * factor**3,
+        mass=row["mass"] * factor**3,
+        com=factor * np.array([row[f"com_{part}"] for part in "xyz"]),
+        inertia=inertia_tensor(row) * factor**5,
+        friction=friction,
+    )

@@ -1,0 +1,191 @@
+"""dexnet: the Dex-Net database of a dataset, with the labelled grasps of a gripper."""
+
+import logging
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+
+from egad._util.progress import progress
+from egad.errors import UserError
+from egad.exchange.dexnet_database import MEASURES, add_dataset, add_grasps
+from egad.exchange.grasp_tables import by_object
+from egad.exchange.hdf5 import DamagedError, check_key, copy_group, sound_keys, writing
+from egad.exchange.parameters import DexNetDatabase
+from egad.grasps import dexnet_configurations, vectors
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS
+from egad.tables.objects import OBJECTS
+
+log = logging.getLogger(__name__)
+METRICS = {
+    "ferrari_canny": "quality",
+    "robust_ferrari_canny": "robust_quality",
+    "robust_ferrari_canny_std": "robust_quality_std",
+    "robust_success_rate": "robust_success_rate",
+    "fits": "fits",
+    "collision_free": "collision_free",
+    "needed_opening": "needed_opening",
+}
+OWN = (
+    "robust_ferrari_canny_std",
+    "robust_success_rate",
+    "fits",
+    "collision_free",
+    "needed_opening",
+)
+COLUMNS = [
+    *(f"{name}_{part}" for name in ("center", "axis", "approach") for part in "xyz"),
+    *METRICS.values(),
+]
+
+
+def run(
+    settings: DexNetDatabase,
+    dataset: Path,
+    gripper: str,
+    parts: list[Path],
+    grasps: Path,
+    out: Path,
+) -> None:
+    """Combine the objects of all shards, and add their grasps.
+
+    A damaged part of the workflow is removed, so that the next run makes it again.
+
+    Args:
+        settings: Settings of this format.
+        dataset: Folder of the dataset; its name is that of the dataset.
+        gripper: Name of the gripper.
+        parts: The objects, as `egad.workflow.dexnet_objects` writes them.
+        grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
+        out: The objects and the labelled grasps for gripper G as a Dex-Net database. Made if
+            `targets.exports` contains `dexnet`. See `docs/exchange.md`.
+
+    Raises:
+        UserError: A name is not allowed, parts or grasps do not match, or a part is damaged.
+        TableError: The table is damaged, or is not one of grasps.
+    """
+    check_names(dataset, gripper, grasps)
+    homes, labels = _homes(parts, (dataset / "parts").resolve()), _labels(grasps)
+    if lost := sorted(labels - homes.keys()):
+        raise UserError(f"{grasps}: object {lost[0]!r} is not among the written objects")
+    found = by_object(grasps, COLUMNS)
+    with writing(out) as file:
+        objects = add_dataset(file, dataset.absolute().name, metrics(settings), _meanings())
+        for key in progress(sorted(homes), "writing grasps", len(homes)):
+            with h5py.File(homes[key], "r") as part:
+                copy_group(part["objects"][key], objects.create_group(key))
+            rows = next(found)[1] if key in labels else None
+            add_grasps(objects[key], gripper, *_grasps(settings, rows))
+    log.info("%d objects", len(homes))
+
+
+def check_names(dataset: Path, gripper: str, grasps: Path) -> None:
+    """Check in advance that names are allowed and that the table has its columns.
+
+    Raises:
+        UserError: A name is not allowed.
+        TableError: The table is damaged, or is not one of grasps.
+    """
+    check_key(dataset.absolute().name, "dataset")
+    check_key(gripper, "gripper")
+    parquet.check_columns(grasps, ["label", *COLUMNS])
+
+
+def _homes(parts: list[Path], ours: Path) -> dict[str, Path]:
+    """The part that each object is in; a damaged one is removed if it is in our folder."""
+    homes: dict[str, Path] = {}
+    for part in parts:
+        for key in _keys(part, part.resolve().parent == ours):
+            if key in homes:
+                raise UserError(f"object {key!r} is in {homes[key]} and again in {part}")
+            homes[key] = part
+    return homes
+
+
+def _keys(part: Path, ours: bool) -> list[str]:
+    try:
+        return sound_keys(part, "objects")
+    except DamagedError as error:
+        if not ours:
+            raise
+        part.unlink()
+        raise UserError(
+            f"{part}: truncated or damaged ({error.reason}); it was removed, and the next run of "
+            "snakemake makes it anew"
+        ) from error
+
+
+def _labels(grasps: Path) -> set[str]:
+    """The objects that have grasps."""
+    return {label for rows in parquet.batches(grasps, ["label"]) for label in rows["label"]}
+
+
+def _grasps(
+    settings: DexNetDatabase, rows: pd.DataFrame | None
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    if rows is None:
+        return np.empty((0, 10)), {}
+    centers, axes, approaches = (vectors(rows, name) for name in ("center", "axis", "approach"))
+    opening = settings.gripper.opening
+    configurations = dexnet_configurations(centers, axes, approaches, opening)
+    values = {name: rows[column].to_numpy(dtype=float) for name, column in METRICS.items()}
+    return configurations, values
+
+
+def _meanings() -> dict[str, str]:
+    return {name: _meaning(OBJECTS, name) for name in MEASURES}
+
+
+def _meaning(schema: pa.Schema, column: str) -> str:
+    about: dict[bytes, bytes] = schema.field(column).metadata
+    meaning, unit = about[b"meaning"].decode(), about[b"unit"].decode()
+    return f"{meaning} ({unit})" if unit else meaning
+
+
+def metrics(settings: DexNetDatabase) -> dict[str, dict[str, object]]:
+    """The configuration of the grasp metrics, under the names of Dex-Net."""
+    plain: dict[str, object] = {
+        "quality_method": "ferrari_canny_L1",
+        "quality_type": "quasi_static",
+        "friction_coef": settings.quality.friction,
+        "num_cone_faces": settings.quality.cone_faces,
+        "torque_scaling": settings.quality.torque_scaling,
+        "finger_radius": settings.quality.finger_radius,
+        "soft_fingers": 1,
+        "all_contacts_required": 1,
+        "check_approach": 0,
+    }
+    robust = settings.robust
+    return {
+        "ferrari_canny": plain,
+        "robust_ferrari_canny": {
+            **plain,
+            "quality_type": "robust_quasi_static",
+            "torque_scaling": robust.torque_scaling,
+            "num_quality_samples": robust.samples,
+            "sampling_snapshot_rate": robust.samples,
+            "params_uncertainty": {"sigma_friction_coef": robust.friction_sigma},
+            "grasp_uncertainty": _sigmas(
+                "grasp", robust.grasp_translation_sigma, robust.grasp_rotation_sigma
+            ),
+            "obj_uncertainty": {
+                **_sigmas("obj", robust.object_translation_sigma, robust.object_rotation_sigma),
+                "sigma_obj_com": robust.com_sigma,
+            },
+        },
+        **{
+            name: {"quality_type": "egad", "description": _meaning(GRASPS, METRICS[name])}
+            for name in OWN
+        },
+    }
+
+
+def _sigmas(of: str, translation: float, rotation: float) -> dict[str, float]:
+    return {
+        f"sigma_{of}_{kind}_{part}": value
+        for kind, value in (("trans", translation), ("rot", rotation))
+        for part in "xyz"
+    }

@@ -1,0 +1,245 @@
+"""GraspGen datasets: JSON files of grasps, lists of objects to train on, and the gripper."""
+
+import hashlib
+import json
+import logging
+import shutil
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import pandas as pd
+import trimesh
+import yaml
+
+from egad._util.arrays import Floats
+from egad._util.files import atomic_output, check_empty
+from egad.exchange.hdf5 import check_key
+from egad.exchange.parameters import GripperFormat, NamedGripper
+from egad.exchange.simulated import check_simulated, simulated_by_object
+from egad.grasps import Grasps, held_when_shaken, with_outcome
+from egad.grippers import Gripper, ModelBody, base_pose, finger_span, hand_body
+from egad.io import write_obj
+
+log = logging.getLogger(__name__)
+
+Split = Literal["train", "valid"]
+SPLITS: tuple[Split, Split] = ("train", "valid")
+ONE_IN = 10  # objects to validate with
+LEAST_POSITIVE = 5  # an object with fewer is left out by GraspGen's reader
+# Depths of hands that GraspGen itself describes, metres, by our names of them.
+DEPTHS = {"panda": 0.10527314, "robotiq_2f_140": 0.195}
+DESCRIPTION = '''"""A hand for GraspGen; the .py, .yaml and .obj files belong in config/grippers."""
+
+from pathlib import Path
+
+import numpy as np
+import torch
+import trimesh
+from grasp_gen.robot import load_control_points_core, load_default_gripper_config
+
+HERE = Path(__file__)
+CORNERS = np.asarray(load_control_points_core(load_default_gripper_config(HERE.stem)))
+
+
+class GripperModel:
+    def __init__(self, data_root_dir=None):
+        self.mesh = trimesh.load(HERE.with_suffix(".obj"), force="mesh")
+
+    def get_gripper_collision_mesh(self):
+        return self.mesh.copy()
+
+    def get_gripper_visual_mesh(self):
+        return self.mesh.copy()
+
+
+def load_control_points():
+    points = np.vstack([CORNERS, np.zeros(3)])
+    return torch.from_numpy(np.column_stack([points, np.ones(len(points))]).T).float()
+
+
+def load_control_points_for_visualization():
+    right, left, right_tip, left_tip = CORNERS
+    palm = (right + left) / 2
+    return [[right_tip, right, palm, np.zeros(3), palm, left, left_tip]]
+'''
+
+
+class GraspGenHand(NamedTuple):
+    """A hand in GraspGen's frame: z is the approach, x the closing axis, the origin at its base.
+
+    Attributes:
+        name: Of the gripper.
+        gripper: Its settings.
+        depth: From the origin to the middle between the closed pads, metres.
+    """
+
+    name: str
+    gripper: Gripper
+    depth: float
+
+
+def check(hand: NamedGripper) -> None:
+    """Check that a gripper can be described.
+
+    Raises:
+        UserError: Its file cannot be used.
+    """
+    graspgen_hand(hand.name, hand.gripper)
+
+
+def graspgen_hand(name: str, gripper: Gripper) -> GraspGenHand:
+    """A gripper with its depth.
+
+    With a file, the origin is as far behind the closed pads as that of the base link. Otherwise it
+    is where GraspGen has it if the name is that of one of its hands, and else at the back of the
+    palm.
+
+    Args:
+        name: Of the gripper.
+        gripper: Its settings.
+
+    Raises:
+        UserError: The file of the gripper cannot be used.
+    """
+    if (base := base_pose(gripper, 0.0)) is not None:
+        return GraspGenHand(name, gripper, -float(base[2, 3]))
+    back = gripper.palm[2] - finger_span(gripper)[0]
+    return GraspGenHand(name, gripper, DEPTHS.get(name, back))
+
+
+def graspgen_poses(hand: GraspGenHand, grasps: Grasps) -> Floats:
+    """Poses of the base of a hand in the frame of the object, (n, 4, 4)."""
+    poses = grasps.poses.copy()
+    behind = hand.depth + hand_body(hand.gripper).reach(grasps.widths)
+    poses[:, :3, 3] -= behind[:, None] * poses[:, :3, 2]
+    return poses
+
+
+def default_split(label: str) -> Split:
+    """Which list an object is in: by chance one in ten is for validation, whatever the others."""
+    number = int.from_bytes(hashlib.sha256(label.encode()).digest()[:8])
+    return "train" if number % ONE_IN else "valid"
+
+
+def write_graspgen(
+    folder: Path, hand: GraspGenHand, label: str, grasps: pd.DataFrame, split: Split | None = None
+) -> int:
+    """Write the grasps of an object, and its name to the list of a split.
+
+    Its mesh, as it is grasped, belongs in `objects/LABEL.obj`; `objects` is GraspGen's root of the
+    meshes, and the scale is 1. `object_in_gripper` is true if both fingers still held the object
+    after it was shaken in simulation, and false for the others and for grasps at which the open
+    hand collides. Grasps of which nothing is known are left out.
+
+    Args:
+        folder: Of the dataset, made by `start_graspgen`.
+        hand: The hand.
+        label: Of the object.
+        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
+        split: The list; by default that of `default_split`, which does not know relatives.
+
+    Returns:
+        The number of successes; with fewer than `LEAST_POSITIVE` GraspGen leaves the object out.
+    """
+    known = with_outcome(grasps)
+    labelled, held = Grasps(known), held_when_shaken(known)
+    written = {
+        "object": {"file": f"{label}.obj", "scale": 1.0},
+        "gripper": {"name": hand.name, "depth": hand.depth},
+        "grasps": {
+            "transforms": graspgen_poses(hand, labelled).round(9).tolist(),
+            "object_in_gripper": held.tolist(),
+            "contact_locations": labelled.contacts.round(9).tolist(),
+        },
+    }
+    path = folder / "grasp_data" / hand.name / f"{label}.json"
+    path.write_text(json.dumps(written) + "\n")
+    listed = folder / "splits" / hand.name / f"{split or default_split(label)}.txt"
+    listed.write_text(f"{listed.read_text()}{label}.obj\n")
+    return int(held.sum())
+
+
+def start_graspgen(folder: Path, hand: GraspGenHand) -> None:
+    """Make the folders of a dataset, empty lists, and the description of the gripper."""
+    for name in ("grasp_data", "splits"):
+        (folder / name / hand.name).mkdir(parents=True)
+    (folder / "objects").mkdir()
+    for split in SPLITS:
+        (folder / "splits" / hand.name / f"{split}.txt").touch()
+    about = {
+        "width": hand.gripper.opening,
+        "depth": hand.depth,
+        "transform_offset_from_asset_to_graspgen_convention": [[0.0] * 3, [0.0] * 3 + [1.0]],
+        "symmetric_antipodal": True,
+    }
+    described = folder / "gripper"
+    described.mkdir()
+    (described / f"{hand.name}.yaml").write_text(yaml.safe_dump(about, sort_keys=False))
+    (described / f"{hand.name}.py").write_text(DESCRIPTION)
+    write_obj(_mesh(hand), described / f"{hand.name}.obj")
+
+
+def _mesh(hand: GraspGenHand) -> trimesh.Trimesh:
+    """The open hand."""
+    body = hand_body(hand.gripper)
+    if isinstance(body, ModelBody):
+        links = body.model.points(hand.gripper.opening)
+        shapes = [trimesh.convex.convex_hull(points) for link in links for points in link]
+    else:
+        shapes = [trimesh.creation.box(bounds=part.box) for part in body.parts()]
+    corners, faces = trimesh.util.append_faces(
+        [shape.vertices for shape in shapes], [shape.faces for shape in shapes]
+    )
+    corners[:, 2] += hand.depth
+    return trimesh.Trimesh(corners, faces, process=False)
+
+
+def write(
+    folder: Path, label: str, mesh: trimesh.Trimesh, grasps: pd.DataFrame, hand: NamedGripper
+) -> None:
+    """Add an object to a dataset of GraspGen: see `egad.exchange.registry`."""
+    theirs = graspgen_hand(hand.name, hand.gripper)
+    if not (folder / "objects").exists():
+        start_graspgen(folder, theirs)
+    write_obj(mesh, folder / "objects" / f"{label}.obj")
+    write_graspgen(folder, theirs, label, grasps)
+
+
+def run(
+    settings: GripperFormat,
+    gripper: str,
+    meshes: Path,
+    simulated_grasps: Path,
+    out: Path,
+) -> None:
+    """Write a dataset of GraspGen: grasps, meshes, lists of objects and the gripper.
+
+    Args:
+        settings: Settings of this format.
+        gripper: Name of the gripper.
+        meshes: Folder of the scaled meshes.
+        simulated_grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by
+            label.
+        out: The simulated grasps for gripper G as a dataset of GraspGen, with meshes. Made if
+            `targets.exports` contains `graspgen`. See `docs/exchange.md`.
+
+    Raises:
+        UserError: A name is not allowed, the grasps have no simulated labels, or the folder is not
+            empty.
+    """
+    check_empty(out)
+    check_simulated(simulated_grasps)
+    hand = graspgen_hand(check_key(gripper, "gripper"), settings.gripper)
+    with atomic_output(out, keep=False) as folder:
+        start_graspgen(folder, hand)
+        for label, rows in simulated_by_object(simulated_grasps):
+            name = f"{check_key(label)}.obj"
+            shutil.copyfile(meshes / name, folder / "objects" / name)
+            held = write_graspgen(folder, hand, label, rows)
+            if held < LEAST_POSITIVE:
+                log.warning(
+                    "%s has %d grasps that hold; GraspGen leaves objects with fewer than %d out",
+                    label,
+                    held,
+                    LEAST_POSITIVE,
+                )

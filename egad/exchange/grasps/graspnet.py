@@ -1,0 +1,119 @@
+"""GraspNet arrays: the grasps of a gripper on an object as the 17 numbers of graspnetAPI."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad._util.arrays import Floats
+from egad._util.files import atomic_output, check_empty
+from egad.exchange.hdf5 import check_key
+from egad.exchange.parameters import GripperFormat, NamedGripper
+from egad.exchange.simulated import check_simulated, simulated_by_object
+from egad.grasps import Grasps, graspnet_poses, held_when_shaken, with_outcome
+from egad.io import write_obj
+
+DEPTH = 0.02  # metres; GraspNet has grasps with depths of 1, 2, 3 and 4 cm
+HEIGHT = 0.02  # metres, of every finger there
+HIGHEST_SCORE = 1.1  # a score is 1.1 less the friction that a grasp needs
+FRICTIONS = (0.1, 1.0)
+
+
+def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
+    """The rows of a `GraspGroup`: score, width, height, depth, rotation, translation, object.
+
+    The score of a grasp that held when it was shaken in simulation is GraspNet's: 1.1 less the
+    smallest friction coefficient at which the contacts can hold the object, between 0.1 and 1. It
+    is 0 for the others, and for grasps at which the open hand collides. Grasps of which nothing is
+    known are left out.
+
+    Args:
+        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
+        opening: Widest opening of the gripper, metres; the width of a grasp is what it needs.
+        number: Of the object.
+
+    Returns:
+        (n, 17), metres; graspnetAPI's frame: x is the approach, y the closing axis.
+
+    Source: Fang et al., CVPR 2020, section 3.3; the layout is graspnetAPI's.
+    """
+    known = with_outcome(grasps)
+    labelled = Grasps(known)
+    poses = graspnet_poses(labelled.poses, DEPTH)
+    scores = HIGHEST_SCORE - needed_friction(labelled).clip(*FRICTIONS)
+    columns = [
+        np.where(held_when_shaken(known), scores, 0.0),
+        np.minimum(known["needed_opening"].to_numpy(dtype=np.float64), opening),
+        np.full(len(known), HEIGHT),
+        np.full(len(known), DEPTH),
+        poses[:, :3, :3].reshape(-1, 9),
+        poses[:, :3, 3],
+        np.full(len(known), float(number)),
+    ]
+    return np.column_stack(columns)
+
+
+def needed_friction(grasps: Grasps) -> Floats:
+    """The smallest friction coefficient at which both contacts take a force along the axis, (n,).
+
+    It is the tangent of the larger angle between the axis and a normal; infinite from 90 degrees.
+    """
+    first, second = grasps.contacts[:, 0], grasps.contacts[:, 1]
+    axes = (second - first) / np.linalg.norm(second - first, axis=1, keepdims=True)
+    inward = np.stack([-grasps.normals[:, 0], grasps.normals[:, 1]], axis=1)
+    cosines = np.einsum("nik,nk->ni", inward, axes).min(axis=1).clip(max=1.0)
+    with np.errstate(divide="ignore"):
+        tangents = np.sqrt(1 - cosines**2) / cosines
+    return np.where(cosines > 0, tangents, np.inf)
+
+
+def write_graspnet(folder: Path, label: str, grasps: pd.DataFrame, opening: float) -> None:
+    """Write `LABEL.npy`, and the label with its number to `objects.csv`.
+
+    Args:
+        folder: Where to. Objects are numbered in the order in which they are written.
+        label: Of the object.
+        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
+        opening: Widest opening of the gripper, metres.
+    """
+    listed = folder / "objects.csv"
+    lines = listed.read_text() if listed.exists() else "object_id,label\n"
+    number = lines.count("\n") - 1
+    np.save(folder / f"{label}.npy", graspnet_array(grasps, opening, number))
+    listed.write_text(f"{lines}{number},{label}\n")
+
+
+def write(
+    folder: Path, label: str, mesh: trimesh.Trimesh, grasps: pd.DataFrame, hand: NamedGripper
+) -> None:
+    """Write `LABEL.npy`, and `meshes/LABEL.obj`: see `egad.exchange.registry`."""
+    write_graspnet(folder, label, grasps, hand.gripper.opening)
+    write_obj(mesh, folder / f"meshes/{label}.obj")
+
+
+def run(
+    settings: GripperFormat,
+    simulated_grasps: Path,
+    out: Path,
+) -> None:
+    """Write an array for each object that has grasps.
+
+    Args:
+        settings: Settings of this format.
+        simulated_grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by
+            label.
+        out: The simulated grasps for gripper G as arrays of graspnetAPI, in the frame of
+            `D/rescaled/G/LABEL.obj`. Made if `targets.exports` contains `graspnet`. See
+            `docs/exchange.md`.
+
+    Raises:
+        UserError: A name is not allowed, the grasps have no simulated labels, or the folder is not
+            empty.
+    """
+    check_empty(out)
+    check_simulated(simulated_grasps)
+    with atomic_output(out, keep=False) as folder:
+        folder.mkdir()
+        for label, rows in simulated_by_object(simulated_grasps):
+            write_graspnet(folder, check_key(label), rows, settings.gripper.opening)

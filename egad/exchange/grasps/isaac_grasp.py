@@ -1,0 +1,117 @@
+"""isaac_grasp files: the grasps of a gripper on an object, for Isaac Sim and Isaac ROS."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import trimesh
+import yaml
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from egad._util.files import atomic_output, check_empty
+from egad.errors import UserError
+from egad.exchange.hdf5 import check_key
+from egad.exchange.parameters import GripperFormat, NamedGripper
+from egad.exchange.simulated import check_simulated, simulated_by_object
+from egad.grasps import Grasps, held_when_shaken, with_outcome
+from egad.grippers import Gripper, base_link, base_pose, joint_values
+from egad.io import write_obj
+
+DECIMALS = 9
+WIDE = 1000  # characters of a line
+
+
+def check(hand: NamedGripper) -> None:
+    """Check that a gripper has joints.
+
+    Raises:
+        UserError: It is made of boxes; the text says what to give.
+    """
+    if hand.gripper.file is None:
+        raise UserError(
+            f"gripper {hand.name!r} is made of boxes, but isaac_grasp files have positions of "
+            "joints: give its URDF or MJCF file, as `file:` in the configuration or with "
+            "egad.Gripper.from_file"
+        )
+
+
+def write_isaac_grasp(path: Path, label: str, gripper: Gripper, grasps: pd.DataFrame) -> None:
+    """Write the grasps on an object.
+
+    The confidence is 1 if both fingers still held the object after it was shaken in simulation,
+    and 0 for the others and for grasps at which the open hand collides. Grasps of which nothing is
+    known are left out.
+
+    Args:
+        path: A name that ends in `.yaml`.
+        label: Of the object; its frame is that of its mesh, scaled.
+        gripper: With a file; the frame of the gripper is that of its base link.
+        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
+
+    Source: version 1.0 as the documentation of Isaac Sim and Isaac ROS describes it. They name the
+    frames differently; both names are written.
+    """
+    known = with_outcome(grasps)
+    widths = Grasps(known).widths
+    bases = np.array([base_pose(gripper, width) for width in widths]).reshape(-1, 4, 4)
+    poses = Grasps(known).poses @ bases
+    turns = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True)
+    base, opened = base_link(gripper), joint_values(gripper, gripper.opening)
+    listed = {
+        f"grasp_{number}": {
+            "confidence": float(held),
+            "position": _rounded(pose[:3, 3]),
+            "orientation": {"w": _rounded(turn)[3], "xyz": _rounded(turn)[:3]},
+            "cspace_position": joint_values(gripper, width),
+            "pregrasp_cspace_position": dict(opened),
+        }
+        for number, (held, pose, turn, width) in enumerate(
+            zip(held_when_shaken(known), poses, turns, widths, strict=True)
+        )
+    }
+    frames = {"object_frame": label, "gripper_frame": base}
+    frames |= {f"{name}_link": value for name, value in frames.items()}
+    about = {"format": "isaac_grasp", "format_version": 1.0, **frames, "grasps": listed}
+    path.write_text(yaml.safe_dump(about, sort_keys=False, default_flow_style=None, width=WIDE))
+
+
+def _rounded(numbers: NDArray[np.float64]) -> list[float]:
+    rounded: list[float] = numbers.round(DECIMALS).tolist()
+    return rounded
+
+
+def write(
+    folder: Path, label: str, mesh: trimesh.Trimesh, grasps: pd.DataFrame, hand: NamedGripper
+) -> None:
+    """Write `LABEL.yaml`, and `meshes/LABEL.obj`: see `egad.exchange.registry`."""
+    write_isaac_grasp(folder / f"{label}.yaml", label, hand.gripper, grasps)
+    write_obj(mesh, folder / f"meshes/{label}.obj")
+
+
+def run(
+    settings: GripperFormat,
+    simulated_grasps: Path,
+    out: Path,
+) -> None:
+    """Write a file for each object that has grasps.
+
+    Args:
+        settings: Settings of this format.
+        simulated_grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by
+            label.
+        out: The simulated grasps for gripper G as isaac_grasp files, in the frame of
+            `D/rescaled/G/LABEL.obj`. Made if `targets.exports` contains `isaac_grasp`, for a
+            gripper with a `file`. See `docs/exchange.md`.
+
+    Raises:
+        UserError: The gripper has no joints, a name is not allowed, the grasps have no simulated
+            labels, or the folder is not empty.
+    """
+    check_empty(out)
+    check_simulated(simulated_grasps)
+    with atomic_output(out, keep=False) as folder:
+        folder.mkdir()
+        for label, rows in simulated_by_object(simulated_grasps):
+            path = folder / f"{check_key(label)}.yaml"
+            write_isaac_grasp(path, label, settings.gripper, rows)

@@ -1,0 +1,1 @@
+"""Formats of rendered images: one module a format."""

@@ -1,0 +1,89 @@
+"""Image sets laid out as the Cornell grasping dataset: depth images with rectangles in text files.
+
+Lenz, Lee and Saxena, "Deep learning for detecting robotic grasps", IJRR 2015.
+"""
+
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.errors import UserError
+from egad.exchange.pictures import corners, write_by_split, write_depth
+from egad.grippers import Gripper
+from egad.perception import ImageGrasps, RenderedImage, table_depth
+
+WIDTH, HEIGHT = 640, 480  # pixels of the images, which readers count on
+
+
+def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> int:
+    """Write a set of images, a folder for each split.
+
+    Args:
+        pictures: The images.
+        gripper: For the breadth of its jaws.
+        folder: An empty folder.
+
+    Returns:
+        How many images were written.
+
+    Raises:
+        UserError: The images do not fit the layout.
+    """
+    return write_by_split(pictures, folder, partial(write_image, gripper=gripper))
+
+
+def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
+    """Write `pcdNNNNd.tiff`, `pcdNNNNcpos.txt` and `pcdNNNNcneg.txt`.
+
+    A smaller image is set into the middle of one of 640 x 480 pixels of the same camera, where the
+    table goes on around it. A rectangle is four lines of `x y` in pixels, from the first to the
+    second along the opening; `cpos` has the free grasps, `cneg` those that collide. Readers look
+    for the middle of the rectangles, so an image without a free grasp is not written.
+
+    Args:
+        picture: An image of at most 640 x 480 pixels.
+        folder: Of the split; the files are in a folder of the object there.
+        gripper: For the breadth of its jaws.
+
+    Returns:
+        Whether the image was written.
+
+    Raises:
+        UserError: The image is too large.
+    """
+    height, width = picture.depth.shape
+    if height > HEIGHT or width > WIDTH:
+        raise UserError(
+            f"images of Cornell have {WIDTH} x {HEIGHT} pixels, these have {width} x {height}"
+        )
+    if not picture.grasps.collision_free.any():
+        return False
+    place = folder / picture.label
+    place.mkdir(parents=True, exist_ok=True)
+    left, top = (WIDTH - width) // 2, (HEIGHT - height) // 2
+    name = f"pcd{picture.image:04d}"
+    write_depth(_surrounded(picture, left, top), place / f"{name}d.tiff")
+    grasps = picture.grasps
+    moved = grasps._replace(u=grasps.u + left, v=grasps.v + top)
+    breadth = gripper.finger_width * picture.view.intrinsics.focal / grasps.depth_center
+    for ending, which in (("cpos", grasps.collision_free), ("cneg", ~grasps.collision_free)):
+        text = _lines(moved.chosen(which), breadth[which])
+        (place / f"{name}{ending}.txt").write_text(text)
+    return True
+
+
+def _surrounded(picture: RenderedImage, left: int, top: int) -> NDArray[np.float32]:
+    camera = picture.view.intrinsics
+    center = (camera.center[0] + left, camera.center[1] + top)
+    whole = camera._replace(width=WIDTH, height=HEIGHT, center=center)
+    depth = np.round(table_depth(whole, picture.view.pose), 4)  # steps as inside compress well
+    depth[top : top + camera.height, left : left + camera.width] = picture.depth
+    return depth
+
+
+def _lines(grasps: ImageGrasps, breadth: NDArray[np.float64]) -> str:
+    points = corners(grasps, breadth).reshape(-1, 2)
+    return "".join(f"{u:.3f} {v:.3f}\n" for u, v in points)

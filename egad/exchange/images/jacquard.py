@@ -1,0 +1,84 @@
+"""Image sets laid out as Jacquard: a folder per object, an image and its grasps in files beside.
+
+Depierre, Dellandréa and Chen, "Jacquard: a large scale dataset for robotic grasp detection", 2018.
+"""
+
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad.errors import UserError
+from egad.exchange.pictures import write_by_split, write_depth, write_mask
+from egad.grippers import Gripper
+from egad.perception import RenderedImage
+
+Kind = TypeVar("Kind", np.float32, np.bool_)
+SIDE = 1024  # pixels of the images, which readers count on
+
+
+def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> int:
+    """Write a set of images, a folder for each split.
+
+    Args:
+        pictures: The images.
+        gripper: For the breadth of its jaws.
+        folder: An empty folder.
+
+    Returns:
+        How many images were written.
+
+    Raises:
+        UserError: The images do not fit the layout.
+    """
+    return write_by_split(pictures, folder, partial(write_image, gripper=gripper))
+
+
+def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
+    """Write `I_LABEL_perfect_depth.tiff`, `I_LABEL_mask.png` and `I_LABEL_grasps.txt`.
+
+    Images are enlarged to 1024 x 1024 pixels, each of which has the value of the nearest one. A
+    line of the grasps is `x;y;theta;opening;jaw`: pixels, and degrees clockwise as seen in the
+    image. Only free grasps are in it; the file of an image without any is empty.
+
+    Args:
+        picture: A square image.
+        folder: Of the split; the files are in a folder of the object there.
+        gripper: For the breadth of its jaws.
+
+    Returns:
+        True: every image is written.
+
+    Raises:
+        UserError: The image is not square.
+    """
+    height, width = picture.depth.shape
+    if height != width:
+        raise UserError(f"images of Jacquard are square, these have {width} x {height} pixels")
+    place = folder / picture.label
+    place.mkdir(parents=True, exist_ok=True)
+    name = f"{picture.image}_{picture.label}"
+    scale = SIDE / width
+    write_depth(_enlarged(picture.depth), place / f"{name}_perfect_depth.tiff")
+    write_mask(_enlarged(picture.mask > 0), place / f"{name}_mask.png")
+    grasps = picture.grasps.chosen(picture.grasps.collision_free)
+    breadth = gripper.finger_width * picture.view.intrinsics.focal / grasps.depth_center
+    columns = [
+        (grasps.u + 0.5) * scale - 0.5,
+        (grasps.v + 0.5) * scale - 0.5,
+        -np.degrees(grasps.angle),
+        grasps.opening * scale,
+        breadth * scale,
+    ]
+    lines = [";".join(f"{value:.6g}" for value in row) for row in np.transpose(columns)]
+    (place / f"{name}_grasps.txt").write_text("".join(f"{line}\n" for line in lines))
+    return True
+
+
+def _enlarged(pixels: NDArray[Kind]) -> NDArray[Kind]:
+    nearest = ((np.arange(SIDE) + 0.5) * len(pixels) / SIDE).astype(int)
+    enlarged: NDArray[Kind] = pixels[np.ix_(nearest, nearest)]
+    return enlarged

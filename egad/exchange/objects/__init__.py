@@ -1,0 +1,1 @@
+"""Formats of objects with convex parts, mass and friction: one module a format."""

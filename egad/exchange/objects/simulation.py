@@ -1,0 +1,117 @@
+"""Objects of a simulation bundle: URDF, MJCF and stable poses around the same meshes."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from egad.errors import RejectedError, UserError
+from egad.evalset import SimulationObject, simulation_object, warn_of_row
+from egad.exchange.grasp_tables import by_object
+from egad.exchange.object_meshes import PARTS, VISUAL, write_object_meshes
+from egad.exchange.objects.mjcf import mjcf_text
+from egad.exchange.objects.urdf import urdf_text
+from egad.exchange.poses import read_poses, write_poses
+from egad.geometry import MassProperties
+from egad.io import read_mesh
+from egad.tables.columns import inertia_tensor
+from egad.tables.evaluation import CONVEX_PARTS
+
+
+def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
+    """Write the folder `NAME` with `NAME.urdf`, `NAME.xml` (MJCF), its meshes and `poses.json`.
+
+    Args:
+        folder: Where the folder is made.
+        name: Of the object.
+        made: The object.
+        friction: Sliding friction.
+    """
+    write_simulation_object(folder / name, name, made, friction)
+
+
+def write_simulation_object(
+    folder: Path, name: str, made: SimulationObject, friction: float
+) -> None:
+    """Write `NAME.urdf`, `NAME.xml` (MJCF), `visual.obj`, `parts/` and `poses.json`.
+
+    Args:
+        folder: A new folder.
+        name: Of the object.
+        made: What is written.
+        friction: Sliding friction.
+    """
+    files = write_object_meshes(folder, made)
+    for ending, describe in (("urdf", urdf_text), ("xml", mjcf_text)):
+        text = describe(name, files, made.physics, friction)
+        (folder / f"{name}.{ending}").write_text(text, encoding="utf-8")
+    write_poses(folder, made)
+
+
+def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationObject:
+    """An object of a simulation bundle.
+
+    Args:
+        bundle: The folder of the bundle.
+        row: Columns of `tables.evaluation.BUNDLE` of the object.
+
+    Raises:
+        UserError: A file of the object is missing or damaged.
+
+    Warns:
+        PartsWarning: The convex parts do not keep to the bounds that they were made with.
+    """
+    warn_of_row(row)
+    folder = bundle / row["label"]
+    paths = sorted((folder / PARTS).glob("*.obj"), key=lambda path: (len(path.name), path.name))
+    if len(paths) != row["parts"]:
+        raise UserError(
+            f"{folder / PARTS}: {len(paths)} convex parts, but {bundle / 'bundle.parquet'} lists "
+            f"{row['parts']}; make the bundle again"
+        )
+    try:
+        mesh, *parts = (read_mesh(path, "m") for path in (folder / VISUAL, *paths))
+    except RejectedError as reason:
+        raise UserError(f"{folder}: {reason}; make the bundle again") from reason
+    physics = MassProperties(
+        volume=row["volume"],
+        area=float(mesh.area),
+        com=np.array([row["com_x"], row["com_y"], row["com_z"]]),
+        mass=row["mass"],
+        inertia=inertia_tensor(row),
+    )
+    return SimulationObject(
+        mesh=mesh,
+        parts=tuple(parts),
+        physics=physics,
+        poses=read_poses(folder, mesh, physics.com),
+        volume_error=row["volume_error"],
+        deviation=row["deviation"],
+        buried=row["buried"],
+        deviation_bound=row["deviation_bound"],
+        within=row["within"],
+    )
+
+
+def read_convex_objects(
+    convex_parts: Path, meshes: Path, density: float
+) -> Iterator[tuple[str, SimulationObject]]:
+    """The objects of a table of convex parts, one after the other.
+
+    Args:
+        convex_parts: Table with the columns of `tables.evaluation.CONVEX_PARTS`, sorted by label.
+        meshes: Folder of the meshes that the parts were made of, metres.
+        density: kg/m3.
+
+    Yields:
+        Labels, ascending, and the objects.
+
+    Raises:
+        UserError: The table is not sorted by label.
+        TableError: It is damaged.
+        RejectedError: A mesh cannot be read.
+    """
+    columns = [name for name in CONVEX_PARTS.names if name != "label"]
+    for label, rows in by_object(convex_parts, columns):
+        yield label, simulation_object(read_mesh(meshes / f"{label}.obj", "m"), density, rows)

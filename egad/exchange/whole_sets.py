@@ -1,0 +1,145 @@
+"""Results of a run in formats of objects and of images: the loop over all of them."""
+
+import logging
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from egad._util.files import atomic_output, check_empty
+from egad._util.progress import progress
+from egad.evalset import SimulationObject
+from egad.exchange.objects.simulation import read_convex_objects, read_simulation_object
+from egad.exchange.parameters import AllObjects, GripperFormat
+from egad.grippers import Gripper
+from egad.io import read_mesh, write_mesh
+from egad.perception import Images, RenderedImage, shards
+from egad.tables import parquet
+from egad.tables.evaluation import BUNDLE
+
+# Arguments: a folder, the name of the object, itself and its friction.
+WriteObject = Callable[[Path, str, SimulationObject, float], None]
+WriteImages = Callable[[Iterable[RenderedImage], Gripper, Path], int]
+
+log = logging.getLogger(__name__)
+
+
+def write_evaluation_set(
+    settings: GripperFormat, write: WriteObject, bundle: Path, out: Path
+) -> None:
+    """Write the objects of a simulation bundle.
+
+    Args:
+        settings: Not needed.
+        write: Writes an object.
+        bundle: Folder of the bundle.
+        out: Folder to write.
+
+    Raises:
+        UserError: A file of the bundle is missing or damaged, or the folder is not empty.
+    """
+    del settings
+    with _new_folder(out) as folder:
+        for label, made, friction in _bundled(bundle):
+            write(folder, label, made, friction)
+
+
+def write_evaluation_surfaces(
+    settings: GripperFormat, ending: str, bundle: Path, out: Path
+) -> None:
+    """Write the surfaces of the objects of a simulation bundle.
+
+    Args:
+        settings: Not needed.
+        ending: Of the files.
+        bundle: Folder of the bundle.
+        out: Folder to write.
+
+    Raises:
+        UserError: As for `write_evaluation_set`.
+    """
+    del settings
+    with _new_folder(out) as folder:
+        for label, made, _ in _bundled(bundle):
+            write_mesh(made.mesh, folder / f"{label}{ending}")
+
+
+def _bundled(bundle: Path) -> Iterator[tuple[str, SimulationObject, float]]:
+    """Labels, objects and their friction."""
+    rows = parquet.records(parquet.read(bundle / "bundle.parquet", BUNDLE))
+    for row in progress(rows, "writing objects", len(rows)):
+        yield row["label"], read_simulation_object(bundle, row), row["friction"]
+
+
+def write_all(
+    settings: AllObjects, write: WriteObject, meshes: Path, convex_parts: Path, out: Path
+) -> None:
+    """Write all objects of a dataset.
+
+    Args:
+        settings: Density and friction of the objects.
+        write: Writes an object.
+        meshes: Folder of the scaled meshes.
+        convex_parts: Table with the columns of `tables.evaluation.CONVEX_PARTS`, sorted by label.
+        out: Folder to write.
+
+    Raises:
+        UserError: The folder is not empty.
+        TableError: The table is damaged.
+    """
+    missing = {path.stem for path in meshes.glob("*.obj")}
+    found = read_convex_objects(convex_parts, meshes, settings.material.density)
+    with _new_folder(out) as folder:
+        for label, made in progress(found, "writing objects", len(missing)):
+            write(folder, label, made, settings.bundle.friction)
+            missing.remove(label)
+    for label in sorted(missing):
+        log.warning("%s is left out: it has no convex parts in %s", label, convex_parts)
+
+
+def write_all_surfaces(settings: GripperFormat, ending: str, meshes: Path, out: Path) -> None:
+    """Write the surfaces of all objects of a dataset.
+
+    Args:
+        settings: Not needed.
+        ending: Of the files.
+        meshes: Folder of the scaled meshes.
+        out: Folder to write.
+
+    Raises:
+        UserError: The folder is not empty.
+    """
+    del settings
+    paths = sorted(meshes.glob("*.obj"))
+    with _new_folder(out) as folder:
+        for path in progress(paths, "writing objects", len(paths)):
+            write_mesh(read_mesh(path, "m"), folder / f"{path.stem}{ending}")
+
+
+def write_images(settings: GripperFormat, write: WriteImages, images: Path, out: Path) -> None:
+    """Write a set of rendered images.
+
+    Args:
+        settings: The gripper.
+        write: Writes images into an empty folder.
+        images: Folder with `images-N.parquet`.
+        out: Folder to write.
+
+    Raises:
+        UserError: Shards are missing, the images do not fit the format, or the folder has files.
+    """
+    with _new_folder(out) as folder:
+        log.info("%d written", write(_pictures(images), settings.gripper, folder))
+
+
+def _pictures(images: Path) -> Iterator[RenderedImage]:
+    """All images of a folder; one shard at a time is in memory."""
+    for table in shards(images):
+        yield from progress(Images(table), "writing images", len(table))
+
+
+@contextmanager
+def _new_folder(out: Path) -> Iterator[Path]:
+    check_empty(out)
+    with atomic_output(out, keep=False) as folder:
+        folder.mkdir()
+        yield folder

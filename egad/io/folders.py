@@ -1,0 +1,126 @@
+"""Folders of mesh files: which files are objects, and what these are called."""
+
+import difflib
+import hashlib
+import os
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path, PurePosixPath
+
+from egad.errors import UserError
+from egad.io.mesh import ENDINGS
+
+EVERY_FILE = "*"
+_WILDCARD = re.compile(r"[*?\[]")
+
+
+def mesh_files(folder: Path, pattern: str = EVERY_FILE) -> list[Path]:
+    """The mesh files that a pattern fits, sorted; hidden ones and those in hidden folders are not.
+
+    Args:
+        folder: Where to look.
+        pattern: A glob relative to the folder; `**`, once, is any number of folders.
+
+    Raises:
+        UserError: There is no such folder, it cannot be read, no mesh file is in it, or the pattern
+            is no such glob.
+    """
+    _check_folder(folder)
+    try:
+        if pattern.count("**") > 1:
+            raise ValueError("`**` is allowed once")
+        found = sorted(path for path in folder.glob(pattern) if _is_mesh(path, folder))
+    except (ValueError, IndexError, NotImplementedError) as error:
+        raise UserError(f"pattern {pattern!r} is not valid: {error}") from error
+    if not found:
+        where = "in it" if pattern == EVERY_FILE else f"that fit the pattern {pattern}"
+        raise UserError(f"{folder}: no mesh files {where}; allowed endings: {' '.join(ENDINGS)}")
+    return found
+
+
+def _check_folder(folder: Path) -> None:
+    """Raise UserError if a folder is missing or cannot be read."""
+    try:
+        os.scandir(folder).close()
+    except (FileNotFoundError, NotADirectoryError) as error:
+        if folder.is_file():
+            raise UserError(f"{folder}: is a file, not a folder of meshes") from error
+        raise UserError(f"{folder}: there is no such folder of meshes{_similar(folder)}") from error
+    except OSError as error:
+        raise UserError(f"{folder}: cannot be read: {error.strerror}") from error
+
+
+def _similar(folder: Path) -> str:
+    """A question for the folder that a missing one may be meant for, if there is any."""
+    try:
+        names = [path.name for path in folder.parent.iterdir() if path.is_dir()]
+    except OSError:
+        return ""
+    near = difflib.get_close_matches(folder.name, names, n=1)
+    return f"; did you mean {folder.with_name(near[0])}?" if near else ""
+
+
+def _is_mesh(path: Path, folder: Path) -> bool:
+    hidden = any(part.startswith(".") for part in path.relative_to(folder).parts)
+    return path.suffix.lower() in ENDINGS and not hidden and not path.is_dir()
+
+
+def objects_in(folder: Path, pattern: str = EVERY_FILE) -> dict[str, Path]:
+    """The mesh files that a pattern fits, by the names of the objects.
+
+    A name is made of the parts of the path that the wildcards of the pattern match, without the
+    ending: `*/scan/mesh.ply` names `mug/scan/mesh.ply` `mug`.
+
+    Raises:
+        UserError: As `mesh_files`.
+    """
+    paths = [path.relative_to(folder) for path in mesh_files(folder, pattern)]
+    named = _unique({path: _matched(path, pattern) for path in paths})
+    return {name: folder / path for name, path in named.items()}
+
+
+def object_names(files: Iterable[Path]) -> dict[str, Path]:
+    """Files from anywhere by the names of their objects: the name of the file without ending."""
+    return _unique({path: [path.stem] for path in files})
+
+
+def _matched(path: Path, pattern: str) -> list[str]:
+    """The parts of a path that wildcards match, without the ending; the last if there are none."""
+    parts = path.with_suffix("").parts
+    kinds = PurePosixPath(pattern).with_suffix("").parts
+    if "**" in kinds:
+        place = kinds.index("**")
+        folders = ("*",) * (len(parts) - len(kinds) + 1)
+        kinds = kinds[:place] + folders + kinds[place + 1 :]
+    pairs = zip(parts, kinds, strict=True)
+    return [part for part, kind in pairs if _WILDCARD.search(kind)] or [parts[-1]]
+
+
+def _unique(parts: Mapping[Path, Sequence[str]]) -> dict[str, Path]:
+    """A name for each file that is safe in paths and depends on other files only in a conflict.
+
+    Other characters than letters, digits, `-`, `_` and `.` become `_`. Where that gives several
+    files the same name, each gets its ending, and if that is not enough, a hash of its path.
+    Names count as the same if they differ only in case, as on some disks.
+    """
+    names = {path: _safe("-".join(words)) for path, words in parts.items()}
+    for addition in (_ending, _hash):
+        times = Counter(name.lower() for name in names.values())
+        names = {
+            path: f"{name}-{addition(path)}" if times[name.lower()] > 1 else name
+            for path, name in names.items()
+        }
+    return {name: path for path, name in names.items()}
+
+
+def _safe(text: str) -> str:
+    return re.sub(r"[^A-Za-z0-9._-]", "_", text).lstrip(".-") or "object"
+
+
+def _ending(path: Path) -> str:
+    return path.suffix[1:].lower()
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.as_posix().encode()).hexdigest()[:8]

@@ -1,0 +1,133 @@
+from pathlib import Path
+
+import pytest
+
+from egad.errors import UserError
+from egad.io.folders import mesh_files, object_names, objects_in
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """Makes empty files by their paths in a folder."""
+
+    def make(*paths):
+        for path in paths:
+            (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / path).touch()
+        return tmp_path
+
+    return make
+
+
+def test_mesh_files_are_sorted_and_others_passed_over(tree):
+    folder = tree("b.STL", "a.obj", "notes.txt", ".hidden.obj", "below/c.obj", "folder.obj/d.obj")
+    assert [path.name for path in mesh_files(folder)] == ["a.obj", "b.STL"]
+
+
+def test_a_folder_without_meshes_says_what_is_allowed(tmp_path):
+    with pytest.raises(UserError, match=r"\.obj"):
+        mesh_files(tmp_path)
+    with pytest.raises(UserError, match=r"no mesh files that fit the pattern \*/a\.obj"):
+        mesh_files(tmp_path, "*/a.obj")
+    with pytest.raises(UserError, match="no such folder"):
+        mesh_files(tmp_path / "gone")
+
+
+@pytest.mark.parametrize("pattern", ["", "/data/*.obj", "**/a/**/*.obj", "."])
+def test_a_pattern_that_is_no_glob_in_the_folder_is_named(tree, pattern):
+    with pytest.raises(UserError, match="pattern"):
+        mesh_files(tree("a.obj"), pattern)
+
+
+def test_a_pattern_never_leaves_the_folder(tree):
+    folder = tree("in/a.obj", "beside/b.obj")
+    with pytest.raises(UserError, match="no mesh files"):
+        mesh_files(folder / "in", "../beside/*.obj")
+
+
+@pytest.mark.parametrize(
+    ("pattern", "names"),
+    [
+        ("*", {"top": "top.ply"}),
+        ("*/google_16k/nontextured.ply", {"002_can": "002_can/google_16k/nontextured.ply"}),
+        (
+            "*/google_*/*.ply",
+            {
+                "002_can-google_16k-nontextured": "002_can/google_16k/nontextured.ply",
+                "002_can-google_64k-nontextured": "002_can/google_64k/nontextured.ply",
+                "002_can-google_64k-textured": "002_can/google_64k/textured.ply",
+            },
+        ),
+        (
+            "**/nontextured.*",
+            {
+                "002_can-google_16k": "002_can/google_16k/nontextured.ply",
+                "002_can-google_64k": "002_can/google_64k/nontextured.ply",
+            },
+        ),
+        (
+            "**/[a-z]*.ply",
+            {
+                "002_can-google_16k-nontextured": "002_can/google_16k/nontextured.ply",
+                "002_can-google_64k-nontextured": "002_can/google_64k/nontextured.ply",
+                "002_can-google_64k-textured": "002_can/google_64k/textured.ply",
+                "top": "top.ply",
+            },
+        ),
+        ("002_can/google_64k/textured.ply", {"textured": "002_can/google_64k/textured.ply"}),
+    ],
+)
+def test_the_parts_that_wildcards_match_name_an_object(tree, pattern, names):
+    folder = tree(
+        "top.ply",
+        "002_can/google_16k/nontextured.ply",
+        "002_can/google_16k/texture.png",
+        "002_can/google_64k/nontextured.ply",
+        "002_can/google_64k/textured.ply",
+        ".cache/google_16k/nontextured.ply",
+    )
+    assert objects_in(folder, pattern) == {name: folder / path for name, path in names.items()}
+
+
+def test_folders_may_be_links(tree, tmp_path):
+    folder = tree("kept/scan/mesh.ply", "data/a.txt") / "data"
+    (folder / "mug").symlink_to(tmp_path / "kept")
+    assert objects_in(folder, "*/scan/mesh.ply") == {"mug": folder / "mug/scan/mesh.ply"}
+
+
+def test_names_are_safe_in_paths():
+    files = map(Path, ["mug.obj", "caf\xe9 au lait.obj", "..obj", "-x.stl", "a.b.obj"])
+    assert list(object_names(files)) == ["mug", "caf__au_lait", "object", "x", "a.b"]
+
+
+def test_files_that_share_a_name_get_their_endings():
+    assert list(object_names([Path("part.stl")])) == ["part"]
+    both = object_names([Path("part.obj"), Path("part.stl"), Path("other.obj")])
+    assert both == {
+        "part-obj": Path("part.obj"),
+        "part-stl": Path("part.stl"),
+        "other": Path("other.obj"),
+    }
+
+
+CLASHING = [
+    *("x/part.obj", "y/part.obj", "part.stl", "part-obj.ply"),
+    *("a b.obj", "a_b.obj", "Mug.obj", "mug.obj", "mug.OBJ", "Cup.obj", "cup.obj"),
+]
+
+
+def test_names_are_unique_on_every_disk():
+    names = object_names([Path(path) for path in CLASHING])
+    assert len({name.lower() for name in names}) == len(CLASHING) == len(set(names.values()))
+
+
+@pytest.mark.parametrize("added", CLASHING)
+def test_a_name_never_goes_to_another_file(added):
+    before = object_names([Path(path) for path in CLASHING if path != added])
+    after = object_names([Path(path) for path in CLASHING])
+    assert all(after.get(name, path) == path for name, path in before.items())
+
+
+def test_names_do_not_depend_on_the_order_of_the_files():
+    files = [Path(path) for path in CLASHING]
+    assert object_names(files) == object_names(files[::-1])
