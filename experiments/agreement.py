@@ -1,4 +1,7 @@
-"""The chart and the table of labels in docs/trials.md: `python experiments/agreement.py TABLE`."""
+"""The chart and the table of labels in docs/studies/engines.md.
+
+Run `python experiments/agreement.py TABLE`.
+"""
 
 import string
 import sys
@@ -13,7 +16,7 @@ from egad.stats import Area
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[1] / "docs/studies"
 
 
 def main(path: Path) -> None:

@@ -1,7 +1,7 @@
 """Solids at the edges of the map: `python experiments/attainable_cells.py`.
 
-It prints the tables of docs/search.md, "Which cells can be reached": the best grasp, balls, cubes
-with hairs, and simple solids as they are and as evolution has them, from 25 x 25 x 25 voxels.
+It prints the tables of docs/studies/search.md, "Which cells can be reached": the best grasp, balls,
+cubes with hairs, and simple solids as they are and as evolution has them, from 25 x 25 x 25 voxels.
 """
 
 import warnings

@@ -1,4 +1,6 @@
-"""The tables of docs/benchmark.md: detectors clear tables of evolved objects, YCB and primitives.
+"""The tables of docs/studies/benchmark.md: detectors clear tables of several objects.
+
+The objects are evolved ones, YCB and primitives.
 
     python experiments/benchmark.py OUT --ycb FOLDER --vgn WEIGHTS --ggcnn WEIGHTS --jobs 2
 

@@ -1,4 +1,7 @@
-"""Table of docs/cluster.md: `python experiments/cluster.py FOLDERS` of finished runs."""
+"""Memory and time of each rule: `python experiments/cluster.py FOLDERS` of finished runs.
+
+docs/cluster.md has the rules that take most.
+"""
 
 import re
 import sys

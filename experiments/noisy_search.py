@@ -1,6 +1,6 @@
 """A comparison of searches under noise: how they cope with difficulties that are estimates.
 
-    python experiments/noisy_search.py METHOD SEED   # one run, to docs/noisy-search/
+    python experiments/noisy_search.py METHOD SEED   # one run, to docs/studies/noisy-search/
     python experiments/noisy_search.py               # figure and table of all runs so far
 
 A run is 20,000 evaluations in steps of 100 on one core. Every offspring counts as an evaluation,
@@ -43,7 +43,7 @@ from egad.random import generator
 from egad.report.colors import line_color
 from egad.report.drawing import new_figure, show_percent
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[1] / "docs/studies"
 ROWS = DOCS / "noisy-search"
 METHODS = ("paper", "adaptive", "depth", "sequential")
 EVALUATIONS, STEP, SNAPSHOT, SHARE = 20_000, 100, 5_000, 0.25

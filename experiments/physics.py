@@ -1,6 +1,7 @@
-"""The figures of physics in docs/trials.md: `python experiments/physics.py results/D/bundle/G`.
+"""The figures of physics in docs/studies/engines.md.
 
-Each is a small experiment in both engines; in PyBullet also with one of its settings changed.
+Run `python experiments/physics.py results/D/bundle/G`. Each is a small experiment in both engines;
+in PyBullet also with one of its settings changed.
 """
 
 import sys

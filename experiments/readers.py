@@ -12,7 +12,7 @@ named ones if any are named:
     pip install bpy
     npm install gltf-validator
 
-It prints the table of `docs/exchange.md`: what each reader says of all objects.
+It prints a table, which `docs/exchange.md` sums up: what each reader says of all objects.
 """
 
 import importlib.util

@@ -1,7 +1,7 @@
-"""The forecast of docs/scaling.md and its figure: `python experiments/scaling.py`.
+"""The forecast of docs/studies/scaling.md and its figure: `python experiments/scaling.py`.
 
 Every stage waits for all of the one before; a part of it is done by one core, the rest by as many
-as there are pieces. The CPU seconds are those of docs/scaling.md, for 2305 objects.
+as there are pieces. The CPU seconds are those of docs/studies/scaling.md, for 2305 objects.
 """
 
 from pathlib import Path
@@ -11,7 +11,7 @@ from egad._util.files import write_text
 from egad.report.colors import LINES, SOFT
 from egad.report.drawing import new_figure
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[1] / "docs/studies"
 CORES = (1, 2, 4, 8, 16, 32, 64, 128, 256)
 SHOWN = (1, 16, 256)
 # pieces: 32 shards, the fullest with 93 of 2305 objects or 5 of 49; cores that a job can use

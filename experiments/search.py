@@ -1,4 +1,4 @@
-"""The curves of docs/search.md: `python experiments/search.py NAME=history.parquet ...`."""
+"""The curves of docs/studies/search.md: `python experiments/search.py NAME=history.parquet ...`."""
 
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ from egad.report.evolution import coverage_curves, coverage_history
 from egad.tables import parquet
 from egad.tables.evolution import HISTORY
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[1] / "docs/studies"
 DRAWN = 20_000  # evaluations: all of a long run would leave no room for the others
 ELITES = MeasureSpace().elites_per_cell
 SHOWN = (2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000)

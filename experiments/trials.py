@@ -1,9 +1,9 @@
-"""The table and the picture of docs/trials.md: `python experiments/trials.py results/D G P...`.
+"""The tables of docs/studies/engines.md and the picture of docs/trials.md.
 
-The table has success in percent with 95 % intervals for other objects, and the rank correlations
-of success with difficulty and complexity. For each outcome that came to a grasp, the first attempt
-of these detectors that ended so is repeated; a row shows frames of it, evenly spaced from when the
-hand comes to when it leaves.
+Run `python experiments/trials.py results/D G P...`. The table has success in percent with 95 %
+intervals for other objects, and the rank correlations of success with difficulty and complexity.
+For each outcome that came to a grasp, the first attempt of these detectors that ended so is
+repeated; a row shows frames of it, evenly spaced from when the hand comes to when it leaves.
 """
 
 import sys

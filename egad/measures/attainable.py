@@ -1,6 +1,6 @@
 """Which cells objects can be expected in: how high the percentile of grasp quality gets (ours).
 
-docs/search.md derives it, and has the solids that come close to it and those beyond it.
+docs/studies/search.md derives it, and has the solids that come close to it and those beyond it.
 """
 
 import math

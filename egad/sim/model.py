@@ -10,7 +10,8 @@ from egad._util.arrays import Floats
 from egad.evalset import Bundle, make_simulation_object
 from egad.geometry import MassProperties
 
-# kg; PyBullet's solver does not converge for lighter bodies in a strong hand: see docs/trials.md
+# kg; PyBullet's solver does not converge for lighter bodies under large grip forces:
+# docs/studies/engines.md
 MIN_MASS = 0.05
 
 

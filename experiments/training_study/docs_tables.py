@@ -1,11 +1,11 @@
-"""Figures and tables of docs/training.md: `python docs_tables.py RESULTS [SET]`.
+"""Figures and tables of docs/studies/training.md: `python docs_tables.py RESULTS [SET]`.
 
 RESULTS is the folder `results/training_study` of the study, or of a part of it. The outcomes of all
-attempts that are there go into docs/training.parquet, and those in clutter into
-docs/training_clutter.parquet. The figures and tables are of all attempts in these; a learning curve
-also needs the images of all its sets. The first sets of the pre-registered comparisons are left out
-before all networks of these are tested. If a SET is named, more tables compare it with each other
-set.
+attempts that are there go into docs/studies/training.parquet, and those in clutter into
+docs/studies/training_clutter.parquet. The figures and tables are of all attempts in these; a
+learning curve also needs the images of all its sets. The first sets of the pre-registered
+comparisons are left out before all networks of these are tested. If a SET is named, more tables
+compare it with each other set.
 """
 
 import sys
@@ -38,7 +38,7 @@ from egad.tables import parquet
 from egad.tables.columns import INITIAL
 
 CONFIG = Path(__file__).with_name("study.yaml")
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[2] / "docs/studies"
 TESTED = ["test", "training_set", "seed", "detector"]
 NETWORK = [*TESTED, "noise"]
 COLUMNS = [*NETWORK, "label", "attempt", "initial_pose", "success", "outcome"]

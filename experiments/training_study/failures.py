@@ -3,7 +3,8 @@
 STUDY is the folder `results/training_study`. Of each way to lose an object that is more than 1 % of
 the failed grasps of the networks of SET in a test, the object with most of them is shown by its
 first attempt: the depth image without noise, with the grasp as a line between the fingertips, and
-frames of the attempt from when the hand comes to when it leaves. Writes docs/training_failures.png.
+frames of the attempt from when the hand comes to when it leaves. Writes
+docs/studies/training_failures.png.
 """
 
 import sys
@@ -29,7 +30,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 from egad.workflow.bundled import model_in, rows_by_id
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[2] / "docs/studies"
 FRAMES = 5
 SHARE = 0.01  # of all failures, for an outcome to be shown
 CROP = 270, 300  # pixels of the depth image that are shown

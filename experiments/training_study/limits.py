@@ -1,10 +1,10 @@
-"""What limits the networks of docs/training.md: `python limits.py RESULTS`.
+"""What limits the networks of docs/studies/training.md: `python limits.py RESULTS`.
 
-Prints how the attempts of docs/training.parquet ended, and for the sets of the pre-registered
-comparisons and the references: success by row, column and width of the objects; the objects at
-which the first set fails most often; and success with and without a labelled grasp within reach.
-Draws docs/training-labels.svg, the success at each object. RESULTS is the folder `results` of the
-study, for the sizes of the objects.
+Prints how the attempts of docs/studies/training.parquet ended, and for the sets of the
+pre-registered comparisons and the references: success by row, column and width of the objects; the
+objects at which the first set fails most often; and success with and without a labelled grasp
+within reach. Draws docs/studies/training-labels.svg, the success at each object. RESULTS is the
+folder `results` of the study, for the sizes of the objects.
 """
 
 import sys
@@ -27,7 +27,7 @@ from egad.report.drawing import new_figure
 from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_color
 
 CONFIG = Path(__file__).with_name("study.yaml")
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[2] / "docs/studies"
 WORST = 12
 ACROSS = 3
 LABELS = "labels"

@@ -1,4 +1,4 @@
-"""The tables of docs/training.md on power: `python seed_variance.py`.
+"""The tables on power for docs/studies/training-plan.md: `python seed_variance.py`.
 
 How many networks per training set show a difference of 5 points between two sets in 80 % of the
 cases, and how large a difference has to be for 2 and for 8 networks.

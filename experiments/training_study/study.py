@@ -97,7 +97,7 @@ class TrainingSet(Parameters):
 
 
 class Plan(Parameters):
-    """Comparison of networks trained on different object sets: docs/training.md."""
+    """Comparison of networks trained on different object sets: docs/studies/training.md."""
 
     sets: list[Name] = Field(min_length=1, description="training sets to compare")
     seeds: int = Field(

@@ -1,4 +1,6 @@
-"""How long Snakemake plans, for docs/scaling.md: `python tests/benchmarks/job_graph.py FOLDER`.
+"""How long Snakemake plans, for docs/studies/scaling.md.
+
+    python tests/benchmarks/job_graph.py FOLDER
 
 Dry runs of the whole pipeline: from an archive, where the graph depends on the shards alone, and
 from folders of so many (empty) mesh files. A line each: jobs, CPU seconds, peak megabytes.

@@ -1,4 +1,4 @@
-"""What every stage costs, for docs/scaling.md: CPU time and memory of all jobs, without evolution.
+"""What every stage costs: CPU time and memory of all jobs but evolution (docs/studies/scaling.md).
 
     python tests/benchmarks/stage_costs.py run FOLDER OBJECTS   on so many of the released objects
     python tests/benchmarks/stage_costs.py table FOLDER...      a table of such runs

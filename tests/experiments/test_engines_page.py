@@ -1,4 +1,4 @@
-"""The attempts that docs/trials.md compares in two engines."""
+"""The attempts that docs/studies/engines.md compares in two engines."""
 
 import math
 import runpy

@@ -1,4 +1,4 @@
-"""The tables and figures of docs/training.md, against counts of the attempts."""
+"""The tables and figures of docs/studies/training.md, against counts of the attempts."""
 
 import re
 import runpy

@@ -1,4 +1,4 @@
-"""The failures that docs/training.md shows."""
+"""The failures that docs/studies/training.md shows."""
 
 import runpy
 from pathlib import Path
