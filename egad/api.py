@@ -109,8 +109,8 @@ class Measures(NamedTuple):
 
     Attributes:
         complexity: Entropy of the angular deficits of its vertices, bits.
-        difficulty: Percentile of the quality of its sampled grasps: high is easy to grasp.
-        difficulty_std: Its standard error.
+        graspability: Percentile of the quality of its sampled grasps: high is easy to grasp.
+        graspability_std: Its standard error.
         cell: Cell of the grid: (column by complexity, row by difficulty), from 0 = simplest and
             0 = easiest.
         label: Name of the cell, such as `M14`: row M in difficulty, column 14 in complexity.
@@ -127,8 +127,8 @@ class Measures(NamedTuple):
     """
 
     complexity: float
-    difficulty: float
-    difficulty_std: float
+    graspability: float
+    graspability_std: float
     cell: Cell
     label: str
     cell_confidence: float
@@ -146,12 +146,17 @@ class Measures(NamedTuple):
         """Whether the mesh was measured as the objects of the map, by the same rule and opening."""
         return self.rule == MAP_RULE and self.opening == as_gripper(MAP_GRIPPER).opening
 
+    @property
+    def _graspability_text(self) -> str:
+        value, std = 1000 * self.graspability, 1000 * self.graspability_std
+        return f"{value:.3f} ± {std:.3f} 1e-3"
+
     def __repr__(self) -> str:
         """The measures, then what they hold for."""
         hand = f"{self.gripper}, " if self.gripper else ""
         parts = [
             f"{self.label}: complexity {self.complexity:.3f} bit",
-            f"difficulty {1000 * self.difficulty:.3f} ± {1000 * self.difficulty_std:.3f} 1e-3",
+            f"graspability {self._graspability_text}",
             f"cell confidence {100 * self.cell_confidence:.0f} %",
             f"grasped by a gripper ({hand}opening {1000 * self.opening:g} mm)",
             f"at {size_text(self.sides, self.factor)} by the rule {self.rule}",
@@ -169,7 +174,7 @@ class Measures(NamedTuple):
         hand = f"{self.gripper}, " if self.gripper else ""
         facts = {
             "complexity": f"{self.complexity:.3f} bit",
-            "difficulty": f"{1000 * self.difficulty:.3f} ± {1000 * self.difficulty_std:.3f} 1e-3",
+            "graspability": self._graspability_text,
             "cell confidence": f"{100 * self.cell_confidence:.0f} %",
             "gripper": f"{hand}opening {1000 * self.opening:g} mm",
             "measured": f"at {size_text(self.sides, self.factor)} by the rule {self.rule}",
@@ -192,7 +197,7 @@ def measure(
     max_candidates: int = MAX_CANDIDATES,
     seed: int = 0,
 ) -> Measures:
-    """Complexity and grasp difficulty of a mesh.
+    """Complexity and graspability of a mesh.
 
     The mesh is repaired, then scaled by a rule. By default its smallest side becomes 80 % of the
     opening of the gripper, as for the objects of the map, so its size and unit do not matter beyond
@@ -235,12 +240,12 @@ def measure(
     found = measure_repeatably(repaired.mesh, settings, max_candidates, size.factor)
     if is_coarse(found.complexity, found.fine_complexity):
         warn_user(coarse_advice(found.fine_complexity), CoarseMeshWarning)
-    cell = cell_of(found.complexity, found.difficulty, settings.space)
+    cell = cell_of(found.complexity, found.graspability, settings.space)
     first, second, third = map(float, size.sides)
     return Measures(
         complexity=found.complexity,
-        difficulty=found.difficulty,
-        difficulty_std=found.difficulty_std,
+        graspability=found.graspability,
+        graspability_std=found.graspability_std,
         cell=cell,
         label=cell_name(*cell),
         cell_confidence=found.cell_confidence,

@@ -35,7 +35,7 @@ from egad.tables.objects import OBJECTS
 RELEASED, EVALUATION_SET = "released", "evaluation-set"
 FACTS = {
     "complexity": "{:.3f} bit",
-    "difficulty": "{:.4g}",
+    "graspability": "{:.4g}",
     "cell_confidence": "{:.3f}",
     "diversity": "{:.3f}",
 }
@@ -290,10 +290,11 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
     object stays.
 
     Args:
-        source: `released`: the archive that egad ships, whose table also has `simulated_difficulty`
-            and `held_shaking` (docs/released.md); `evaluation-set`: the 49 of them that detectors
-            are tested with, with the labels A0 to G6; the folder of a dataset, such as
-            `results/egad`; a file `archive.parquet`; or an archive that `egad.evolve` returned.
+        source: `released`: the archive that egad ships, whose table also has
+            `simulated_graspability` and `held_shaking` (docs/released.md); `evaluation-set`: the
+            49 of them that detectors are tested with, with the labels A0 to G6; the folder of a
+            dataset, such as `results/egad`; a file `archive.parquet`; or an archive that
+            `egad.evolve` returned.
 
     Raises:
         UserError: There is no such file or folder, or it is no path.
@@ -333,7 +334,7 @@ def _evaluation_set() -> Dataset:
 def _with_simulated(table: pd.DataFrame) -> pd.DataFrame:
     """The table of the released objects with the shares of their simulated grasps that hold."""
     simulated = parquet.read(released_simulated(), SIMULATED_OBJECTS).set_index("id")
-    return table.join(simulated[["simulated_difficulty", "held_shaking"]], on="id")
+    return table.join(simulated[["simulated_graspability", "held_shaking"]], on="id")
 
 
 def _ancestry(folder: Path) -> Path:

@@ -15,7 +15,7 @@ import egad
 from egad.cppn import Shape
 from egad.cppn.surface import surface
 from egad.grasps import ferrari_canny
-from egad.measures import attainable_difficulty, default_measures
+from egad.measures import attainable_graspability, default_measures
 
 Solid = NDArray[np.bool_]
 VOXELS = 25
@@ -72,9 +72,9 @@ PAIRS: Mapping[str, tuple[Callable[[float], trimesh.Trimesh], Callable[[int], So
 
 def _row(name: str, mesh: trimesh.Trimesh) -> None:
     found = egad.measure(mesh)
-    std = 1000 * found.difficulty_std
+    std = 1000 * found.graspability_std
     print(
-        f"| {name} | {found.complexity:.2f} | {1000 * found.difficulty:.3f} ± {std:.3f} | "
+        f"| {name} | {found.complexity:.2f} | {1000 * found.graspability:.3f} ± {std:.3f} | "
         f"{found.label} |",
         flush=True,
     )
@@ -82,12 +82,12 @@ def _row(name: str, mesh: trimesh.Trimesh) -> None:
 
 def main() -> None:
     """Print the tables."""
-    limit = attainable_difficulty(SETTINGS)
+    limit = attainable_graspability(SETTINGS)
     print(
         f"best grasp {1000 * best_grasp():.4f}, bound {1000 * limit.quality:.4f}, "
-        f"expected percentile at most {1000 * limit.difficulty:.3f}: {limit.row_names}"
+        f"expected percentile at most {1000 * limit.graspability:.3f}: {limit.row_names}"
     )
-    print("| solid | complexity | difficulty, 1e-3 | cell |\n| --- | --- | --- | --- |")
+    print("| solid | complexity | graspability, 1e-3 | cell |\n| --- | --- | --- | --- |")
     for rounds in (2, 3, 4, 5):
         ball = trimesh.creation.icosphere(rounds)
         _row(f"ball of {len(ball.faces)} triangles", ball)

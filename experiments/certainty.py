@@ -2,9 +2,9 @@
 
 SOURCE is `released`, an archive, or the folder of a dataset, as for `egad.load`; NAME=SOURCE names
 it. It must have the default gripper, metric and cells. Every object gets an independent estimate of
-its difficulty, from grasps that neither evolution nor the pipeline has seen: candidates are doubled
-until its cell is certain with a probability of 99.9 %, at most 32,768. The maps show the cells as
-labelled and as measured again.
+its graspability, from grasps that neither evolution nor the pipeline has seen: candidates are
+doubled until its cell is certain with a probability of 99.9 %, at most 32,768. The maps show the
+cells as labelled and as measured again.
 """
 
 import sys
@@ -22,7 +22,7 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.grippers import gripper
 from egad.measures import MeasureSpace, coverage, default_measures, difficulty_cells
-from egad.measures.difficulty import difficulty
+from egad.measures.graspability import graspability
 from egad.random import generator
 from egad.report.comparison import dataset_maps
 
@@ -31,14 +31,14 @@ SPACE = MeasureSpace(confidence=CERTAIN)
 
 
 def independent(mesh: trimesh.Trimesh, name: str) -> float:
-    """The difficulty of an object by grasps that nothing was selected by.
+    """The graspability of an object by grasps that nothing was selected by.
 
     Args:
         mesh: Closed, in any unit.
         name: Its id: names the grasps.
     """
     settings = default_measures(gripper("yumi"), 0).model_copy(update={"space": SPACE})
-    return difficulty(mesh, settings, BUDGET, generator(0, "independent", name)).value
+    return graspability(mesh, settings, BUDGET, generator(0, "independent", name)).value
 
 
 def main(arguments: list[str]) -> None:

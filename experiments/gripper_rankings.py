@@ -3,8 +3,8 @@
     python experiments/gripper_rankings.py yumi robotiq_2f_85=HAND.urdf panda=HAND.urdf ...
 
 The 49 objects of the released evaluation set are scaled to each gripper: one that egad knows by
-name, or the file of one. Two tables are printed: the rank correlation of the difficulty between
-grippers; and of the difficulty if grasps that the hand cannot reach count as zeros. The second row
+name, or the file of one. Two tables are printed: the rank correlation of graspability between
+grippers; and of graspability if grasps that the hand cannot reach count as zeros. The second row
 repeats the first gripper with other grasps: more than that is not measurable.
 """
 
@@ -25,7 +25,7 @@ from egad.random import generator
 GRASPS, PERCENTILE = 200, 75.0
 
 
-def difficulty(target: egad.EvolvedObject, gripper: Gripper, seed: int) -> tuple[float, float]:
+def graspability(target: egad.EvolvedObject, gripper: Gripper, seed: int) -> tuple[float, float]:
     """The percentile of the quality of grasps, and of those that the hand reaches."""
     mesh, _ = egad.rescale(target.mesh, gripper)
     caster, settings = RayCaster(mesh), label_parameters(gripper, GRASPS, seed)
@@ -42,7 +42,7 @@ def compare(hands: dict[str, tuple[Gripper, int]]) -> None:
     """Print how alike the rankings are."""
     objects = egad.load("evaluation-set")
     rows = [
-        {name: difficulty(each, *hand) for name, hand in hands.items()}
+        {name: graspability(each, *hand) for name, hand in hands.items()}
         for each in progress(objects, "sampling grasps", len(objects))
     ]
     for number, title in enumerate(("without the hand", "with the hand")):

@@ -26,7 +26,7 @@ from egad.grasps import ferrari_canny
 from egad.io import mesh_files, read_mesh
 from egad.measures import MeasureParameters
 from egad.measures.complexity import complexity
-from egad.measures.difficulty import rough_difficulty, spaced_difficulty
+from egad.measures.graspability import rough_graspability, spaced_graspability
 from egad.random import generator
 from egad.reeb import graph as reeb
 from egad.reeb import similarity_matrix
@@ -49,13 +49,13 @@ def main(published: Path) -> None:
     print(f"{len(labelled)} published objects: complexity against number {rank:.3f}")
     for variant in map(_variant, VARIANTS):
         rank = _rank(labelled["letter"], labelled[variant])
-        print(f"difficulty ({variant}) against letter {rank:.3f}")
+        print(f"graspability ({variant}) against letter {rank:.3f}")
     write_text(DOCS / "measures-labels.svg", label_figure(labelled))
     ours, theirs = qualities()
     off = np.abs(ours - theirs)[(ours > 0) & (theirs > 0)]
     print(f"{len(off)} qualities: largest difference {off.max():.1e}, median {np.median(off):.1e}")
     for count, cells in spacing().items():
-        print(f"difficulty by {count} spaced grasps, cells off: {cells.round(2).tolist()}")
+        print(f"graspability by {count} spaced grasps, cells off: {cells.round(2).tolist()}")
     scan, program = similarities()
     off = np.abs(scan - program).mean()
     print(f"{len(scan)} similarities (scan): {_rank(scan, program):.3f}, mean difference {off:.4f}")
@@ -81,9 +81,9 @@ def _measured(path: Path) -> dict[str, float]:
     }
     for metric, candidates in VARIANTS:
         one_draw = {"metric": metric, "candidates": candidates}
-        config = Settings.model_validate({"difficulty": one_draw})
+        config = Settings.model_validate({"graspability": one_draw})
         rng = generator(0, "labels", path.stem, metric, candidates)
-        found = rough_difficulty(mesh, select(config, MeasureParameters), rng)
+        found = rough_graspability(mesh, select(config, MeasureParameters), rng)
         row[_variant((metric, candidates))] = found.value
     return row
 
@@ -110,17 +110,17 @@ def shapes() -> list[trimesh.Trimesh]:
 
 
 def spacing() -> dict[int, Floats]:
-    """Difficulty of each shape by spaced grasps, less that by 32,768 candidates, cells."""
+    """Graspability of each shape by spaced grasps, less that by 32,768 candidates, cells."""
     space = Settings().space
-    low, high = space.difficulty_range
-    many = Settings.model_validate({"difficulty": {"candidates": 32768}})
+    low, high = space.graspability_range
+    many = Settings.model_validate({"graspability": {"candidates": 32768}})
     settings, meshes = select(many, MeasureParameters), [repair(shape).mesh for shape in shapes()]
-    true = [rough_difficulty(mesh, settings, generator(0, "true")).value for mesh in meshes]
+    true = [rough_graspability(mesh, settings, generator(0, "true")).value for mesh in meshes]
     result = {}
     for count in (100, 400, 1000, 4000):
         found = [
             [
-                spaced_difficulty(mesh, settings, count, generator(seed, "spaced")).value
+                spaced_graspability(mesh, settings, count, generator(seed, "spaced")).value
                 for seed in range(10)
             ]
             for mesh in meshes
@@ -156,7 +156,7 @@ def _rank(one: ArrayLike, other: ArrayLike) -> float:
 
 
 def label_figure(labelled: pd.DataFrame) -> str:
-    """Complexity, plain and robust difficulty against the published cells."""
+    """Complexity, nominal and robust graspability against the published cells."""
     panels = [
         ("number", "complexity", "complexity, bits", 1),
         ("letter", _variant(("nominal", 8192)), "Ferrari-Canny quality, thousandths", 1000),

@@ -1,4 +1,4 @@
-"""A comparison of searches under noise: how they cope with difficulties that are estimates.
+"""A comparison of searches under noise: how they cope with estimates of graspability.
 
     python experiments/noisy_search.py METHOD SEED   # one run, to docs/studies/noisy-search/
     python experiments/noisy_search.py               # figure and table of all runs so far
@@ -38,7 +38,7 @@ from egad.cppn import packed_surface
 from egad.map_elites import Archive, Elite, EvolutionParameters
 from egad.map_elites.evaluation import measure
 from egad.map_elites.island import Island
-from egad.measures import MeasureSpace, rough_difficulty
+from egad.measures import MeasureSpace, rough_graspability
 from egad.random import generator
 from egad.report.colors import line_color
 from egad.report.drawing import new_figure, show_percent
@@ -77,11 +77,11 @@ class Repeated(Archive):
     def evaluate(self, elites: list[Elite]) -> int:
         """Evaluate objects once more and place them anew; returns how many there were."""
         for elite in elites:
-            values = self._values.setdefault(elite.id, [elite.difficulty])
+            values = self._values.setdefault(elite.id, [elite.graspability])
             rng = generator(self._settings.seed, "again", elite.id, len(values))
             mesh = packed_surface(elite.voxels, self._settings.shape)
-            values.append(rough_difficulty(mesh, self._settings, rng).value)
-            self._place(self._ids[elite.id], replace(elite, difficulty=float(np.mean(values))))
+            values.append(rough_graspability(mesh, self._settings, rng).value)
+            self._place(self._ids[elite.id], replace(elite, graspability=float(np.mean(values))))
         return len(elites)
 
 
@@ -139,7 +139,7 @@ def _true(voxels: bytes, settings: EvolutionParameters) -> float:
 
 def measures(elites: list[Elite], true: Any) -> dict[str, float]:  # noqa: ANN401 (a cache)
     """Coverage and QD-score as selected and corrected, and how far the elites are off."""
-    moved = [replace(elite, difficulty=true(elite.voxels)) for elite in elites]
+    moved = [replace(elite, graspability=true(elite.voxels)) for elite in elites]
     selected, corrected = trimmed(elites), trimmed(moved)
     pairs = zip(elites, moved, strict=True)
     off = np.array([abs(corrected.cell(a)[1] - corrected.cell(b)[1]) for a, b in pairs])

@@ -3,7 +3,7 @@
 Prints what became of the simulated grasps of all objects; the area under the ROC curve of each
 rating of a grasp against its simulated success, with a 95 % interval for other objects; the same by
 thirds of the objects by difficulty and by complexity; and rank correlations over objects of the
-share of their grasps that hold (`simulated_difficulty`) with other measures of them.
+share of their grasps that hold (`simulated_graspability`) with other measures of them.
 """
 
 import sys
@@ -41,15 +41,15 @@ def main(results: Path, gripper: str) -> None:
         for rating in RATINGS:
             print(f"| {rating} | {' | '.join(by_thirds(known, objects, axis, rating))} |")
     summary = parquet.read(results / "simulated" / f"{gripper}.parquet", SIMULATED_OBJECTS)
-    print("\n| measure | rank correlation with simulated_difficulty |\n| --- | --- |")
+    print("\n| measure | rank correlation with simulated_graspability |\n| --- | --- |")
     for name, rho in correlations(summary, table, objects):
         print(f"| {name} | {rho} |")
 
 
 def bands(axis: str) -> list[str]:
-    """Names of the thirds of an axis; a high stored difficulty is easy."""
+    """Names of the thirds of an axis; a high graspability is easy."""
     names = [f"least {axis}", "middle", f"most {axis}"]
-    return names[::-1] if axis == "difficulty" else names
+    return names[::-1] if axis == "graspability" else names
 
 
 def by_thirds(known: pd.DataFrame, objects: pd.DataFrame, axis: str, rating: str) -> Iterator[str]:
@@ -66,20 +66,20 @@ def by_thirds(known: pd.DataFrame, objects: pd.DataFrame, axis: str, rating: str
 def correlations(
     summary: pd.DataFrame, table: pd.DataFrame, objects: pd.DataFrame
 ) -> Iterator[tuple[str, str]]:
-    """Names of measures of objects, and their rank correlations with the simulated difficulty."""
+    """Names of measures of objects, and their rank correlations with the simulated graspability."""
     per_object = table.groupby("id").agg(
         **{
-            "difficulty, 75th percentile of quality": ("quality", lambda x: x.quantile(0.75)),
+            "graspability, 75th percentile of quality": ("quality", lambda x: x.quantile(0.75)),
             "75th percentile of robust quality": ("robust_quality", lambda x: x.quantile(0.75)),
             "mean robust success rate": ("robust_success_rate", "mean"),
             "share of collision-free grasps": ("collision_free", "mean"),
         }
     )
-    columns = objects.set_index("id")[["difficulty", "complexity"]].join(per_object)
+    columns = objects.set_index("id")[["graspability", "complexity"]].join(per_object)
     ordered = columns.reindex(summary["id"])
     for name in ordered:
         values = ordered[name].to_numpy(dtype=np.float64)
-        found = trend(values, summary["simulated_difficulty"].to_numpy())
+        found = trend(values, summary["simulated_graspability"].to_numpy())
         yield name, f"{found.rho:.2f} ({found.ci_low:.2f} to {found.ci_high:.2f})"
 
 

@@ -70,9 +70,9 @@ def test_measures_do_not_depend_on_the_unit_and_repeat(mug):
     for factor in (1000, 25.4):
         other = egad.measure(mug.copy().apply_scale(factor), max_candidates=512)
         assert other.complexity == pytest.approx(first.complexity, rel=1e-3)
-        assert other.difficulty == pytest.approx(first.difficulty, abs=first.difficulty_std)
+        assert other.graspability == pytest.approx(first.graspability, abs=first.graspability_std)
     assert egad.measure(mug, max_candidates=512) == first
-    assert egad.measure(mug, max_candidates=512, seed=1).difficulty != first.difficulty
+    assert egad.measure(mug, max_candidates=512, seed=1).graspability != first.graspability
 
 
 def plate():
@@ -90,14 +90,16 @@ def test_a_mesh_is_measured_at_the_size_of_the_rule(mug):
     with pytest.warns(egad.ScaleWarning):
         large = egad.measure(plate(), max_candidates=512)
     assert (large.factor, large.sides) == (pytest.approx(40), pytest.approx((0.04, 4, 4)))
-    assert real.difficulty > 5 * large.difficulty  # contacts on a plate of 4 m are far off center
+    assert (
+        real.graspability > 5 * large.graspability
+    )  # contacts on a plate of 4 m are far off center
 
 
 def test_the_real_size_of_a_mesh_that_was_scaled_is_that_of_the_map(mug):
     found = egad.measure(mug, max_candidates=4096)
     scaled = mug.copy().apply_scale(found.factor)
     same = egad.measure(scaled, rule="none", max_candidates=4096)
-    assert same.difficulty == pytest.approx(found.difficulty, abs=3 * found.difficulty_std)
+    assert same.graspability == pytest.approx(found.graspability, abs=3 * found.graspability_std)
     assert same.complexity == pytest.approx(found.complexity, rel=1e-6)
 
 

@@ -60,7 +60,7 @@ def test_it_was_made_with_the_settings_that_ship():
 def test_cells_slots_and_ids_follow_from_the_rest(archive):
     space = SETTINGS.space
     assert (complexity_cells(archive["complexity"], space) == archive["complexity_cell"]).all()
-    assert (difficulty_cells(archive["difficulty"], space) == archive["difficulty_cell"]).all()
+    assert (difficulty_cells(archive["graspability"], space) == archive["difficulty_cell"]).all()
     assert archive.groupby(["complexity_cell", "difficulty_cell"]).size().max() <= 4
     assert archive["id"].is_unique
     assert len(set(labels(archive["complexity_cell"], archive["difficulty_cell"]))) == len(archive)
@@ -90,7 +90,7 @@ def test_it_holds_what_its_data_card_says(archive, ancestry):
 
 def test_the_ancestry_holds_its_objects_as_they_are_and_their_ancestors_alone(archive, ancestry):
     rows = ancestry.set_index("id")
-    for name in ("complexity", "difficulty", "difficulty_std", "cell_confidence"):
+    for name in ("complexity", "graspability", "graspability_std", "cell_confidence"):
         assert (rows.loc[archive["id"], name].to_numpy() == archive[name].to_numpy()).all()
     parents = {parent for each in ancestry["parents"] for parent in each}
     assert set(ancestry["id"]) == parents | set(archive["id"])
@@ -109,7 +109,7 @@ def check_measures(rows):
         assert first.complexity == pytest.approx(row["complexity"], abs=0.0045)
         kept = Elite(row["id"], {}, row["voxels"], first.complexity, 0.0, first.graph, (), 0)
         found = refine(kept, EVOLVE)
-        for name in ("difficulty", "difficulty_std", "cell_confidence"):
+        for name in ("graspability", "graspability_std", "cell_confidence"):
             assert getattr(found, name) == pytest.approx(row[name], rel=1e-6)
 
 
@@ -147,10 +147,10 @@ def test_the_simulated_grasps_are_those_of_the_released_objects(archive):
     table = parquet.read(released_simulated(), SIMULATED_OBJECTS)
     assert set(table["id"]) == set(archive["id"])
     assert (table["n_simulated"] == 100).all()
-    assert (table["simulated_difficulty"] <= table["held_shaking"]).all()
+    assert (table["simulated_graspability"] <= table["held_shaking"]).all()
     assert table["held_shaking"].between(0, 1).all()
     loaded = egad.load("released").table.set_index("id")
     expected = table.set_index("id").loc[loaded.index]
-    for name in ("simulated_difficulty", "held_shaking"):
+    for name in ("simulated_graspability", "held_shaking"):
         assert loaded[name].tolist() == expected[name].tolist()
-    assert "simulated_difficulty" not in egad.load(released()).table
+    assert "simulated_graspability" not in egad.load(released()).table

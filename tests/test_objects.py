@@ -231,5 +231,5 @@ def test_the_evaluation_set_is_of_released_objects_under_its_own_labels():
     assert np.array_equal(chosen["G6"].voxels, hard.voxels)
     # the letters go from easy to hard, the digits from simple to complex
     table = chosen.table.assign(row=letters, column=digits)
-    assert table.groupby("row")["difficulty"].mean().is_monotonic_decreasing
+    assert table.groupby("row")["graspability"].mean().is_monotonic_decreasing
     assert table.groupby("column")["complexity"].mean().is_monotonic_increasing

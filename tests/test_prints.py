@@ -176,7 +176,7 @@ def test_an_archive_is_its_numbers(evolver):
     assert repr(evolver) == f"Evolver({archive!r})"
     assert facts(evolver) == found
     assert re.fullmatch(
-        r"Elite\('\w{12}': complexity [\d.]+, difficulty 0.001\)", repr(archive.elites[0])
+        r"Elite\('\w{12}': complexity [\d.]+, graspability 0.001\)", repr(archive.elites[0])
     )
 
 
@@ -195,7 +195,7 @@ def test_an_archive_is_plotted_with_a_picture_of_each_filled_cell(evolver, tmp_p
     assert texts[0].startswith(f"{len(evolver.archive)} objects in ")
     assert texts[-2:] == [
         "shape complexity: simple → complex (1 to 5 bit)",
-        "grasp difficulty: easy → hard (quality 4 to 0.5 1e-3)",
+        "grasp difficulty: easy → hard (graspability 4 to 0.5 1e-3)",
     ]
     assert not re.search(r'href="(?!data:)', picture.svg)
     picture.save(tmp_path / "map.svg")

@@ -66,11 +66,11 @@ class Archived:
 
     Attributes:
         keys: Those that count; all if None.
-        difficulty: Whether the difficulties depend on the section, too.
+        graspability: Whether graspability depends on the section, too.
     """
 
     keys: frozenset[str] | None = None
-    difficulty: bool = True
+    graspability: bool = True
 
 
 # decides which objects are found, not how they are measured

@@ -69,7 +69,7 @@ DatasetIn = Annotated[Path, typer.Option("--in", help="folder of the dataset")]
 MaxCandidates = Annotated[
     int | None,
     typer.Option(
-        min=1, help="most candidate grasps for the difficulty; default: as in the configuration"
+        min=1, help="most candidate grasps for the graspability; default: as in the configuration"
     ),
 ]
 

@@ -17,7 +17,7 @@ def heatmap(
     from egad.config.stages import LocateMeshes, select
     from egad.data import archive_path
     from egad.io import check_ending
-    from egad.measures import MeasureParameters, attainable_difficulty
+    from egad.measures import MeasureParameters, attainable_graspability
     from egad.report.axes import axis_pair
     from egad.report.comparison import dataset_maps
     from egad.tables import parquet
@@ -27,7 +27,7 @@ def heatmap(
     settings = settings_in(config)
     check_provenance(archive_path(archive), select(settings, LocateMeshes), ("space",))
     objects = parquet.read(archive_path(archive), ARCHIVE)
-    limit = attainable_difficulty(select(settings, MeasureParameters))
+    limit = attainable_graspability(select(settings, MeasureParameters))
     axes = axis_pair(settings.measures)
     maps = dataset_maps({archive.stem: objects}, settings.space, axes, limit.rows)
     write_text(out, maps)

@@ -84,7 +84,7 @@ class Reference:
     """The objects that others are compared with.
 
     Attributes:
-        objects: Columns label, complexity, difficulty and cells.
+        objects: Columns label, complexity, graspability and cells.
         load: For each label, how to get the mesh.
     """
 
@@ -236,7 +236,7 @@ def _placed(item: _Mine, hood: "Neighborhood", objects: "pd.DataFrame") -> dict[
         return item.row
     near, distances = hood.nearest_to(reeb.unpack(item.graph))
     simpler = objects["complexity"] < item.row["complexity"]
-    easier = objects["difficulty"] > item.row["difficulty"]
+    easier = objects["graspability"] > item.row["graspability"]
     return {
         **item.row,
         "complexity_percentile": 100 * simpler.mean(),

@@ -1,4 +1,4 @@
-"""Complexity and difficulty of meshes, and their cells."""
+"""Complexity and graspability of meshes, and their cells."""
 
 import logging
 from collections.abc import Iterable, Mapping
@@ -43,7 +43,7 @@ SIZE = "size_as_read"  # longest side before repair, metres; known of rejected m
 def measure(
     meshes: Meshes,
     units: Units = None,
-    gripper: Annotated[str | None, gripper_option("difficulty.gripper")] = None,
+    gripper: Annotated[str | None, gripper_option("graspability.gripper")] = None,
     rule: Annotated[
         ScaleRule,
         typer.Option("--rule", help=f"scaling to the gripper; cells compare only with {MAP_RULE}"),
@@ -53,7 +53,7 @@ def measure(
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
-    """Measure complexity and difficulty of meshes, and print their cells."""
+    """Measure complexity and graspability of meshes, and print their cells."""
     from egad.cli.terminal_tables import measured
     from egad.io import check_ending, object_names, write_frame
     from egad.report.axes import axis_pair
@@ -62,7 +62,7 @@ def measure(
     check_ending(out)
     option = ("--max-candidates", "postprocess.max_candidates", max_candidates)
     whole = with_option(settings_in(config), *option)
-    whole, name = gripper_in(whole, gripper or whole.difficulty.gripper)
+    whole, name = gripper_in(whole, gripper or whole.graspability.gripper)
     files = object_names(files_in(meshes, units))
     table = measure_files(select(whole, MeasureMeshes, name), files, units, jobs, rule)
     if out is not None:
@@ -136,11 +136,11 @@ def measure_row(
 
     repaired, _ = repaired_body(mesh, settings.postprocess, settings.material.density)
     solid = repaired.mesh
-    if settings.measures.difficulty:
+    if settings.measures.graspability:
         rule = "none"  # a measure of the user gets the mesh as it is
     size = grasped_size(solid, settings, rule)
     place = measure_repeatably(solid, settings, settings.postprocess.max_candidates, size.factor)
-    column, row = cell_of(place.complexity, place.difficulty, settings.space)
+    column, row = cell_of(place.complexity, place.graspability, settings.space)
     return solid, {
         **place._asdict(),
         "complexity_cell": column,
@@ -185,8 +185,8 @@ def incomparable(settings: Settings, gripper: str, rule: str) -> str:
         gripper: Name of the gripper that they were measured for.
         rule: The scale rule.
     """
-    own = settings.difficulty.gripper
-    if settings.measures.difficulty or (rule, gripper) == (MAP_RULE, own):
+    own = settings.graspability.gripper
+    if settings.measures.graspability or (rule, gripper) == (MAP_RULE, own):
         return ""
     return (
         f"Cells by the rule {rule} for {gripper} cannot be compared with the map, whose objects "

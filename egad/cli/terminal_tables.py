@@ -216,7 +216,7 @@ def _spread(row: pd.Series) -> str:
 
 
 def _titles(axes: AxisPair) -> list[str]:
-    return [axis.short + ("," + axis.unit if axis.unit else "") for axis in axes]
+    return [axis.value + ("," + axis.unit if axis.unit else "") for axis in axes]
 
 
 def _orders(axes: AxisPair) -> tuple[str, str]:
@@ -225,10 +225,10 @@ def _orders(axes: AxisPair) -> tuple[str, str]:
 
 
 def _place(row: pd.Series, axes: AxisPair) -> tuple[str, str, str, str]:
-    """Name, complexity, difficulty and cell of a row."""
+    """Name, complexity, graspability and cell of a row."""
     unknown = pd.isna(row["complexity_cell"])
     cell = DASH if unknown else cell_name(int(row["complexity_cell"]), int(row["difficulty_cell"]))
-    quality = number(axes.upwards.factor * row["difficulty"], 3)
-    if not pd.isna(row["difficulty_std"]):
-        quality += f" ± {number(axes.upwards.factor * row['difficulty_std'], 3)}"
-    return str(row["name"]), number(row["complexity"], 3), quality, cell
+    graspability = number(axes.upwards.factor * row["graspability"], 3)
+    if not pd.isna(row["graspability_std"]):
+        graspability += f" ± {number(axes.upwards.factor * row['graspability_std'], 3)}"
+    return str(row["name"]), number(row["complexity"], 3), graspability, cell

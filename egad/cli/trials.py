@@ -21,7 +21,8 @@ trials = typer.Typer(
 )
 
 Evaluation = Annotated[
-    Path | None, typer.Option("--eval", help="eval49.parquet: difficulty and complexity by object")
+    Path | None,
+    typer.Option("--eval", help="eval49.parquet: graspability and complexity by object"),
 ]
 
 

@@ -24,7 +24,7 @@ from egad.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.grippers import GRIPPERS, Gripper
 from egad.learning import Training
 from egad.map_elites import Evolution
-from egad.measures import Complexity, CustomMeasures, Difficulty, MeasureSpace, SizeEffect
+from egad.measures import Complexity, CustomMeasures, Graspability, MeasureSpace, SizeEffect
 from egad.perception import CAMERAS, Camera, ImageNoise, Render
 from egad.reeb import Similarity
 from egad.sim import LabelAgreement, Lifting, SimulatedLabel, TrialProtocol
@@ -42,11 +42,11 @@ __all__ = [
     "DatasetSection",
     "DetectorConfig",
     "DexNet",
-    "Difficulty",
     "Engraving",
     "Envelope",
     "Evolution",
     "GraspLabel",
+    "Graspability",
     "Gripper",
     "Hole",
     "ImageNoise",

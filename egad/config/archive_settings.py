@@ -18,10 +18,10 @@ def _marks(group: type[Parameters]) -> dict[str, Archived]:
     }
 
 
-# what the difficulties in an archive depend on
+# what the graspability in an archive depends on
 MEASURING = {
     "source",
-    *(name for name, mark in _marks(MeasureParameters).items() if mark.difficulty),
+    *(name for name, mark in _marks(MeasureParameters).items() if mark.graspability),
 }
 
 
@@ -63,15 +63,10 @@ def differences(
 def archive_notes(path: Path) -> dict[str, Any]:
     """What an archive was made with, by dotted names.
 
-    Archives of the first edition do not name the estimator of difficulty: it was the paper's.
-
     Raises:
         TableError: The file is damaged.
     """
-    notes = dict(_flat(parquet.notes(path)))
-    if (grasps := notes.pop("difficulty.grasps", None)) is not None:
-        notes |= {"evolution.estimator": "paper", "evolution.grasps": grasps}
-    return notes
+    return dict(_flat(parquet.notes(path)))
 
 
 def check_provenance(

@@ -20,7 +20,7 @@ def wrong_references(settings: Settings) -> list[str]:
         *unknown_names("targets.detectors", settings.targets.detectors, settings.detectors),
         *unknown_names("targets.clutter", settings.targets.clutter, settings.detectors),
         *unknown_names("render.camera", [settings.render.camera], settings.cameras),
-        *unknown_names("difficulty.gripper", [settings.difficulty.gripper], settings.grippers),
+        *unknown_names("graspability.gripper", [settings.graspability.gripper], settings.grippers),
         *unknown_names(
             "select_eval.gripper",
             [name] if (name := settings.select_eval.gripper) else [],

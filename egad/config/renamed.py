@@ -12,10 +12,14 @@ RENAMED = {
     "training_study": STUDY,
     "training_sets": STUDY,
     "evolution.regrade": "evolution.estimator: sequential, which does more",
-    "difficulty.grasps": "evolution.grasps, for evolution.estimator: paper; else "
-    "difficulty.candidates and evolution.max_candidates",
+    "difficulty": "graspability",
+    "measures.difficulty": "measures.graspability",
+    "space.difficulty_range": "space.graspability_range",
+    "targets.difficulty": "targets.graspability",
+    "graspability.grasps": "evolution.grasps, for evolution.estimator: paper; else "
+    "graspability.candidates and evolution.max_candidates",
     "postprocess.grasps": "postprocess.max_candidates",
-    "difficulty.metric: plain": "difficulty.metric: nominal",
+    "graspability.metric: plain": "graspability.metric: nominal",
     "trials.between": "trials.reset: continue, redrop",
     "trials.engine: auto": "trials.engine: mujoco or pybullet",
     "limits.box_part": "limits.box_fraction",

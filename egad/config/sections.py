@@ -147,8 +147,8 @@ class Targets(Parameters):
     export_objects: ObjectSet = Field(
         EVALUATION_SET, description="objects that exports in formats of objects have"
     )
-    difficulty: bool = Field(
-        False, description="whether to measure the difficulty of all objects for each gripper"
+    graspability: bool = Field(
+        False, description="whether to measure the graspability of all objects for each gripper"
     )
     agreement: bool = Field(
         False, description="whether to execute a sample of the labelled grasps in simulation"

@@ -20,7 +20,7 @@ from egad.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.grippers import GRIPPERS, Gripper
 from egad.learning import Training
 from egad.map_elites import Evolution
-from egad.measures import Complexity, CustomMeasures, Difficulty, MeasureSpace, SizeEffect
+from egad.measures import Complexity, CustomMeasures, Graspability, MeasureSpace, SizeEffect
 from egad.perception import CAMERAS, Camera, ImageNoise, Render
 from egad.reeb import Similarity
 from egad.sim import Clutter, LabelAgreement, SimulatedLabel, TrialProtocol
@@ -51,7 +51,7 @@ class Settings(Parameters):
     space: MeasureSpace = MeasureSpace()
     measures: CustomMeasures = CustomMeasures()
     complexity: Complexity = Complexity()
-    difficulty: Difficulty = Difficulty()
+    graspability: Graspability = Graspability()
     similarity: Similarity = Similarity()
     sampling: Sampling = Sampling()
     quality: Quality = Quality()

@@ -54,7 +54,7 @@ class ViewMesh(LabelParameters):
     rescale: Rescale
 
 
-class DifficultyOfGripper(MeasureParameters):
+class GraspabilityOfGripper(MeasureParameters):
     """Measures of objects for one gripper."""
 
     postprocess: Postprocess
@@ -153,7 +153,7 @@ class DataSheets(StageSettings):
 class Gallery(EvolutionParameters):
     """The gallery: how genomes become shapes, the space, and the gripper of the release."""
 
-    map_gripper: Gripper  # that difficulty is for
+    map_gripper: Gripper  # that graspability is for
     release: Release
 
 
@@ -203,14 +203,14 @@ def select(
     entries = ("gripper", "map_gripper", "camera", "detector")
     names = [name for name in stage.model_fields if name not in entries]
     values = {name: getattr(settings, name) for name in names}
-    if issubclass(stage, MeasureParameters) and settings.difficulty.metric == "nominal":
+    if issubclass(stage, MeasureParameters) and settings.graspability.metric == "nominal":
         values["robust"] = None
     if "gripper" in stage.model_fields:
         chooses = "select_eval" in values
-        own = _narrowest(settings) if chooses else settings.difficulty.gripper
+        own = _narrowest(settings) if chooses else settings.graspability.gripper
         values["gripper"] = settings.grippers[gripper or own]
     if "map_gripper" in stage.model_fields:
-        values["map_gripper"] = settings.grippers[settings.difficulty.gripper]
+        values["map_gripper"] = settings.grippers[settings.graspability.gripper]
     if "camera" in stage.model_fields:
         values["camera"] = settings.cameras[settings.render.camera]
     if "detector" in stage.model_fields:

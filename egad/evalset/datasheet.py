@@ -30,7 +30,7 @@ INTRODUCTION = """# Evaluation set of {dataset}
 {count} of {cells} cells of the grid are filled. Rows A, B, ... go from easy to hard to grasp,
 columns 0, 1, ... from simple to complex. `contact-sheet.pdf` shows all objects on one page.
 {missing}
-| label | object | row | column | complexity, bit | difficulty, 1e-3 | distance to the nearest |
+| label | object | row | column | complexity, bit | graspability, 1e-3 | distance to the nearest |
 | --- | --- | --- | --- | --- | --- | --- |
 """
 REPORTING = """
@@ -79,7 +79,7 @@ def page(
     )
     rows = [
         f"| {row['label']} | {row['object_label']} | {row['row']} | {row['column']} "
-        f"| {row['complexity']:.2f} | {1000 * row['difficulty']:.2f} "
+        f"| {row['complexity']:.2f} | {1000 * row['graspability']:.2f} "
         f"| {_number(row['nearest'], 2)} |"
         for row in parquet.records(chosen)
     ]

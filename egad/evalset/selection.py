@@ -44,7 +44,7 @@ def candidates_by_cell(
 
     A cell without any borrows the object that lies nearest to it, at most `settings.borrow` cells
     away, unless it is the last of its own cell. That counts as in the borrowing cell only. Where
-    the difficulty of some objects is certain, the others of their cell are no candidates.
+    the graspability of some objects is certain, the others of their cell are no candidates.
 
     Args:
         objects: Columns of `tables.objects.OBJECTS`.
@@ -72,7 +72,7 @@ def candidates_by_cell(
 
 def coarse_cells(objects: pd.DataFrame, settings: SelectEval, space: MeasureSpace) -> Ints:
     """The number of the cell that each object lies in, row by row, (n,)."""
-    rows = difficulty_cells(objects["difficulty"], space, settings.rows)
+    rows = difficulty_cells(objects["graspability"], space, settings.rows)
     return rows * settings.columns + complexity_cells(
         objects["complexity"], space, settings.columns
     )
@@ -80,9 +80,9 @@ def coarse_cells(objects: pd.DataFrame, settings: SelectEval, space: MeasureSpac
 
 def _positions(objects: pd.DataFrame, settings: SelectEval, space: MeasureSpace) -> Floats:
     """Row and column of each object, (n, 2), as numbers that grow through the cells."""
-    easy, hard = space.difficulty_range[::-1]
+    easy, hard = space.graspability_range[::-1]
     simple, complicated = space.complexity_range
-    rows = (objects["difficulty"].to_numpy(dtype=np.float64) - easy) / (hard - easy)
+    rows = (objects["graspability"].to_numpy(dtype=np.float64) - easy) / (hard - easy)
     columns = (objects["complexity"].to_numpy(dtype=np.float64) - simple) / (complicated - simple)
     positions: Floats = np.clip(np.column_stack([rows, columns]), 0, 1)
     return positions * [settings.rows, settings.columns]

@@ -18,7 +18,7 @@ from egad.exchange.hdf5 import add_array, add_group
 from egad.geometry import DistanceField, StablePose
 
 UNTIMED = "01-01-1980-00h-00m-00s"  # same input, same bytes
-MEASURES = ("complexity", "difficulty", "complexity_cell", "difficulty_cell", "diversity")
+MEASURES = ("complexity", "graspability", "complexity_cell", "difficulty_cell", "diversity")
 GRASP_TYPE, FRAME = "ParallelJawPtGrasp3D", "object"
 _TEXT = h5py.string_dtype()  # Dex-Net compares strings, and would get bytes from a fixed length
 

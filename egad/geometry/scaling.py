@@ -95,7 +95,7 @@ def scale_factor(rule: str, sides: Floats, opening: float, side_fraction: float)
     """The factor that a rule scales an object by.
 
     Source: `paper`: EGAD, section IV; `egad-script`: EGAD's released script; `exact`: what EGAD's
-    difficulty measure does.
+    graspability measure does.
 
     Args:
         rule: `paper`: the smallest side becomes at most the fraction of the opening, smaller

@@ -36,5 +36,5 @@ from .sampler import sample_contacts as sample_contacts
 from .sampler import valid_contacts as valid_contacts
 from .simulated import SHAKEN_AND_HELD as SHAKEN_AND_HELD
 from .simulated import held_when_shaken as held_when_shaken
-from .simulated import simulated_difficulty as simulated_difficulty
+from .simulated import simulated_graspability as simulated_graspability
 from .simulated import with_outcome as with_outcome

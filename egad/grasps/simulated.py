@@ -28,7 +28,7 @@ def held_when_shaken(grasps: pd.DataFrame) -> NDArray[np.bool_]:
     return grasps["simulated_outcome"].isin(SHAKEN_AND_HELD).to_numpy(dtype=bool)
 
 
-def simulated_difficulty(grasps: pd.DataFrame) -> pd.DataFrame:
+def simulated_graspability(grasps: pd.DataFrame) -> pd.DataFrame:
     """How often the simulated grasps of each object held (ours).
 
     Args:
@@ -37,8 +37,8 @@ def simulated_difficulty(grasps: pd.DataFrame) -> pd.DataFrame:
 
     Returns:
         One row per object that has any, sorted by label: `id`, `label`, `n_simulated`;
-        `simulated_difficulty`, the share that was shaken and lifted and still held, high for easy
-        objects as all difficulties are; `held_shaking`, the share that held while it was shaken,
+        `simulated_graspability`, the share that was shaken and lifted and still held, high for easy
+        objects as graspability is; `held_shaking`, the share that held while it was shaken,
         which is ACRONYM's success; `simulated_engine`.
     """
     known = grasps[grasps["simulated_success"].notna()]
@@ -48,7 +48,7 @@ def simulated_difficulty(grasps: pd.DataFrame) -> pd.DataFrame:
     )
     found = marked.groupby(["label", "id"], as_index=False).agg(
         n_simulated=("success", "size"),
-        simulated_difficulty=("success", "mean"),
+        simulated_graspability=("success", "mean"),
         held_shaking=("shaken", "mean"),
         simulated_engine=("simulated_engine", "first"),
     )

@@ -10,7 +10,7 @@ from egad.cppn import Row
 from egad.errors import UserError
 from egad.tables.evolution import GENOME
 
-MEASURES = ["complexity", "difficulty"]
+MEASURES = ["complexity", "graspability"]
 
 
 class Lineage:

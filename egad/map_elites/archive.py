@@ -32,15 +32,15 @@ class Elite:
     genome: Row
     voxels: bytes
     complexity: float
-    difficulty: float
+    graspability: float
     graph: reeb.ReebGraph
     parents: tuple[str, ...]
     epoch: int
-    difficulty_std: float = math.nan
+    graspability_std: float = math.nan
     cell_confidence: float = math.nan
 
     def __repr__(self) -> str:
-        measures = f"complexity {self.complexity:.4g}, difficulty {self.difficulty:.4g}"
+        measures = f"complexity {self.complexity:.4g}, graspability {self.graspability:.4g}"
         return f"Elite({self.id!r}: {measures})"
 
     def row(self) -> dict[str, Any]:
@@ -49,8 +49,8 @@ class Elite:
             "id": self.id,
             **self.genome,
             "complexity": self.complexity,
-            "difficulty": self.difficulty,
-            "difficulty_std": self.difficulty_std,
+            "graspability": self.graspability,
+            "graspability_std": self.graspability_std,
             "cell_confidence": self.cell_confidence,
             "parents": list(self.parents),
             "epoch": self.epoch,
@@ -103,7 +103,7 @@ class Archive:
     def _ranges(self) -> tuple[str, str]:
         """The ranges of the measures in words."""
         low, high = self.space.complexity_range
-        hard, easy = self.space.difficulty_range
+        hard, easy = self.space.graspability_range
         return f"{low:g} to {high:g}", f"{hard:g} to {easy:g}"
 
     def plot(self, measures: tuple[str, str] | None = None) -> Picture:
@@ -111,7 +111,7 @@ class Archive:
 
         Args:
             measures: Names of the two measures, if they are your own. The first one ascends to the
-                right, the second one downwards. By default, complexity and difficulty.
+                right, the second one downwards. By default, complexity and graspability.
 
         Returns:
             A picture that a notebook shows; `save("map.svg")` writes it.
@@ -153,7 +153,7 @@ class Archive:
 
     def cell(self, elite: Elite) -> Cell:
         """The cell that an object belongs to: (complexity, difficulty)."""
-        return cell_of(elite.complexity, elite.difficulty, self.space)
+        return cell_of(elite.complexity, elite.graspability, self.space)
 
     def add(self, candidates: Iterable[Elite], refine: Refine | None = None) -> None:
         """Insert objects, then remove elites until every cell fits.
@@ -286,11 +286,11 @@ def elites_of(frame: pd.DataFrame) -> list[Elite]:
             genome={name: row[name] for name in GENOME.names},
             voxels=row["voxels"],
             complexity=row["complexity"],
-            difficulty=row["difficulty"],
+            graspability=row["graspability"],
             graph=reeb.unpack(row["graph"]),
             parents=tuple(row["parents"]),
             epoch=row["epoch"],
-            difficulty_std=row["difficulty_std"],
+            graspability_std=row["graspability_std"],
             cell_confidence=row["cell_confidence"],
         )
         for row in parquet.records(frame)
@@ -320,14 +320,15 @@ def ribs_frame(archive: pd.DataFrame, space: MeasureSpace) -> pd.DataFrame:
     """The elites with the columns of a pyribs `ArchiveDataFrame`, for its tools.
 
     Args:
-        archive: One row per elite, with the columns `id`, `complexity`, `difficulty`, `diversity`,
-            `complexity_cell` and `difficulty_cell`, as in `archive.parquet` or `Dataset.table`.
+        archive: One row per elite, with the columns `id`, `complexity`, `graspability`,
+            `diversity`, `complexity_cell` and `difficulty_cell`, as in `archive.parquet` or
+            `Dataset.table`.
         space: Its cells.
 
     Returns:
-        One row per elite: `index` (of its cell: along complexity, then difficulty, both from the
-        low end), `objective` (its diversity), `measures_0` (complexity), `measures_1` (difficulty,
-        high is easy), `id`. Unlike in pyribs, a cell may have several rows.
+        One row per elite: `index` (of its cell: along complexity, then graspability, both from the
+        low end), `objective` (its diversity), `measures_0` (complexity), `measures_1`
+        (graspability, high is easy), `id`. Unlike in pyribs, a cell may have several rows.
     """
     rows = space.cells - 1 - archive["difficulty_cell"].to_numpy()  # the low end is hard
     shape = (space.cells, space.cells)
@@ -336,7 +337,7 @@ def ribs_frame(archive: pd.DataFrame, space: MeasureSpace) -> pd.DataFrame:
             "index": np.ravel_multi_index((archive["complexity_cell"].to_numpy(), rows), shape),
             "objective": archive["diversity"].to_numpy(),
             "measures_0": archive["complexity"].to_numpy(),
-            "measures_1": archive["difficulty"].to_numpy(),
+            "measures_1": archive["graspability"].to_numpy(),
             "id": archive["id"].to_numpy(),
         }
     )

@@ -8,8 +8,8 @@ from egad.cppn import Row, Rules, grow, packed_surface, voxels
 from egad.errors import RejectedError
 from egad.map_elites.archive import Elite
 from egad.map_elites.parameters import EvolutionParameters
-from egad.measures import Estimate, measure_mesh, rough_difficulty, spaced_difficulty
-from egad.measures.difficulty import difficulty
+from egad.measures import Estimate, measure_mesh, rough_graspability, spaced_graspability
+from egad.measures.graspability import graspability
 from egad.random import generator
 from egad.reeb import graph as reeb
 
@@ -27,7 +27,7 @@ class Measured:
     """The measures of a solid."""
 
     complexity: float
-    difficulty: float
+    graspability: float
     graph: reeb.ReebGraph
 
 
@@ -56,21 +56,22 @@ def measure(solid: GenomeVoxels, settings: EvolutionParameters) -> Measured | st
         graph = reeb.extract(mesh, settings.similarity)
     except RejectedError as error:
         return str(error)
-    return Measured(place.complexity, place.difficulty, graph)
+    return Measured(place.complexity, place.graspability, graph)
 
 
 def first_estimate(solid_id: str, settings: EvolutionParameters) -> Estimate:
-    """The paper's estimate of the difficulty of a solid, or a rough one that `refine` replaces."""
+    """The paper's estimate of the graspability of a solid, or one that `refine` replaces."""
     if settings.evolution.estimator == "paper":
+        # the purpose is older than the word graspability; another would change all values
         rng = generator(settings.seed, "difficulty", solid_id)
         count = settings.evolution.grasps
-        return partial(spaced_difficulty, settings=settings, count=count, rng=rng)
+        return partial(spaced_graspability, settings=settings, count=count, rng=rng)
     rng = generator(settings.seed, "first estimate", solid_id)
-    return partial(rough_difficulty, settings=settings, rng=rng)
+    return partial(rough_graspability, settings=settings, rng=rng)
 
 
 def refine(elite: Elite, settings: EvolutionParameters) -> Elite | None:
-    """An object with the final estimate of its difficulty; None if there is no grasp.
+    """An object with the final estimate of its graspability; None if there is no grasp.
 
     Its grasps are others than those of the first estimate, whose error may be why the archive
     would keep the object.
@@ -78,12 +79,12 @@ def refine(elite: Elite, settings: EvolutionParameters) -> Elite | None:
     mesh = packed_surface(elite.voxels, settings.shape)
     rng = generator(settings.seed, "difficulty", elite.id)
     try:
-        found = difficulty(mesh, settings, settings.evolution.max_candidates, rng)
+        found = graspability(mesh, settings, settings.evolution.max_candidates, rng)
     except RejectedError:
         return None
     return replace(
         elite,
-        difficulty=found.value,
-        difficulty_std=found.std,
+        graspability=found.value,
+        graspability_std=found.std,
         cell_confidence=found.confidence,
     )

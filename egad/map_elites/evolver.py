@@ -19,13 +19,13 @@ from egad.map_elites.archive import Archive
 from egad.map_elites.evaluation import GenomeVoxels, Measured
 from egad.map_elites.island import Candidate, Island
 from egad.map_elites.parameters import Evolution, EvolutionParameters
-from egad.measures import Difficulty, MeasureSpace, default_measures
+from egad.measures import Graspability, MeasureSpace, default_measures
 from egad.reeb import Similarity
 from egad.reeb import graph as reeb
 
 Measure = Callable[[trimesh.Trimesh], tuple[float, float]]
 SPACE, POPULATION = MeasureSpace(), Evolution().population
-RANGES = SPACE.complexity_range, SPACE.difficulty_range
+RANGES = SPACE.complexity_range, SPACE.graspability_range
 
 
 class Evolver:
@@ -129,7 +129,7 @@ def evolve(
         evaluations: Offspring in all, rounded up to whole steps of `population`.
         seed: The same arguments give the same archive, for any number of jobs.
         measures: From a closed mesh in metres to two numbers; by default EGAD's complexity and
-            difficulty for the gripper `yumi`, as `egad.measure`. With several jobs it must be a
+            graspability for the gripper `yumi`, as `egad.measure`. With several jobs it must be a
             function that can be imported.
         ranges: Lowest and highest value of each measure.
         cells: Cells along each measure.
@@ -177,12 +177,12 @@ def _parameters(
     space = from_arguments(
         MeasureSpace,
         complexity_range=first,
-        difficulty_range=second,
+        graspability_range=second,
         cells=cells,
         elites_per_cell=elites_per_cell,
     )
     return EvolutionParameters(
-        **dict(default_measures(gripper(Difficulty().gripper), seed)) | {"space": space},
+        **dict(default_measures(gripper(Graspability().gripper), seed)) | {"space": space},
         evolution=from_arguments(Evolution, population=population),
         neat=Neat(),
         shape=Shape(),

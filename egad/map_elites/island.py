@@ -128,7 +128,7 @@ class Island:
                 `measure`.
         """
         self._evaluate = evaluate or partial(measure, settings=settings)
-        once = evaluate or settings.measures.difficulty or settings.evolution.estimator == "paper"
+        once = evaluate or settings.measures.graspability or settings.evolution.estimator == "paper"
         self._refiner: Refine | None = None if once else self._refine
         self.archive, self.outcomes, self.refined = archive, Counter[str](), 0
         self._unmeasured = Counter[str]()
@@ -276,7 +276,7 @@ def _elite(candidate: Candidate, measured: Measured, epoch: int) -> Elite:
         genome=candidate.offspring.genome,
         voxels=candidate.solid.packed,
         complexity=measured.complexity,
-        difficulty=measured.difficulty,
+        graspability=measured.graspability,
         graph=measured.graph,
         parents=candidate.offspring.parents,
         epoch=epoch,

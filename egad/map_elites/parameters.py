@@ -8,7 +8,9 @@ from egad._util.parameters import SEARCH_ONLY, Archived, Fraction, Parameters
 from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
 from egad.measures import MeasureParameters
 
-ESTIMATE = frozenset({"estimator", "max_candidates", "grasps"})  # decide how difficulty is measured
+ESTIMATE = frozenset(
+    {"estimator", "max_candidates", "grasps"}
+)  # decide how graspability is measured
 
 
 class Evolution(Parameters):
@@ -29,7 +31,7 @@ class Evolution(Parameters):
     restart: Fraction = Field(0.0, description="probability that a child is a new random genome")
     estimator: Literal["sequential", "paper"] = Field(
         "sequential",
-        description="how difficulty is estimated: roughly, then until the cell is certain for "
+        description="how graspability is estimated: roughly, then until the cell is certain for "
         "those that the archive would keep; or from grasps that keep a distance, as in the paper",
     )
     max_candidates: int = Field(

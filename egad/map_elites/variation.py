@@ -92,7 +92,7 @@ def parent_odds(elites: Sequence[Elite], space: MeasureSpace) -> NDArray[np.floa
     plus `LEAST`.
     """
     columns = complexity_cells([elite.complexity for elite in elites], space)
-    rows = difficulty_cells([elite.difficulty for elite in elites], space)
+    rows = difficulty_cells([elite.graspability for elite in elites], space)
     counts = np.zeros((space.cells, space.cells))
     np.add.at(counts, (rows, columns), 1)
     empty = convolve(space.elites_per_cell - counts, np.ones((3, 3)), mode="constant")

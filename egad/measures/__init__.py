@@ -1,4 +1,4 @@
-"""Measures of an object: complexity, grasp difficulty, similarity; the grid they span."""
+"""Measures of an object: complexity, graspability, similarity; the grid they span."""
 
 import lazy_loader
 

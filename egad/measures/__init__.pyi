@@ -1,6 +1,6 @@
 from .attainable import Attainable as Attainable
 from .attainable import attainable_coverage as attainable_coverage
-from .attainable import attainable_difficulty as attainable_difficulty
+from .attainable import attainable_graspability as attainable_graspability
 from .complexity import CoarseMeshWarning as CoarseMeshWarning
 from .complexity import coarse_advice as coarse_advice
 from .complexity import fine_complexity as fine_complexity
@@ -8,12 +8,12 @@ from .complexity import is_coarse as is_coarse
 from .custom import check_measures as check_measures
 from .custom import plugin_name as plugin_name
 from .custom import source_hash as source_hash
-from .difficulty import GraspDifficulty as GraspDifficulty
-from .difficulty import GraspedSize as GraspedSize
-from .difficulty import center_of_mass as center_of_mass
-from .difficulty import grasped_size as grasped_size
-from .difficulty import rough_difficulty as rough_difficulty
-from .difficulty import spaced_difficulty as spaced_difficulty
+from .graspability import GraspabilityEstimate as GraspabilityEstimate
+from .graspability import GraspedSize as GraspedSize
+from .graspability import center_of_mass as center_of_mass
+from .graspability import grasped_size as grasped_size
+from .graspability import rough_graspability as rough_graspability
+from .graspability import spaced_graspability as spaced_graspability
 from .grid import Cell as Cell
 from .grid import cell_name as cell_name
 from .grid import cell_of as cell_of
@@ -32,7 +32,7 @@ from .parameters import MAP_RULE as MAP_RULE
 from .parameters import MAX_CANDIDATES as MAX_CANDIDATES
 from .parameters import Complexity as Complexity
 from .parameters import CustomMeasures as CustomMeasures
-from .parameters import Difficulty as Difficulty
+from .parameters import Graspability as Graspability
 from .parameters import MeasureParameters as MeasureParameters
 from .parameters import MeasureSpace as MeasureSpace
 from .parameters import SizeEffect as SizeEffect

@@ -20,17 +20,17 @@ LEANS, HEIGHTS = 500, 81  # steps of the model
 
 
 class Attainable(NamedTuple):
-    """What the measure of difficulty leaves to objects.
+    """What the measure of graspability leaves to objects.
 
     Attributes:
-        quality: No grasp has a higher quality; infinite if difficulty is not the nominal quality.
-        difficulty: No higher percentile is expected of an object as thick as its box; or infinite.
-        rows: So many of the easiest rows lie above that difficulty.
-        edge: The lowest difficulty of these rows.
+        quality: No grasp has a higher quality; infinite if graspability is not the nominal quality.
+        graspability: The highest that is expected, of an object as thick as its box; or infinite.
+        rows: So many of the easiest rows lie above that graspability.
+        edge: The lowest graspability of these rows.
     """
 
     quality: float
-    difficulty: float
+    graspability: float
     rows: int
     edge: float
 
@@ -43,7 +43,7 @@ class Attainable(NamedTuple):
         return f"row{'s' * (self.rows - 1)} {' and '.join(names)}" if names else ""
 
 
-def attainable_difficulty(settings: MeasureParameters) -> Attainable:
+def attainable_graspability(settings: MeasureParameters) -> Attainable:
     """The highest quality of a grasp, and the percentile that is expected at most.
 
     The percentile is that of a model, in which every grasp spans the smallest side of the box and
@@ -54,14 +54,14 @@ def attainable_difficulty(settings: MeasureParameters) -> Attainable:
     Args:
         settings: Gripper, cone of the sampler, contact model, percentile, and the cells.
     """
-    if settings.measures.difficulty or settings.robust is not None:
+    if settings.measures.graspability or settings.robust is not None:
         return Attainable(math.inf, math.inf, 0, math.inf)
-    side = settings.difficulty.side_fraction * settings.gripper.opening
+    side = settings.graspability.side_fraction * settings.gripper.opening
     leans = settings.sampling.cone * (np.arange(LEANS) + 0.5) / LEANS
     heights = np.linspace(0, side, HEIGHTS)
     qualities = np.array([_qualities(height, leans, settings.quality) for height in heights])
     from_both = np.concatenate([qualities, qualities[::-1]], axis=1)  # either contact is the first
-    percent = settings.difficulty.percentile
+    percent = settings.graspability.percentile
     highest = max(percentile(each, percent) for each in from_both)
     best = float(_qualities(0.0, np.zeros(1), settings.quality)[0])
     edges = _row_edges(settings.space)
@@ -75,7 +75,7 @@ def attainable_coverage(objects: pd.DataFrame, space: MeasureSpace, rows: int) -
     Args:
         objects: Columns complexity_cell and difficulty_cell.
         space: The cells.
-        rows: How many rows are left out: see `attainable_difficulty`.
+        rows: How many rows are left out: see `attainable_graspability`.
     """
     filled = np.minimum(cell_counts(objects, space), space.elites_per_cell)[rows:]
     return float(filled.sum() / (filled.size * space.elites_per_cell))
@@ -93,7 +93,7 @@ def _qualities(height: float, leans: Floats, rules: Quality) -> Floats:
 
 
 def _row_edges(space: MeasureSpace) -> Floats:
-    """The lowest difficulty of each row, the easiest first, without the last, which has no end."""
-    low, high = space.difficulty_range
+    """The lowest graspability of each row, the easiest first, without the last row."""
+    low, high = space.graspability_range
     edges: Floats = high - (high - low) * np.arange(1, space.cells) / space.cells
     return edges

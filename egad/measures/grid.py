@@ -1,4 +1,4 @@
-"""The space that objects are spread over: cells of complexity and difficulty, and their names."""
+"""The space that objects are spread over: cells of complexity and graspability, and their names."""
 
 import math
 import string
@@ -28,23 +28,25 @@ def complexity_cells(complexity: ArrayLike, space: MeasureSpace, count: int | No
     return cells(complexity, *space.complexity_range, count or space.cells)
 
 
-def difficulty_cells(difficulty: ArrayLike, space: MeasureSpace, count: int | None = None) -> Cells:
-    """Cells along difficulty, 0 = easiest, that is, of the highest grasp quality."""
+def difficulty_cells(
+    graspability: ArrayLike, space: MeasureSpace, count: int | None = None
+) -> Cells:
+    """Cells along graspability, 0 = easiest, that is, of the highest grasp quality."""
     count = count or space.cells
-    return count - 1 - cells(difficulty, *space.difficulty_range, count)
+    return count - 1 - cells(graspability, *space.graspability_range, count)
 
 
-def difficulty_limits(difficulty: float, space: MeasureSpace) -> tuple[float, float]:
-    """The least and the largest difficulty of a cell; infinite at the ends of the range."""
-    (low, high), count = space.difficulty_range, space.cells
-    cell = int(cells(difficulty, low, high, count))
+def graspability_limits(graspability: float, space: MeasureSpace) -> tuple[float, float]:
+    """The least and the largest graspability of a cell; infinite at the ends of the range."""
+    (low, high), count = space.graspability_range, space.cells
+    cell = int(cells(graspability, low, high, count))
     below, above = (low + (high - low) * edge / count for edge in (cell, cell + 1))
     return below if cell > 0 else -math.inf, above if cell < count - 1 else math.inf
 
 
-def cell_of(complexity: float, difficulty: float, space: MeasureSpace) -> Cell:
+def cell_of(complexity: float, graspability: float, space: MeasureSpace) -> Cell:
     """The cell of an object: (complexity, difficulty)."""
-    return int(complexity_cells(complexity, space)), int(difficulty_cells(difficulty, space))
+    return int(complexity_cells(complexity, space)), int(difficulty_cells(graspability, space))
 
 
 def cell_name(complexity_cell: int, difficulty_cell: int) -> str:

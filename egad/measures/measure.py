@@ -1,4 +1,4 @@
-"""Where an object lies in the space: its complexity and its difficulty."""
+"""Where an object lies in the space: its complexity and its graspability."""
 
 import hashlib
 import math
@@ -12,7 +12,7 @@ import trimesh
 from egad.geometry import check_mesh
 from egad.measures.complexity import complexity, fine_complexity
 from egad.measures.custom import plugin_value
-from egad.measures.difficulty import GraspDifficulty, difficulty
+from egad.measures.graspability import GraspabilityEstimate, graspability
 from egad.measures.parameters import MeasureParameters
 from egad.random import generator
 
@@ -22,8 +22,8 @@ class MeasureValues(NamedTuple):
 
     Attributes:
         complexity: Entropy of the angular deficits, bits; or the user's own measure.
-        difficulty: Percentile of grasp quality; high is easy. Or the user's own measure.
-        difficulty_std: Standard error of the percentile; NaN for a measure of the user.
+        graspability: Percentile of grasp quality; high is easy. Or the user's own measure.
+        graspability_std: Standard error of the percentile; NaN for a measure of the user.
         cell_confidence: Probability that the percentile of all grasps lies in the same cell; NaN
             for a measure of the user.
         grasps: How many grasps the percentile was taken from; 0 for a measure of the user.
@@ -32,14 +32,14 @@ class MeasureValues(NamedTuple):
     """
 
     complexity: float
-    difficulty: float
-    difficulty_std: float
+    graspability: float
+    graspability_std: float
     cell_confidence: float
     grasps: int
     fine_complexity: float = math.nan
 
 
-Estimate = Callable[[trimesh.Trimesh], GraspDifficulty]
+Estimate = Callable[[trimesh.Trimesh], GraspabilityEstimate]
 
 
 def measure_mesh(
@@ -50,7 +50,7 @@ def measure_mesh(
     Args:
         mesh: One body, wound outwards, of any size.
         settings: What the measures depend on.
-        estimate: Gives the difficulty of a mesh, unless it is a measure of the user.
+        estimate: Gives the graspability of a mesh, unless it is a measure of the user.
 
     Raises:
         RejectedError: The mesh cannot be measured, or has no grasp.
@@ -58,8 +58,8 @@ def measure_mesh(
     """
     axes = settings.measures
     along = (
-        GraspDifficulty(plugin_value(axes.difficulty, mesh, axes), math.nan, math.nan, 0)
-        if axes.difficulty
+        GraspabilityEstimate(plugin_value(axes.graspability, mesh, axes), math.nan, math.nan, 0)
+        if axes.graspability
         else estimate(mesh)
     )
     across = (
@@ -94,7 +94,7 @@ def measure_repeatably(
     triangles = hashlib.sha256(np.asarray(mesh.faces, "<i8").tobytes()).hexdigest()
     rng = generator(settings.seed, "regrade", triangles)
     estimate = partial(
-        difficulty, settings=settings, max_candidates=max_candidates, rng=rng, factor=factor
+        graspability, settings=settings, max_candidates=max_candidates, rng=rng, factor=factor
     )
     values = measure_mesh(mesh, settings, estimate)
     if settings.measures.complexity:

@@ -26,7 +26,7 @@ from egad.grasps import Quality, Robust, Sampling
 from egad.grippers import Gripper
 from egad.reeb import Similarity
 
-MAX_CANDIDATES = 32768  # of the final estimate of difficulty
+MAX_CANDIDATES = 32768  # of the final estimate of graspability
 MAP_RULE: ScaleRule = "exact"  # at this size the objects of the map are measured
 BINS = 512  # of the histogram of angular deficits
 
@@ -37,9 +37,9 @@ class MeasureSpace(Parameters):
     complexity_range: Range = Field(
         (1.0, 5.0), description="range of complexity that the cells cover"
     )
-    difficulty_range: Range = Field(
+    graspability_range: Range = Field(
         (0.0005, 0.004),
-        description="range of difficulty (a grasp quality: high is easy) that the cells cover",
+        description="range of graspability (a grasp quality: high is easy) that the cells cover",
     )
     cells: int = Field(25, ge=1, le=26, description="cells along each axis")
     elites_per_cell: int = Field(
@@ -50,21 +50,21 @@ class MeasureSpace(Parameters):
     )
     confidence: Fraction = Field(
         0.99,
-        description="a cell is certain for an object whose difficulty lies in it with at least "
+        description="a cell is certain for an object whose graspability lies in it with at least "
         "this probability; 0: every cell is",
     )
 
     @model_validator(mode="after")
     def _ranges_ascend(self) -> Self:
-        check_ascending(self, "complexity_range", "difficulty_range")
+        check_ascending(self, "complexity_range", "graspability_range")
         return self
 
 
-AXES = ("complexity", "difficulty")
+AXES = ("complexity", "graspability")
 
 
 class CustomMeasures(Parameters):
-    """Your own measures as axes of the space, instead of complexity or difficulty.
+    """Your own measures as axes of the space, instead of complexity or graspability.
 
     `FILE.py:FUNCTION` or `package.module:FUNCTION` names a function that takes a closed
     `trimesh.Trimesh` in metres and returns a number.
@@ -73,8 +73,8 @@ class CustomMeasures(Parameters):
     # Another key is a parameter of the measures whose function has an argument of that name.
 
     complexity: UserPath = Field("", description="replaces complexity; empty: none")
-    difficulty: UserPath = Field(
-        "", description="replaces difficulty, high values in row A; empty: none"
+    graspability: UserPath = Field(
+        "", description="replaces graspability, high values in row A; empty: none"
     )
 
     @model_validator(mode="after")
@@ -102,8 +102,8 @@ class Complexity(Parameters):
     bins: int = Field(BINS, ge=2, description="histogram bins over [-2 pi, 2 pi)")
 
 
-class Difficulty(Parameters):
-    """Grasp difficulty: a percentile of the quality of sampled grasps. High values are easy."""
+class Graspability(Parameters):
+    """Graspability: a percentile of the quality of sampled grasps. High values are easy."""
 
     gripper: Name = Field(
         "yumi", description="gripper that grasps are sampled for, from the table of grippers"
@@ -151,13 +151,13 @@ class SizeEffect(Parameters):
 class MeasureParameters(ParameterGroup):
     """The settings that the measures of an object depend on."""
 
-    seed: Annotated[Seed, Archived(difficulty=False)]
+    seed: Annotated[Seed, Archived(graspability=False)]
     gripper: Annotated[Gripper, Archived(keys=frozenset({"opening"}))]  # the rest is for the hand
     measures: CustomMeasures
-    complexity: Annotated[Complexity, Archived(difficulty=False)]
-    difficulty: Difficulty
-    space: Annotated[MeasureSpace, Archived(difficulty=False)]
-    similarity: Annotated[Similarity, Archived(difficulty=False)]
+    complexity: Annotated[Complexity, Archived(graspability=False)]
+    graspability: Graspability
+    space: Annotated[MeasureSpace, Archived(graspability=False)]
+    similarity: Annotated[Similarity, Archived(graspability=False)]
     sampling: Sampling
     quality: Quality
     robust: Robust | None  # none if the metric is nominal: then its settings do not matter
@@ -179,7 +179,7 @@ def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
         gripper=gripper,
         measures=CustomMeasures(),
         complexity=Complexity(),
-        difficulty=Difficulty(),
+        graspability=Graspability(),
         space=MeasureSpace(),
         similarity=Similarity(),
         sampling=Sampling(),

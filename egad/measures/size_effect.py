@@ -13,7 +13,7 @@ import trimesh
 
 from egad.geometry import RayCaster, box_sides
 from egad.grasps import ferrari_canny, sample_contacts
-from egad.measures.difficulty import center_of_mass
+from egad.measures.graspability import center_of_mass
 from egad.measures.parameters import SizeEffectParameters
 from egad.measures.percentile import percentile
 from egad.random import generator

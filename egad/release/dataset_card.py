@@ -138,7 +138,7 @@ value is missing where the engine could not tell. Only collision-free grasps wer
 most {most} of each object are listed, so the share that held is not that of random grasps.
 `quality` and `robust_quality` are computed from the contacts, not simulated.
 
-`difficulty` is a percentile of grasp quality and high for easy objects. `difficulty_std` is its
+`graspability` is a percentile of grasp quality and high for easy objects. `graspability_std` is its
 standard error, and `cell_confidence` the probability that the object lies in its cell. Cells count
 from 0 = simplest and 0 = easiest.
 

@@ -69,13 +69,15 @@ class AxisPair(NamedTuple):
 COMPLEXITY = MeasureAxis(
     "shape complexity", "complexity", "simple", "complex", "complexity", " bit"
 )
-DIFFICULTY = MeasureAxis("grasp difficulty", "difficulty", "easy", "hard", "quality", " 1e-3", 1000)
+DIFFICULTY = MeasureAxis(
+    "grasp difficulty", "difficulty", "easy", "hard", "graspability", " 1e-3", 1000
+)
 USUAL = AxisPair(COMPLEXITY, DIFFICULTY)
 
 
 def axis_pair(axes: CustomMeasures) -> AxisPair:
-    """The axes that a configuration asks for; high values of difficulty come first."""
-    return named_axes(plugin_name(axes.complexity), plugin_name(axes.difficulty))
+    """The axes that a configuration asks for; high graspability comes first."""
+    return named_axes(plugin_name(axes.complexity), plugin_name(axes.graspability))
 
 
 def named_axes(across: str | None, upwards: str | None) -> AxisPair:
@@ -83,7 +85,8 @@ def named_axes(across: str | None, upwards: str | None) -> AxisPair:
 
     Args:
         across: Name of the first measure; None or empty: complexity.
-        upwards: Name of the second measure; None or empty: difficulty.
+        upwards: Name of the second measure; None or empty: graspability, along the axis of
+            difficulty.
     """
     return AxisPair(
         MeasureAxis(across, across, "low", "high", across) if across else COMPLEXITY,

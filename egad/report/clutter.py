@@ -59,7 +59,7 @@ def clutter_view(
 
     Args:
         tables: Columns of `tables.clutter.CLUTTER`, by detector.
-        objects: Columns id, complexity and difficulty of the objects in the scenes.
+        objects: Columns id, complexity and graspability of the objects in the scenes.
         pictures: PNGs of scenes, by kind.
     """
     return ClutterView(

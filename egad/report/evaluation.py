@@ -112,7 +112,7 @@ def section(
     Args:
         views: From `evaluation_view`, by dataset.
         axes: What the axes of the space are called.
-        percentile: Which percentile of grasp quality difficulty is, percent; None if another
+        percentile: Which percentile of grasp quality graspability is, percent; None if another
             measure is in its place.
         gripper: Name of the gripper of the 3D viewer.
         named: Whether to write the name of each dataset.

@@ -25,14 +25,14 @@ EMPTY, FULL = np.array([255, 255, 255]), np.array([11, 92, 173])
 
 @dataclass(frozen=True)
 class ReEvaluation:
-    """How the objects of an archive moved when their difficulty was measured again.
+    """How the objects of an archive moved when their graspability was measured again.
 
     Attributes:
         stayed: Part of the objects that stayed in their cell.
         by_one: Part that moved by one cell.
         by_more: Part that moved further.
         mean: Mean move towards hard, cells.
-        before: Coverage by the first difficulty.
+        before: Coverage by the first graspability.
         after: Coverage by the second one.
     """
 
@@ -90,7 +90,7 @@ def section(
         space: The cells.
         axes: What the axes of the space are called.
         limit: Which rows objects are expected in.
-        sampled: Whether difficulty comes from sampled grasps, not from a measure of the user.
+        sampled: Whether graspability comes from sampled grasps, not from a measure of the user.
         islands: How many evolved side by side.
         named: Whether to write the name of each dataset.
     """
@@ -100,19 +100,19 @@ def section(
 
 
 def re_evaluation(objects: pd.DataFrame, space: MeasureSpace) -> ReEvaluation | None:
-    """How the objects of an archive moved when their difficulty was measured again.
+    """How the objects of an archive moved when their graspability was measured again.
 
     Args:
         objects: Columns of `tables.objects.OBJECTS`.
         space: The cells.
 
     Returns:
-        None if no object was selected by a difficulty.
+        None if no object was selected by its graspability.
     """
-    elites = objects.dropna(subset=["archive_difficulty"])
+    elites = objects.dropna(subset=["archive_graspability"])
     if elites.empty:
         return None
-    before = difficulty_cells(elites["archive_difficulty"], space)
+    before = difficulty_cells(elites["archive_graspability"], space)
     moves = elites["difficulty_cell"].to_numpy() - before
     return ReEvaluation(
         stayed=float((moves == 0).mean()),

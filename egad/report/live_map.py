@@ -136,7 +136,7 @@ def filled_cells(
         picture: Draws an elite, for the attribute `href` of an image.
     """
     columns = complexity_cells([elite.complexity for elite in elites], space)
-    rows = difficulty_cells([elite.difficulty for elite in elites], space)
+    rows = difficulty_cells([elite.graspability for elite in elites], space)
     names = [cell_name(int(column), int(row)) for column, row in zip(columns, rows, strict=True)]
     counts, first = Counter(names), dict[str, Elite]()
     for name, elite in zip(names, elites, strict=True):
@@ -182,7 +182,7 @@ def _objects(count: int) -> str:
 def map_values(cells: Cells, space: MeasureSpace, axes: AxisPair) -> dict[str, Any]:
     """What the template of the map reads beside the size of a cell and a caption."""
     size = range(space.cells)
-    (start, end), (hard, easy) = space.complexity_range, space.difficulty_range
+    (start, end), (hard, easy) = space.complexity_range, space.graspability_range
     return {
         "cells": cells,
         "size": space.cells,

@@ -50,7 +50,7 @@ class SpaceMap:
         low: Mean diversity at the lower end of the color bar; few cells lie below.
         high: Mean diversity at its upper end.
         stops: Colors of the bar, from low to high.
-        details: Objects of each cell by its name: label, id, complexity, difficulty, its
+        details: Objects of each cell by its name: label, id, complexity, graspability, its
             standard error, confidence of the cell, diversity and picture (base64; None for the
             first, which the map shows); then how many more.
         first: Name of the cell whose objects are shown first.
@@ -89,15 +89,15 @@ def legend_of(limit: Attainable, axis: MeasureAxis) -> str:
 
     Args:
         limit: Which rows objects are expected in.
-        axis: Difficulty: what its numbers are called.
+        axis: The axis that points upwards, for the names of its numbers.
     """
     if not limit.rows:
         return ""
     edge, best, most = (
-        f"{axis.factor * value:.2f}" for value in (limit.edge, limit.quality, limit.difficulty)
+        f"{axis.factor * value:.2f}" for value in (limit.edge, limit.quality, limit.graspability)
     )
     return (
-        f"Hatched: no object is expected in {limit.row_names}. Difficulty is a percentile of the "
+        f"Hatched: no object is expected in {limit.row_names}. Graspability is a percentile of the "
         f"quality of grasps. It would have to be {edge} {axis.printed_unit} or more there. A grasp "
         f"has at most {best}, and the percentile of an object that is as thick as its box is "
         f"expected to be at most {most}."
@@ -176,8 +176,8 @@ def _details(group: pd.DataFrame, pictures: Mapping[str, bytes]) -> dict[str, An
                 item["label"],
                 item["id"],
                 _round(item["complexity"], 4),
-                _round(item["difficulty"], 6),
-                _round(item["difficulty_std"], 6),
+                _round(item["graspability"], 6),
+                _round(item["graspability_std"], 6),
                 _round(item["cell_confidence"], 3),
                 _round(item["diversity"], 4),
                 base64.b64encode(picture).decode() or None,

@@ -23,7 +23,7 @@ class DatasetSummary:
         objects: How many it has.
         filled_cells: Cells of the space with at least one object.
         coverage: Part of the archive slots that its objects fill.
-        selected_coverage: The same by the difficulties that evolution selected by; NaN if there
+        selected_coverage: The same by the graspability that evolution selected by; NaN if there
             are none, or none from sampled grasps.
         certain: Part of the objects with a certain cell; NaN if it is not known.
         diversity: Lowest, mean and highest diversity; NaN if it has no objects.

@@ -118,16 +118,19 @@ def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame, thirds: int = 3) -
 
     Args:
         table: Columns of `tables.clutter.CLUTTER`.
-        objects: Columns `id`, `complexity`, `difficulty` of all objects; a high stored difficulty
-            is easy.
+        objects: Columns `id`, `complexity`, `graspability` of all objects.
         thirds: How many bands.
+
+    Returns:
+        Columns axis (`complexity`, `difficulty`), band (1 is the simplest or the easiest),
+        successes, attempts and present.
     """
     tried = table[table["id"] != ""]
     first = table[table["attempt"] == 0]
     there = [name for names in first["present"] for name in names.split()]
     found = []
-    for axis in ("complexity", "difficulty"):
-        rank = objects.set_index("id")[axis].rank(pct=True, ascending=axis == "complexity")
+    for axis, measure in (("complexity", "complexity"), ("difficulty", "graspability")):
+        rank = objects.set_index("id")[measure].rank(pct=True, ascending=axis == "complexity")
         band = np.ceil(rank.reindex(tried["id"]).to_numpy() * thirds)
         band_there = np.ceil(rank.reindex(there).to_numpy() * thirds)
         for number in range(1, thirds + 1):

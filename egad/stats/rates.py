@@ -221,7 +221,7 @@ def object_positions(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) 
             the row of a label stands for difficulty and its column for complexity.
 
     Returns:
-        Columns rate; difficulty, high for hard objects: the grasp quality of the set, negative;
+        Columns rate; difficulty, high for hard objects: minus the graspability of the set;
         and complexity.
     """
     objects = by_object(trials)
@@ -232,7 +232,7 @@ def object_positions(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) 
         table["difficulty"] = [float(row) for row, _ in rows]
         table["complexity"] = [float(column) for _, column in rows]
         return table
-    table["difficulty"] = -known["difficulty"].reindex(table.index)
+    table["difficulty"] = -known["graspability"].reindex(table.index)
     table["complexity"] = known["complexity"].reindex(table.index)
     return table
 

@@ -95,10 +95,10 @@ FINE_COMPLEXITY = column(
     "the triangles are too large for either to mean much",
     "bit",
 )
-DIFFICULTY = column("difficulty", FLOAT, "percentile of grasp quality, high for easy objects")
-DIFFICULTY_STD = column("difficulty_std", FLOAT, "standard error of the difficulty")
+GRASPABILITY = column("graspability", FLOAT, "percentile of grasp quality, high for easy objects")
+GRASPABILITY_STD = column("graspability_std", FLOAT, "standard error of the graspability")
 CELL_CONFIDENCE = column(
-    "cell_confidence", FLOAT, "probability that the exact difficulty lies in the same cell"
+    "cell_confidence", FLOAT, "probability that the exact graspability lies in the same cell"
 )
 CELLS = [
     column("complexity_cell", INT, "cell along complexity, 0 = simplest"),

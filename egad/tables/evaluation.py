@@ -7,8 +7,8 @@ from egad.tables.columns import (
     BOOL,
     CELLS,
     COMPLEXITY,
-    DIFFICULTY,
     FLOAT,
+    GRASPABILITY,
     ID,
     INT,
     LABEL,
@@ -65,7 +65,7 @@ EVAL49 = pa.schema(
             "whether it comes from a neighboring cell, as this one had no object",
         ),
         COMPLEXITY,
-        DIFFICULTY,
+        GRASPABILITY,
         *CELLS,
         column("nearest", FLOAT, "distance to the nearest other object of the set"),
     ]

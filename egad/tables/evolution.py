@@ -8,10 +8,10 @@ from egad.tables.columns import (
     CELL_CONFIDENCE,
     CELLS,
     COMPLEXITY,
-    DIFFICULTY,
-    DIFFICULTY_STD,
     DIVERSITY,
     FLOAT,
+    GRASPABILITY,
+    GRASPABILITY_STD,
     ID,
     INT,
     STRING,
@@ -35,14 +35,17 @@ _ORIGIN = [
     column("parents", pa.list_(STRING), "ids of the parents; empty for a random genome"),
     column("epoch", INT, "epoch in which the object was created"),
 ]
-_ERRORS = [optional(DIFFICULTY_STD), optional(CELL_CONFIDENCE)]  # the first edition has none
+_ERRORS = [
+    optional(GRASPABILITY_STD),
+    optional(CELL_CONFIDENCE),
+]  # archives of other programs may have none
 ARCHIVE = pa.schema(
     [
         ID,
         *GENOME,
         column("voxels", BINARY, "solid voxels, x slowest and z fastest, one bit each"),
         COMPLEXITY,
-        DIFFICULTY,
+        GRASPABILITY,
         *_ERRORS,
         DIVERSITY,
         *CELLS,
@@ -58,7 +61,7 @@ LINEAGE = pa.schema(
         ID,
         *GENOME,
         COMPLEXITY,
-        DIFFICULTY,
+        GRASPABILITY,
         *_ERRORS,
         *_ORIGIN,
         column("island", INT, "island on which the object was created"),

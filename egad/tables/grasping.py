@@ -100,7 +100,7 @@ SIMULATED_OBJECTS = pa.schema(
         LABEL,
         column("n_simulated", INT, "number of simulated grasps with an outcome"),
         column(
-            "simulated_difficulty",
+            "simulated_graspability",
             FLOAT,
             "fraction of them that held when shaken and lifted, high for easy objects",
         ),

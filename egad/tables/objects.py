@@ -8,11 +8,11 @@ from egad.tables.columns import (
     CELL_CONFIDENCE,
     CELLS,
     COMPLEXITY,
-    DIFFICULTY,
-    DIFFICULTY_STD,
     DIVERSITY,
     FINE_COMPLEXITY,
     FLOAT,
+    GRASPABILITY,
+    GRASPABILITY_STD,
     ID,
     INT,
     LABEL,
@@ -32,20 +32,20 @@ _DROPPED = [
         "their part of the volume of all bodies, with holes closed; 0: they have no volume",
     ),
 ]
-_GRASPS = column("grasps", INT, "number of grasps that the difficulty was computed from")
+_GRASPS = column("grasps", INT, "number of grasps that the graspability was computed from")
 SOLIDS = pa.schema(
     [
         ID,
         COMPLEXITY,
         FINE_COMPLEXITY,
-        DIFFICULTY,
-        DIFFICULTY_STD,
+        GRASPABILITY,
+        GRASPABILITY_STD,
         CELL_CONFIDENCE,
         _GRASPS,
         column(
-            "archive_difficulty",
+            "archive_graspability",
             FLOAT,
-            "difficulty measured during evolution, for selection",
+            "graspability measured during evolution, for selection",
         ),
         column("volume", FLOAT, "volume of the solid", "m3"),
         column("area", FLOAT, "surface area", "m2"),
@@ -79,7 +79,7 @@ OBJECTS = pa.schema(
     ]
 )
 
-DIFFICULTIES = pa.schema([LABEL, DIFFICULTY, DIFFICULTY_STD, _GRASPS])
+GRASPABILITIES = pa.schema([LABEL, GRASPABILITY, GRASPABILITY_STD, _GRASPS])
 
 REJECTED = pa.schema(
     [
@@ -95,8 +95,8 @@ MEASURED = pa.schema(
         column("name", STRING, "name of the mesh file"),
         COMPLEXITY,
         FINE_COMPLEXITY,
-        DIFFICULTY,
-        DIFFICULTY_STD,
+        GRASPABILITY,
+        GRASPABILITY_STD,
         *CELLS,
         CELL_CONFIDENCE,
         _GRASPS,
@@ -116,8 +116,8 @@ LOCATED = pa.schema(
     [
         column("name", STRING, "name of the mesh file"),
         COMPLEXITY,
-        DIFFICULTY,
-        DIFFICULTY_STD,
+        GRASPABILITY,
+        GRASPABILITY_STD,
         *CELLS,
         CELL_CONFIDENCE,
         column("complexity_percentile", FLOAT, "percentage of the objects that are simpler", "%"),

@@ -34,6 +34,12 @@ __all__ = [
     "write",
 ]
 _NOTES, _ORIGIN = "egad", "egad-origin"
+OLD = {  # columns of older versions by what they are called now, for messages
+    "graspability": "difficulty",
+    "graspability_std": "difficulty_std",
+    "archive_graspability": "archive_difficulty",
+    "simulated_graspability": "simulated_difficulty",
+}
 
 
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
@@ -89,7 +95,10 @@ def check_columns(path: Path, names: list[str]) -> None:
     """
     found = columns(path)
     if missing := [name for name in names if name not in found]:
-        raise TableError(f"{path}: columns are missing: {', '.join(missing)}{_advice(path)}")
+        old = [f"{OLD[name]} is now {name}" for name in missing if OLD.get(name) in found]
+        renamed = f" ({', '.join(old)})" if old else ""
+        listed = f"{', '.join(missing)}{renamed}"
+        raise TableError(f"{path}: columns are missing: {listed}{_advice(path)}")
 
 
 def _advice(path: Path) -> str:

@@ -18,7 +18,7 @@ from egad.geometry import decompose
 from egad.geometry.repair import repair
 from egad.grasps import LabelParameters, label_grasps
 from egad.grippers import BoxBody
-from egad.measures import MeasureParameters, rough_difficulty
+from egad.measures import MeasureParameters, rough_graspability
 from egad.measures.complexity import complexity
 from egad.perception import Intrinsics, View, camera_above, fuse
 from egad.random import generator
@@ -26,11 +26,11 @@ from egad.reeb import Forest, diversities, extract, similarities
 
 
 def compile_grasps() -> None:
-    """Sampling, quality and collisions of grasps, difficulty; triangles that cross; parts."""
+    """Sampling, quality and collisions of grasps, graspability; triangles that cross; parts."""
     mesh, rng = repair(_example()).mesh, generator(0, "precompile")
     labels = select(Settings(), LabelParameters)
     label_grasps(mesh, mesh.center_mass, labels, rng, BoxBody(labels.gripper))
-    rough_difficulty(mesh, select(Settings(), MeasureParameters), rng)
+    rough_graspability(mesh, select(Settings(), MeasureParameters), rng)
     decompose(mesh, 64, 0.5)
 
 

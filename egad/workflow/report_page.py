@@ -10,7 +10,7 @@ import pandas as pd
 
 from egad.config.settings import Settings
 from egad.config.stages import select
-from egad.measures import Attainable, MeasureParameters, attainable_difficulty
+from egad.measures import Attainable, MeasureParameters, attainable_graspability
 from egad.report import (
     agreement,
     clutter,
@@ -104,7 +104,7 @@ def _sections(report: ReportData) -> Iterator[Section]:
     """All sections, in their order; those without any content are left out."""
     settings, datasets = report.settings, report.datasets
     axes, space = axis_pair(settings.measures), settings.space
-    limit = attainable_difficulty(select(settings, MeasureParameters))
+    limit = attainable_graspability(select(settings, MeasureParameters))
     results = {name: _results(data, settings, axes) for name, data in datasets.items()}
     objects = {name: data.objects for name, data in datasets.items()}
     yield _summary(datasets, results, settings, axes)
@@ -175,7 +175,7 @@ def _evolution(
             settings.space,
             axes,
             limit,
-            sampled=not settings.measures.difficulty,
+            sampled=not settings.measures.graspability,
             islands=settings.schedule.islands,
             named=len(datasets) > 1,
         )
@@ -201,7 +201,7 @@ def _evaluation(
         yield evaluation.section(
             views,
             axes,
-            percentile=None if settings.measures.difficulty else settings.difficulty.percentile,
+            percentile=None if settings.measures.graspability else settings.graspability.percentile,
             gripper=name_of_gripper,
             named=len(datasets) > 1,
         )

@@ -42,9 +42,9 @@ RESULTS = [
     Result("D/rejected.parquet", "rejected objects, with reasons", objects.REJECTED),
     Result("D/meshes/LABEL.obj", "meshes of the objects, in metres"),
     Result(
-        "D/difficulty/G.parquet",
-        "measures of the objects for gripper G (`targets.difficulty`)",
-        objects.DIFFICULTIES,
+        "D/graspability/G.parquet",
+        "measures of the objects for gripper G (`targets.graspability`)",
+        objects.GRASPABILITIES,
     ),
     Result("D/rescaled/G/LABEL.obj", "meshes scaled to gripper G, in metres"),
     Result("D/rescaled/G/scales.parquet", "their scales", grasping.SCALES),

@@ -20,7 +20,7 @@ from egad.cppn import query as cppn
 from egad.map_elites import archive, evaluation, island
 from egad.map_elites.archive import Archive, elites_of
 from egad.map_elites.parameters import EvolutionParameters
-from egad.measures import difficulty
+from egad.measures import graspability
 from egad.measures import measure as coordinates
 from egad.reeb import graph as reeb
 from egad.reeb import neighbors
@@ -33,11 +33,11 @@ STEPS = {
     "voxels": (constraints, "solid"),
     "meshing": (surface, "marching_cubes"),
     "smoothing and scaling": (evaluation, "packed_surface"),
-    "ray caster": (difficulty, "RayCaster"),
-    "grasp sampling": (difficulty, "valid_contacts"),
-    "grasp quality": (difficulty, "ferrari_canny"),
-    "bound on quality": (difficulty, "quality_bound"),
-    "rest of first estimate": (evaluation, "rough_difficulty"),
+    "ray caster": (graspability, "RayCaster"),
+    "grasp sampling": (graspability, "valid_contacts"),
+    "grasp quality": (graspability, "ferrari_canny"),
+    "bound on quality": (graspability, "quality_bound"),
+    "rest of first estimate": (evaluation, "rough_graspability"),
     "rest of refinement": (island, "refine"),
     "complexity": (coordinates, "complexity"),
     "Reeb graph": (reeb, "extract"),

@@ -28,7 +28,7 @@ from egad.map_elites.evaluation import GenomeVoxels, express, measure
 from egad.map_elites.island import evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import breed
-from egad.measures.difficulty import difficulty, rough_difficulty, spaced_difficulty
+from egad.measures.graspability import graspability, rough_graspability, spaced_graspability
 from egad.reeb import graph as reeb
 from egad.reeb.forest import Forest
 from egad.reeb.neighbors import Neighborhood
@@ -185,11 +185,11 @@ def test_hulls_of_scipy():
     rate("quality by scipy's hull", "grasps", facets, len(columns))
 
 
-def test_difficulty(meshes):
+def test_graspability(meshes):
     ways = {
-        "difficulty from 100 grasps with spacing": partial(spaced_difficulty, count=100),
-        "first estimate of difficulty": rough_difficulty,
-        "difficulty, at most 16,384 candidates": partial(difficulty, max_candidates=16384),
+        "graspability from 100 grasps with spacing": partial(spaced_graspability, count=100),
+        "first estimate of graspability": rough_graspability,
+        "graspability, at most 16,384 candidates": partial(graspability, max_candidates=16384),
     }
     for name, way in ways.items():
         estimate = partial(way, settings=EVOLVE, rng=np.random.default_rng(0))

@@ -183,9 +183,9 @@ def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_pat
         table = read(out).set_index("name")
         assert table.columns.tolist() == MEASURED.names[1:]
         assert table.loc["cube", "complexity"] == 0
-        assert table.loc["cube", "difficulty"] == pytest.approx(0.0025, abs=0.0003)
+        assert table.loc["cube", "graspability"] == pytest.approx(0.0025, abs=0.0003)
         assert table.loc["cube", "cell_confidence"] >= 0.99
-        assert 0 < table.loc["cube", "difficulty_std"] < 0.0001
+        assert 0 < table.loc["cube", "graspability_std"] < 0.0001
         assert " ± " in result.stdout
         assert table.loc["broken", "reason"] == "no faces"
 
@@ -219,10 +219,10 @@ def test_measure_takes_a_budget_and_a_configuration(folder, tmp_path):
     assert cube["difficulty_cell"] == 2
 
 
-def test_difficulty_is_for_the_gripper_that_is_named(folder, tmp_path):
+def test_graspability_is_for_the_gripper_that_is_named(folder, tmp_path):
     hand = f"grippers: {{mine: {{file: {box_urdf(tmp_path / 'hand.urdf')}}}}}\n"
     (tmp_path / "hand.yaml").write_text(hand)
-    (tmp_path / "set.yaml").write_text(hand + "difficulty: {gripper: mine}")
+    (tmp_path / "set.yaml").write_text(hand + "graspability: {gripper: mine}")
     given = [folder / "cube.obj", "--units", "cm", "--jobs", 1, "--max-candidates", 200]
     tables = []
     for options in (["hand.yaml", "--gripper", "mine"], ["set.yaml"], ["hand.yaml"]):
@@ -271,7 +271,7 @@ def test_locate_writes_a_page_and_a_table(folder, tmp_path):
     (dataset / "meshes").mkdir(parents=True)
     names = OBJECTS.names
     objects = pd.DataFrame(0, index=range(2), columns=names).assign(
-        id=["1", "2"], label=["A00_0", "B01_0"], complexity=[0.0, 2.0], difficulty=[0.003, 0.001]
+        id=["1", "2"], label=["A00_0", "B01_0"], complexity=[0.0, 2.0], graspability=[0.003, 0.001]
     )
     parquet.write(objects, OBJECTS, dataset / "objects.parquet")
     (dataset / "meshes" / "A00_0.obj").write_text(CUBE)

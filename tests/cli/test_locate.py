@@ -26,7 +26,7 @@ SETTINGS = Settings.model_validate(
     {
         "evolution": {"population": 15, "steps_per_epoch": 2, "max_candidates": 128},
         "shape": {"resolution": 16},
-        "difficulty": {"candidates": 64},
+        "graspability": {"candidates": 64},
         "similarity": {"vertices": 500, "base_count": 12},
         "postprocess": {"max_candidates": 128},
         "space": {"neighbors": 3},
@@ -88,7 +88,7 @@ def test_neighbors_equal_an_exhaustive_search(among, files, placed):
 def test_percentiles_count_what_is_simpler_and_easier(among, placed):
     row, objects = placed[0].iloc[1], among.objects
     simpler = percentileofscore(objects["complexity"], row["complexity"], kind="strict")
-    easier = percentileofscore(-objects["difficulty"], -row["difficulty"], kind="strict")
+    easier = percentileofscore(-objects["graspability"], -row["graspability"], kind="strict")
     assert row["complexity_percentile"] == pytest.approx(simpler)
     assert row["difficulty_percentile"] == pytest.approx(easier)
 

@@ -1,6 +1,5 @@
 import pyarrow as pa
 import pytest
-from foreign_archives import write_first_edition
 
 from egad.config import Settings
 from egad.config.archive_settings import check_provenance, provenance
@@ -27,29 +26,26 @@ def test_the_same_settings_pass(archive):
     check_provenance(archive, select(Settings(), LocateMeshes), ("shape",))
 
 
-def test_the_budget_of_the_difficulty_matters(archive):
+def test_the_budget_of_the_graspability_matters(archive):
     with pytest.raises(UserError, match=r"evolution\.max_candidates: 16384 in the archive, 300"):
         check_provenance(archive, settings(evolution={"max_candidates": 300}))
 
 
-@pytest.fixture
-def first_edition(tmp_path):
-    return write_first_edition(tmp_path / "first.parquet")
-
-
-def test_the_first_edition_goes_on_by_the_estimator_of_the_paper_alone(first_edition):
-    paper = {"evolution": {"estimator": "paper"}}
-    check_provenance(first_edition, settings(**paper))
+def test_the_estimator_and_its_grasps_matter(tmp_path):
+    paper = {"estimator": "paper"}
+    path = tmp_path / "paper.parquet"
+    parquet.write(parquet.empty(EPOCH), EPOCH, path, provenance(settings(evolution=paper)))
+    check_provenance(path, settings(evolution=paper))
     with pytest.raises(UserError, match=r"evolution\.estimator: paper in the archive, sequential"):
-        check_provenance(first_edition, settings())
+        check_provenance(path, settings())
     with pytest.raises(UserError, match=r"evolution\.grasps: 100 in the archive, 50"):
-        check_provenance(first_edition, settings(evolution=paper["evolution"] | {"grasps": 50}))
+        check_provenance(path, settings(evolution=paper | {"grasps": 50}))
 
 
 def test_a_table_with_one_of_the_optional_columns_is_damaged(tmp_path):
-    schema = pa.schema([field for field in ARCHIVE if field.name != "difficulty_std"])
+    schema = pa.schema([field for field in ARCHIVE if field.name != "graspability_std"])
     parquet.write(parquet.empty(schema), schema, tmp_path / "odd.parquet")
-    with pytest.raises(TableError, match="columns are missing: difficulty_std"):
+    with pytest.raises(TableError, match="columns are missing: graspability_std"):
         parquet.read(tmp_path / "odd.parquet", ARCHIVE)
 
 
@@ -88,8 +84,8 @@ def test_other_measures_are_refused_and_both_are_named(archive):
 
 
 def test_the_robust_metric_against_the_plain_one_is_refused(archive):
-    with pytest.raises(UserError, match=r"difficulty\.metric: nominal in the archive, robust in"):
-        check_provenance(archive, settings(difficulty={"metric": "robust"}))
+    with pytest.raises(UserError, match=r"graspability\.metric: nominal in the archive, robust in"):
+        check_provenance(archive, settings(graspability={"metric": "robust"}))
 
 
 def test_only_what_is_asked_for_counts(archive):

@@ -113,7 +113,7 @@ def test_paper_is_table_two():
     assert (steps, steps * paper.evolution.population) == (2000, 200_000)
     assert paper.schedule.islands == 1
     assert (paper.space.cells, paper.space.elites_per_cell, paper.space.neighbors) == (25, 4, 10)
-    assert paper.space.difficulty_range == (0.0005, 0.004)
+    assert paper.space.graspability_range == (0.0005, 0.004)
     assert paper.space.complexity_range == (1, 5)
     assert paper.evolution.crossover_probability == 0.5
     assert (paper.complexity.bins, paper.evolution.grasps) == (512, 100)
@@ -134,7 +134,7 @@ def test_full_is_the_default_search_with_the_evaluations_of_the_paper():
     assert steps * full.evolution.population == 200_000
     changed = full.evolution.model_copy(update={"steps_per_epoch": usual.evolution.steps_per_epoch})
     assert changed == usual.evolution
-    assert (full.difficulty, full.space) == (usual.difficulty, usual.space)
+    assert (full.graspability, full.space) == (usual.graspability, usual.space)
 
 
 def test_paper_states_every_parameter_of_table_two_itself():
@@ -142,7 +142,7 @@ def test_paper_states_every_parameter_of_table_two_itself():
     stated = load("paper.yaml")
     for section, key in [
         ("evolution", "population"),
-        ("space", "difficulty_range"),
+        ("space", "graspability_range"),
         ("evolution", "grasps"),
         ("complexity", "bins"),
         ("shape", "resolution"),

@@ -125,7 +125,7 @@ def test_everything_that_is_missing_is_said_at_once(folder):
                 "detectors": ["own"],
                 "exports": ["isaac_grasp"],
             },
-            "difficulty": {"gripper": "wide"},
+            "graspability": {"gripper": "wide"},
         }
     )
     starts = [
@@ -147,7 +147,7 @@ def test_everything_that_is_missing_is_said_at_once(folder):
 def test_nothing_is_asked_of_what_no_target_uses():
     unused = {
         "grippers": {"egad_75mm": {"opening": 0.075}, "lost": {"opening": 0.1, "mesh": "gone.stl"}},
-        "difficulty": {"gripper": "egad_75mm"},
+        "graspability": {"gripper": "egad_75mm"},
         "detectors": {
             "antipodal-depth": {"detector": "antipodal-depth"},
             "lost": {"detector": "gone.py:Own"},

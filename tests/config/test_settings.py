@@ -50,7 +50,7 @@ def test_settings_cannot_be_changed():
         {"datasets": {"egad": {"source": "primitives", "objects": 5, "units": "m"}}},
         {"datasets": {"egad": {"source": "evolved", "objects": 5}}},
         {"datasets": {"egad": {"source": "archive", "archive": "released", "objects": 5}}},
-        {"space": {"difficulty_range": [0.004, 0.0005]}},
+        {"space": {"graspability_range": [0.004, 0.0005]}},
         {"space": {"complexity_range": [1, 1]}},
         {"limits": {"aspect_ratio": [3, 2]}},
         {"limits": {"box_fraction": [0.2, 1.2]}},
@@ -64,7 +64,7 @@ def test_settings_cannot_be_changed():
         {"render": {"validation": 0.5, "test": 0.5}},
         {"cameras": {"mine": {"focal": [0, 400], "distance": [0.6, 0.6], "tilt": [0, 0]}}},
         {"cameras": {"mine": {"focal": [400, 400], "distance": [0.7, 0.6], "tilt": [0, 0]}}},
-        {"measures": {"difficulty": "measures.py:two words"}},
+        {"measures": {"graspability": "measures.py:two words"}},
     ],
 )
 def test_settings_that_contradict_each_other_are_refused(wrong):
@@ -99,12 +99,12 @@ def stage_models(base):
     return [base, *models]
 
 
-def test_a_stage_gets_the_gripper_by_name_and_else_that_of_the_difficulty():
+def test_a_stage_gets_the_gripper_by_name_and_else_that_of_the_graspability():
     settings = Settings()
     assert select(settings, RescaleMeshes, "panda").gripper == settings.grippers["panda"]
     assert (
         select(settings, EvolutionParameters).gripper
-        == settings.grippers[settings.difficulty.gripper]
+        == settings.grippers[settings.graspability.gripper]
     )
 
 

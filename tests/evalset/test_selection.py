@@ -38,7 +38,7 @@ def dataset(count, seed=0, cells=4):
             "id": [f"id{number}" for number in range(count)],
             "label": [f"name{number}" for number in range(count)],
             "complexity": np.where(cell % 2, 4.0, 2.0),
-            "difficulty": np.where(cell // 2, 0.001, 0.003),
+            "graspability": np.where(cell // 2, 0.001, 0.003),
             "complexity_cell": 0,
             "difficulty_cell": 0,
             "cell_confidence": 1.0,
@@ -96,7 +96,7 @@ def test_no_single_exchange_improves_the_set():
 def test_labels_rows_and_columns_follow_the_cells():
     chosen = chosen_by(*dataset(40))
     assert list(chosen["label"]) == ["A0", "A1", "B0", "B1"]
-    assert (chosen[chosen["row"] == 0]["difficulty"] == 0.003).all()  # easy
+    assert (chosen[chosen["row"] == 0]["graspability"] == 0.003).all()  # easy
     assert (chosen[chosen["column"] == 1]["complexity"] == 4.0).all()
     assert list(chosen.columns) == EVAL49.names
 
@@ -239,7 +239,7 @@ ROW, COLUMN = 0.00175, 2.0  # height and width of a cell
 def objects(*places):
     """Objects at rows and columns: (0.5, 1.5) is the middle of the second cell."""
     rows, columns = np.array(places, dtype=float).reshape(-1, 2).T
-    measures = {"difficulty": 0.004 - rows * ROW, "complexity": 1 + columns * COLUMN}
+    measures = {"graspability": 0.004 - rows * ROW, "complexity": 1 + columns * COLUMN}
     return pd.DataFrame({**measures, "cell_confidence": 1.0})
 
 

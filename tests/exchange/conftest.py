@@ -49,7 +49,7 @@ def object_row(label, mesh, density):
         "repaired": False,
         "shell_thickness": 0.0,
         "complexity": 1.5,
-        "difficulty": 0.002,
+        "graspability": 0.002,
         "complexity_cell": 3,
         "difficulty_cell": 14,
         "diversity": 0.25,

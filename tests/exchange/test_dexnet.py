@@ -94,7 +94,7 @@ def test_measures_are_attributes_and_metadata(objects):
     described = objects.parent["metadata"]
     expected = {
         "complexity": 1.5,
-        "difficulty": 0.002,
+        "graspability": 0.002,
         "diversity": 0.25,
         "complexity_cell": 3.0,
         "difficulty_cell": 14.0,

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from egad.grasps import simulated_difficulty
+from egad.grasps import simulated_graspability
 from egad.tables.grasping import SIMULATED_OBJECTS
 
 
@@ -18,11 +18,11 @@ def test_shares_are_those_of_the_simulated_grasps():
             "simulated_engine": [None if each is None else "mujoco" for each in outcomes],
         }
     )
-    found = simulated_difficulty(table)
+    found = simulated_graspability(table)
     assert list(found) == [*SIMULATED_OBJECTS.names[1::-1], *SIMULATED_OBJECTS.names[2:]]
     assert found["label"].tolist() == ["A", "B"]
     assert found["n_simulated"].tolist() == [2, 3]
-    np.testing.assert_allclose(found["simulated_difficulty"], [1 / 2, 1 / 3])
+    np.testing.assert_allclose(found["simulated_graspability"], [1 / 2, 1 / 3])
     np.testing.assert_allclose(found["held_shaking"], [1 / 2, 2 / 3])
 
 
@@ -37,7 +37,7 @@ def test_what_the_engine_could_not_tell_does_not_count():
             "simulated_engine": "mujoco",
         }
     )
-    found = simulated_difficulty(table)
+    found = simulated_graspability(table)
     assert found["label"].tolist() == ["A"]
     assert found["n_simulated"].tolist() == [1]
-    assert found["simulated_difficulty"].tolist() == [1.0]
+    assert found["simulated_graspability"].tolist() == [1.0]

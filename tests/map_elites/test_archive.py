@@ -25,7 +25,7 @@ def elite(mesh, number, cell=(0, 0)):
         genome=GENOME,
         voxels=bytes([number]),
         complexity=[2.0, 4.0][cell[0]],
-        difficulty=[0.003, 0.001][cell[1]],
+        graspability=[0.003, 0.001][cell[1]],
         graph=reeb.extract(mesh, SIMILARITY),
         parents=(),
         epoch=0,
@@ -49,7 +49,7 @@ def slow_archive(batches, space):
     for batch in batches:
         kept += [each for each in batch if each.id not in {k.id for k in kept}]
         while True:
-            cells = [(k.complexity, k.difficulty) for k in kept]
+            cells = [(k.complexity, k.graspability) for k in kept]
             crowded = [
                 k
                 for k, c in zip(kept, cells, strict=True)
@@ -75,7 +75,7 @@ def test_equals_the_rule_done_slowly(elites, neighbors):
 def test_uncertain_elites_go_before_less_diverse_ones(elites):
     """The twin: the rule of the paper among the certain ones, if these fill the cell."""
     space = SPACE.model_copy(update={"confidence": 0.9})
-    some = [replace(each, difficulty=0.003, complexity=2.0) for each in elites[:8]]
+    some = [replace(each, graspability=0.003, complexity=2.0) for each in elites[:8]]
     doubtful = [replace(each, cell_confidence=0.5) for each in some[:3]]
     sure = [replace(each, cell_confidence=0.95) for each in some[3:]]
     archive = Archive(space, SIMILARITY)
@@ -90,7 +90,7 @@ def test_uncertain_elites_go_before_less_diverse_ones(elites):
 def test_a_certain_candidate_takes_the_slot_of_an_uncertain_elite(elites):
     """Even if it is less diverse; an uncertain one never takes that of a certain elite."""
     space = SPACE.model_copy(update={"confidence": 0.9, "elites_per_cell": 1})
-    here = [replace(each, difficulty=0.003, complexity=2.0) for each in elites[:5]]
+    here = [replace(each, graspability=0.003, complexity=2.0) for each in elites[:5]]
     for old, new in itertools.permutations(here, 2):
         for before, after in ((0.5, 0.95), (0.95, 0.5)):
             archive = Archive(space, SIMILARITY)
@@ -107,7 +107,7 @@ def test_only_what_its_cell_would_keep_is_refined(elites):
         asked.append([each.id for each in chosen])
         return chosen
 
-    cell = [replace(each, difficulty=0.003, complexity=2.0) for each in elites]
+    cell = [replace(each, graspability=0.003, complexity=2.0) for each in elites]
     archive = Archive(SPACE, SIMILARITY)
     archive.add(cell[:9], refine)
     assert len(asked[0]) == 2
@@ -119,22 +119,22 @@ def test_only_what_its_cell_would_keep_is_refined(elites):
 
 def test_refined_candidates_compete_where_they_turn_out_to_be(elites):
     """One goes to another cell, one has no grasp; the elite that they would replace stays."""
-    here = [replace(each, difficulty=0.003, complexity=2.0) for each in elites[:2]]
+    here = [replace(each, graspability=0.003, complexity=2.0) for each in elites[:2]]
     archive = Archive(SPACE, SIMILARITY)
     archive.add(here)
 
     def refine(chosen):
         found = {each.id: None for each in chosen}
         for each in chosen[::2]:
-            found[each.id] = replace(each, difficulty=0.001, difficulty_std=0.1)
+            found[each.id] = replace(each, graspability=0.001, graspability_std=0.1)
         return list(found.values())
 
-    new = [replace(each, difficulty=0.003, complexity=2.0) for each in elites[2:12]]
+    new = [replace(each, graspability=0.003, complexity=2.0) for each in elites[2:12]]
     archive.add(new, refine)
     moved = [each for each in archive.elites if each.id not in {e.id for e in here}]
     assert {each.id for each in here} <= {each.id for each in archive.elites}
     assert {archive.cell(each) for each in moved} == {(0, 1)}
-    assert {each.difficulty_std for each in moved} == {0.1}
+    assert {each.graspability_std for each in moved} == {0.1}
 
 
 def test_of_equally_diverse_ones_the_first_name_goes(elites):
@@ -212,20 +212,20 @@ def test_indices_are_those_of_a_grid_over_the_measures():
     """The twin: pyribs' grid over two ranges, by searching the edges."""
     space = MeasureSpace(cells=5)
     rng = np.random.default_rng(0)
-    complexity, difficulty = rng.uniform(1, 5, 50), rng.uniform(0.0005, 0.004, 50)
+    complexity, graspability = rng.uniform(1, 5, 50), rng.uniform(0.0005, 0.004, 50)
     archive = pd.DataFrame(
         {
             "id": [str(number) for number in range(50)],
             "complexity": complexity,
-            "difficulty": difficulty,
+            "graspability": graspability,
             "diversity": rng.random(50),
             "complexity_cell": complexity_cells(complexity, space),
-            "difficulty_cell": difficulty_cells(difficulty, space),
+            "difficulty_cell": difficulty_cells(graspability, space),
         }
     )
     frame = ribs_frame(archive, space)
     first = np.searchsorted(np.linspace(1, 5, 6), complexity) - 1
-    second = np.searchsorted(np.linspace(0.0005, 0.004, 6), difficulty) - 1
+    second = np.searchsorted(np.linspace(0.0005, 0.004, 6), graspability) - 1
     assert frame["index"].tolist() == (5 * first + second).tolist()
     assert frame["objective"].tolist() == archive["diversity"].tolist()
 
@@ -239,6 +239,6 @@ def test_an_archive_tells_its_size_and_gives_the_table_of_pyribs(elites):
     frame = archive.to_ribs_frame()
     assert set(frame["id"]) == {each.id for each in elites[:3]}
     assert frame["objective"].sum() == pytest.approx(archive.qd_score)
-    measures = {each.id: (each.complexity, each.difficulty) for each in elites}
+    measures = {each.id: (each.complexity, each.graspability) for each in elites}
     for row in frame.itertuples():
         assert (row.measures_0, row.measures_1) == measures[row.id]

@@ -22,7 +22,7 @@ from egad.map_elites.island import evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures import measure_repeatably
 from egad.measures.custom import plugin_value
-from egad.measures.difficulty import rough_difficulty
+from egad.measures.graspability import rough_graspability
 from egad.random import generator
 
 ROOT = Path(__file__).parents[2]
@@ -141,12 +141,12 @@ def test_the_coordinates_are_the_measures_in_archive_and_dataset():
     for each in archive.elites[:3]:
         mesh = packed_surface(each.voxels, config.shape)
         assert each.complexity == plugin_value(config.measures.complexity, mesh)
-        assert each.difficulty == plugin_value(config.measures.difficulty, mesh)
+        assert each.graspability == plugin_value(config.measures.graspability, mesh)
         settings = select(config, PostprocessSolids)
         solid = repair(mesh).mesh
         place = measure_repeatably(solid, settings, settings.postprocess.max_candidates)
         assert place.complexity == pytest.approx(each.complexity, rel=1e-6)
-        assert place.difficulty == pytest.approx(each.difficulty, abs=1e-6)
+        assert place.graspability == pytest.approx(each.graspability, abs=1e-6)
         assert place.grasps == 0
 
 
@@ -158,5 +158,5 @@ def test_slippery_fingers_make_the_same_shape_harder():
     sticky = slippery.model_copy(
         update={"quality": config.quality.model_copy(update={"friction": 0.5})}
     )
-    hard, easy = (rough_difficulty(mesh, each, generator(0, "x")) for each in (slippery, sticky))
+    hard, easy = (rough_graspability(mesh, each, generator(0, "x")) for each in (slippery, sticky))
     assert hard.value < easy.value

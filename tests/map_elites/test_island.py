@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from egad._util.workers import workers
-from egad.config import Difficulty, Evolution, Settings, Shape, Similarity
+from egad.config import Evolution, Graspability, Settings, Shape, Similarity
 from egad.config.stages import select
 from egad.errors import UserError
 from egad.map_elites.ancestry import ancestors
@@ -21,7 +21,7 @@ SETTINGS = select(
     Settings(
         evolution=Evolution(steps_per_epoch=2, population=12, max_candidates=256),
         shape=Shape(resolution=16),
-        difficulty=Difficulty(candidates=64),
+        graspability=Graspability(candidates=64),
         similarity=Similarity(vertices=300, ranges=16, base_count=8),
     ),
     EvolutionParameters,
@@ -124,7 +124,7 @@ def test_a_solid_has_the_same_measures_whoever_bred_it(island):
     for each in island[0].elites[:3]:
         again = measure(GenomeVoxels(each.id, each.voxels), SETTINGS)
         assert again.complexity == each.complexity
-        assert refine(replace(each, difficulty=again.difficulty), SETTINGS) == each
+        assert refine(replace(each, graspability=again.graspability), SETTINGS) == each
 
 
 def test_the_paper_measures_once():
@@ -134,8 +134,8 @@ def test_the_paper_measures_once():
     assert done.history["refined"].tolist() == [0, 0]
     for each in archive.elites[:3]:
         again = measure(GenomeVoxels(each.id, each.voxels), settings)
-        assert again.difficulty == each.difficulty
-        assert np.isnan([each.difficulty_std, each.cell_confidence]).all()
+        assert again.graspability == each.graspability
+        assert np.isnan([each.graspability_std, each.cell_confidence]).all()
 
 
 def test_what_the_archive_would_keep_is_refined_by_other_grasps(island):
@@ -145,9 +145,11 @@ def test_what_the_archive_would_keep_is_refined_by_other_grasps(island):
     assert (refined <= evaluated).all()
     assert len(archive) <= refined.sum()
     for each in archive.elites:
-        assert each.difficulty_std > 0
+        assert each.graspability_std > 0
         assert 0 < each.cell_confidence <= 1
-        assert measure(GenomeVoxels(each.id, each.voxels), SETTINGS).difficulty != each.difficulty
+        assert (
+            measure(GenomeVoxels(each.id, each.voxels), SETTINGS).graspability != each.graspability
+        )
 
 
 def test_the_lineage_holds_all_that_the_archive_took_in(island):
@@ -180,9 +182,9 @@ def with_search(**search):
 
 def test_sparse_parents_are_those_with_empty_places_around_them(island):
     elites = island[0].elites
-    corner = replace(elites[0], id="corner", complexity=5.0, difficulty=0.0005)
+    corner = replace(elites[0], id="corner", complexity=5.0, graspability=0.0005)
     places = np.array([32, 32, 32, 32, 15])  # of 9 cells, the middle one full; of 4
-    middle = replace(elites[0], complexity=3.0, difficulty=0.002)
+    middle = replace(elites[0], complexity=3.0, graspability=0.002)
     crowded = [replace(middle, id=str(number)) for number in range(4)]
     odds = parent_odds([*crowded, corner], SETTINGS.space)
     weights = places + LEAST

@@ -14,7 +14,7 @@ from egad.measures import (
     MeasureParameters,
     MeasureSpace,
     attainable_coverage,
-    attainable_difficulty,
+    attainable_graspability,
     coverage,
     default_measures,
 )
@@ -38,7 +38,7 @@ def test_the_highest_quality_is_nearly_that_of_a_grasp_through_the_center_of_mas
     points = [[[0, 0, -0.02], [0, 0, 0.02]]]
     normals = [[[0, 0, -1], [0, 0, 1]]]
     best = ferrari_canny(points, normals, [[0, 0, 1]], [0, 0, 0])[0]
-    limit = attainable_difficulty(DEFAULT).quality
+    limit = attainable_graspability(DEFAULT).quality
     assert limit == pytest.approx(np.pi * 0.005**2 * 0.5 * 100, rel=1e-8)
     assert (1 - 1e-4) * limit < best <= limit
 
@@ -53,7 +53,7 @@ def test_no_random_grasp_is_better(quality):
     middles, half = 0.002 * rng.normal(size=(500, 3)), 0.02 * axes
     points = np.stack([middles - half, middles + half], axis=1)
     found = ferrari_canny(points, normals, axes, [0, 0, 0], **quality)
-    limit = attainable_difficulty(measured(quality=quality)).quality
+    limit = attainable_graspability(measured(quality=quality)).quality
     assert 0.9 * limit < found.max() <= limit
 
 
@@ -61,25 +61,25 @@ def test_a_ball_is_a_case_of_the_model_and_is_measured_as_it_says():
     """Its center of mass lies midway between the contacts of every grasp."""
     tangent = 0.25 * DEFAULT.sampling.cone  # a quarter of the grasps lean less
     lean = math.atan(tangent)
-    best = attainable_difficulty(DEFAULT).quality
+    best = attainable_graspability(DEFAULT).quality
     expected = best * math.cos(lean) ** 2 / math.hypot(1, 100 * 0.02 * math.sin(lean))
     found = egad.measure(trimesh.creation.icosphere(5))
-    assert found.difficulty == pytest.approx(expected, rel=0.003)
-    assert expected < attainable_difficulty(DEFAULT).difficulty < best
+    assert found.graspability == pytest.approx(expected, rel=0.003)
+    assert expected < attainable_graspability(DEFAULT).graspability < best
 
 
 def test_rows_a_and_b_lie_above_what_is_expected():
-    limit = attainable_difficulty(DEFAULT)
+    limit = attainable_graspability(DEFAULT)
     assert (limit.rows, limit.row_names) == (2, "rows A and B")
     assert limit.edge == pytest.approx(0.0005 + 0.0035 * 23 / 25)
-    assert limit.edge > limit.difficulty > limit.edge - 0.0035 / 25
+    assert limit.edge > limit.graspability > limit.edge - 0.0035 / 25
 
 
 def test_few_released_objects_lie_above_what_is_expected_and_none_in_these_rows():
     table = egad.load("released").table
-    limit = attainable_difficulty(DEFAULT)
-    assert (table["difficulty"] > limit.difficulty).mean() < 0.005
-    assert table["difficulty"].max() < limit.edge
+    limit = attainable_graspability(DEFAULT)
+    assert (table["graspability"] > limit.graspability).mean() < 0.005
+    assert table["graspability"].max() < limit.edge
 
 
 def test_only_an_object_that_is_much_thinner_than_its_box_lies_above():
@@ -88,22 +88,22 @@ def test_only_an_object_that_is_much_thinner_than_its_box_lies_above():
 
 
 def test_the_rows_follow_the_settings():
-    weak = attainable_difficulty(measured(quality={"finger_radius": 0.0025}))
-    assert weak.quality == pytest.approx(attainable_difficulty(DEFAULT).quality / 4)
+    weak = attainable_graspability(measured(quality={"finger_radius": 0.0025}))
+    assert weak.quality == pytest.approx(attainable_graspability(DEFAULT).quality / 4)
     assert weak.rows == 22
     assert weak.row_names == "rows A to V"
-    wide = attainable_difficulty(measured(space={"difficulty_range": (0.0005, 0.003)}))
+    wide = attainable_graspability(measured(space={"graspability_range": (0.0005, 0.003)}))
     assert (wide.rows, wide.row_names, wide.edge) == (0, "", math.inf)
-    one = attainable_difficulty(measured(space={"difficulty_range": (0.0005, 0.0038)}))
+    one = attainable_graspability(measured(space={"graspability_range": (0.0005, 0.0038)}))
     assert (one.rows, one.row_names) == (1, "row A")
 
 
 @pytest.mark.parametrize(
     "sections",
-    [{"difficulty": {"metric": "robust"}}, {"measures": {"difficulty": "own.py:slenderness"}}],
+    [{"graspability": {"metric": "robust"}}, {"measures": {"graspability": "own.py:slenderness"}}],
 )
 def test_other_measures_have_no_limit(sections):
-    assert attainable_difficulty(measured(**sections)) == Attainable(
+    assert attainable_graspability(measured(**sections)) == Attainable(
         math.inf, math.inf, 0, math.inf
     )
 

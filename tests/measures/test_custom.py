@@ -7,7 +7,7 @@ from egad.config import CustomMeasures, Settings
 from egad.config.stages import select
 from egad.errors import RejectedError, UserError
 from egad.measures.custom import check_measures, plugin_name, plugin_value, source_hash
-from egad.measures.difficulty import rough_difficulty
+from egad.measures.graspability import rough_graspability
 from egad.measures.measure import measure_mesh
 from egad.measures.parameters import MeasureParameters
 from egad.random import generator
@@ -38,7 +38,7 @@ def file(tmp_path):
 
 def placed(axes):
     settings = select(Settings(measures=axes), MeasureParameters)
-    estimate = partial(rough_difficulty, settings=settings, rng=generator(0, "test"))
+    estimate = partial(rough_graspability, settings=settings, rng=generator(0, "test"))
     return measure_mesh(BOX, settings, estimate)
 
 
@@ -87,17 +87,17 @@ def test_a_measure_that_is_not_there_is_the_users_mistake(file, measure, words):
 def test_a_file_that_cannot_be_run_is_the_users_mistake(tmp_path):
     (tmp_path / "broken.py").write_text("def f(:")
     with pytest.raises(UserError, match="SyntaxError"):
-        check_measures(CustomMeasures(difficulty=f"{tmp_path}/broken.py:f"))
+        check_measures(CustomMeasures(graspability=f"{tmp_path}/broken.py:f"))
 
 
 def test_own_measures_take_the_place_of_the_coordinates(file):
     usual = placed(CustomMeasures())
     across = placed(CustomMeasures(complexity=f"{file}:longest"))
     assert across.complexity == pytest.approx(0.1)
-    assert (across.difficulty, across.grasps) == (usual.difficulty, usual.grasps)
-    upwards = placed(CustomMeasures(difficulty=f"{file}:longest"))
+    assert (across.graspability, across.grasps) == (usual.graspability, usual.grasps)
+    upwards = placed(CustomMeasures(graspability=f"{file}:longest"))
     assert (upwards.complexity, upwards.grasps) == (usual.complexity, 0)
-    assert upwards.difficulty == pytest.approx(0.1)
+    assert upwards.graspability == pytest.approx(0.1)
 
 
 def test_a_changed_file_has_another_fingerprint(file):

@@ -30,4 +30,4 @@ def test_coverage_counts_places_and_no_more_than_a_cell_has():
     assert space.coverage(objects, SPACE) == pytest.approx(5 / 2500)
     assert space.filled_cells(objects, SPACE) == pytest.approx(2 / 625)
     counts = space.cell_counts(objects, SPACE)
-    assert (counts.sum(), counts[3, 1], counts[3, 2]) == (7, 6, 1)  # row: difficulty
+    assert (counts.sum(), counts[3, 1], counts[3, 2]) == (7, 6, 1)  # row: graspability

@@ -34,5 +34,5 @@ def test_complexity_orders_objects_as_the_published_numbers(table):
     assert spearmanr(table["complexity"], numbers)[0] >= 0.96
 
 
-def test_difficulty_orders_objects_as_the_published_letters(table):
-    assert spearmanr(-table["difficulty"], [ord(name[0]) for name in table["name"]])[0] >= 0.9
+def test_graspability_orders_objects_as_the_published_letters(table):
+    assert spearmanr(-table["graspability"], [ord(name[0]) for name in table["name"]])[0] >= 0.9

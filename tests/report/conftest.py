@@ -32,16 +32,16 @@ def settings() -> Settings:
 
 def made_objects(settings: Settings, count: int, seed: int) -> pd.DataFrame:
     random = np.random.default_rng(seed)
-    complexity, difficulty = random.uniform(1, 5, count), random.uniform(0.0005, 0.004, count)
+    complexity, graspability = random.uniform(1, 5, count), random.uniform(0.0005, 0.004, count)
     frame = pd.DataFrame(
         {
             "id": [f"{seed}-{index}" for index in range(count)],
             "complexity": complexity,
-            "difficulty": difficulty,
-            "difficulty_std": 0.00002,
+            "graspability": graspability,
+            "graspability_std": 0.00002,
             "cell_confidence": random.uniform(0.5, 1, count),
             "complexity_cell": complexity_cells(complexity, settings.space),
-            "difficulty_cell": difficulty_cells(difficulty, settings.space),
+            "difficulty_cell": difficulty_cells(graspability, settings.space),
             "diversity": random.uniform(0.1, 0.3, count),
         }
     )
@@ -53,7 +53,7 @@ def made_objects(settings: Settings, count: int, seed: int) -> pd.DataFrame:
 def objects(settings: Settings) -> pd.DataFrame:
     """40 objects, the last five in one cell."""
     frame = made_objects(settings, 40, 1)
-    crowd = ["complexity", "difficulty", "complexity_cell", "difficulty_cell"]
+    crowd = ["complexity", "graspability", "complexity_cell", "difficulty_cell"]
     frame.loc[35:, crowd] = frame.loc[35, crowd].to_list()
     frame["label"] = labels(frame["complexity_cell"], frame["difficulty_cell"])
     return frame

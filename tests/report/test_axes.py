@@ -15,7 +15,7 @@ from egad.report.trial_charts import trial_heat_map
 from egad.stats.rates import trial_grid
 from egad.workflow.report_page import build
 
-OWN = CustomMeasures(complexity="a.py:wall_thickness", difficulty="b.c:slenderness")
+OWN = CustomMeasures(complexity="a.py:wall_thickness", graspability="b.c:slenderness")
 
 
 def test_the_usual_axes_are_those_of_the_paper():
@@ -35,13 +35,15 @@ def test_an_own_measure_gives_its_name_and_the_other_axis_stays():
 @pytest.fixture(params=[10, 26])
 def own_report(report, request):
     """The report of a run with measures and cells of one's own."""
-    space = MeasureSpace(cells=request.param, complexity_range=(-2, 9), difficulty_range=(0, 0.01))
+    space = MeasureSpace(
+        cells=request.param, complexity_range=(-2, 9), graspability_range=(0, 0.01)
+    )
     settings = report.settings.model_copy(update={"measures": OWN, "space": space})
 
     def placed(data):
         objects = data.objects.assign(
             complexity_cell=complexity_cells(data.objects["complexity"], space),
-            difficulty_cell=difficulty_cells(data.objects["difficulty"], space),
+            difficulty_cell=difficulty_cells(data.objects["graspability"], space),
         )
         names = labels(objects["complexity_cell"], objects["difficulty_cell"])
         return dataclasses.replace(data, objects=objects.assign(label=names), history=None)
@@ -70,8 +72,8 @@ def test_pictures_show_the_names(objects, pictures, trials):
 
 
 def test_tables_on_the_terminal_name_them(capsys):
-    row = {"name": "a", "complexity": 1.5, "difficulty": 0.25, "grasps": 0}
-    row |= {"difficulty_std": np.nan, "cell_confidence": np.nan}
+    row = {"name": "a", "complexity": 1.5, "graspability": 0.25, "grasps": 0}
+    row |= {"graspability_std": np.nan, "cell_confidence": np.nan}
     table = pd.DataFrame([row | {"complexity_cell": 3, "difficulty_cell": 25}])
     measured(table, axis_pair(OWN), "yumi")
     said = capsys.readouterr().out

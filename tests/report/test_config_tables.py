@@ -17,7 +17,7 @@ def test_only_changed_values_show_their_default():
 def test_values_keep_all_their_digits():
     tables = {table.name: table for table in parameter_tables(Settings())}
     values = {item.name: item.value for item in tables["space"].parameters}
-    assert values["difficulty_range"] == "0.0005, 0.004"
+    assert values["graspability_range"] == "0.0005, 0.004"
     assert tables["schedule"].summary.startswith("Division of evolution into jobs")
 
 

@@ -73,10 +73,10 @@ def test_the_film_ends_with_the_last_map(history):
 
 def test_re_evaluation_counts_moves_and_coverage():
     """Four objects selected for one cell; two lie beside it, on either side, one farther off."""
-    space = MeasureSpace(cells=7, difficulty_range=(0, 0.007), elites_per_cell=4)
+    space = MeasureSpace(cells=7, graspability_range=(0, 0.007), elites_per_cell=4)
     objects = pd.DataFrame(
         {
-            "archive_difficulty": [0.0055] * 4 + [np.nan],
+            "archive_graspability": [0.0055] * 4 + [np.nan],
             "complexity_cell": [2] * 5,
             "difficulty_cell": [1, 0, 2, 4, 0],
         }

@@ -40,7 +40,12 @@ def lineage(objects) -> Lineage:
     parents = [[], ["lost"], ["gone", "lost"], *([each] for each in ids[:-2])]
     names = ["lost", "gone", *ids[:-1]]
     table = pd.DataFrame({"id": names, "parents": parents})
-    measures = {"complexity": 1.5, "difficulty": 0.002, "difficulty_std": 0.0, "cell_confidence": 1}
+    measures = {
+        "complexity": 1.5,
+        "graspability": 0.002,
+        "graspability_std": 0.0,
+        "cell_confidence": 1,
+    }
     return Lineage(table.assign(**measures, epoch=0, island=1, step=2))
 
 
@@ -88,9 +93,9 @@ def test_the_index_has_the_numbers_of_the_table(data, objects, settings, simulat
     columns = index["columns"]
     for ours, theirs in {"label": "label", "id": "id", "column": "complexity_cell"}.items():
         assert columns[ours] == objects[theirs].tolist()
-    for name in ("complexity", "difficulty", "diversity"):
+    for name in ("complexity", "graspability", "diversity"):
         np.testing.assert_allclose(columns[name], objects[name], rtol=1e-5)
-    np.testing.assert_allclose(columns["error"], objects["difficulty_std"], rtol=1e-5)
+    np.testing.assert_allclose(columns["error"], objects["graspability_std"], rtol=1e-5)
     known = simulated[simulated["simulated_success"].notna()]
     share = known["simulated_success"].astype(float).groupby(known["id"]).mean()
     for each, value in zip(columns["id"], columns["simulated"], strict=True):
@@ -146,9 +151,9 @@ def test_the_page_of_an_object_has_the_numbers_of_the_tables(data, objects, simu
     label, row = objects["label"].iloc[3], objects.iloc[3]
     _, page = read(data_script(f"objects/{label}", page_of(data, 3)))
     assert fact(page, "complexity")[0] == pytest.approx(row["complexity"], rel=1e-5)
-    value, error, *_ = fact(page, "quality")
-    assert value == pytest.approx(1000 * row["difficulty"], rel=1e-5)
-    assert error == pytest.approx(1000 * row["difficulty_std"], rel=1e-5)
+    value, error, *_ = fact(page, "graspability")
+    assert value == pytest.approx(1000 * row["graspability"], rel=1e-5)
+    assert error == pytest.approx(1000 * row["graspability_std"], rel=1e-5)
     own = simulated[simulated["label"] == label]
     codes = [LABELS[code] for code in label_codes(own)]
     assert page["labels"] == [codes.count(name) for name in LABELS]
@@ -204,13 +209,13 @@ def test_the_way_back_to_the_first_generation_needs_nothing_but_links(data, obje
 
 
 def test_what_is_missing_is_left_out(objects, settings):
-    bare = objects.assign(difficulty_std=np.nan, cell_confidence=np.nan, mass=np.nan)
+    bare = objects.assign(graspability_std=np.nan, cell_confidence=np.nan, mass=np.nan)
     data = GalleryData(bare)
     index = index_data(bare, settings.space, USUAL, data.member)
     assert set(index["columns"]["error"]) == {None}
     assert "simulated" not in index["columns"]
     _, page = read(data_script("x", page_of(data, 0)))
-    assert fact(page, "quality")[1] is None
+    assert fact(page, "graspability")[1] is None
     assert "mass" not in {name for name, *_ in page["facts"]}
     assert page["labels"] is page["relatives"] is page["genome"] is None
     assert page["trials"] == page["links"] == []

@@ -35,8 +35,8 @@ def elites(count, seed=0):
         low, high = sorted(rng.choice(24, (2, 3), replace=False), key=sum)
         voxels[tuple(slice(min(a, b), max(a, b) + 1) for a, b in zip(low, high, strict=True))] = 1
         complexity = rng.uniform(*SPACE.complexity_range)
-        difficulty = rng.uniform(*SPACE.difficulty_range)
-        fields = {"complexity": complexity, "difficulty": difficulty, "voxels": pack(voxels)}
+        graspability = rng.uniform(*SPACE.graspability_range)
+        fields = {"complexity": complexity, "graspability": graspability, "voxels": pack(voxels)}
         made.append(SimpleNamespace(id=f"{seed}-{number}", **fields))
     return made
 
@@ -44,7 +44,7 @@ def elites(count, seed=0):
 def cells_of(some):
     return {
         cell_name(
-            complexity_cells(each.complexity, SPACE), difficulty_cells(each.difficulty, SPACE)
+            complexity_cells(each.complexity, SPACE), difficulty_cells(each.graspability, SPACE)
         )
         for each in some
     }

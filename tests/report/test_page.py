@@ -170,7 +170,7 @@ def test_rows_in_which_no_object_is_expected_are_hatched_and_named(page, html, r
 
 
 def test_without_such_rows_nothing_is_hatched(report):
-    wide = report.settings.space.model_copy(update={"difficulty_range": (0.0005, 0.003)})
+    wide = report.settings.space.model_copy(update={"graspability_range": (0.0005, 0.003)})
     settings = report.settings.model_copy(update={"space": wide})
     html = build(replace(report, settings=settings))
     assert "url(#hatch-" not in html

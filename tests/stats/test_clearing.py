@@ -64,9 +64,9 @@ def test_the_interval_is_as_wide_as_rounds_differ():
 
 
 def test_thirds_by_difficulty_and_complexity():
-    """A high stored difficulty is easy."""
+    """A high graspability is easy."""
     objects = pd.DataFrame(
-        {"id": list("abc"), "complexity": [1.0, 2.0, 3.0], "difficulty": [0.1, 0.2, 0.3]}
+        {"id": list("abc"), "complexity": [1.0, 2.0, 3.0], "graspability": [0.1, 0.2, 0.3]}
     )
     table = rows("pile", 0, 3, ["success", "missed", "success"], ["a", "b", "c"])
     found = by_difficulty(table, objects).set_index(["axis", "band"])["successes"]
@@ -77,7 +77,7 @@ def test_thirds_by_difficulty_and_complexity():
 
 
 def test_attempts_without_an_object_count_in_no_third():
-    objects = pd.DataFrame({"id": ["a"], "complexity": [1.0], "difficulty": [0.1]})
+    objects = pd.DataFrame({"id": ["a"], "complexity": [1.0], "graspability": [0.1]})
     table = rows("pile", 0, 1, ["success", "error"], ["a", ""])
     assert by_difficulty(table, objects)["attempts"].sum() == pytest.approx(2)  # on two axes
 

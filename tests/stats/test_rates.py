@@ -238,7 +238,7 @@ def test_the_evaluation_set_tells_more():
     evalset = pd.DataFrame(
         {
             "label": ["G6", "A0", "C4"],
-            "difficulty": [0.001, 0.004, 0.003],
+            "graspability": [0.001, 0.004, 0.003],
             "complexity": [4.5, 1.2, 3.0],
         }
     )

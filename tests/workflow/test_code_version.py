@@ -234,7 +234,7 @@ def test_an_unknown_module_or_script_is_an_error(make, name):
 
 
 TRIED = {"simulate", "clutter", "agreement", "simulated_label", "render"}
-RATED = {"evolve", "postprocess", "difficulty", "grasp_label", "size_effect", "render"}
+RATED = {"evolve", "postprocess", "graspability", "grasp_label", "size_effect", "render"}
 SHAPED = {"evolve", "postprocess", "gallery"}
 SCRIPTS = ROOT / "workflow/scripts"
 RULES = set(re.findall(r'code_of\("(\w+)"\)', TEXT))

@@ -123,7 +123,7 @@ def test_what_can_be_mended_is_measured_as_the_whole_mesh(table, name):
     assert row["repaired"]
     assert not good["repaired"]
     assert row["complexity"] == pytest.approx(good["complexity"], abs=0.1)
-    assert row["difficulty"] == pytest.approx(good["difficulty"], abs=0.0003)
+    assert row["graspability"] == pytest.approx(good["graspability"], abs=0.0003)
     assert row["longest_side"] == pytest.approx(good["longest_side"], rel=0.01)
 
 
@@ -132,7 +132,7 @@ def test_size_does_not_matter(table, name, factor):
     """Objects are scaled to the gripper, also one that is wider than it in every direction."""
     row, good = table.loc[name], table.loc["good"]
     assert row["complexity"] == pytest.approx(good["complexity"], abs=0.02)
-    assert row["difficulty"] == pytest.approx(good["difficulty"], rel=1e-3)
+    assert row["graspability"] == pytest.approx(good["graspability"], rel=1e-3)
     assert row["longest_side"] == pytest.approx(factor * good["longest_side"])
 
 
@@ -195,7 +195,7 @@ def test_bodies_that_are_left_out_are_said_with_their_part_of_the_volume(bad, ta
 
 
 def test_cells_are_comparable_with_the_map_by_its_rule_and_gripper():
-    own = DEFAULTS.difficulty.gripper
+    own = DEFAULTS.graspability.gripper
     assert incomparable(DEFAULTS, own, "exact") == ""
     assert "by the rule none for yumi cannot" in incomparable(DEFAULTS, own, "none")
     assert "by the rule exact for panda cannot" in incomparable(DEFAULTS, "panda", "exact")
@@ -208,8 +208,8 @@ def test_workers_leave_no_trace(bad, table):
 
 def test_an_object_has_the_measures_that_it_has_in_a_dataset(bad, table):
     row = solid_row(read_mesh(bad["good"], "m"), "other", select(DEFAULTS, PostprocessSolids))
-    assert [row["complexity"], row["difficulty"], row["grasps"]] == list(
-        table.loc["good", ["complexity", "difficulty", "grasps"]]
+    assert [row["complexity"], row["graspability"], row["grasps"]] == list(
+        table.loc["good", ["complexity", "graspability", "grasps"]]
     )
 
 
@@ -227,7 +227,7 @@ def test_an_evolved_object_has_the_measures_of_its_mesh_file(tmp_path):
             "records"
         )
         assert found["complexity"] == pytest.approx(row["complexity"], abs=1e-6)
-        assert found["difficulty"] == pytest.approx(row["difficulty"], rel=1e-6)
+        assert found["graspability"] == pytest.approx(row["graspability"], rel=1e-6)
 
 
 @pytest.mark.slow

@@ -19,7 +19,7 @@ def test_another_workflow_uses_its_rules(tmp_path):
     config = tmp_path / "config.yaml"
     few = config.read_text().replace("objects: 10", "objects: 4")
     config.write_text(
-        few + "  difficulty: {candidates: 64}\n  postprocess: {max_candidates: 128}\n"
+        few + "  graspability: {candidates: 64}\n  postprocess: {max_candidates: 128}\n"
     )
     (tmp_path / "path/to").mkdir(parents=True)
     (tmp_path / "path/to/egad").symlink_to(ROOT)

@@ -263,7 +263,7 @@ def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean, hand_in):
         ["config/test.yaml", own],
         {
             "rescaled/mine/scales.parquet": "rescale",
-            "difficulty/mine.parquet": "difficulty",
+            "graspability/mine.parquet": "graspability",
             "grasps/mine.parquet": "grasp_label",
             "grasps/mine.sampling.parquet": "grasp_label",
             "print/mine/manifest.parquet": "print_export",
@@ -308,7 +308,7 @@ def test_a_gripper_by_file_has_objects_and_prints_of_its_opening(copy):
 
 
 def test_a_measure_that_is_not_there_stops_the_run(clean):
-    own = clean.overlay("own.yaml", {"measures": {"difficulty": "nowhere.py:size"}})
+    own = clean.overlay("own.yaml", {"measures": {"graspability": "nowhere.py:size"}})
     status, said = clean.snakemake("--dry-run", "--cores", 1, configs=[own])
     assert status != 0
     assert "nowhere.py:size: there is no such file or module" in said
@@ -545,7 +545,7 @@ def test_tables_are_cleared_if_that_is_asked_for(copy):
 def test_labelled_grasps_are_simulated_if_that_is_asked_for(copy):
     asked = {"targets": {"simulated_labels": True}, "simulated_label": {"grasps": 3}}
     configs = ["config/test.yaml", copy.overlay("simulated.yaml", asked)]
-    summary = {"simulated_label": 2, "join_grasps": 1, "simulated_difficulty": 1, "datasheet": 1}
+    summary = {"simulated_label": 2, "join_grasps": 1, "simulated_graspability": 1, "datasheet": 1}
     assert copy.planned(configs=configs) == summary | {"report": 1, "all": 1}
     copy.make("--cores", 2, configs=configs)
     assert copy.planned(configs=configs) == {}

@@ -477,15 +477,15 @@ def test_another_grid_and_axes_of_ones_own_go_all_the_way(clean, cells):
         "space": {
             "cells": cells,
             "complexity_range": [0, 0.06],
-            "difficulty_range": [0.0001, 0.001],
+            "graspability_range": [0.0001, 0.001],
         },
-        "measures": {"complexity": "mine.py:area", "difficulty": "mine.py:volume"},
+        "measures": {"complexity": "mine.py:area", "graspability": "mine.py:volume"},
         "symmetry": {"mirror": ["y"]},
     }
     clean.make("--cores", 2, configs=["config/test.yaml", clean.overlay("own.yaml", own)])
     objects = parquet.read(clean.results / "egad/objects.parquet", OBJECTS)
     np.testing.assert_allclose(objects["complexity"], objects["area"], rtol=1e-9)
-    np.testing.assert_allclose(objects["difficulty"], objects["volume"], rtol=1e-6)
+    np.testing.assert_allclose(objects["graspability"], objects["volume"], rtol=1e-6)
     last = objects.loc[objects["volume"].idxmin(), "label"]
     assert last[0] == chr(ord("A") + cells - 1)
     report = (clean.results / "report.html").read_text()

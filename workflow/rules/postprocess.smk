@@ -1,4 +1,4 @@
-"""Postprocess: repaired meshes with mass properties and difficulty without selection bias.
+"""Postprocess: repaired meshes with mass properties and graspability without selection bias.
 
 Inputs: results/D/archive.parquet, the mesh folder of the dataset, or nothing for primitives.
 Outputs: results/D/objects.parquet, results/D/meshes/LABEL.obj (metres), results/D/rejected.parquet.

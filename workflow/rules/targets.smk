@@ -13,8 +13,8 @@ def published():
         "size_effect/{gripper}.parquet",
         "print/{gripper}/manifest.parquet",
     ]
-    if targets.difficulty:
-        of_gripper.append("difficulty/{gripper}.parquet")
+    if targets.graspability:
+        of_gripper.append("graspability/{gripper}.parquet")
     if targets.simulated_labels:
         of_gripper.append("simulated/{gripper}.parquet")
     if targets.agreement:

@@ -102,7 +102,7 @@ def arrange(
     space = settings.space
     frame = frame.assign(
         complexity_cell=complexity_cells(frame["complexity"], space),
-        difficulty_cell=difficulty_cells(frame["difficulty"], space),
+        difficulty_cell=difficulty_cells(frame["graspability"], space),
         diversity=diversities(graphs, settings.similarity.weight, space.neighbors, threads, _shown),
     )
     if not evolved:

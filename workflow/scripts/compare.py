@@ -11,7 +11,7 @@ from egad.measures import (
     MeasureParameters,
     MeasureSpace,
     attainable_coverage,
-    attainable_difficulty,
+    attainable_graspability,
     coverage,
     filled_cells,
 )
@@ -44,7 +44,7 @@ def run(
     tables = {
         name: parquet.read(path, OBJECTS) for name, path in zip(datasets, objects, strict=True)
     }
-    space, limit = settings.space, attainable_difficulty(settings)
+    space, limit = settings.space, attainable_graspability(settings)
     comparison = pd.DataFrame([_row(name, each, space, limit) for name, each in tables.items()])
     parquet.write(comparison, COMPARISON, out)
     write_text(figure, dataset_maps(tables, space, axis_pair(settings.measures), limit.rows))

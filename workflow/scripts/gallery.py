@@ -23,7 +23,7 @@ from egad.geometry.repair import repair
 from egad.io import read_mesh
 from egad.map_elites import Lineage, rules_of
 from egad.map_elites.evaluation import express
-from egad.measures import attainable_difficulty
+from egad.measures import attainable_graspability
 from egad.report.axes import AxisPair, axis_pair
 from egad.report.gallery.dataset import GalleryData
 from egad.report.gallery.details import Download, GenomeText, ObjectPage, ancestor_data, object_data
@@ -136,7 +136,7 @@ def run(
         _write_objects(items, settings, axes, folder, mapper)
         _write_ancestors(data, settings, axes, folder, mapper)
         measured = settings.model_copy(update={"gripper": settings.map_gripper})
-        limit = attainable_difficulty(measured)
+        limit = attainable_graspability(measured)
         index = index_data(
             data.objects, settings.space, axes, data.member, settings.gripper, limit.rows
         )

@@ -36,8 +36,8 @@ from egad.workflow.shards import in_shard, rejection
 
 log = logging.getLogger(__name__)
 PAPER_ESTIMATES = (
-    "The difficulties in %s are rough: percentiles of few grasps that keep a distance from each "
-    "other, with a bias from selection. The objects are measured again."
+    "The values of graspability in %s are rough: percentiles of few grasps that keep a distance "
+    "from each other, with a bias from selection. The objects are measured again."
 )
 Sources = dict[str, Callable[[], trimesh.Trimesh]]
 
@@ -82,7 +82,7 @@ def measure_objects(
     Args:
         settings: Settings of this stage.
         sources: For each id, a function that returns its mesh.
-        known: Difficulty by id that evolution used for selection; empty for other meshes.
+        known: Graspability by id that evolution used for selection; empty for other meshes.
         out: Table with the columns of `tables.objects.SOLIDS`.
         rejected: Table of the rejected objects, with reasons.
     """
@@ -93,7 +93,7 @@ def measure_objects(
         except RejectedError as reason:
             left_out.append(rejection(object_id, "postprocess", reason))
         else:
-            rows.append(row | {"archive_difficulty": known.get(object_id, np.nan)})
+            rows.append(row | {"archive_graspability": known.get(object_id, np.nan)})
     log.info("%d objects, %d rejected", len(rows), len(left_out))
     parquet.write(pd.DataFrame(rows), SOLIDS, out)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
@@ -102,9 +102,9 @@ def measure_objects(
 def from_archive(
     path: Path, settings: PostprocessSolids, shard: int, shards: int
 ) -> tuple[Sources, pd.Series]:
-    """The evolved objects of a shard, and the difficulties used for their selection.
+    """The evolved objects of a shard, and the graspability that each was selected by.
 
-    The difficulties are omitted if they were measured with different settings.
+    Graspability is omitted if it was measured with different settings.
 
     Raises:
         UserError: The archive was made with different settings of shapes.
@@ -119,15 +119,15 @@ def from_archive(
         if in_shard(str(object_id), shard, shards)
     }
     if other := differences(path, settings, MEASURING):
-        log.info("\n".join(["Not compared with the difficulties in the archive:", *other]))
+        log.info("\n".join(["Not compared with the graspability in the archive:", *other]))
         return sources, pd.Series(dtype=float)
-    return sources, archive["difficulty"]
+    return sources, archive["graspability"]
 
 
 def from_folder(
     folder: Path, units: str | None, shard: int, shards: int, pattern: str = EVERY_FILE
 ) -> tuple[Sources, pd.Series]:
-    """The objects of the mesh files of a shard, without difficulties of a selection."""
+    """The objects of the mesh files of a shard, without a graspability used for selection."""
     files = files_of_shard(folder, shard, shards, pattern)
     sources: Sources = {name: partial(read_mesh, path, units) for name, path in files.items()}
     return sources, pd.Series(dtype=float)
@@ -144,7 +144,7 @@ def files_of_shard(
 def from_primitives(
     count: int, settings: PostprocessSolids, shard: int, shards: int
 ) -> tuple[Sources, pd.Series]:
-    """The random objects of a shard, without difficulties of a selection.
+    """The random objects of a shard, without a graspability used for selection.
 
     An object depends on its number, the seed and its size, not on the number of objects.
     """

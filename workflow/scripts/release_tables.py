@@ -10,7 +10,7 @@ from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.config.stages import ReleaseTables
 from egad.evalset import families, split_by_family, with_parents_and_children
-from egad.grasps import simulated_difficulty
+from egad.grasps import simulated_graspability
 from egad.map_elites import Lineage
 from egad.perception import SPLITS
 from egad.release import in_files, released_grasps, released_objects, simulated_grasps, with_files
@@ -83,7 +83,7 @@ def _grasps(shards: list[Path], most: int) -> tuple[pd.DataFrame, pd.DataFrame]:
     for path in progress(shards, "reading grasps", len(shards)):
         table = parquet.read(path, SIMULATED_GRASPS)
         found.append(released_grasps(simulated_grasps(table, most)))
-        summaries.append(simulated_difficulty(table))
+        summaries.append(simulated_graspability(table))
     grasps = _joined(found, RELEASED_GRASPS.names).sort_values(["label", "grasp"])
     return grasps.reset_index(drop=True), _joined(summaries, SIMULATED_OBJECTS.names)
 

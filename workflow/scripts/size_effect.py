@@ -39,10 +39,10 @@ def spread(evalset: pd.DataFrame) -> pd.DataFrame:
     """The easiest, the median and the hardest object of an evaluation set, in that order.
 
     Args:
-        evalset: Columns of `tables.evaluation.EVAL49`. High difficulties are easy; ties are
+        evalset: Columns of `tables.evaluation.EVAL49`. A high graspability is easy; ties are
             sorted by label.
     """
-    ordered = evalset.sort_values(["difficulty", "label"], ascending=[False, True])
+    ordered = evalset.sort_values(["graspability", "label"], ascending=[False, True])
     last = len(ordered) - 1
     chosen = dict.fromkeys([0, last // 2, last] if len(ordered) else [])
     return ordered.iloc[list(chosen)].reset_index(drop=True)

@@ -196,11 +196,11 @@ def _number(value: Any) -> Any:  # noqa: ANN401 (numbers and texts)
 
 def _measures(row: Row, axes: AxisPair) -> list[list[Any]]:
     across, upwards = axes
-    error = row["difficulty_std"] * upwards.factor
+    error = row["graspability_std"] * upwards.factor
     return _facts(
         [
             (across.value, row["complexity"] * across.factor, None, across.printed_unit, 2),
-            (upwards.value, row["difficulty"] * upwards.factor, error, upwards.printed_unit, 2),
+            (upwards.value, row["graspability"] * upwards.factor, error, upwards.printed_unit, 2),
             ("cell confidence", 100 * row["cell_confidence"], None, "%", 0),
         ]
     )

@@ -65,7 +65,7 @@ def index_data(
         "rank": ranks.tolist(),
         "family": [member.families.get(each, "") for each in ids],
         "place": [member.places.get(each, "") for each in ids],
-        "error": [rounded(value) for value in objects["difficulty_std"]],
+        "error": [rounded(value) for value in objects["graspability_std"]],
     }
     for measure in measures:
         key = str(measure["key"])
@@ -87,7 +87,7 @@ def sheet_file(rank: int) -> str:
 
 def _measures(axes: AxisPair, simulated: bool) -> list[dict[str, Any]]:
     """What can be filtered: as the axes call it, and in their units."""
-    found = [_measure("complexity", axes.across), _measure("difficulty", axes.upwards)]
+    found = [_measure("complexity", axes.across), _measure("graspability", axes.upwards)]
     if simulated:
         found.append(_entry("simulated", "simulated success", "%", 100, 0))
     return [*found, _entry("diversity", "diversity", "", 1, 3)]

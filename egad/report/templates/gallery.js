@@ -162,7 +162,7 @@ function card(object) {
   if (object.place) text.append(make("small", ` evaluation set: ${object.place}`));
   for (const { key, name, unit, factor, decimals } of index.measures.slice(0, 2)) {
     const scaled = (number) => (number === null ? null : factor * number);
-    const error = key === "difficulty" ? scaled(object.error) : null;
+    const error = key === "graspability" ? scaled(object.error) : null;
     text.append(make("small", `${name} ${quantity(scaled(object[key]), error, unit, decimals)}`));
   }
   link.append(thumb(object), text);

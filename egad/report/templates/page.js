@@ -13,7 +13,7 @@ function fixed(value, digits) {
   return value === null ? "unknown" : value.toFixed(digits);
 }
 
-function objectCard([label, id, complexity, difficulty, error, certain, diversity], picture, data) {
+function objectCard([label, id, complexity, graspability, error, certain, diversity], picture, data) {
   const card = make("div", "", picture ? "object" : "object plain");
   if (picture) {
     const image = make("img");
@@ -25,7 +25,7 @@ function objectCard([label, id, complexity, difficulty, error, certain, diversit
   facts.append(make("b", label));
   for (const line of [
     data.across + " " + fixed(complexity, 2) + data.unit,
-    data.upwards + " " + fixed(difficulty, 5) + (error === null ? "" : " ± " + fixed(error, 5)),
+    data.upwards + " " + fixed(graspability, 5) + (error === null ? "" : " ± " + fixed(error, 5)),
     certain === null ? "" : "in this cell with " + fixed(100 * certain, 0) + " % probability",
     "diversity " + fixed(diversity, 3),
   ]) if (line) facts.append(make("div", line));

@@ -3,8 +3,8 @@
 import evolve
 import merge
 import publish
+import pyarrow as pa
 import pytest
-from foreign_archives import write_first_edition
 from postprocess import from_archive
 
 from egad.config import Settings
@@ -27,12 +27,15 @@ def archive(tmp_path):
     return path
 
 
-def test_objects_of_the_first_edition_are_read_and_its_difficulties_explained(tmp_path, caplog):
-    first_edition = write_first_edition(tmp_path / "first.parquet")
+def test_an_archive_by_the_estimator_of_the_paper_is_read_and_explained(tmp_path, caplog):
+    path = tmp_path / "paper.parquet"
+    schema = pa.schema([field for field in ARCHIVE if b"optional" not in field.metadata])
+    notes = provenance(settings(evolution={"estimator": "paper"}))
+    parquet.write(parquet.empty(schema), schema, path, notes)
     with caplog.at_level("INFO"):
-        from_archive(first_edition, select(Settings(), PostprocessSolids), 0, 1)
+        from_archive(path, select(Settings(), PostprocessSolids), 0, 1)
     assert "percentiles of few grasps that keep a distance" in caplog.text
-    assert parquet.read(first_edition, ARCHIVE)["cell_confidence"].isna().all()
+    assert parquet.read(path, ARCHIVE)["cell_confidence"].isna().all()
 
 
 def test_notes_travel_from_epoch_to_archive(archive, tmp_path):
@@ -51,16 +54,16 @@ def test_evolution_refuses_to_go_on_from_a_foreign_archive(archive, tmp_path):
     assert not out.exists()
 
 
-def test_difficulties_by_another_gripper_are_not_compared(tmp_path):
+def test_a_graspability_by_another_gripper_is_not_compared(tmp_path):
     """The objects are taken, what they were selected by is not."""
     path = tmp_path / "archive.parquet"
     parquet.write(parquet.empty(ARCHIVE), ARCHIVE, path, provenance(settings()))
     for gripper, count in (("yumi", 0), ("panda", 0)):
-        config = Settings.model_validate({"difficulty": {"gripper": gripper}})
+        config = Settings.model_validate({"graspability": {"gripper": gripper}})
         read = select(config, PostprocessSolids)
         _, known = from_archive(path, read, 0, 1)
         assert len(known) == count
-        assert (known.name == "difficulty") == (gripper == "yumi")
+        assert (known.name == "graspability") == (gripper == "yumi")
 
 
 def test_an_evolution_that_keeps_nothing_says_why(tmp_path):

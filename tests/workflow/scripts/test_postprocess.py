@@ -87,7 +87,7 @@ def test_a_dataset_without_an_object_stops_with_the_reasons(tmp_path):
     (tmp_path / "mine.py").write_text("def hollow(mesh): return float('nan')\n")
     measures = {
         "complexity": f"{tmp_path}/mine.py:hollow",
-        "difficulty": f"{tmp_path}/mine.py:hollow",
+        "graspability": f"{tmp_path}/mine.py:hollow",
     }
     settings = select(
         COARSE.model_copy(update={"measures": CustomMeasures(**measures)}), PostprocessSolids

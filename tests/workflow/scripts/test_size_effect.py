@@ -15,15 +15,15 @@ WANTED = SizeEffect(fractions=[0.5, 1.2], percentiles=[75.0], grasps=5, repeats=
 SETTINGS = select(Settings(size_effect=WANTED), SizeEffectParameters, "yumi")
 
 
-def evalset(*difficulties):
-    names = [f"{letter}0" for letter in "ABCDEFG"[: len(difficulties)]]
-    frame = pd.DataFrame({"label": names, "difficulty": difficulties, "object_label": names})
+def evalset(*values):
+    names = [f"{letter}0" for letter in "ABCDEFG"[: len(values)]]
+    frame = pd.DataFrame({"label": names, "graspability": values, "object_label": names})
     blank = {f.name: "" if str(f.type) == "string" else 0 for f in EVAL49 if f.name not in frame}
     return frame.assign(**blank)[EVAL49.names]
 
 
 @pytest.mark.parametrize(
-    ("difficulties", "chosen"),
+    ("values", "chosen"),
     [
         ((0.001, 0.004, 0.002, 0.003), ["B0", "D0", "A0"]),
         ((0.003, 0.003, 0.003, 0.003, 0.003), ["A0", "C0", "E0"]),
@@ -32,8 +32,8 @@ def evalset(*difficulties):
         ((), []),
     ],
 )
-def test_the_objects_shown_are_the_easiest_the_middle_and_the_hardest(difficulties, chosen):
-    assert size_effect.spread(evalset(*difficulties))["label"].tolist() == chosen
+def test_the_objects_shown_are_the_easiest_the_middle_and_the_hardest(values, chosen):
+    assert size_effect.spread(evalset(*values))["label"].tolist() == chosen
 
 
 def test_the_stage_writes_the_curves_in_that_order(tmp_path):

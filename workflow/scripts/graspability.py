@@ -1,4 +1,4 @@
-"""difficulty: grasp difficulty of the objects of a dataset, for one gripper."""
+"""graspability: graspability of the objects of a dataset, for one gripper."""
 
 from functools import partial
 from pathlib import Path
@@ -9,47 +9,47 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.config.stages import DifficultyOfGripper
+from egad.config.stages import GraspabilityOfGripper
 from egad.errors import RejectedError
 from egad.io import read_mesh
 from egad.measures import measure_repeatably
 from egad.tables import parquet
-from egad.tables.objects import DIFFICULTIES, OBJECTS
+from egad.tables.objects import GRASPABILITIES, OBJECTS
 from egad.workflow.job import run_job
 
 
 def run(
-    settings: DifficultyOfGripper,
+    settings: GraspabilityOfGripper,
     objects: Path,
     meshes: Path,
     out: Path,
     jobs: int = 1,
 ) -> None:
-    """Measure the difficulty of every object for a gripper, as it was measured for its cell.
+    """Measure the graspability of every object for a gripper, as it was measured for its cell.
 
     Args:
         settings: Settings of this stage.
         objects: Table of the objects.
         meshes: Folder of their meshes, in metres.
-        out: Difficulty of the objects for gripper G: each is scaled until its smallest side is
-            `difficulty.side_fraction` of the opening. Made if `targets.difficulty` is true.
+        out: Graspability of the objects for gripper G: each is scaled until its smallest side is
+            `graspability.side_fraction` of the opening. Made if `targets.graspability` is true.
         jobs: Processes; the result does not depend on it.
     """
     labels = parquet.read(objects, OBJECTS)["label"].tolist()
     with workers(jobs) as mapper:
         rows = mapper(partial(_row, meshes=meshes, settings=settings), labels)
-        table = pd.DataFrame(progress(rows, "measuring", len(labels)), columns=DIFFICULTIES.names)
-    parquet.write(table, DIFFICULTIES, out)
+        table = pd.DataFrame(progress(rows, "measuring", len(labels)), columns=GRASPABILITIES.names)
+    parquet.write(table, GRASPABILITIES, out)
 
 
-def _row(label: str, meshes: Path, settings: DifficultyOfGripper) -> dict[str, Any]:
-    """The difficulty of an object; missing if it has no grasp."""
+def _row(label: str, meshes: Path, settings: GraspabilityOfGripper) -> dict[str, Any]:
+    """The graspability of an object; missing if it has no grasp."""
     most = settings.postprocess.max_candidates
     try:
         found = measure_repeatably(read_mesh(meshes / f"{label}.obj", "m"), settings, most)
     except RejectedError:
-        return {"label": label, "difficulty": np.nan, "difficulty_std": np.nan, "grasps": 0}
-    return {name: getattr(found, name) for name in DIFFICULTIES.names[1:]} | {"label": label}
+        return {"label": label, "graspability": np.nan, "graspability_std": np.nan, "grasps": 0}
+    return {name: getattr(found, name) for name in GRASPABILITIES.names[1:]} | {"label": label}
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""Grasp difficulty: how good the better grasps of an object are.
+"""Graspability: how good the better grasps of an object are.
 
-Antipodal grasps are sampled on the object scaled to the gripper, and difficulty is a percentile of
-their quality (EGAD: Morrison, Corke and Leitner, RA-L 2020). The paper takes it from 100 grasps
-that keep a distance from each other. The more there are of those, the more the distance changes
-their distribution; so here grasps are independent, and there are as many as certainty needs.
+Antipodal grasps are sampled on the object scaled to the gripper. Graspability is a percentile of
+their quality, so high values are easy (EGAD: Morrison, Corke and Leitner, RA-L 2020, who call it
+difficulty). The paper takes it from 100 grasps that keep a distance from each other. The more there
+are of those, the more the distance changes their distribution; so here grasps are independent, and
+there are as many as certainty needs.
 """
 
 import math
@@ -27,7 +28,7 @@ from egad.grasps import (
     sample_contacts,
     valid_contacts,
 )
-from egad.measures.grid import difficulty_limits
+from egad.measures.grid import graspability_limits
 from egad.measures.parameters import MAP_RULE, MeasureParameters
 from egad.measures.percentile import (
     BoundedSample,
@@ -39,8 +40,8 @@ from egad.measures.percentile import (
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 
 
-class GraspDifficulty(NamedTuple):
-    """How hard an object is to grasp.
+class GraspabilityEstimate(NamedTuple):
+    """An estimate of the graspability of an object.
 
     Attributes:
         value: Percentile of the quality of sampled grasps.
@@ -87,19 +88,19 @@ def grasped_size(mesh: trimesh.Trimesh, settings: MeasureParameters, rule: str) 
 
 
 def _scaled_size(sides: Floats, settings: MeasureParameters, rule: str) -> GraspedSize:
-    opening, fraction = settings.gripper.opening, settings.difficulty.side_fraction
+    opening, fraction = settings.gripper.opening, settings.graspability.side_fraction
     factor = scale_factor(rule, sides, opening, fraction)
     return GraspedSize(factor, sides * factor)
 
 
-def difficulty(
+def graspability(
     mesh: trimesh.Trimesh,
     settings: MeasureParameters,
     max_candidates: int,
     rng: np.random.Generator,
     com: Floats | None = None,
     factor: float | None = None,
-) -> GraspDifficulty:
+) -> GraspabilityEstimate:
     """A percentile of the quality of independent grasps: high values are easy objects.
 
     A copy of the mesh is measured: turned until its principal axes (of the vertices) are the
@@ -122,24 +123,24 @@ def difficulty(
         UserError: It is not a mesh.
     """
     grasps, enough = _RatedGrasps(mesh, settings, rng, com, factor), settings.space.confidence
-    draws = min(settings.difficulty.candidates, max_candidates)
+    draws = min(settings.graspability.candidates, max_candidates)
     while True:
         grasps.draw(draws)
         draws = min(grasps.tally.tried, max_candidates - grasps.tally.tried)
         if len(grasps) or not draws:
-            estimate = grasps.difficulty()
+            estimate = grasps.graspability()
             if estimate.confidence >= enough or not draws:
                 return estimate
 
 
-def rough_difficulty(
+def rough_graspability(
     mesh: trimesh.Trimesh, settings: MeasureParameters, rng: np.random.Generator
-) -> GraspDifficulty:
-    """The percentile from the first candidates of `difficulty` alone, without its errors (NaN).
+) -> GraspabilityEstimate:
+    """The percentile from the first candidates of `graspability` alone, without its errors (NaN).
 
     Args:
         mesh: The object, of any size, its triangles winding outwards.
-        settings: As for `difficulty`.
+        settings: As for `graspability`.
         rng: Where chance comes from.
 
     Raises:
@@ -147,24 +148,24 @@ def rough_difficulty(
         UserError: It is not a mesh.
     """
     grasps = _RatedGrasps(mesh, settings, rng)
-    grasps.draw(settings.difficulty.candidates)
-    return GraspDifficulty(grasps.percentile(), math.nan, math.nan, len(grasps))
+    grasps.draw(settings.graspability.candidates)
+    return GraspabilityEstimate(grasps.percentile(), math.nan, math.nan, len(grasps))
 
 
-def spaced_difficulty(
+def spaced_graspability(
     mesh: trimesh.Trimesh,
     settings: MeasureParameters,
     count: int,
     rng: np.random.Generator,
     com: Floats | None = None,
-) -> GraspDifficulty:
+) -> GraspabilityEstimate:
     """The paper's estimator: a percentile of grasps that keep a distance from each other.
 
     They are not independent, so its errors are not known (NaN).
 
     Args:
         mesh: The object, of any size, its triangles winding outwards.
-        settings: As for `difficulty`.
+        settings: As for `graspability`.
         count: Grasps to sample.
         rng: Where chance comes from.
         com: Center of mass in the frame of the mesh; else the centroid of the volume.
@@ -177,7 +178,7 @@ def spaced_difficulty(
     """
     grasps = _RatedGrasps(mesh, settings, rng, com)
     grasps.draw_spaced(count)
-    return GraspDifficulty(grasps.percentile(), math.nan, math.nan, len(grasps))
+    return GraspabilityEstimate(grasps.percentile(), math.nan, math.nan, len(grasps))
 
 
 class _RatedGrasps:
@@ -251,15 +252,17 @@ class _RatedGrasps:
         """
         if not len(self):
             raise RejectedError(f"no grasp ({self.tally})")
-        percent = self._settings.difficulty.percentile
+        percent = self._settings.graspability.percentile
         return self._sample.smallest(percentile_rank(len(self), percent))
 
-    def difficulty(self) -> GraspDifficulty:
+    def graspability(self) -> GraspabilityEstimate:
         """The percentile and its errors; raises as `percentile`."""
-        value, percent = self.percentile(), self._settings.difficulty.percentile
-        limits = difficulty_limits(value, self._settings.space)
+        value, percent = self.percentile(), self._settings.graspability.percentile
+        limits = graspability_limits(value, self._settings.space)
         confidence = confidence_between(self._sample, percent, limits)
-        return GraspDifficulty(value, percentile_std(self._sample, percent), confidence, len(self))
+        return GraspabilityEstimate(
+            value, percentile_std(self._sample, percent), confidence, len(self)
+        )
 
 
 def center_of_mass(mesh: trimesh.Trimesh) -> Floats:

@@ -1,10 +1,10 @@
-"""simulated-difficulty: how often the simulated grasps of each object hold."""
+"""simulated-graspability: how often the simulated grasps of each object hold."""
 
 from pathlib import Path
 
 from egad.errors import UserError
 from egad.exchange import is_simulated
-from egad.grasps import simulated_difficulty
+from egad.grasps import simulated_graspability
 from egad.tables import parquet
 from egad.tables.grasping import SIMULATED_GRASPS, SIMULATED_OBJECTS
 from egad.workflow.job import run_job
@@ -27,7 +27,7 @@ def run(
     if not is_simulated(grasps):
         raise UserError(f"{grasps} has no simulated labels; set targets.simulated_labels: true")
     table = parquet.read(grasps, SIMULATED_GRASPS)
-    parquet.write(simulated_difficulty(table), SIMULATED_OBJECTS, out)
+    parquet.write(simulated_graspability(table), SIMULATED_OBJECTS, out)
 
 
 if __name__ == "__main__":

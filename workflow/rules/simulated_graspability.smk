@@ -1,4 +1,4 @@
-"""Simulated-difficulty: how often the simulated grasps of each object hold.
+"""Simulated graspability: how often the simulated grasps of each object hold.
 
 Inputs: results/D/grasps/G.parquet, with simulated labels.
 Outputs: results/D/simulated/G.parquet, one row per object; made if targets.simulated_labels is true.
@@ -6,27 +6,27 @@ Outputs: results/D/simulated/G.parquet, one row per object; made if targets.simu
 
 
 localrules:
-    simulated_difficulty,
+    simulated_graspability,
 
 
-rule simulated_difficulty:
+rule simulated_graspability:
     """Summarize the simulated labels of each object."""
     input:
         grasps="results/{dataset}/grasps/{gripper}.parquet",
     output:
         out=ensure("results/{dataset}/simulated/{gripper}.parquet", non_empty=True),
     log:
-        "logs/{dataset}/simulated_difficulty/{gripper}.log",
+        "logs/{dataset}/simulated_graspability/{gripper}.log",
     benchmark:
-        "benchmarks/{dataset}/simulated_difficulty/{gripper}.tsv"
+        "benchmarks/{dataset}/simulated_graspability/{gripper}.tsv"
     conda:
         ENVIRONMENT
     threads: 1
     resources:
         **needs(mb=2000, minutes=10),
     params:
-        code=code_of("simulated_difficulty"),
+        code=code_of("simulated_graspability"),
     message:
         "Summarizing simulated labels of {wildcards.gripper} on {wildcards.dataset}"
     script:
-        "../scripts/simulated_difficulty.py"
+        "../scripts/simulated_graspability.py"

@@ -1,6 +1,6 @@
-"""Difficulty of the objects of a dataset for a gripper, against `egad.measure`."""
+"""Graspability of the objects of a dataset for a gripper, against `egad.measure`."""
 
-import difficulty
+import graspability
 import pandas as pd
 import pytest
 import trimesh
@@ -8,10 +8,10 @@ from described_hands import box_urdf
 
 import egad
 from egad.config import Postprocess, Settings
-from egad.config.stages import DifficultyOfGripper, select
+from egad.config.stages import GraspabilityOfGripper, select
 from egad.grippers import GRIPPERS, Gripper
 from egad.tables import parquet
-from egad.tables.objects import DIFFICULTIES, OBJECTS
+from egad.tables.objects import GRASPABILITIES, OBJECTS
 
 
 @pytest.fixture
@@ -31,11 +31,13 @@ def test_a_gripper_by_file_measures_as_its_opening_does(dataset):
     whole = Settings(grippers=grippers, postprocess=Postprocess(max_candidates=1024))
     tables = {}
     for name in ("mine", "yumi"):
-        settings = select(whole, DifficultyOfGripper, name)
-        difficulty.run(settings, dataset / "objects.parquet", dataset, dataset / "out.parquet")
-        tables[name] = parquet.read(dataset / "out.parquet", DIFFICULTIES).set_index("label")
+        settings = select(whole, GraspabilityOfGripper, name)
+        graspability.run(settings, dataset / "objects.parquet", dataset, dataset / "out.parquet")
+        tables[name] = parquet.read(dataset / "out.parquet", GRASPABILITIES).set_index("label")
         mesh = trimesh.load_mesh(dataset / "A0.obj")
         expected = egad.measure(mesh, grippers[name], max_candidates=1024)
-        assert tables[name].loc["A0", "difficulty"] == pytest.approx(expected.difficulty, rel=1e-6)
-    assert tables["mine"].loc["A0", "difficulty"] != tables["yumi"].loc["A0", "difficulty"]
-    assert pd.isna(tables["mine"].loc["B0", "difficulty"])
+        assert tables[name].loc["A0", "graspability"] == pytest.approx(
+            expected.graspability, rel=1e-6
+        )
+    assert tables["mine"].loc["A0", "graspability"] != tables["yumi"].loc["A0", "graspability"]
+    assert pd.isna(tables["mine"].loc["B0", "graspability"])

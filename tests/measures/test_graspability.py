@@ -8,15 +8,15 @@ from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.sampler import join, sample_contacts, valid_contacts
-from egad.measures.difficulty import (
+from egad.measures.graspability import (
     _apply,
     _principal_box,
     center_of_mass,
-    difficulty,
-    rough_difficulty,
-    spaced_difficulty,
+    graspability,
+    rough_graspability,
+    spaced_graspability,
 )
-from egad.measures.grid import difficulty_limits
+from egad.measures.grid import graspability_limits
 from egad.measures.parameters import MeasureParameters
 from egad.measures.percentile import (
     BoundedSample,
@@ -28,7 +28,7 @@ from egad.measures.percentile import (
 
 def parameters(sampling=None, confidence=0.0, **settings):
     config = {
-        "difficulty": settings,
+        "graspability": settings,
         "sampling": sampling or {},
         "space": {"confidence": confidence},
     }
@@ -37,7 +37,7 @@ def parameters(sampling=None, confidence=0.0, **settings):
 
 def measure(mesh, candidates=512, seed=0, com=None, **settings):
     read = parameters(candidates=candidates, **settings)
-    return difficulty(mesh, read, candidates, np.random.default_rng(seed), com)
+    return graspability(mesh, read, candidates, np.random.default_rng(seed), com)
 
 
 def wedge():
@@ -67,7 +67,7 @@ def test_equals_the_exhaustive_estimate(spiky_box, number):
     """Exact qualities of all grasps give the same value, error and confidence."""
     mesh = spiky_box(number)
     settings = parameters(confidence=1.0, candidates=100)
-    found = difficulty(mesh, settings, 800, np.random.default_rng(5), mesh.center_mass)
+    found = graspability(mesh, settings, 800, np.random.default_rng(5), mesh.center_mass)
     rng = np.random.default_rng(5)
     values = every_quality(mesh, settings, (100, 100, 200, 400), rng, mesh.center_mass)
     sample = BoundedSample(lambda *_: pytest.fail("computed"))
@@ -75,7 +75,7 @@ def test_equals_the_exhaustive_estimate(spiky_box, number):
     assert found.grasps == len(values) > 50
     assert found.value == percentile(values, 75)
     assert found.std == percentile_std(sample, 75)
-    limits = difficulty_limits(found.value, settings.space)
+    limits = graspability_limits(found.value, settings.space)
     assert found.confidence == confidence_between(sample, 75, limits)
 
 
@@ -85,8 +85,8 @@ def test_candidates_are_doubled_until_the_cell_is_certain(spiky_box):
     budgets = [50, 100, 200, 400, 800, 1600, 3200, 6400]
     for number in range(4):
         mesh = spiky_box(number)
-        found = difficulty(mesh, settings, 6400, rng(0))
-        tried = [difficulty(mesh, settings, budget, rng(0)) for budget in budgets]
+        found = graspability(mesh, settings, 6400, rng(0))
+        tried = [graspability(mesh, settings, budget, rng(0)) for budget in budgets]
         first = next((each for each in tried if each.confidence >= 0.95), tried[-1])
         assert found == first
 
@@ -95,10 +95,10 @@ def test_certain_cells_are_right_as_often_as_asked_for(spiky_box):
     settings, exhaustive = (parameters(confidence=c, candidates=32) for c in (0.8, 1.0))
     right = []
     for mesh in map(spiky_box, range(12)):
-        truth = difficulty(mesh, exhaustive, 2**16, np.random.default_rng(99))
-        low, high = difficulty_limits(truth.value, settings.space)
+        truth = graspability(mesh, exhaustive, 2**16, np.random.default_rng(99))
+        low, high = graspability_limits(truth.value, settings.space)
         for seed in range(25 if truth.confidence > 0.99 else 0):
-            found = difficulty(mesh, settings, 4096, np.random.default_rng(seed))
+            found = graspability(mesh, settings, 4096, np.random.default_rng(seed))
             if found.confidence >= 0.8:
                 right.append(low <= found.value < high)
     assert len(right) > 100
@@ -107,22 +107,22 @@ def test_certain_cells_are_right_as_often_as_asked_for(spiky_box):
 
 def test_the_error_is_the_spread_of_other_grasps(spiky_box):
     settings = parameters(confidence=1.0)
-    found = [difficulty(spiky_box(1), settings, 512, np.random.default_rng(i)) for i in range(60)]
+    found = [graspability(spiky_box(1), settings, 512, np.random.default_rng(i)) for i in range(60)]
     spread = np.std([each.value for each in found])
     assert np.mean([each.std for each in found]) == pytest.approx(spread, rel=0.3)
 
 
 def test_the_rough_estimate_is_that_of_the_first_candidates():
     settings = parameters(confidence=1.0, candidates=300)
-    whole = difficulty(wedge(), settings, 300, np.random.default_rng(0))
-    rough = rough_difficulty(wedge(), settings, np.random.default_rng(0))
+    whole = graspability(wedge(), settings, 300, np.random.default_rng(0))
+    rough = rough_graspability(wedge(), settings, np.random.default_rng(0))
     assert (rough.value, rough.grasps) == (whole.value, whole.grasps)
     assert np.isnan([rough.std, rough.confidence]).all()
 
 
 def test_the_estimator_of_the_paper_is_the_percentile_of_its_grasps():
     settings = parameters()
-    found = spaced_difficulty(wedge(), settings, 100, np.random.default_rng(0))
+    found = spaced_graspability(wedge(), settings, 100, np.random.default_rng(0))
     mesh = wedge()
     place = aligned(mesh, settings)
     scaled = trimesh.Trimesh(_apply(place, mesh.vertices), mesh.faces, process=False)
