@@ -213,7 +213,7 @@ def measure(
             with the map.
         max_candidates: Candidate grasps are doubled until the cell is certain, at most to this
             number.
-        seed: Of the grasps.
+        seed: Seed of the grasps.
 
     Raises:
         RejectedError: The mesh cannot be repaired, is flat, or has no grasp.
@@ -400,7 +400,7 @@ def dataset_grasps(
 
     Args:
         mesh: A closed mesh in metres.
-        object_id: Of the object; with the seed it decides the grasps.
+        object_id: Id of the object; with the seed it decides the grasps.
         parameters: The gripper, the seed, how many grasps, and how to rate them.
 
     Returns:

@@ -133,9 +133,9 @@ class Benchmark:
 
         Args:
             scene: How the objects lay.
-            number: Of the round, from 0.
+            number: Number of the round, from 0.
             out: File to write: `.gif`, or `.mp4` if ffmpeg is there.
-            noise: Of the depth images.
+            noise: Noise added to the depth images.
 
         Raises:
             UserError: There is no such round, the file has another ending, or the table was read
@@ -192,9 +192,9 @@ def run_benchmark(
             must be importable.
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, or its name.
-        scenes: Of single, packed, pile.
-        noise: Of none, stereo, gamma.
-        rounds: Of each kind of scene and noise.
+        scenes: Kinds of scenes: single, packed, pile.
+        noise: Kinds of noise: none, stereo, gamma.
+        rounds: Rounds of each kind of scene and noise.
         per_scene: Objects in packed and piled scenes.
         scale: Range of the sizes of the objects, of those by the rule.
         seed: The same seed gives the same scenes, for all detectors and kinds of noise.

@@ -114,7 +114,7 @@ def export(
         out: A new or empty folder.
         grasps: Most grasps of an object, 100 as in a dataset of the pipeline; formats without
             grasps ignore this, `seed` and `engine`.
-        seed: Of the grasps. They are those that a dataset of the pipeline has with the same seed.
+        seed: Seed of the grasps; with the same one, a dataset of the pipeline has the same grasps.
         rule: How objects are scaled: see `egad.rescale`.
         engine: What simulates the grasps: `mujoco` or `pybullet`.
 

@@ -74,7 +74,7 @@ class Errors:
         """Compare an object with its row.
 
         Args:
-            row: Of the table of the bundle.
+            row: Row of the table of the bundle.
             mass: As read, kg.
             moments: Principal moments as read, kg m2.
             center: Center of mass as read, m.

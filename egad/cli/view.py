@@ -77,7 +77,7 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> "Gras
     """An object of a dataset with its labelled grasps.
 
     Args:
-        folder: Of the dataset, such as `results/egad`.
+        folder: Folder of the dataset, such as `results/egad`.
         gripper: Its name.
         name: Label of the object, in the dataset or in the evaluation set.
         opening: Opening of the displayed gripper, metres.

@@ -22,7 +22,7 @@ class Grasp:
 
     Attributes:
         center: Where the pads should meet the object: midpoint of the contacts, world frame, m.
-        angle: Of the closing axis about the vertical, from the world's x axis, radians.
+        angle: Angle of the closing axis about the vertical, from the world's x axis, radians.
         width: How far to open, metres.
         depth: How far the fingertips reach below the center, metres.
         quality: What the detector expects of it; the highest is tried.

@@ -40,7 +40,7 @@ class DetectorConfig(Parameters):
     )
 
     address: str | None = Field(
-        None, description="of the server of `graspgen`, such as tcp://localhost:5556"
+        None, description="address of the server of `graspgen`, such as tcp://localhost:5556"
     )
 
     @property

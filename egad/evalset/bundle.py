@@ -231,7 +231,7 @@ def page(
     Args:
         table: Columns of `tables.evaluation.BUNDLE`.
         left_out: Rows of `tables.objects.REJECTED`.
-        density: Of the objects, kg/m3.
+        density: Density of the objects, kg/m3.
         bundle: How their parts were made.
     """
     rows = map(_line, parquet.records(table))

@@ -27,7 +27,7 @@ class Patch(NamedTuple):
     """A place for a text.
 
     Attributes:
-        middle: Of the text, on the surface, (3,).
+        middle: Middle of the text, on the surface, (3,).
         frame: Columns to the right of the text, up, and out of the surface, (3, 3).
         relief: Height of the highest point below the text over the lowest, metres.
         contacts: Contacts of grasps on it.

@@ -57,13 +57,18 @@ class PrintExport(Parameters):
     )
     perimeters: int = Field(2, ge=1, le=20, description="lines along each outline of a layer")
     line_width: float = Field(
-        0.00045, ge=0.0001, le=0.002, description="of perimeters and infill, metres"
+        0.00045,
+        ge=0.0001,
+        le=0.002,
+        description="width of the lines of perimeters and infill, metres",
     )
     solid_layers: int = Field(
         3, ge=0, le=50, description="below each top surface and above each bottom surface"
     )
     infill: PositiveFraction = Field(0.2, description="fraction of the inside that is filled")
-    filament_density: float = Field(1240.0, gt=0, description="of solid filament, kg/m3: PLA 1240")
+    filament_density: float = Field(
+        1240.0, gt=0, description="density of solid filament, kg/m3: PLA 1240"
+    )
 
 
 class Engraving(Parameters):

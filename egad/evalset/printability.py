@@ -48,7 +48,7 @@ def thinness(mesh: trimesh.Trimesh, diameter: float) -> Thinness:
 
     Args:
         mesh: A closed surface, wound outwards.
-        diameter: Of the ball, in the unit of the mesh.
+        diameter: Diameter of the ball, in the unit of the mesh.
     """
     radius = diameter / (1 + SLACK)  # so that a plate passes if it is as thick as the diameter
     flat, bent = spread(mesh, SPACING * diameter), rims(mesh, SPACING * diameter)

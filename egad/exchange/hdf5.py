@@ -88,7 +88,7 @@ def check_key(name: str, what: str = "object") -> str:
 
     Args:
         name: The name.
-        what: Of what.
+        what: What it is of.
 
     Raises:
         UserError: It holds other characters than letters, digits, `_`, `-` and `.`.

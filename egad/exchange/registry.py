@@ -144,7 +144,7 @@ def write_format(
     Args:
         name: The format.
         objects: Which objects are written, for a format of objects.
-        settings: Of the class `settings_class`.
+        settings: Settings, of the class that `settings_class` gives.
         gripper: The name of the gripper.
         reads: The files of `sources`.
         out: File or folder to write.

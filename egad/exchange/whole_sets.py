@@ -50,7 +50,7 @@ def write_evaluation_surfaces(
 
     Args:
         settings: Not needed.
-        ending: Of the files.
+        ending: Ending of the files.
         bundle: Folder of the bundle.
         out: Folder to write.
 
@@ -101,7 +101,7 @@ def write_all_surfaces(settings: GripperFormat, ending: str, meshes: Path, out: 
 
     Args:
         settings: Not needed.
-        ending: Of the files.
+        ending: Ending of the files.
         meshes: Folder of the scaled meshes.
         out: Folder to write.
 

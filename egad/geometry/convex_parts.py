@@ -92,7 +92,7 @@ def decompose(
         max_parts: Most hulls.
         volume_error: The hulls may exceed the solid by this fraction of it.
         deviation: How deep the touchable surface may lie in a hull, metres.
-        max_vertices: Of a hull.
+        max_vertices: Most vertices of a hull.
 
     Returns:
         The parts, and the bounds that they keep: looser ones than asked for if the object needs
@@ -138,10 +138,10 @@ def _joined(
     """Join hulls within bounds, which are loosened until few enough are left and keep to them.
 
     Args:
-        hulls: Of the pieces of a solid.
+        hulls: Hulls of the pieces of a solid.
         are_good: Whether they keep to the bounds that are wanted.
         max_parts: Most of them.
-        volume: Of the solid.
+        volume: Volume of the solid.
         touchable: Points of its surface.
         wanted: The bounds to begin with.
 

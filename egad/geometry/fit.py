@@ -39,7 +39,7 @@ class Tolerances(NamedTuple):
     Attributes:
         deviation: Metres, of the touchable surface.
         volume_error: Relative.
-        max_vertices: Of a part.
+        max_vertices: Most vertices of a part.
         lowering: By how much faces may be moved inwards, metres.
     """
 

@@ -13,7 +13,7 @@ from egad.geometry.repair import Repaired, repair
 
 
 class MassProperties(NamedTuple):
-    """Of a solid: m3, m2, m, kg and kg m2.
+    """Volume, area and mass properties of a solid: m3, m2, m, kg and kg m2.
 
     Attributes:
         volume: Volume.
@@ -81,7 +81,7 @@ def repair_and_weigh(
         density: kg/m3.
         min_volume: The least volume that an object may have, m3.
         open_surfaces: See `egad.geometry.repair.repair`.
-        thickness: Of the shells that open surfaces become, metres.
+        thickness: Thickness of the shells that open surfaces become, metres.
 
     Raises:
         RejectedError: The mesh cannot be repaired, or is too small.

@@ -99,7 +99,7 @@ class Repaired(NamedTuple):
     Attributes:
         mesh: The surface, wound outwards.
         changed: Whether more than merging vertices was needed.
-        shell_thickness: Of the wall that an open surface was given; 0 for all others.
+        shell_thickness: Thickness of the wall that an open surface was given; 0 for all others.
         dropped_bodies: How many bodies, closed or open, were left out, as only the largest closed
             one is kept.
         dropped_volume: Their part of the volume of all bodies, with holes closed; open surfaces
@@ -155,7 +155,7 @@ def repair(
     Args:
         mesh: In metres; in any unit if nothing is thickened. Not changed.
         open_surfaces: `reject` or `thicken`.
-        thickness: Of that wall, metres; the default, 2 mm, is that of common cups and glasses.
+        thickness: Thickness of that wall, metres; the default, 2 mm, is that of cups and glasses.
 
     Returns:
         The surface, every edge with exactly two faces; and what was done.
@@ -230,7 +230,7 @@ def _dropped(
     """How many bodies there are beside the largest of each solid, and their part of the volume.
 
     Args:
-        solids: Of closed bodies.
+        solids: Number of closed bodies.
         open_shells: Those that were left out, which count as far as they stick out of what is kept.
         kept: The solid that is kept.
     """

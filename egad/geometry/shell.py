@@ -32,7 +32,7 @@ def shell(mesh: trimesh.Trimesh, thickness: float) -> Solid:
 
     Args:
         mesh: Any triangles with an area, in any unit; not changed.
-        thickness: Of the wall, in the same unit.
+        thickness: Thickness of the wall, in the same unit.
 
     Raises:
         RejectedError: There is no surface, or the wall is thicker than it is large, or too thin to

@@ -24,7 +24,7 @@ class StablePose(NamedTuple):
         face: Indices of the vertices of the mesh at the corners of the resting face, ascending.
         normal: Outward normal of this face in the frame of the mesh, (3,).
         rotation: From the frame of the mesh to that of the table, (3, 3).
-        height: Of the center of mass above the table, in the unit of the mesh.
+        height: Height of the center of mass above the table, in the unit of the mesh.
         margin: The least angle by which the table must be tilted for it to topple, radians.
         center: Center of mass in the frame of the mesh, (3,).
     """

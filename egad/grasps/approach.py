@@ -51,7 +51,7 @@ def best_approaches(
     is not is taken; else of those that fit at the grasp; else the first.
 
     Args:
-        caster: Of the object, closed, metres.
+        caster: Ray caster of the object, closed, metres.
         grasps: The grasps.
         body: The hand.
         angles: Approaches to try.

@@ -22,7 +22,7 @@ def needed_openings_of_model(
     by at most the distance of two.
 
     Args:
-        caster: Of the object, closed, metres.
+        caster: Ray caster of the object, closed, metres.
         grasps: The grasps.
         approaches: (n, 3) unit vectors along which the hand points, at right angles to the axes.
         body: The hand.

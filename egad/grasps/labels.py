@@ -67,7 +67,7 @@ def label_grasps(
         com: (3,) center of mass, metres.
         settings: The gripper, how many grasps, and how to rate them.
         rng: Where chance comes from.
-        body: Of the gripper's hand.
+        body: Body of the gripper's hand.
 
     Returns:
         One row per grasp, in the frame of the mesh, with the columns of `tables.grasping.GRASPS`
@@ -155,7 +155,7 @@ def statistics_row(wanted: int, tally: SamplingStatistics, grasps: pd.DataFrame)
 
     Args:
         wanted: Grasps wanted.
-        tally: Of the sampler.
+        tally: Sampling statistics.
         grasps: The rated grasps, with the columns of `tables.grasping.GRASPS`; may be empty.
     """
     failed = asdict(tally)

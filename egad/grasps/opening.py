@@ -26,7 +26,7 @@ def needed_openings(
     the width of the grasp, pads that close meet something else before they reach both contacts.
 
     Args:
-        caster: Of the object, closed, metres.
+        caster: Ray caster of the object, closed, metres.
         grasps: The grasps.
         approaches: (n, 3) unit vectors along which the hand points, at right angles to the axes.
         body: The hand. The opening of boxes does not matter; of a maker's model, see

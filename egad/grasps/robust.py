@@ -33,7 +33,7 @@ def robust_ferrari_canny(
     inside the object or meets nothing.
 
     Args:
-        caster: Of the object, metres.
+        caster: Ray caster of the object, metres.
         grasps: The n grasps.
         com: (3,) center of mass, metres.
         opening: Distance of the open fingers, metres.

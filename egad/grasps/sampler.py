@@ -95,7 +95,7 @@ def sample_contacts(
     straight line of length `approach_clearance` along one of `approach_directions`.
 
     Args:
-        caster: Of the object, metres.
+        caster: Ray caster of the object, metres.
         opening: Distance of the open fingers, metres.
         count: Grasps wanted.
         sampling: Rules. A round draws twice as many candidates as grasps are wanted, if that is
@@ -133,7 +133,7 @@ def valid_contacts(
     bias from spacing.
 
     Args:
-        caster: Of the object, metres.
+        caster: Ray caster of the object, metres.
         opening: Distance of the open fingers, metres.
         candidates: How many to draw.
         sampling: Rules; rounds and spacing do not matter.

@@ -25,7 +25,7 @@ class Sides(NamedTuple):
     """The moving links of both fingers, and the axis along which they close.
 
     Attributes:
-        links: Of the finger at lower, and of that at higher places along the axis.
+        links: Links of the finger at the lower, and of the one at the higher end of the axis.
         axis: Unit vector in the frame of the palm.
         signs: Which way each driven joint moves from open to closed, (n,).
     """

@@ -140,7 +140,7 @@ class ModelBody(HandBody):
     """
 
     def __init__(self, gripper: Gripper, model: GripperModel) -> None:
-        """Of a model; the gripper has the widest opening that is used."""
+        """Take a model; the gripper has the widest opening that is used."""
         self.gripper, self.model = gripper, model
 
     @override

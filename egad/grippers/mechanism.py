@@ -38,7 +38,7 @@ class Mechanism:
     def __init__(
         self, model: mujoco.MjModel, palm: int, driven: list[int], followers: list[int]
     ) -> None:
-        """Of a model, with its palm, its joints that are driven and those that follow."""
+        """Take a model, its palm, the joints that are driven and those that follow."""
         self.model, self.palm, self.driven, self.followers = model, palm, driven, followers
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT

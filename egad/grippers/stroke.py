@@ -93,7 +93,7 @@ def _useful(gaps: Floats, names: str) -> tuple[float, float]:
 
     Args:
         gaps: Distances of the pads at even parts of the way, metres.
-        names: Of their links.
+        names: Names of their links.
 
     Raises:
         UserError: They do not, or open wider than any hand.

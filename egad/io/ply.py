@@ -58,7 +58,7 @@ class ElementRows(NamedTuple):
     Attributes:
         points: Coordinates of vertices, (n, 3); empty for other elements.
         items: The values of all lists of indices, one after the other.
-        lengths: Of these lists.
+        lengths: Lengths of these lists.
     """
 
     points: Floats

@@ -63,7 +63,7 @@ def metres_per_unit(asked: str | None, stated: str | None, ending: str) -> float
     Args:
         asked: The unit that the caller gives.
         stated: The unit that the file states.
-        ending: Of its name, without a dot.
+        ending: Ending of its name, without a dot.
 
     Raises:
         UserError: The caller gives an unknown unit.

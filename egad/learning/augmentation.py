@@ -33,8 +33,8 @@ class Crop(NamedTuple):
     """A square of an image.
 
     Attributes:
-        row: Of its first pixel.
-        column: Of its first pixel.
+        row: Row of its first pixel.
+        column: Column of its first pixel.
         side: Pixels along each side.
     """
 

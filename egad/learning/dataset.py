@@ -46,7 +46,7 @@ class PositiveFilter(NamedTuple):
 
     Attributes:
         quality: Robust quality that a grasp must have more of; it must be free of collision, too.
-        breadth: Of the jaws, metres.
+        breadth: Width of the jaws along their face, metres.
         simulated: Whether a grasp must have succeeded in simulation, instead of the quality.
     """
 

@@ -118,7 +118,8 @@ class Score:
         n_correct: Images in which its best grasp agrees with a positive one.
         n_images: Images with a positive grasp.
         objects: Objects in these.
-        interval: Of the part that is right, for other objects and scenes of the same kind, 95 %.
+        interval: The 95 % interval of the share that is right, for other objects and scenes of the
+            same kind.
         loss: Mean over all images.
     """
 

@@ -116,7 +116,7 @@ def graspability(
         max_candidates: Most candidates to draw; see `valid_contacts`.
         rng: Where chance comes from.
         com: Center of mass in the frame of the mesh; else the centroid of the volume.
-        factor: Of `grasped_size`; by default that of the rule `exact`.
+        factor: Scale factor, from `grasped_size`; by default that of the rule `exact`.
 
     Raises:
         RejectedError: There is no grasp, or the mesh is empty, flat or not finite.

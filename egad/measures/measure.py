@@ -84,7 +84,8 @@ def measure_repeatably(
         mesh: One body, wound outwards, of any size.
         settings: What the measures depend on.
         max_candidates: Most candidate grasps to draw.
-        factor: Of `grasped_size`; by default that of the rule `exact`, which the map is made by.
+        factor: Scale factor, from `grasped_size`; by default that of the rule `exact`, as in the
+            map.
 
     Raises:
         RejectedError: The mesh cannot be measured, or has no grasp.

@@ -168,7 +168,7 @@ def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
 
     Args:
         gripper: What grasps are sampled for.
-        seed: Of the grasps.
+        seed: Seed of the grasps.
 
     Raises:
         UserError: The seed is not allowed.

@@ -94,7 +94,7 @@ def confidence_between(sample: BoundedSample, percent: float, limits: tuple[floa
 
     Args:
         sample: Independent values.
-        percent: Of the percentile, 0 to 100.
+        percent: Which percentile, 0 to 100.
         limits: The lower one, which may be -inf, and the upper one, which may be inf.
     """
     low, high = (_chance_above(sample, percent / 100, limit) for limit in limits)

@@ -30,7 +30,7 @@ class PlacedObject(NamedTuple):
     """An object at rest on a table.
 
     Attributes:
-        id: Of the object.
+        id: Id of the object.
         factor: Its size / that of the dataset's mesh.
         mesh: Its surface at this size, closed, metres.
         com: (3,) its center of mass, metres.
@@ -141,8 +141,8 @@ def sample_factor(
     """The size of an object at which one of its grasps, drawn at random, has a width (ours).
 
     Args:
-        caster: Of the object, closed, metres.
-        width: Of the grasp, metres.
+        caster: Ray caster of the object, closed, metres.
+        width: Width of the grasp, metres.
         sampling: How grasps are sampled.
         rng: Source of chance.
         wanted: Which closing axes, (n, 3) unit vectors, the grasp may have; all by default.

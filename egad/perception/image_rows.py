@@ -47,7 +47,7 @@ def pixels(row: Mapping[str, Any], name: str, mode: str) -> NDArray[np.integer]:
 
     Args:
         row: Has `height`, `width` and the file.
-        name: Of its column.
+        name: Name of its column.
         mode: How Pillow calls such pixels, or how that begins.
 
     Raises:

@@ -33,7 +33,7 @@ class Observation:
     Attributes:
         view: A depth image straight from above.
         views: Depth images from all around.
-        side: Of the workspace, a square around the origin, metres.
+        side: Side of the workspace, a square around the origin, metres.
     """
 
     view: View
@@ -82,7 +82,7 @@ def cameras_around(target: Floats, count: int, distance: float, tilt: float) -> 
         target: (3,) metres.
         count: How many cameras.
         distance: Metres.
-        tilt: Of their lines of sight against the vertical, radians.
+        tilt: Angle of their lines of sight against the vertical, radians.
     """
     angles = 2 * np.pi * np.arange(count) / count
     ways = [np.array([np.cos(a), np.sin(a), 0.0]) * np.sin(tilt) for a in angles]

@@ -43,7 +43,7 @@ class ImagedObject(NamedTuple):
     """An object in an image.
 
     Attributes:
-        id: Of the object.
+        id: Id of the object.
         factor: Its size / that of the mesh scaled to the gripper.
         pose: Number of its stable pose; -1 if it was dropped or packed.
         matrix: (4, 4) from the frame of the mesh at this size to the world, whose table is z = 0.
@@ -62,8 +62,8 @@ class RenderedImage:
     Attributes:
         image: Its number in the dataset.
         scene: How the objects lie.
-        id: Of the object, or a name for several.
-        label: Of the object, or a name for several.
+        id: Id of the object, or a name for several.
+        label: Label of the object, or a name for several.
         split: `train`, `validation` or `test`.
         draws: How many times poses and sizes were drawn for it.
         objects: The objects.
@@ -213,7 +213,7 @@ def draw_width(settings: RenderParameters, name: str, *key: str | int) -> float 
 
     Args:
         settings: Its range.
-        name: Of the object.
+        name: Name of the object.
         key: Which view of it.
     """
     if settings.render.widths is None:
@@ -233,7 +233,7 @@ class _LyingAlone:
 
     @cached_property
     def caster(self) -> RayCaster:
-        """Of the mesh; only random sizes need it."""
+        """Ray caster of the mesh; only random sizes need it."""
         return RayCaster(self.mesh)
 
     def draw(

@@ -19,8 +19,8 @@ class Share(NamedTuple):
     """An object, or a scene of several, and its images.
 
     Attributes:
-        id: Of the object, or a name of the scene.
-        label: Of the object, or the same name.
+        id: Id of the object, or a name of the scene.
+        label: Label of the object, or the same name.
         split: `train`, `validation` or `test`.
         first: Number of its first image in the dataset.
         images: How many it has.
@@ -52,7 +52,7 @@ def shares(
         objects: Columns `id`, `label` and `complexity`.
         evaluation: Ids of the objects that are in the split `test` in any case.
         settings: How many images, which objects, and the parts of the splits.
-        seed: Of the configuration.
+        seed: Seed of the configuration.
     """
     split = split_of(objects["id"].tolist(), evaluation, settings, seed)
     wanted = _drawn(objects[_within(objects, settings.complexity)], settings.subset, seed)

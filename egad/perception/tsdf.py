@@ -21,7 +21,7 @@ class Tsdf:
         distances: At the centers of the voxels, in units of the truncation, from -1 to 1, axis
             order x, y, z, (n, n, n); 0 where no camera sees.
         weights: Number of cameras that see the voxel or what is just before it, (n, n, n).
-        corner: Of the cube with the least coordinates, (3,), metres.
+        corner: Corner of the cube with the least coordinates, (3,), metres.
         voxel: Side of a voxel, metres.
         truncation: Metres.
     """
@@ -66,8 +66,8 @@ def fuse(
 
     Args:
         views: Depth images; missing pixels see nothing.
-        corner: Of the cube with the least coordinates, (3,), metres.
-        side: Of the cube, metres.
+        corner: Corner of the cube with the least coordinates, (3,), metres.
+        side: Side of the cube, metres.
         resolution: Voxels along a side.
         truncation: In voxels.
     """

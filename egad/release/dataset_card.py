@@ -48,7 +48,7 @@ class ReleaseFacts:
         title: Name of the dataset for people.
         gripper: Name of the gripper.
         opening: Opening of the gripper, metres.
-        density: Of the objects, kg/m3.
+        density: Density of the objects, kg/m3.
         friction: Friction coefficient of the simulated labels.
         grasps: Largest number of grasps per object.
         engine: Physics engine of the simulated labels; empty without any.
@@ -221,7 +221,7 @@ def card_page(
         facts: What is said of the release.
         objects: Columns of `tables.release.RELEASED_OBJECTS`, of all splits.
         success: Share of the judged grasps that held, by split; nothing without such grasps.
-        contents: Of each pattern of files: the pattern, its meaning, how many files and bytes.
+        contents: For each pattern of files: the pattern, its meaning, how many files and bytes.
     """
     grasps = int(objects["n_grasps"].sum())
     text = PAGE.format(

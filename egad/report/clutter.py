@@ -28,7 +28,7 @@ class ClutterView:
 
     Attributes:
         engine: What computed the physics.
-        rates: Of each kind of scene and noise, by detector.
+        rates: Success rates in each kind of scene and noise, by detector.
         thirds: Success of attempts, and share of objects that were cleared, by detector, axis
             (complexity, difficulty) and third of the objects.
         pictures: Addresses of pictures of scenes at the beginning of a round, by kind.
@@ -76,7 +76,7 @@ class ClearingResults:
 
     Attributes:
         engines: What computed the physics, by detector.
-        rates: Of each kind of scene and noise, by detector.
+        rates: Success rates in each kind of scene and noise, by detector.
         pairs: Comparisons of every two detectors that cleared the same tables, by `A vs B`.
     """
 

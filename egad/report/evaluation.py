@@ -132,8 +132,8 @@ def contact_sheet(
 
     Args:
         title: Above the pictures.
-        rows: Of the grid.
-        columns: Of the grid.
+        rows: Rows of the grid.
+        columns: Columns of the grid.
         meshes: By row and column.
         captions: Name and size, by row and column; a cell without a mesh shows just these.
 

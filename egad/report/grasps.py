@@ -47,7 +47,7 @@ class ScaleNumbers:
 
     Attributes:
         rule: Name of the rule.
-        opening: Of the gripper, metres.
+        opening: Opening of the gripper, metres.
         objects: How many there are.
         scaled: How many changed their size.
         factor: Smallest, median and largest factor.

@@ -65,7 +65,7 @@ def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
     """An HTML page about a hand that needs no other file.
 
     Args:
-        name: Of the gripper.
+        name: Name of the gripper.
         gripper: Its settings.
         model: Its model.
     """

@@ -217,7 +217,7 @@ def read_states(folder: Path, own: State, islands: int | None = None) -> list[St
     """What the islands have written, in the order of their numbers.
 
     Args:
-        folder: Of their files.
+        folder: Folder of their files.
         own: What one of them has written; others count with the same run and epoch.
         islands: How many there are, if known.
     """
@@ -235,7 +235,7 @@ def page_of(states: Sequence[State], space: MeasureSpace, axes: AxisPair = USUAL
     """The page.
 
     Args:
-        states: Of each island.
+        states: State of each island.
         space: The cells.
         axes: What the axes of the space are called.
     """

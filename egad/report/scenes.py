@@ -18,7 +18,7 @@ def scenes(
     """The objects of an evaluation set.
 
     Args:
-        folder: Of the dataset.
+        folder: Folder of the dataset.
         gripper: Its name.
         evalset: Columns of `tables.evaluation.EVAL49`.
         grasps: Columns of `tables.grasping.GRASPS` for this gripper.

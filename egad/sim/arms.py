@@ -34,7 +34,7 @@ class HandPose(NamedTuple):
         x: Metres.
         y: Metres.
         height: Metres above the table.
-        angle: Of the closing axis about the vertical, radians.
+        angle: Angle of the closing axis about the vertical, radians.
     """
 
     x: float
@@ -72,7 +72,7 @@ class Arm(ABC):
 
     @abstractmethod
     def height(self, joints: Floats) -> float:
-        """Of the fingertips above the table, metres."""
+        """Height of the fingertips above the table, metres."""
 
 
 class TurningAxis(Arm):

@@ -29,7 +29,7 @@ class Fingers:
     """
 
     def __init__(self, world: World) -> None:
-        """Of the robot in a world."""
+        """Take the robot of a world."""
         if world.robot is None:
             raise ValueError("there is no robot in this world")
         self.world = world
@@ -157,7 +157,7 @@ class Hand(Fingers):
         return forces.hand > 0 and not forces.support > 0
 
     def height(self) -> float:
-        """Of the fingertips above the table, metres."""
+        """Height of the fingertips above the table, metres."""
         return self.arm.height(self.world.arm_joints()) + self._raised
 
     def _tip(self, stance: HandPose) -> HandPose:

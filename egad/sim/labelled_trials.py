@@ -44,7 +44,7 @@ def sample_labelled_grasps(
         grasps: Columns of `tables.grasping.GRASPS`, of the object.
         object_id: With the seed it decides the choice.
         count: How many; all if there are not more.
-        seed: Of the configuration.
+        seed: Seed of the configuration.
 
     Returns:
         Rows of the table in their order, and how many they were drawn from: `n_labelled`, of these

@@ -103,8 +103,8 @@ class Clutter(Parameters):
     noise: tuple[NoiseName, ...] = Field(
         NOISES[:2],
         min_length=1,
-        description="of depth images; none; stereo: as in `trials.depth_noise`, of 0.1 pixels; "
-        "gamma: as in Dex-Net 2.0 and the later code of VGN",
+        description="noise added to depth images; none; stereo: as in `trials.depth_noise`, of 0.1 "
+        "pixels; gamma: as in Dex-Net 2.0 and the later code of VGN",
     )
     rounds: int = Field(100, ge=1, description="rounds of each kind of scene and noise")
     objects: int = Field(5, ge=1, le=20, description="objects in packed and piled scenes")

@@ -29,7 +29,7 @@ class Box:
     """A box whose sides are parallel to the axes of its link.
 
     Attributes:
-        size: Of its sides, metres.
+        size: Lengths of its sides, metres.
         center: In the frame of the link, metres.
     """
 
@@ -75,10 +75,10 @@ class Joint:
         child: Name of the link; that of the joint, too.
         parent: Name of what carries it.
         kind: How it moves.
-        origin: Of the child's frame in that of the parent at 0, metres.
-        turn: Of the child's frame, a rotation vector, radians.
+        origin: Origin of the child's frame in that of the parent at 0, metres.
+        turn: Rotation of the child's frame, a rotation vector, radians.
         axis: It moves along or about, in the frame of the child.
-        limits: Of the motion, metres or radians.
+        limits: Limits of the motion, metres or radians.
     """
 
     child: str
@@ -173,7 +173,7 @@ class Robot:
         """Where the joints of the arm and the tip are: (4, 4) transforms to the root's frame.
 
         Args:
-            positions: Of the joints of the arm, metres or radians.
+            positions: Positions of the joints of the arm, metres or radians.
 
         Returns:
             The frames of the arm's joints in their order, then that of the tip.

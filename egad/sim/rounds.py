@@ -36,7 +36,7 @@ class Round(NamedTuple):
     Attributes:
         scene: How the objects lie.
         noise: What goes wrong in depth images.
-        number: Of the round.
+        number: Number of the round.
         seed: For all that happens in it.
         ids: Names of the objects, in the order of their numbers.
         factors: Their sizes, of those in the models.
@@ -155,8 +155,8 @@ def film_round(
     Args:
         table: Columns of `tables.clutter.CLUTTER`.
         scene: How the objects lay.
-        noise: Of the depth images.
-        number: Of the round.
+        noise: Noise added to the depth images.
+        number: Number of the round.
         models: All objects by their names.
         settings: Those of the round.
 

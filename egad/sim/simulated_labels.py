@@ -112,7 +112,7 @@ def with_simulated_labels(
         grasps: Columns of `tables.grasping.GRASPS`.
         chosen: Numbers of the rows that were simulated; in all others the columns are missing.
         found: What became of these.
-        settings: Of the simulation.
+        settings: Settings of the simulation.
     """
     rows = [(each.outcome.value, each.success, *each.closing, *each.shaking) for each in found]
     names = ["simulated_outcome", "simulated_success", *MOTIONS]

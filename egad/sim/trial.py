@@ -52,7 +52,7 @@ class InitialPose(NamedTuple):
     Attributes:
         kind: dropped: put above the middle in a random orientation; from_hand: let go by the
             hand that held it, there too; left: where the attempt before left it.
-        pose: Of the object.
+        pose: Pose of the object.
     """
 
     kind: str
@@ -66,7 +66,7 @@ def initial_poses(
 
     Args:
         mesh: The object, in the frame of its poses.
-        height: Of its lowest point when it is dropped, metres.
+        height: Height of its lowest point when it is dropped, metres.
         left: Where the attempt before left it: lying, or in the hand, which tilts and turns it by
             chance above the middle; None if it is put back.
         rng: Source of chance.

@@ -57,7 +57,7 @@ class Pose(NamedTuple):
 
     @classmethod
     def of(cls, numbers: Sequence[float]) -> Self:
-        """Of the three numbers of the position and the four of the quaternion."""
+        """Make a pose from three numbers of the position and four of the quaternion."""
         return cls(np.array(numbers[:3]), np.array(numbers[3:]))
 
     @property
@@ -73,11 +73,11 @@ class Forces(NamedTuple):
     """Normal forces of contacts, in newtons, added up without their directions.
 
     Attributes:
-        left: Of the left finger on the objects.
-        right: Of the right finger on the objects.
-        rest: Of all else of the robot on the objects.
-        support: Of the table on the objects.
-        blocked: Of the table on the robot.
+        left: Force of the left finger on the objects.
+        right: Force of the right finger on the objects.
+        rest: Force of the rest of the robot on the objects.
+        support: Force of the table on the objects.
+        blocked: Force of the table on the robot.
     """
 
     left: float
@@ -88,7 +88,7 @@ class Forces(NamedTuple):
 
     @property
     def hand(self) -> float:
-        """Of the whole robot on the objects."""
+        """Force of the whole robot on the objects."""
         return self.left + self.right + self.rest
 
 
@@ -159,7 +159,7 @@ class World(ABC):
         """Put the robot somewhere, at rest, its joints held where they are.
 
         Args:
-            base: Of its root.
+            base: Pose of its root.
             joints: Positions of its arm, metres or radians.
             opening: Distance of the finger pads, metres.
         """

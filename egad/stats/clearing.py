@@ -20,7 +20,7 @@ class Clearing(NamedTuple):
 
     Attributes:
         scene: How the objects lie.
-        noise: Of the depth images.
+        noise: Noise added to the depth images.
         rounds: How many.
         success: Successes over attempts.
         cleared: Objects that were grasped over objects that were there.
@@ -71,7 +71,7 @@ class ClearingComparison(NamedTuple):
 
     Attributes:
         scene: How the objects lay.
-        noise: Of the depth images.
+        noise: Noise added to the depth images.
         rounds: Rounds that began with the same scene.
         success: Difference of the success rates.
         success_interval: Its 95 % confidence interval, by resampling rounds.

@@ -27,9 +27,9 @@ class Comparison:
         difference: Success rate of the first minus that of the second.
         interval: 95 % confidence interval of the difference, by resampling objects.
         p_objects: Sign-flip test over the objects; see `sign_flip`.
-        alike: Of these attempts, those with the same initial pose for both detectors.
-        only_first: Of the alike attempts, those in which only the first succeeded.
-        only_second: Of the alike attempts, those in which only the second succeeded.
+        alike: Those of these attempts with the same initial pose for both detectors.
+        only_first: Alike attempts in which only the first succeeded.
+        only_second: Alike attempts in which only the second succeeded.
         p_attempts: Exact McNemar test over the alike attempts; NaN if there are none.
     """
 

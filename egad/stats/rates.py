@@ -23,7 +23,7 @@ def wilson(successes: int, attempts: int, confidence: float = 0.95) -> Interval:
     Args:
         successes: How often it worked.
         attempts: How often it was tried.
-        confidence: Of the two-sided interval.
+        confidence: Level of the two-sided interval, 0 to 1.
 
     Returns:
         Lower and upper end; 0 and 1 without attempts, when nothing is known.
@@ -48,7 +48,7 @@ def bootstrap(
         statistic: From (draws, n) indices of the objects drawn to (draws,) values; NaN where a
             draw has none.
         count: Objects, n.
-        confidence: Of the two-sided interval.
+        confidence: Level of the two-sided interval, 0 to 1.
 
     Returns:
         Lower and upper end; NaN if there are less than two objects, or no values.
@@ -163,8 +163,8 @@ def mean_of(successes: Ints, attempts: Ints) -> Mean:
     The interval is that of `mean_rate`.
 
     Args:
-        successes: Of each group, (n,).
-        attempts: Of each group, (n,).
+        successes: Successes of each group, (n,).
+        attempts: Attempts of each group, (n,).
     """
     total = Rate(int(successes.sum()), int(attempts.sum()))
     if len(attempts) < 2:

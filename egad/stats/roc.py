@@ -28,8 +28,8 @@ class Area:
 
     Attributes:
         value: See `roc_area`.
-        interval: Of 95 %, for other objects of the same kind; NaN if fewer than `FEWEST` objects
-            have a success, or a failure.
+        interval: The 95 % interval for other objects of the same kind; NaN if fewer than `FEWEST`
+            objects have a success, or a failure.
         within: The same of pairs of grasps of one object only.
     """
 

@@ -67,7 +67,7 @@ def arguments_of(function: Callable[..., object], job: Any) -> dict[str, Any]:  
     """The arguments of a function that a job names, not yet of the types that it wants.
 
     Args:
-        function: Of a script.
+        function: Function of a script.
         job: The object `snakemake`.
 
     Raises:

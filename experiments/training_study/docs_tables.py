@@ -184,7 +184,7 @@ def merged(made: pd.DataFrame, earlier: pd.DataFrame, key: list[str]) -> pd.Data
     """The attempts of a run and earlier ones, in the order of the key.
 
     Args:
-        made: Of the run. They replace the earlier ones that have the same `key`.
+        made: Attempts of the run. They replace the earlier ones that have the same `key`.
         earlier: With the same columns.
         key: Columns.
     """

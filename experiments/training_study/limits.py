@@ -109,7 +109,7 @@ def print_reachable(title: str, found: Attempts, labels: pd.DataFrame) -> None:
     """Success where a labelled grasp can be reached from above and where none can, percent.
 
     Args:
-        title: Of the test.
+        title: Title of the test.
         found: Attempts of sets and detectors.
         labels: Those of the detector `labels`, from the same poses.
     """

@@ -53,7 +53,7 @@ class SetComparison:
 
     Attributes:
         test: Dataset of the evaluation set.
-        noise: Of the depth images.
+        noise: Noise added to the depth images.
         first: Training set, or another detector.
         second: The one that it is compared with.
         networks: How many of each.
@@ -157,7 +157,7 @@ def difference_interval(
 
     Args:
         first: Success rates of the networks of a set.
-        second: Of the other set.
+        second: The same of the other set.
         spread: Between networks, pooled over all sets.
 
     Returns:
@@ -183,7 +183,7 @@ def difference(first: Sequence[float] | Floats, second: Sequence[float] | Floats
 
     Args:
         first: Success of the networks of a set.
-        second: Of the other set.
+        second: The same of the other set.
     """
     gain = float(np.mean(first) - np.mean(second))
     if len(first) == len(second) == 1:

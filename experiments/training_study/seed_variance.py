@@ -72,7 +72,7 @@ def share(spread: float, objects: int, networks: int, gain: float, level: float)
         spread: Standard deviation of the success of the networks of a set, if each made
             infinitely many attempts.
         objects: How many are tried.
-        networks: Of each set.
+        networks: Networks of each set.
         gain: Mean success of the second set minus that of the first.
         level: The p-value must be lower.
     """

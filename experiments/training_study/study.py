@@ -186,7 +186,7 @@ class Study(NamedTuple):
 
     Attributes:
         plan: What is compared.
-        settings: Of the workflow, with the networks among the grasp detectors.
+        settings: Settings of the workflow, with the networks among the grasp detectors.
     """
 
     plan: Plan

@@ -19,7 +19,7 @@ class Row:
     """Success of a training set, or of another detector, in a test.
 
     Attributes:
-        values: Of each network; of another detector, one.
+        values: One value for each network, or a single one for another detector.
         trained: Whether its networks were trained, rather than given.
         interval: 95 % confidence interval of the mean over networks; NaN if it is not known.
     """

@@ -113,7 +113,7 @@ class NoiseView:
     """Single objects with one kind of noise.
 
     Attributes:
-        name: Of the noise.
+        name: Name of the noise.
         outcomes: Address of a figure.
         parts: Success by name and then row, column and width: value, color, color of the text.
     """
@@ -128,7 +128,7 @@ class TestView:
     """All tests with the objects of a dataset.
 
     Attributes:
-        name: Of the dataset.
+        name: Name of the dataset.
         objects: How many there are.
         seen: How many of them networks were trained on, by training set.
         sets: By name of the set or other detector.
@@ -252,7 +252,7 @@ def learning_curves(
 
     Args:
         shown: Success by test and then by set, from `panels`.
-        images: Of the sets, by name.
+        images: Images of the sets, by name.
         curves: Names of the sets of a curve, by what its size counts: `objects` or `images`. A
             curve without sets is left out.
     """

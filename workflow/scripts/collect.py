@@ -78,7 +78,7 @@ def _warn(name: str, frame: pd.DataFrame, left_out: pd.DataFrame) -> None:
     """Say which of a user's meshes could not be used, and what is doubtful of the others.
 
     Args:
-        name: Of the dataset.
+        name: Name of the dataset.
         frame: Columns of `tables.objects.SOLIDS`.
         left_out: Columns of `tables.objects.REJECTED`.
     """

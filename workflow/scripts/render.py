@@ -65,7 +65,7 @@ class KnownObject:
 
     @cached_property
     def caster(self) -> RayCaster:
-        """Of its mesh."""
+        """Ray caster of its mesh."""
         return RayCaster(self.mesh)
 
 

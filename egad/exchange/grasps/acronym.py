@@ -79,7 +79,7 @@ class Jaws:
     """The hand of a file.
 
     Attributes:
-        name: Of the gripper.
+        name: Name of the gripper.
         opening: Widest, metres.
         fingertip: How far the fingers reach beyond the contacts, metres.
     """

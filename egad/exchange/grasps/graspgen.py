@@ -68,7 +68,7 @@ class GraspGenHand(NamedTuple):
     """A hand in GraspGen's frame: z is the approach, x the closing axis, the origin at its base.
 
     Attributes:
-        name: Of the gripper.
+        name: Name of the gripper.
         gripper: Its settings.
         depth: From the origin to the middle between the closed pads, metres.
     """
@@ -95,7 +95,7 @@ def graspgen_hand(name: str, gripper: Gripper) -> GraspGenHand:
     palm.
 
     Args:
-        name: Of the gripper.
+        name: Name of the gripper.
         gripper: Its settings.
 
     Raises:
@@ -132,9 +132,9 @@ def write_graspgen(
     hand collides. Grasps of which nothing is known are left out.
 
     Args:
-        folder: Of the dataset, made by `start_graspgen`.
+        folder: Folder of the dataset, made by `start_graspgen`.
         hand: The hand.
-        label: Of the object.
+        label: Label of the object.
         grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
         split: The list; by default that of `default_split`, which does not know relatives.
 

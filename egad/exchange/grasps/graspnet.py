@@ -31,7 +31,7 @@ def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
     Args:
         grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
         opening: Widest opening of the gripper, metres; the width of a grasp is what it needs.
-        number: Of the object.
+        number: Number of the object.
 
     Returns:
         (n, 17), metres; graspnetAPI's frame: x is the approach, y the closing axis.
@@ -73,7 +73,7 @@ def write_graspnet(folder: Path, label: str, grasps: pd.DataFrame, opening: floa
 
     Args:
         folder: Where to. Objects are numbered in the order in which they are written.
-        label: Of the object.
+        label: Label of the object.
         grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
         opening: Widest opening of the gripper, metres.
     """

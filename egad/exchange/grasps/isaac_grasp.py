@@ -45,7 +45,7 @@ def write_isaac_grasp(path: Path, label: str, gripper: Gripper, grasps: pd.DataF
 
     Args:
         path: A name that ends in `.yaml`.
-        label: Of the object; its frame is that of its mesh, scaled.
+        label: Label of the object; its frame is that of its mesh, scaled.
         gripper: With a file; the frame of the gripper is that of its base link.
         grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
 

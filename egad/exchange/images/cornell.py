@@ -45,7 +45,7 @@ def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
 
     Args:
         picture: An image of at most 640 x 480 pixels.
-        folder: Of the split; the files are in a folder of the object there.
+        folder: Folder of the split; the files are in a folder of the object there.
         gripper: For the breadth of its jaws.
 
     Returns:

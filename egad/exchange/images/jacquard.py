@@ -46,7 +46,7 @@ def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
 
     Args:
         picture: A square image.
-        folder: Of the split; the files are in a folder of the object there.
+        folder: Folder of the split; the files are in a folder of the object there.
         gripper: For the breadth of its jaws.
 
     Returns:

@@ -26,7 +26,7 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
 
     Args:
         folder: Where the folder is made.
-        name: Of the object.
+        name: Name of the object.
         made: The object.
         friction: Sliding friction.
     """
@@ -40,7 +40,7 @@ def mjcf_text(name: str, files: MeshFiles, physics: MassProperties, friction: fl
     """The description of one object.
 
     Args:
-        name: Of the model and its only body.
+        name: Name of the model and its only body.
         files: Mesh files in metres, relative to the description.
         physics: Mass, center of mass and inertia about it.
         friction: Sliding friction.

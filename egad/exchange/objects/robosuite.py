@@ -25,7 +25,7 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
 
     Args:
         folder: Where the folder is made.
-        name: Of the object.
+        name: Name of the object.
         made: The object.
         friction: Sliding friction.
     """
@@ -39,7 +39,7 @@ def robosuite_text(name: str, files: MeshFiles, made: SimulationObject, friction
     """The description of one object.
 
     Args:
-        name: Of the model.
+        name: Name of the model.
         files: Mesh files in metres, relative to the description.
         made: The object.
         friction: Sliding friction.

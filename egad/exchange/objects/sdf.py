@@ -18,7 +18,7 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
 
     Args:
         folder: Where the folder is made.
-        name: Of the object.
+        name: Name of the object.
         made: The object.
         friction: Sliding friction.
     """
@@ -42,7 +42,7 @@ def sdf_text(name: str, files: MeshFiles, physics: MassProperties, friction: flo
     """The description of one object.
 
     Args:
-        name: Of the model.
+        name: Name of the model.
         files: Mesh files in metres, relative to the description.
         physics: Mass, center of mass and inertia about it.
         friction: Sliding friction.

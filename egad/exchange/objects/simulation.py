@@ -24,7 +24,7 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
 
     Args:
         folder: Where the folder is made.
-        name: Of the object.
+        name: Name of the object.
         made: The object.
         friction: Sliding friction.
     """
@@ -38,7 +38,7 @@ def write_simulation_object(
 
     Args:
         folder: A new folder.
-        name: Of the object.
+        name: Name of the object.
         made: What is written.
         friction: Sliding friction.
     """

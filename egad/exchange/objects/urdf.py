@@ -24,7 +24,7 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
 
     Args:
         folder: Where the folder is made.
-        name: Of the object.
+        name: Name of the object.
         made: The object.
         friction: Sliding friction.
     """
@@ -38,7 +38,7 @@ def urdf_text(name: str, files: MeshFiles, physics: MassProperties, friction: fl
     """The description of one object.
 
     Args:
-        name: Of the robot and its only link.
+        name: Name of the robot and its only link.
         files: Mesh files, relative to the description.
         physics: Mass, center of mass and inertia about it.
         friction: Sliding friction.

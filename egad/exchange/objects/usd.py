@@ -31,8 +31,8 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
 
     Args:
         folder: Where the folder is made.
-        name: Of the object. Characters that a path of USD cannot have become `_` within the file,
-            and `Meshes` becomes `Meshes_`.
+        name: Name of the object. Characters that a path of USD cannot have become `_` within the
+            file, and `Meshes` becomes `Meshes_`.
         made: The object.
         friction: Static and dynamic friction.
     """

@@ -12,7 +12,7 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
 
     Args:
         folder: Where the file is written and the folder is made.
-        name: Of the object.
+        name: Name of the object.
         made: The object.
         friction: Sliding friction.
     """

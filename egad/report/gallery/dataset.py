@@ -28,7 +28,7 @@ class GalleryData:
             `simulated_success` also need the other columns that `simulated_graspability` reads.
         evaluation: Columns of `tables.evaluation.EVAL49`.
         trials: Attempts with the evaluation set by grasp detector: columns label and success.
-        lineage: Of the objects and their ancestors; None if it is not known.
+        lineage: Lineage of the objects and their ancestors; None if it is not known.
         genomes: Columns id and those of `tables.evolution.GENOME`.
     """
 

@@ -41,7 +41,7 @@ class Relatives:
     """Who descends from whom, and how pages of relatives are called.
 
     Attributes:
-        lineage: Of the objects and their ancestors.
+        lineage: Lineage of the objects and their ancestors.
         labels: Labels of the released objects by id.
         numbers: Numbers of the ancestors that are not released, by id.
     """
@@ -94,7 +94,7 @@ class ObjectPage:
             no tables of grasps.
         factor: Size at which it is shown over that in the dataset.
         note: Why it has no grasps, or whatever else there is to know.
-        relatives: Of `Relatives.data`; None if there is no lineage.
+        relatives: What `Relatives.data` returned; None if there is no lineage.
         genome: Columns of `tables.evolution.GENOME`; None if it has none.
         trials: Attempts with the object by grasp detector: a column `success`.
         links: Files to download.
@@ -156,7 +156,7 @@ def ancestor_data(
         row: Columns of `tables.evolution.LINEAGE`.
         mesh: Its surface, metres; None if it could not be made from its genome.
         genome: Its network.
-        relatives: Of `Relatives.data`.
+        relatives: What `Relatives.data` returned.
         axes: What its measures are called.
     """
     grown = [
