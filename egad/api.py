@@ -313,6 +313,8 @@ def rescale(
 ) -> tuple[trimesh.Trimesh, float]:
     """Scale an object about the origin of its coordinates to fit a gripper.
 
+    Coordinates in single precision, such as those of the released objects, are rounded to it again.
+
     Args:
         mesh: Metres; not changed.
         gripper: The gripper, or its name.

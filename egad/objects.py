@@ -23,7 +23,7 @@ from egad.cppn import (
 )
 from egad.data import evaluation_set, released, released_ancestry, released_simulated
 from egad.errors import RejectedError, UserError, check_name
-from egad.geometry.repair import repair
+from egad.geometry.repair import repair_for_files
 from egad.io import read_mesh
 from egad.map_elites import Archive, Lineage
 from egad.measures import labels
@@ -75,14 +75,14 @@ class EvolvedObject:
 
     @cached_property
     def mesh(self) -> trimesh.Trimesh:
-        """The closed surface, in metres.
+        """The closed surface, in metres, in single precision: the same in every mesh format.
 
         Raises:
             UserError: The mesh file of a dataset folder is missing or damaged.
         """
         if self._meshes is not None:
             return _dataset_mesh(self._meshes / f"{self.label}.obj")
-        return repair(packed_surface(self._evolved["voxels"], self.shape)).mesh
+        return repair_for_files(packed_surface(self._evolved["voxels"], self.shape)).mesh
 
     def mesh_at(self, resolution: int) -> trimesh.Trimesh:
         """The closed surface at another resolution of its voxels, in metres.
@@ -100,12 +100,12 @@ class EvolvedObject:
         """
         check_resolution(resolution)
         if resolution == self.shape.resolution:
-            return repair(packed_surface(self._evolved["voxels"], self.shape)).mesh
+            return repair_for_files(packed_surface(self._evolved["voxels"], self.shape)).mesh
         try:
             check_regrown(self.genome, self.voxels, self.shape.threshold)
         except UserError as error:
             raise UserError(f"{self.label}: {error}") from error
-        return repair(genome_mesh(self.genome, resolution, shape=self.shape)).mesh
+        return repair_for_files(genome_mesh(self.genome, resolution, shape=self.shape)).mesh
 
     @cached_property
     def voxels(self) -> NDArray[np.bool_]:

@@ -15,8 +15,8 @@ from compiled import reached_kernels
 from egad.config import Shape
 from egad.cppn.surface import packed_surface
 from egad.data import evaluation_set, released
-from egad.geometry.mass import repair
 from egad.geometry.refinement import triangulation
+from egad.geometry.repair import repair
 from egad.geometry.scaling import rescale
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.tables import parquet

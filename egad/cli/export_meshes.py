@@ -75,7 +75,9 @@ def write_meshes(
     ids: Collection[str] | None = None,
     jobs: int = 1,
 ) -> int:
-    """Write objects of an archive as `ID.obj`, in metres, as measured during evolution.
+    """Write objects of an archive as `ID.obj`, in metres.
+
+    They are the surfaces that evolution measured, rounded to single precision.
 
     Args:
         archive: Table with the columns of `tables.evolution.ARCHIVE`.
@@ -137,8 +139,9 @@ def _write(
 def _stored(row: dict[str, Any], shape: Shape) -> "trimesh.Trimesh":
     """The mesh of the voxels in the archive."""
     from egad.cppn import packed_surface
+    from egad.geometry import in_single_precision
 
-    return packed_surface(row["voxels"], shape)
+    return in_single_precision(packed_surface(row["voxels"], shape))
 
 
 def _grown(

@@ -142,7 +142,6 @@ def _of_dataset(objects: "pd.DataFrame", meshes: Path) -> Reference:
 
 
 def _of_archive(archive: "pd.DataFrame", shape: Shape) -> Reference:
-    from egad.cppn import packed_surface
     from egad.measures import labels
 
     ordered = archive.sort_values(["difficulty_cell", "complexity_cell", "slot"])
@@ -150,8 +149,16 @@ def _of_archive(archive: "pd.DataFrame", shape: Shape) -> Reference:
     solids = zip(names, ordered["voxels"], strict=True)
     return Reference(
         ordered.assign(label=names).reset_index(drop=True),
-        {label: partial(packed_surface, packed, shape) for label, packed in solids},
+        {label: partial(_surface, packed, shape) for label, packed in solids},
     )
+
+
+def _surface(packed: bytes, shape: Shape) -> "trimesh.Trimesh":
+    """The mesh of voxels as files hold it, so that it is at distance 0 from its own file."""
+    from egad.cppn import packed_surface
+    from egad.geometry import in_single_precision
+
+    return in_single_precision(packed_surface(packed, shape))
 
 
 def locate_files(

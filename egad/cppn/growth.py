@@ -12,6 +12,7 @@ from egad.cppn.query import query
 from egad.cppn.surface import surface
 from egad.cppn.voxels import Solid
 from egad.errors import UserError
+from egad.geometry import in_single_precision
 
 SAME = 0.95  # least overlap of regrown voxels with those of an archive
 
@@ -43,7 +44,8 @@ def genome_mesh(
 
     Every step is that of evolution: hidden holes are filled, parts thinner than three voxels are
     removed, the largest body is kept, and its surface is smoothed by as many rounds and scaled to
-    the same longest side. So a finer grid keeps thinner parts and smooths less.
+    the same longest side. So a finer grid keeps thinner parts and smooths less. Coordinates are
+    rounded to single precision, so that all mesh formats hold them.
 
     Args:
         genome: As `EvolvedObject.genome`.
@@ -57,7 +59,7 @@ def genome_mesh(
     """
     shape = shape or Shape()
     check_resolution(resolution)
-    return surface(grow(genome, resolution, shape.threshold, rules), shape)
+    return in_single_precision(surface(grow(genome, resolution, shape.threshold, rules), shape))
 
 
 def check_resolution(resolution: int) -> None:

@@ -32,6 +32,9 @@ from .parameters import SIDE_FRACTION as SIDE_FRACTION
 from .parameters import VOLUME_ERROR as VOLUME_ERROR
 from .parameters import Material as Material
 from .parameters import OpenSurfaces as OpenSurfaces
+from .precision import in_single_precision as in_single_precision
+from .precision import is_single as is_single
+from .precision import to_single as to_single
 from .primitives import joined_primitives as joined_primitives
 from .rays import RayCaster as RayCaster
 from .rays import TriangleScene as TriangleScene

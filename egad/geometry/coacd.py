@@ -31,7 +31,7 @@ def coacd_parts(
         mesh: A closed surface wound outwards: inside out, CoACD loses most of the volume.
         threshold: Concavity that a part may have, CoACD's measure.
         max_parts: Most hulls.
-        max_vertices: Most vertices of a hull. Others are left out, those that matter least.
+        max_vertices: Most vertices of a hull. Those that matter least are left out.
 
     Returns:
         Convex meshes with outward normals, at least one.

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from egad.errors import RejectedError
 from egad.geometry.checks import check_solid
 from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
-from egad.geometry.repair import Repaired, repair
+from egad.geometry.repair import Repaired, repair_for_files
 
 
 class MassProperties(NamedTuple):
-    """Volume, area and mass properties of a solid: m3, m2, m, kg and kg m2.
+    """Mass properties of a solid: m3, m2, m, kg and kg m2.
 
     Attributes:
         volume: Volume.
@@ -74,19 +74,19 @@ def repair_and_weigh(
     open_surfaces: OpenSurfaces = "reject",
     thickness: float = SHELL_THICKNESS,
 ) -> Body:
-    """Repair a mesh and weigh it.
+    """Repair a mesh, round its coordinates to single precision, and weigh it.
 
     Args:
         mesh: In metres.
         density: kg/m3.
         min_volume: The least volume that an object may have, m3.
         open_surfaces: See `egad.geometry.repair.repair`.
-        thickness: Thickness of the shells that open surfaces become, metres.
+        thickness: Wall thickness of the shells that open surfaces become, metres.
 
     Raises:
         RejectedError: The mesh cannot be repaired, or is too small.
     """
-    repaired = repair(mesh, open_surfaces, thickness)
+    repaired = repair_for_files(mesh, open_surfaces, thickness)
     mass = mass_properties(repaired.mesh, density)
     if mass.volume < min_volume:
         raise RejectedError(

@@ -15,6 +15,7 @@ from egad.errors import RejectedError, check_name
 from egad.geometry.checks import check_surface
 from egad.geometry.manifold import Solid, is_solid, to_mesh, to_solid, union
 from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
+from egad.geometry.precision import in_single_precision, is_single
 from egad.geometry.rays import RayCaster
 from egad.geometry.self_intersections import DEPTH, crossings, untangle
 from egad.geometry.shell import shell
@@ -155,7 +156,7 @@ def repair(
     Args:
         mesh: In metres; in any unit if nothing is thickened. Not changed.
         open_surfaces: `reject` or `thicken`.
-        thickness: Thickness of that wall, metres; the default, 2 mm, is that of cups and glasses.
+        thickness: Thickness of that wall, metres; common cups and glasses have the default, 2 mm.
 
     Returns:
         The surface, every edge with exactly two faces; and what was done.
@@ -180,6 +181,32 @@ def repair(
     solid = _largest(untangled)
     dropped = _dropped([whole, untangled], open_shells, solid)
     return Repaired(to_mesh(solid), True, thickness if thickened else 0.0, *dropped)
+
+
+def repair_for_files(
+    mesh: trimesh.Trimesh,
+    open_surfaces: OpenSurfaces = "reject",
+    thickness: float = SHELL_THICKNESS,
+) -> Repaired:
+    """As `repair`, with coordinates in single precision, which all mesh files hold exactly.
+
+    A surface that would cross itself or lose a triangle by the rounding keeps its coordinates: it
+    has details that are a millionth of its distance from the origin.
+
+    Args:
+        mesh: As for `repair`.
+        open_surfaces: As for `repair`.
+        thickness: As for `repair`.
+
+    Raises:
+        RejectedError: As `repair`.
+        UserError: As `repair`.
+    """
+    found = repair(mesh, open_surfaces, thickness)
+    if is_single(found.mesh.vertices):
+        return found
+    rounded = in_single_precision(found.mesh)
+    return found._replace(mesh=rounded) if _is_sound(rounded) else found
 
 
 def dropped_text(bodies: int, volume: float) -> str:
@@ -230,7 +257,7 @@ def _dropped(
     """How many bodies there are beside the largest of each solid, and their part of the volume.
 
     Args:
-        solids: Number of closed bodies.
+        solids: Solids made of closed bodies.
         open_shells: Those that were left out, which count as far as they stick out of what is kept.
         kept: The solid that is kept.
     """

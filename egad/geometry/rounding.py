@@ -52,7 +52,7 @@ def fold_heights(mesh: Triangulation, areas: Floats) -> Floats:
     """Height of the fold at each edge, (e,): from one face to the plane of the other, larger one.
 
     Args:
-        mesh: A mesh. Of an edge with more than two faces, the first two count.
+        mesh: The triangles; for an edge with more than two faces, the first two count.
         areas: (f,) areas of the faces.
 
     Returns:

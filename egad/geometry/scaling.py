@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from egad._util.arrays import Floats
 from egad.errors import RejectedError, check_name
 from egad.geometry.checks import check_mesh
+from egad.geometry.precision import is_single, to_single
 
 TURNS = 800  # orientations tried; they lie some 8 degrees apart, as the box has 24 of its own
 STARTS = 3  # the best of them that are turned further
@@ -145,6 +146,8 @@ def rescale(
 ) -> tuple[trimesh.Trimesh, dict[str, Any]]:
     """Scale an object about the origin of its coordinates to fit a gripper.
 
+    Coordinates in single precision stay so: they are rounded.
+
     Args:
         mesh: Metres; not changed.
         rule: See `scale_factor`.
@@ -160,7 +163,10 @@ def rescale(
     """
     before = box_sides(mesh)
     factor = scale_factor(rule, before, opening, side_fraction)
-    scaled = trimesh.Trimesh(np.asarray(mesh.vertices) * factor, mesh.faces, process=False)
+    vertices = np.asarray(mesh.vertices) * factor
+    if is_single(mesh.vertices):
+        vertices = to_single(vertices)
+    scaled = trimesh.Trimesh(vertices, mesh.faces, process=False)
     row = {"rule": rule, "opening": opening, "factor": factor}
     row |= {f"before_{n}": float(side) for n, side in enumerate(before, 1)}
     row |= {f"after_{n}": float(side * factor) for n, side in enumerate(before, 1)}

@@ -6,6 +6,7 @@ import pytest
 from egad import __version__
 from egad.errors import TableError
 from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
 from egad.tables.objects import OBJECTS, REJECTED
 from egad.tables.origin import Origin, made_by
 
@@ -64,6 +65,19 @@ def test_a_table_of_an_older_version_is_read_or_its_version_is_named(tmp_path):
         parquet.write(pd.DataFrame([ROW]), REJECTED, path)
     with pytest.raises(TableError, match=r"columns are missing: [^;]*; make it again$"):
         parquet.read(path, OBJECTS)
+
+
+def test_a_column_of_an_older_version_is_not_misread_but_named(tmp_path):
+    path, schema = tmp_path / "archive.parquet", ARCHIVE
+    for name in ("graspability", "graspability_std"):
+        old = schema.field(name).with_name(name.replace("graspability", "difficulty"))
+        schema = schema.set(schema.get_field_index(name), old)
+    parquet.write(parquet.empty(schema), schema, path)
+    said = (
+        r"graspability, graspability_std \(difficulty is now graspability, difficulty_std is now "
+    )
+    with pytest.raises(TableError, match=said):
+        parquet.read(path, ARCHIVE)
 
 
 def test_a_missing_column_does_not_leave_a_file(tmp_path):

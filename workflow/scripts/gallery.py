@@ -19,7 +19,7 @@ from egad.config.stages import Gallery
 from egad.cppn import Row, Rules, genome_text, packed_surface
 from egad.errors import RejectedError
 from egad.exchange import is_simulated
-from egad.geometry.repair import repair
+from egad.geometry.repair import repair_for_files
 from egad.io import read_mesh
 from egad.map_elites import Lineage, rules_of
 from egad.map_elites.evaluation import express
@@ -250,7 +250,7 @@ def _grown(row: Mapping[str, Any], settings: Gallery, rules: Rules) -> trimesh.T
     if isinstance(solid, str) or solid.id != row["id"]:
         return None
     try:
-        return repair(packed_surface(solid.packed, settings.shape)).mesh
+        return repair_for_files(packed_surface(solid.packed, settings.shape)).mesh
     except RejectedError:
         return None
 
