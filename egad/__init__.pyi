@@ -1,13 +1,4 @@
 from ._util.display import Picture as Picture
-from .api import Measures as Measures
-from .api import convex_parts as convex_parts
-from .api import measure as measure
-from .api import read_mesh as read_mesh
-from .api import rescale as rescale
-from .api import sample_grasps as sample_grasps
-from .api import similarity as similarity
-from .api import similarity_matrix as similarity_matrix
-from .api import stable_poses as stable_poses
 from .benchmark import Benchmark as Benchmark
 from .benchmark import run_benchmark as run_benchmark
 from .cppn.expressions import genome_text as genome_text
@@ -26,6 +17,7 @@ from .geometry.checks import UnitsWarning as UnitsWarning
 from .geometry.repair import Repaired as Repaired
 from .geometry.repair import repair as repair
 from .geometry.stable_poses import StablePose as StablePose
+from .grasping import sample_grasps as sample_grasps
 from .grasps.grasps import Grasps as Grasps
 from .grippers.parameters import Gripper as Gripper
 from .grippers.table import gripper as gripper
@@ -35,6 +27,14 @@ from .map_elites.evolver import Evolver as Evolver
 from .map_elites.evolver import evolve as evolve
 from .map_elites.island import Candidate as Candidate
 from .measures.complexity import CoarseMeshWarning as CoarseMeshWarning
+from .measuring import Measures as Measures
+from .measuring import measure as measure
+from .measuring import similarity as similarity
+from .measuring import similarity_matrix as similarity_matrix
+from .meshes import convex_parts as convex_parts
+from .meshes import read_mesh as read_mesh
+from .meshes import rescale as rescale
+from .meshes import stable_poses as stable_poses
 from .objects import Dataset as Dataset
 from .objects import EvolvedObject as EvolvedObject
 from .objects import load as load

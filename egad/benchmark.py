@@ -1,11 +1,9 @@
 """Clearing tables of objects with a grasp detector, from Python."""
 
-import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -16,23 +14,26 @@ from egad._util.files import as_path
 from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.api import dataset_grasps
+from egad.clearing import (
+    LABELS,
+    Detect,
+    SceneObject,
+    check_detector,
+    clear_rounds,
+    knows_scene,
+    prepare_objects,
+)
 from egad.detectors import (
     IN_SCENES,
     SHIPPED_NETWORK,
     DetectorConfig,
     FailureMonitor,
-    opened,
     wanted_input,
-    with_checked_answers,
 )
-from egad.errors import RejectedError, UserError, check_name
-from egad.evalset import Bundle
-from egad.geometry import Material
-from egad.grasps import GraspLabel, label_parameters
+from egad.errors import UserError, check_name
 from egad.grippers import Gripper, as_gripper
 from egad.io import check_ending
-from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
+from egad.named_meshes import named_meshes
 from egad.objects import Dataset
 from egad.perception import NOISES, SCENE_KINDS, NoiseName, SceneKind
 from egad.sim import (
@@ -41,27 +42,13 @@ from egad.sim import (
     ClutterParameters,
     EngineName,
     Model,
-    Propose,
-    Round,
-    SceneLabels,
-    build,
     check_engine,
     film_round,
-    proposed_by,
     rounds_of,
-    run_round,
-    timed,
     write_film,
 )
 from egad.stats import Clearing, ClearingComparison, clearing_rates, compare_clearing, engine_names
-from egad.tables.grasping import GRASPS
-from egad.tables.parquet import empty
 
-log = logging.getLogger(__name__)
-
-LABELS = "labels"
-Cleared: TypeAlias = tuple[pd.DataFrame, list[float]]  # attempts; planning times in seconds
-Detect: TypeAlias = Callable[..., Any] | DetectorConfig
 SHARDS = 4  # for each job, so that none waits long for the others
 ROUND = ["scene", "noise", "round"]
 
@@ -148,14 +135,6 @@ class Benchmark:
         write_film(film_round(self.table, scene, noise, number, *self._scenes), path)
 
 
-class SceneObject(NamedTuple):
-    """An object as it is simulated, and its labelled grasps, none if they are not needed."""
-
-    id: str
-    model: Model
-    grasps: pd.DataFrame
-
-
 def run_benchmark(
     detect: Detect | str,
     objects: Dataset | Mapping[str, trimesh.Trimesh],
@@ -235,53 +214,11 @@ def run_benchmark(
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")
     if not isinstance(detect, DetectorConfig):
         wanted_input(detect)
-    label_seed = seed if _knows(detect) else None
+    label_seed = seed if knows_scene(detect) else None
     targets = named_meshes(objects)
     check_detector(detect, settings)
     known = prepare_objects(targets, hand, rule, label_seed, jobs)
     return clear_tables(detect, known, settings, jobs)
-
-
-def check_detector(detect: Detect, settings: ClutterParameters) -> None:
-    """Start a detector and stop it again, before objects are prepared, which takes minutes.
-
-    Args:
-        detect: As of `run_benchmark`.
-        settings: How long its answers may take.
-
-    Raises:
-        UserError: The detector cannot be found, made or started.
-    """
-    with _proposer(detect, lambda _: empty(GRASPS), settings):
-        pass
-
-
-def prepare_objects(
-    targets: Sequence[NamedMesh],
-    gripper: Gripper,
-    rule: str,
-    label_seed: int | None = None,
-    jobs: int = 1,
-) -> list[SceneObject]:
-    """Prepare objects for tables that are to be cleared; what cannot be simulated is left out.
-
-    Args:
-        targets: The objects.
-        gripper: What they are scaled to.
-        rule: How they are scaled.
-        label_seed: For labelled grasps; None if they are not needed.
-        jobs: Processes; the result does not depend on them.
-
-    Raises:
-        UserError: None of the objects can be simulated.
-    """
-    work = partial(_prepared, rule=rule, gripper=gripper, label_seed=label_seed)
-    with workers(jobs, chunk=1) as mapper:
-        made = list(progress(mapper(work, targets), "making models", len(targets)))
-    usable = [each for each in made if each is not None]
-    if not usable:
-        raise UserError("none of the objects can be simulated")
-    return usable
 
 
 def clear_tables(
@@ -297,7 +234,7 @@ def clear_tables(
     """
     todo = rounds_of([each.id for each in objects], settings)
     shards = [todo[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(todo)))]
-    work = partial(_cleared, objects=objects, detect=detect, settings=settings)
+    work = partial(clear_rounds, objects=objects, detect=detect, settings=settings)
     done, monitor = [], FailureMonitor(len(todo), settings.clutter.keep_going, "rounds")
     with workers(jobs, chunk=1) as mapper:
         for cleared in progress(mapper(work, shards), "clearing", len(shards)):
@@ -311,92 +248,3 @@ def clear_tables(
         float(np.median(seconds)) if seconds else float("nan"),
         Scenes({each.id: each.model for each in objects}, settings),
     )
-
-
-def _prepared(
-    target: NamedMesh, rule: str, gripper: Gripper, label_seed: int | None
-) -> SceneObject | None:
-    """An object as it is simulated; None if that is impossible."""
-    try:
-        mesh = scaled_solid(target, gripper, rule)
-        model = build(mesh, Material().density, Bundle(), target.label)
-    except RejectedError as reason:
-        log.warning("%s is left out: %s", target.label, reason)
-        return None
-    grasps = empty(GRASPS)
-    if label_seed is not None:
-        with suppress(RejectedError):  # it has no grasp, but is there
-            wanted = label_parameters(gripper, GraspLabel().grasps, label_seed)
-            grasps = dataset_grasps(mesh, target.id, wanted)
-    return SceneObject(target.id, model, grasps)
-
-
-def _cleared(
-    rounds: Sequence[Round],
-    objects: Sequence[SceneObject],
-    detect: Detect,
-    settings: ClutterParameters,
-) -> Cleared:
-    """The attempts of some rounds, and the planning times."""
-    models = {each.id: each.model for each in objects}
-    grasps = {each.id: each.grasps for each in objects}
-    with open_table(detect, models.__getitem__, grasps.__getitem__, settings) as clear:
-        # If these are few rounds, only the caller, who sees all, can say that nothing else happens.
-        count, keep_going = len(rounds) + 1, settings.clutter.keep_going
-        done, monitor = [], FailureMonitor(count, keep_going, "rounds", quiet=True)
-        for this in rounds:
-            done.append(clear(this))
-            monitor.check(done[-1][0])
-    return pd.concat([table for table, _ in done]), [time for _, times in done for time in times]
-
-
-@contextmanager
-def open_table(
-    detect: Detect,
-    model: Callable[[str], Model],
-    grasps: Callable[[str], pd.DataFrame],
-    settings: ClutterParameters,
-) -> Iterator[Callable[[Round], Cleared]]:
-    """A function that lets a detector clear one table, valid within the context.
-
-    Args:
-        detect: As of `run_benchmark`.
-        model: From the id of an object to its model.
-        grasps: From its id to its labelled grasps, columns of `tables.grasping.GRASPS`; asked for
-            `labels` only.
-        settings: Seed, gripper, scenes and cameras.
-
-    Raises:
-        UserError: The detector cannot be found or made.
-    """
-    with _proposer(detect, grasps, settings) as proposer:
-
-        def clear(this: Round) -> Cleared:
-            seconds: list[float] = []
-            models = {name: model(name) for name in this.ids}
-            table = run_round(
-                this, models, lambda *scene: timed(proposer(*scene), seconds), settings
-            )
-            return table, seconds
-
-        yield clear
-
-
-@contextmanager
-def _proposer(
-    detect: Detect, grasps: Callable[[str], pd.DataFrame], settings: ClutterParameters
-) -> Iterator[Callable[[Sequence[str], Sequence[Model]], Propose]]:
-    """From the objects of a scene to what proposes grasps."""
-    if _knows(detect):
-        yield lambda ids, models: SceneLabels(list(map(grasps, ids)), models, settings.gripper)
-    elif isinstance(detect, DetectorConfig):
-        with opened(detect, settings.clutter.planning_time) as found:
-            yield lambda *_: proposed_by(found, settings.gripper)
-    else:
-        checked = with_checked_answers(detect)
-        yield lambda *_: proposed_by(checked, settings.gripper)
-
-
-def _knows(detect: Detect) -> bool:
-    """Whether a detector knows where the objects are."""
-    return isinstance(detect, DetectorConfig) and detect.detector == LABELS

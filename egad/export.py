@@ -14,7 +14,6 @@ from egad._util.display import facts_html
 from egad._util.files import as_path, atomic_output, check_empty
 from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import progress
-from egad.api import dataset_grasps
 from egad.errors import RejectedError, check_name
 from egad.evalset import Bundle, make_simulation_object
 from egad.exchange import (
@@ -27,6 +26,7 @@ from egad.exchange import (
     module_of,
 )
 from egad.geometry import Material
+from egad.grasping import dataset_grasps
 from egad.grasps import LabelParameters, label_parameters
 from egad.grippers import Gripper, as_gripper
 from egad.io import write_mesh

@@ -12,7 +12,6 @@ from egad._util.display import Picture, draw, table_html
 from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.api import dataset_grasps
 from egad.detectors import (
     QUICK,
     SHIPPED_NETWORK,
@@ -27,6 +26,7 @@ from egad.detectors import (
 from egad.errors import RejectedError, UserError, check_name
 from egad.evalset import Bundle
 from egad.geometry import Material
+from egad.grasping import dataset_grasps
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper, as_gripper
 from egad.named_meshes import NamedMesh, named_meshes, scaled_solid

@@ -23,7 +23,8 @@ from PIL import Image
 
 import egad
 from egad._util.files import atomic_output
-from egad.benchmark import clear_tables, prepare_objects
+from egad.benchmark import clear_tables
+from egad.clearing import prepare_objects
 from egad.config import GRIPPERS
 from egad.detectors import DetectorConfig
 from egad.geometry import joined_primitives

@@ -127,7 +127,8 @@ def write_benchmark(
         out: One attempt per row.
         jobs: Processes; the result does not depend on it.
     """
-    from egad.benchmark import check_detector, clear_tables, prepare_objects
+    from egad.benchmark import clear_tables
+    from egad.clearing import check_detector, prepare_objects
     from egad.detectors import keep_failure
     from egad.tables import parquet
     from egad.tables.clutter import CLUTTER

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 import trimesh
 
-from egad.benchmark import LABELS, Cleared, open_table
+from egad.clearing import LABELS, Cleared, open_table
 from egad.config.stages import ClearedTables, SimulatedLabels, SimulatedTrials
 from egad.detectors import IN_SCENES, Detector, Labels, check_views_will_do, opened
 from egad.errors import RejectedError, UserError

@@ -7,11 +7,11 @@ import yaml
 from commands import egad
 from typer.testing import CliRunner
 
-from egad.api import rescale
 from egad.cli.commands import app
 from egad.config import Settings
 from egad.data import released
 from egad.io import read_mesh
+from egad.meshes import rescale
 from egad.objects import load
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE

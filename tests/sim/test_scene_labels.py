@@ -7,9 +7,9 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from worlds import HAND
 
-from egad.api import dataset_grasps
 from egad.config import Bundle
 from egad.detectors import PoseGrasp
+from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
 from egad.grippers import BoxBody
 from egad.outcomes import Outcome

@@ -8,7 +8,7 @@ import pandas as pd
 
 from egad._util.child_process import Survivor
 from egad._util.progress import phase, progress
-from egad.benchmark import Cleared
+from egad.clearing import Cleared
 from egad.config.stages import ClearedTables
 from egad.detectors import STARTING_TIME, FailureMonitor, keep_failure
 from egad.outcomes import Outcome

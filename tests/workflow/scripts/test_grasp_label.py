@@ -8,10 +8,10 @@ import rescale
 import trimesh
 
 import egad
-from egad.api import dataset_grasps
 from egad.config import GraspLabel, Gripper, Settings
 from egad.config.stages import RescaleMeshes, select
 from egad.errors import UserError
+from egad.grasping import dataset_grasps
 from egad.grasps.labels import label_parameters
 from egad.grasps.parameters import LabelParameters
 from egad.grippers import hand_body

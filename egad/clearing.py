@@ -1,0 +1,183 @@
+"""Objects and a detector made ready to clear tables, and the rounds themselves."""
+
+import logging
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from functools import partial
+from typing import Any, NamedTuple, TypeAlias
+
+import pandas as pd
+
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.detectors import (
+    DetectorConfig,
+    FailureMonitor,
+    opened,
+    with_checked_answers,
+)
+from egad.errors import RejectedError, UserError
+from egad.evalset import Bundle
+from egad.geometry import Material
+from egad.grasping import dataset_grasps
+from egad.grasps import GraspLabel, label_parameters
+from egad.grippers import Gripper
+from egad.named_meshes import NamedMesh, scaled_solid
+from egad.sim import (
+    ClutterParameters,
+    Model,
+    Propose,
+    Round,
+    SceneLabels,
+    build,
+    proposed_by,
+    run_round,
+    timed,
+)
+from egad.tables.grasping import GRASPS
+from egad.tables.parquet import empty
+
+log = logging.getLogger(__name__)
+
+LABELS = "labels"
+Cleared: TypeAlias = tuple[pd.DataFrame, list[float]]  # attempts; planning times in seconds
+Detect: TypeAlias = Callable[..., Any] | DetectorConfig
+
+
+class SceneObject(NamedTuple):
+    """An object as it is simulated, and its labelled grasps, none if they are not needed."""
+
+    id: str
+    model: Model
+    grasps: pd.DataFrame
+
+
+def check_detector(detect: Detect, settings: ClutterParameters) -> None:
+    """Start a detector and stop it again, before objects are prepared, which takes minutes.
+
+    Args:
+        detect: As of `run_benchmark`.
+        settings: How long its answers may take.
+
+    Raises:
+        UserError: The detector cannot be found, made or started.
+    """
+    with _proposer(detect, lambda _: empty(GRASPS), settings):
+        pass
+
+
+def prepare_objects(
+    targets: Sequence[NamedMesh],
+    gripper: Gripper,
+    rule: str,
+    label_seed: int | None = None,
+    jobs: int = 1,
+) -> list[SceneObject]:
+    """Prepare objects for tables that are to be cleared; what cannot be simulated is left out.
+
+    Args:
+        targets: The objects.
+        gripper: What they are scaled to.
+        rule: How they are scaled.
+        label_seed: For labelled grasps; None if they are not needed.
+        jobs: Processes; the result does not depend on them.
+
+    Raises:
+        UserError: None of the objects can be simulated.
+    """
+    work = partial(_prepared, rule=rule, gripper=gripper, label_seed=label_seed)
+    with workers(jobs, chunk=1) as mapper:
+        made = list(progress(mapper(work, targets), "making models", len(targets)))
+    usable = [each for each in made if each is not None]
+    if not usable:
+        raise UserError("none of the objects can be simulated")
+    return usable
+
+
+def _prepared(
+    target: NamedMesh, rule: str, gripper: Gripper, label_seed: int | None
+) -> SceneObject | None:
+    """An object as it is simulated; None if that is impossible."""
+    try:
+        mesh = scaled_solid(target, gripper, rule)
+        model = build(mesh, Material().density, Bundle(), target.label)
+    except RejectedError as reason:
+        log.warning("%s is left out: %s", target.label, reason)
+        return None
+    grasps = empty(GRASPS)
+    if label_seed is not None:
+        with suppress(RejectedError):  # it has no grasp, but is there
+            wanted = label_parameters(gripper, GraspLabel().grasps, label_seed)
+            grasps = dataset_grasps(mesh, target.id, wanted)
+    return SceneObject(target.id, model, grasps)
+
+
+def clear_rounds(
+    rounds: Sequence[Round],
+    objects: Sequence[SceneObject],
+    detect: Detect,
+    settings: ClutterParameters,
+) -> Cleared:
+    """The attempts of some rounds, and the planning times."""
+    models = {each.id: each.model for each in objects}
+    grasps = {each.id: each.grasps for each in objects}
+    with open_table(detect, models.__getitem__, grasps.__getitem__, settings) as clear:
+        # If these are few rounds, only the caller, who sees all, can say that nothing else happens.
+        count, keep_going = len(rounds) + 1, settings.clutter.keep_going
+        done, monitor = [], FailureMonitor(count, keep_going, "rounds", quiet=True)
+        for this in rounds:
+            done.append(clear(this))
+            monitor.check(done[-1][0])
+    return pd.concat([table for table, _ in done]), [time for _, times in done for time in times]
+
+
+@contextmanager
+def open_table(
+    detect: Detect,
+    model: Callable[[str], Model],
+    grasps: Callable[[str], pd.DataFrame],
+    settings: ClutterParameters,
+) -> Iterator[Callable[[Round], Cleared]]:
+    """A function that lets a detector clear one table, valid within the context.
+
+    Args:
+        detect: As of `run_benchmark`.
+        model: From the id of an object to its model.
+        grasps: From its id to its labelled grasps, columns of `tables.grasping.GRASPS`; asked for
+            `labels` only.
+        settings: Seed, gripper, scenes and cameras.
+
+    Raises:
+        UserError: The detector cannot be found or made.
+    """
+    with _proposer(detect, grasps, settings) as proposer:
+
+        def clear(this: Round) -> Cleared:
+            seconds: list[float] = []
+            models = {name: model(name) for name in this.ids}
+            table = run_round(
+                this, models, lambda *scene: timed(proposer(*scene), seconds), settings
+            )
+            return table, seconds
+
+        yield clear
+
+
+@contextmanager
+def _proposer(
+    detect: Detect, grasps: Callable[[str], pd.DataFrame], settings: ClutterParameters
+) -> Iterator[Callable[[Sequence[str], Sequence[Model]], Propose]]:
+    """From the objects of a scene to what proposes grasps."""
+    if knows_scene(detect):
+        yield lambda ids, models: SceneLabels(list(map(grasps, ids)), models, settings.gripper)
+    elif isinstance(detect, DetectorConfig):
+        with opened(detect, settings.clutter.planning_time) as found:
+            yield lambda *_: proposed_by(found, settings.gripper)
+    else:
+        checked = with_checked_answers(detect)
+        yield lambda *_: proposed_by(checked, settings.gripper)
+
+
+def knows_scene(detect: Detect) -> bool:
+    """Whether a detector knows where the objects are."""
+    return isinstance(detect, DetectorConfig) and detect.detector == LABELS
