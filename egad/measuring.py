@@ -21,8 +21,7 @@ from egad.geometry import (
     size_text,
     warn_user,
 )
-from egad.geometry.repair import Repaired, dropped_text
-from egad.geometry.repair import repair as repair_mesh
+from egad.geometry.repair import Repaired, dropped_text, repair_for_files
 from egad.grippers import Gripper, as_gripper
 from egad.measures import (
     MAP_RULE,
@@ -205,7 +204,7 @@ def measure(
 
 def _repaired(mesh: trimesh.Trimesh) -> Repaired:
     """The repaired mesh, with a warning if bodies were left out."""
-    repaired = repair_mesh(mesh)
+    repaired = repair_for_files(mesh)
     if repaired.dropped:
         warn_user(f"only the largest body is used: {repaired.dropped}", DroppedBodiesWarning)
     return repaired

@@ -8,6 +8,7 @@ from egad.geometry import is_single, rescale, to_single
 from egad.geometry.repair import repair, repair_for_files
 
 BALL = trimesh.creation.icosphere(subdivisions=3, radius=0.0517)
+ROUNDED = repair_for_files(BALL).mesh
 SOME, ALL = slice(None, None, 220), slice(None)
 
 
@@ -48,7 +49,7 @@ def test_details_that_rounding_would_destroy_stay_as_they_are():
 
 
 def test_scaling_keeps_single_precision_and_doubles():
-    for mesh in (BALL, repair_for_files(BALL).mesh):
+    for mesh in (BALL, ROUNDED):
         scaled, row = rescale(mesh, "exact", 0.05, 0.8)
         exact = np.asarray(mesh.vertices) * row["factor"]
         single = is_single(mesh.vertices)
@@ -74,3 +75,9 @@ def check_rounded(mesh, exact):
     assert mesh.area_faces.min() > 0
     assert mesh.is_watertight
     assert not repair(mesh).changed  # it neither crosses itself nor has another body
+
+
+def test_the_library_measures_what_a_dataset_would_publish():
+    """So it has the values that `egad measure` and tables have."""
+    raw, published = (egad.measure(each, max_candidates=512) for each in (BALL, ROUNDED))
+    assert raw == published
