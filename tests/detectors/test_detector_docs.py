@@ -1,4 +1,4 @@
-"""The example of docs/detectors.md works as it stands."""
+"""The example of docs/guides/own-detector.md and what docs/detectors.md says of it."""
 
 import re
 from pathlib import Path
@@ -13,14 +13,15 @@ from egad.config.check import check
 from egad.detectors.registry import make_detector
 from egad.stats.records import COLUMNS
 
-PAGE = (Path(__file__).parents[2] / "docs" / "detectors.md").read_text()
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE, GUIDE = ((DOCS / name).read_text() for name in ("detectors.md", "guides/own-detector.md"))
 HAND = GRIPPERS["egad_75mm"]
 
 
 @pytest.fixture(scope="module")
 def example(tmp_path_factory):
     path = tmp_path_factory.mktemp("docs") / "across.py"
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    (code,) = re.findall(r"```python\n(.*?)```", GUIDE, flags=re.DOTALL)
     path.write_text(code)
     return make_detector(DetectorConfig(detector=f"{path}:Across"))
 
@@ -43,7 +44,7 @@ def test_an_empty_table_gives_nothing(look, example):
 
 
 def test_its_configurations_are_allowed():
-    for text in re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL):
+    for text in re.findall(r"```yaml\n(.*?)```", PAGE + GUIDE, flags=re.DOTALL):
         config = yaml.safe_load(text)
         shipped = {"antipodal-depth": {"detector": "antipodal-depth"}}
         check({**config, "detectors": shipped | config["detectors"]})
