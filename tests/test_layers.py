@@ -1,6 +1,7 @@
 """How packages import each other: downwards in `LAYERS`, and by what a package offers."""
 
 import ast
+import graphlib
 import importlib
 from collections import defaultdict
 from pathlib import Path
@@ -164,3 +165,21 @@ def test_a_class_name_means_one_class():
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 modules[node.name].append(path.relative_to(PACKAGE).as_posix())
     assert {name: where for name, where in modules.items() if len(where) > 1} == {}
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    modules = {module_name(path): path for path in sorted(PACKAGE.rglob("*.py"))}
+    graph = {
+        name: {
+            found
+            for source, member in imports_of(path)
+            for found in (f"{source}.{member}", source)
+            if found in modules and modules[found].stem != "__init__"
+        }
+        for name, path in modules.items()
+    }
+    graphlib.TopologicalSorter(graph).prepare()  # raises CycleError with the circle
+
+
+def module_name(path):
+    return ".".join(["egad", *path.relative_to(PACKAGE).with_suffix("").parts])

@@ -1,5 +1,4 @@
 from .described import description_files as description_files
-from .described import model_of as model_of
 from .hand import CLEARANCE as CLEARANCE
 from .hand import BoxBody as BoxBody
 from .hand import HandBody as HandBody
@@ -20,6 +19,7 @@ from .robot import base_link as base_link
 from .robot import base_pose as base_pose
 from .robot import files_of as files_of
 from .robot import joint_values as joint_values
+from .robot import model_of as model_of
 from .table import GRIPPERS as GRIPPERS
 from .table import as_gripper as as_gripper
 from .table import gripper as gripper

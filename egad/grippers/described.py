@@ -5,22 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from egad._util.extras import needed_for
-from egad.errors import UserError
 from egad.grippers.model import GripperModel
-from egad.grippers.parameters import Gripper
 
 FILE = "a gripper with a URDF or MJCF file"
-
-
-def model_of(gripper: Gripper) -> GripperModel:
-    """The model of a gripper that has a file.
-
-    Raises:
-        UserError: It has none, the file cannot be used, or MuJoCo is not installed.
-    """
-    if gripper.file is None:
-        raise UserError("this gripper has no file that describes it")
-    return read_described(Path(gripper.file), gripper.model_dump())
 
 
 def read_described(path: Path, values: Mapping[str, Any]) -> GripperModel:

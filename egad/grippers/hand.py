@@ -19,9 +19,9 @@ from typing_extensions import override
 
 from egad._util.arrays import Floats, Ints
 from egad.errors import RejectedError, UserError
-from egad.grippers.described import model_of
 from egad.grippers.model import PALM_BODY, GripperModel
 from egad.grippers.parameters import Gripper
+from egad.grippers.robot import model_of
 from egad.io import read_mesh
 
 CLEARANCE = 1e-4  # metres between a contact as wide as the opening and the finger

@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from egad._util.display import facts_html
 from egad._util.parameters import Length, UserParameters, UserPath
+from egad.grippers.model import Place
 
 
 class Pad(NamedTuple):
@@ -35,7 +36,6 @@ else:
     FilePath = Annotated[UserPath, BeforeValidator(_as_text)]
 
 
-Place = tuple[float, float, float]
 # what a file describes
 SIZES = {"opening", "finger_length", "finger_width", "finger_thickness", "fingertip", "palm"}
 
@@ -142,7 +142,7 @@ class Gripper(UserParameters):
         missing = SIZES - {name for name, value in values.items() if value is not None}
         if not missing:
             return values
-        from egad.grippers.described import read_described  # noqa: PLC0415 (it imports this module)
+        from egad.grippers.described import read_described  # noqa: PLC0415 (it takes long)
         from egad.grippers.sizes import sizes_of  # noqa: PLC0415
 
         found = sizes_of(read_described(Path(values["file"]).expanduser(), values))

@@ -23,8 +23,7 @@ from egad.grippers.description import (
 from egad.grippers.fingers import Sides, find_driven, find_sides, snapped
 from egad.grippers.links import hand_link
 from egad.grippers.mechanism import Mechanism
-from egad.grippers.model import GripperModel
-from egad.grippers.parameters import Place
+from egad.grippers.model import GripperModel, Place
 from egad.grippers.stroke import Stroke, find_stroke
 from egad.grippers.tree import find_palm, hand_bodies, joint_name, moving_joints, subtree
 

@@ -5,9 +5,21 @@ from pathlib import Path
 import numpy as np
 
 from egad._util.arrays import Floats
-from egad.grippers.described import description_files, model_of
+from egad.errors import UserError
+from egad.grippers.described import description_files, read_described
 from egad.grippers.model import GripperModel
 from egad.grippers.parameters import Gripper
+
+
+def model_of(gripper: Gripper) -> GripperModel:
+    """The model of a gripper that has a file.
+
+    Raises:
+        UserError: It has none, the file cannot be used, or MuJoCo is not installed.
+    """
+    if gripper.file is None:
+        raise UserError("this gripper has no file that describes it")
+    return read_described(Path(gripper.file), gripper.model_dump())
 
 
 def files_of(gripper: Gripper) -> list[Path]:

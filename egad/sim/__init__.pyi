@@ -9,6 +9,7 @@ from .attempts import run_attempts as run_attempts
 from .clutter import Propose as Propose
 from .clutter import proposed_by as proposed_by
 from .clutter import timed as timed
+from .engines import open_world as open_world
 from .film import ENDINGS as ENDINGS
 from .film import ROBOT_COLOR as ROBOT_COLOR
 from .film import Film as Film
@@ -55,4 +56,3 @@ from .trial import initial_poses as initial_poses
 from .world import TIME_STEP as TIME_STEP
 from .world import Pose as Pose
 from .world import World as World
-from .world import open_world as open_world

@@ -10,10 +10,11 @@ from egad.detectors import Detector, Grasp, Labels
 from egad.outcomes import Outcome
 from egad.random import entropy
 from egad.sim.arms import ARMS
+from egad.sim.engines import open_world
 from egad.sim.model import Model
 from egad.sim.parameters import TrialParameters
 from egad.sim.trial import Attempt, InitialPose, TrialRunner
-from egad.sim.world import Pose, open_world
+from egad.sim.world import Pose
 from egad.tables.columns import INITIAL, POSE_PARTS
 from egad.tables.evaluation import TRIALS
 

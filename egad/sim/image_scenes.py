@@ -10,11 +10,12 @@ from egad._util.arrays import Floats
 from egad.geometry import mass_properties
 from egad.grasps import ContactPairs
 from egad.perception import SceneKind
+from egad.sim.engines import open_world
 from egad.sim.model import Model, model_of
 from egad.sim.parameters import EngineName, SimulatedLabelParameters
 from egad.sim.scenes import BOX, make_scene
 from egad.sim.simulated_labels import simulate_grasps
-from egad.sim.world import UnstableError, open_world
+from egad.sim.world import UnstableError
 from egad.tables.columns import vector_names
 
 

@@ -18,10 +18,11 @@ from egad.grippers import Gripper, finger_span
 from egad.outcomes import Outcome
 from egad.random import generator
 from egad.sim.arms import ARMS
+from egad.sim.engines import open_world
 from egad.sim.execution import Execution, execute
 from egad.sim.model import Model
 from egad.sim.parameters import LabelTrialParameters
-from egad.sim.world import Pose, open_world
+from egad.sim.world import Pose
 from egad.tables import parquet
 from egad.tables.columns import vector_names
 from egad.tables.evaluation import AGREEMENT

@@ -16,12 +16,13 @@ from egad.outcomes import Outcome
 from egad.perception import NoiseName, SceneKind
 from egad.random import entropy, generator
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose
+from egad.sim.engines import open_world
 from egad.sim.film import Film
 from egad.sim.model import Model
 from egad.sim.parameters import ClutterParameters
 from egad.sim.robots import free_hand
 from egad.sim.scenes import BOX
-from egad.sim.world import World, open_world
+from egad.sim.world import World
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER, GRASP_POSE
 

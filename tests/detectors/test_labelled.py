@@ -10,9 +10,9 @@ from egad.detectors.labels import Labels
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.perception.noise import add_sensor_noise
 from egad.sim.arms import ARMS
+from egad.sim.engines import open_world
 from egad.sim.model import build
 from egad.sim.trial import TrialRunner
-from egad.sim.world import open_world
 
 BUNDLE = Bundle()
 HAND = GRIPPERS["egad_75mm"]

@@ -14,11 +14,11 @@ from egad.grasps import hand_poses
 from egad.outcomes import Outcome
 from egad.perception import Observation
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose, proposed_by
+from egad.sim.engines import open_world
 from egad.sim.model import build
 from egad.sim.parameters import Clutter, EngineName
 from egad.sim.robots import free_hand
 from egad.sim.scenes import RestingObject
-from egad.sim.world import open_world
 
 BALL = build(trimesh.creation.icosphere(2, 0.02), 600.0, Bundle())
 BLOCK = build(trimesh.creation.box((0.03, 0.04, 0.05)), 600.0, Bundle())

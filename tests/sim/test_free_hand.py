@@ -10,11 +10,12 @@ from egad.config import Bundle
 from egad.grasps import hand_poses
 from egad.grippers import finger_span
 from egad.outcomes import Outcome
+from egad.sim.engines import open_world
 from egad.sim.free_hand import RETREAT, STANDOFF, FreeHand, execute_pose
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
 from egad.sim.robots import free_hand
-from egad.sim.world import Pose, World, open_world
+from egad.sim.world import Pose, World
 
 SIDE = 0.04
 CUBE = build(trimesh.creation.box((SIDE,) * 3), 1000.0, Bundle())

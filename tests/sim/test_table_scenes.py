@@ -10,10 +10,11 @@ from egad.config import Bundle
 from egad.perception.parameters import SCENE_KINDS, SceneKind
 from egad.random import generator
 from egad.sim import scenes
+from egad.sim.engines import open_world
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
 from egad.sim.scenes import BOX, WORKSPACE, RestingObject, make_scene, put, settle_from
-from egad.sim.world import UnstableError, World, open_world
+from egad.sim.world import UnstableError, World
 
 BLOCK = build(trimesh.creation.box((0.03, 0.04, 0.08)), 600.0, Bundle())
 CAN = build(trimesh.creation.cylinder(0.02, 0.06, sections=24), 600.0, Bundle())

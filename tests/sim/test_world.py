@@ -13,6 +13,7 @@ from egad.config import Bundle
 from egad.errors import UserError
 from egad.sim import mujoco_world
 from egad.sim.arms import HandPose
+from egad.sim.engines import open_world
 from egad.sim.model import build
 from egad.sim.mujoco_model import scene_spec
 from egad.sim.parameters import EngineName, check_engine
@@ -23,7 +24,6 @@ from egad.sim.world import (
     Pose,
     UnstableError,
     World,
-    open_world,
 )
 
 BUNDLE = Bundle()

@@ -9,10 +9,11 @@ import pytest
 from egad.config import GRIPPERS
 from egad.grippers import Gripper
 from egad.sim.arms import ARMS, HandPose
+from egad.sim.engines import open_world
 from egad.sim.gripper import Hand
 from egad.sim.model import Model
 from egad.sim.parameters import ENGINES, EngineName
-from egad.sim.world import World, open_world
+from egad.sim.world import World
 
 EACH_ENGINE = pytest.mark.parametrize(
     "engine",
